@@ -1,0 +1,244 @@
+/* The vocabulary that generated pipelines, both runtimes and the app share: what a pipeline is made of, what a
+ * scene hands to it, and the verbs of a runtime. No graphics API in here, and no pipeline's name.
+ *
+ * Units: lengths in metres or whatever the scene's unit is after `scale`; angles in radians; radiometry in W, m, sr.
+ * All matrices are column-major (m[column][row]), clip space is Vulkan's and glClipControl(LOWER_LEFT, ZERO_TO_ONE)'s:
+ * depth 0..1, row 0 of every image in memory is NDC y = -1. */
+#ifndef DIPTYCH_H
+#define DIPTYCH_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define DT_ARRAY_COUNT(a) (sizeof(a) / sizeof((a)[0]))
+
+/* ---- Log: the one way in which anything below the command line speaks ------------------------------------------ */
+
+enum dt_level { DT_DEBUG, DT_INFO, DT_WARNING, DT_ERROR };
+
+/* `message` has no trailing newline. A function that fails logs exactly one DT_ERROR that names the thing and what to
+ * do, then returns false or NULL; callers above add nothing. Messages of the validation layers and of KHR_debug come as
+ * DT_ERROR too, and count in the runtime's `messages`. */
+struct dt_log {
+    void (*message)(void *user, enum dt_level level, const char *message);
+    void *user;
+};
+
+/* ---- Reflection: emitted once per pipeline, the same object for both backends ----------------------------------- */
+
+enum dt_type {
+    DT_TYPE_FLOAT, DT_TYPE_VEC2, DT_TYPE_VEC3, DT_TYPE_VEC4,
+    DT_TYPE_INT, DT_TYPE_IVEC2, DT_TYPE_IVEC3, DT_TYPE_IVEC4,
+    DT_TYPE_UINT, DT_TYPE_UVEC2, DT_TYPE_UVEC3, DT_TYPE_UVEC4,
+    DT_TYPE_BOOL, DT_TYPE_MAT4,
+    DT_TYPE_COUNT
+};
+
+enum dt_format {
+    DT_FORMAT_R8, DT_FORMAT_RG8, DT_FORMAT_RGBA8, DT_FORMAT_RGBA8_SRGB,
+    DT_FORMAT_R16F, DT_FORMAT_RG16F, DT_FORMAT_RGBA16F,
+    DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F,
+    DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI, DT_FORMAT_R32I,
+    DT_FORMAT_D32F,
+    DT_FORMAT_COUNT
+};
+
+enum dt_kind { DT_BUFFER, DT_IMAGE };
+
+struct dt_field {
+    const char *name;
+    enum dt_type type;
+    uint32_t offset;      /* bytes from the start of the element */
+    uint32_t array_count; /* 0: not an array */
+    uint32_t array_stride;
+};
+
+/* How far the two backends may differ in one resource; see the spec's `contracts`. */
+enum dt_contract_kind { DT_CONTRACT_EXACT, DT_CONTRACT_ULP, DT_CONTRACT_ABS, DT_CONTRACT_REL };
+struct dt_contract {
+    enum dt_contract_kind kind;
+    double tolerance; /* units in the last place, absolute or relative; unused for EXACT */
+};
+
+struct dt_resource {
+    const char *name;
+    const char *doc;
+    enum dt_kind kind;
+    bool history; /* keeps last frame's content; zero before the first */
+    struct dt_contract contract;
+    /* buffers */
+    const struct dt_field *fields; /* a buffer of a scalar or vector has one field of an empty name */
+    uint32_t field_count;
+    uint32_t stride; /* bytes from element to element */
+    /* images */
+    enum dt_format format;
+    bool layered; /* an array image, also with one layer */
+    uint32_t mips;
+    /* Size at a frame of width x height. Buffers: extent[0] elements. Images: width, height, layers. */
+    void (*extent)(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
+};
+
+enum dt_pass_kind { DT_PASS_DRAW_SCENE, DT_PASS_DRAW_FULLSCREEN, DT_PASS_DISPATCH };
+
+struct dt_pass {
+    const char *name;
+    const char *doc;
+    enum dt_pass_kind kind;
+    const uint16_t *reads; /* indices into resources, ascending order of the spec */
+    uint32_t read_count;
+    const uint16_t *writes; /* everything that the pass writes or updates: what to look at after it */
+    uint32_t write_count;
+};
+
+struct dt_param {
+    const char *name;
+    const char *doc;
+    enum dt_type type;
+    bool live;         /* may change at run time; else it is compiled in, and value tells what */
+    uint32_t offset;   /* live: bytes into the live block */
+    double value[4];   /* as many as the type has components */
+    double min, max;   /* -INFINITY, INFINITY where the spec gives none */
+};
+
+struct dt_pipeline {
+    const char *name;
+    const char *doc;
+    const struct dt_param *params;
+    uint32_t param_count;
+    const struct dt_resource *resources;
+    uint32_t resource_count;
+    const struct dt_pass *passes; /* in order of execution */
+    uint32_t pass_count;
+    const void *live_defaults; /* the live block (std140) with every parameter at its value */
+    uint32_t live_size;        /* bytes, a multiple of 16, at least 16 */
+    int linear_output;         /* resource shown as linear HDR, for EXR; -1: none */
+    int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
+};
+
+/* ---- What a scene hands to a pipeline --------------------------------------------------------------------------- */
+
+struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at locations 0 to 3 */
+    float position[3];
+    float normal[3]; /* unit */
+    float uv[2];
+    uint32_t material;
+};
+_Static_assert(sizeof(struct dt_vertex) == 36, "nine scalars, no padding");
+
+struct dt_material { /* GLSL: SceneMaterial in std430 */
+    float albedo[3];      /* linear, 0..1; multiplies the texture */
+    int32_t texture;      /* layer of scene_textures, or -1 */
+    float emission[3];    /* not used by the shipped pipelines */
+    float alpha_cutoff;   /* texture alpha below this is a hole; 0: opaque */
+};
+_Static_assert(sizeof(struct dt_material) == 32, "two vec4");
+
+enum { DT_LIGHT_DIRECTIONAL = 0, DT_LIGHT_SPOT = 1 };
+
+struct dt_view { /* std140: GLSL struct View */
+    float view[4][4];
+    float projection[4][4];
+    float view_projection[4][4];
+    float inverse_view_projection[4][4];
+    float position[3];
+    float near_plane;
+    float direction[3]; /* unit, into the view */
+    float far_plane;
+};
+_Static_assert(sizeof(struct dt_view) == 288, "std140");
+
+struct dt_light { /* std140: GLSL struct Light */
+    float position[3]; /* spot */
+    int32_t kind;
+    float direction[3]; /* unit, the way that light travels */
+    float area;         /* directional: area covered by the light view, m2; spot: of its image plane at distance 1 */
+    float color[3];     /* directional: irradiance, W/m2; spot: intensity on the axis, W/sr */
+    float cos_inner;    /* spot: full intensity within the inner half angle, none beyond the outer */
+    float cos_outer;
+    float padding[3];
+};
+_Static_assert(sizeof(struct dt_light) == 64, "std140");
+
+struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new in every frame */
+    struct dt_view camera;
+    struct dt_view light_view; /* orthographic or perspective, covers all that the light can reach */
+    struct dt_light light;
+    float scene_center[3];
+    float scene_radius; /* of the bounding sphere */
+    uint32_t width, height; /* frame size in pixels; the runtime fills these two */
+    uint32_t index;         /* 0 in the first frame after create */
+    uint32_t triangle_count;
+};
+_Static_assert(sizeof(struct dt_frame) == 288 * 2 + 64 + 32, "std140");
+
+/* All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with sRGB-encoded colour and
+ * linear alpha; all layers have one size and a full mip chain; texels hold mip 0 of all layers, then mip 1, ... */
+struct dt_scene {
+    const struct dt_vertex *vertices;
+    uint32_t vertex_count;
+    const uint32_t *indices; /* three per triangle */
+    uint32_t index_count;
+    const struct dt_material *materials;
+    uint32_t material_count;
+    const uint8_t *texels; /* at least one layer of 1x1, also for a scene without textures */
+    uint32_t texture_width, texture_height, texture_layers, texture_mips;
+};
+
+/* ---- Runtimes --------------------------------------------------------------------------------------------------- */
+
+/* One backend's half of a generated pipeline. `runtime` is the struct gl_runtime or vk_runtime that the panel was made
+ * for, `state` is state_size zeroed bytes that belong to the panel. destroy takes any state that create or resize left
+ * behind, complete or not. */
+struct dt_panel {
+    const char *backend; /* "gl" or "vk" */
+    const struct dt_pipeline *pipeline;
+    size_t state_size;
+    bool (*create)(void *runtime, void *state);                                  /* programs, pipelines */
+    bool (*resize)(void *runtime, void *state, uint32_t width, uint32_t height); /* resources; also the first time */
+    bool (*record)(void *runtime, void *state, const void *live);                /* one frame: all passes */
+    void *(*resource)(void *state, uint32_t index); /* struct gl_buffer *, gl_image *, vk_buffer * or vk_image * */
+    void (*destroy)(void *runtime, void *state);
+};
+
+struct dt_runtime_options {
+    struct dt_log log;
+    const char *device;  /* vk: name part or index; NULL: the first */
+    const char *context; /* gl: "egl" (NULL), "osmesa" or "window" */
+    bool debug;          /* validation with synchronization checking; KHR_debug */
+    bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
+    bool timing;         /* timestamps around every pass */
+    int poison;          /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
+};
+
+/* One texel or element array, tightly packed: buffers as they lie; images layer by layer, row 0 first, mip 0. */
+struct dt_bytes {
+    uint8_t *data; /* owner: whoever holds the struct; free() */
+    size_t size;
+    uint32_t extent[3];
+};
+
+/* Called after every pass when given: all work up to here is finished and may be read back. Returning false stops. */
+struct dt_observer {
+    bool (*after_pass)(void *user, uint32_t pass);
+    void *user;
+};
+
+/* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the thing that open returned. */
+struct dt_runtime {
+    const char *name; /* "gl", "vk" */
+    void *(*open)(const struct dt_runtime_options *options);
+    const char *(*device_name)(void *runtime);
+    bool (*is_software)(void *runtime);
+    bool (*set_scene)(void *runtime, const struct dt_scene *scene); /* before resize; replaces the former scene */
+    bool (*create)(void *runtime, const struct dt_panel *panel);    /* one panel per runtime at a time */
+    bool (*resize)(void *runtime, uint32_t width, uint32_t height);
+    bool (*render)(void *runtime, const struct dt_frame *frame, const void *live, const struct dt_observer *observer);
+    bool (*read)(void *runtime, uint32_t resource, struct dt_bytes *out);
+    bool (*timings)(void *runtime, double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
+    uint32_t (*messages)(void *runtime);             /* validation and debug messages so far; must be 0 */
+    void (*close)(void *runtime);                    /* takes NULL; destroys the panel first */
+};
+
+#endif
