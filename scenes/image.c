@@ -1,0 +1,163 @@
+/* The C side of image.h: finds and loads the OpenImageIO shim, and writes files by temporary
+ * name and rename. Called by texture.c and by the app. */
+#include "image.h"
+#include "image_oiio.h"
+#include "mesh.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define SHIM "libdiptych_image.so"
+
+/* The shim stays loaded after its first use (RTLD_NODELETE), so every call may look it up anew:
+ * no global state. It is looked for beside the executable, in the folder above it (tests live
+ * one below), then where the loader looks. */
+static void *shim_open(const struct dt_log *log)
+{
+    char folder[PATH_MAX];
+    ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
+    folder[length > 0 ? length : 0] = '\0';
+    for (int up = 0; up < 2; up++) {
+        char *slash = strrchr(folder, '/');
+        if (!slash)
+            break;
+        *slash = '\0';
+        char path[PATH_MAX + sizeof "/" SHIM];
+        snprintf(path, sizeof path, "%s/%s", folder, SHIM);
+        if (access(path, R_OK) != 0)
+            continue;
+        void *shim = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+        if (!shim)
+            log_message(log, DT_ERROR, "cannot load %s: %s", path, dlerror());
+        return shim;
+    }
+    void *shim = dlopen(SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    if (!shim)
+        log_message(log, DT_ERROR,
+                    "cannot read or write images: " SHIM " is not beside the executable (%s)",
+                    dlerror());
+    return shim;
+}
+
+static void *shim_function(void *shim, const char *name, const struct dt_log *log)
+{
+    void *function = dlsym(shim, name);
+    if (!function)
+        log_message(log, DT_ERROR, SHIM " has no %s; build it again", name);
+    return function;
+}
+
+bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
+{
+    void *shim = shim_open(log);
+    if (!shim)
+        return false;
+    image_oiio_size_fn *size = (image_oiio_size_fn *)shim_function(shim, "image_oiio_size", log);
+    struct image_error error = {""};
+    bool ok = size && size(path, width, height, &error);
+    if (size && !ok)
+        log_message(log, DT_ERROR, "cannot read image %s: %s", path, error.text);
+    dlclose(shim);
+    return ok;
+}
+
+static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
+                       void **texels, const struct dt_log *log)
+{
+    void *shim = shim_open(log);
+    if (!shim)
+        return false;
+    image_oiio_read_fn *read = (image_oiio_read_fn *)shim_function(shim, "image_oiio_read", log);
+    struct image_error error = {""};
+    bool ok = read && read(path, is_float, width, height, texels, &error);
+    if (read && !ok)
+        log_message(log, DT_ERROR, "cannot read image %s: %s", path, error.text);
+    dlclose(shim);
+    return ok;
+}
+
+bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,
+                      const struct dt_log *log)
+{
+    void *bytes = NULL;
+    if (!image_read(path, false, width, height, &bytes, log))
+        return false;
+    *texels = bytes;
+    return true;
+}
+
+bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
+                      const struct dt_log *log)
+{
+    void *bytes = NULL;
+    *width = *height = 0;
+    if (!image_read(path, true, width, height, &bytes, log))
+        return false;
+    *texels = bytes;
+    return true;
+}
+
+/* A write that the library believes in may still be short on a full disk: sync before the rename
+ * makes it tell. */
+static bool sync_and_rename(const char *from, const char *to, struct image_error *error)
+{
+    FILE *file = fopen(from, "rb");
+    bool ok = file && fsync(fileno(file)) == 0;
+    struct stat status;
+    ok = ok && fstat(fileno(file), &status) == 0 && status.st_size > 0;
+    ok = ok && rename(from, to) == 0;
+    if (!ok)
+        snprintf(error->text, sizeof error->text, "%s",
+                 errno ? strerror(errno) : "the file came out empty");
+    if (file)
+        fclose(file);
+    return ok;
+}
+
+static bool image_write(const char *path, const char *format, uint32_t width, uint32_t height,
+                        uint32_t channels, const void *texels, const struct dt_log *log)
+{
+    if (width == 0 || height == 0 || channels == 0 || channels > 4) {
+        log_message(log, DT_ERROR, "cannot write %s: no picture of %ux%u texels with %u channels",
+                    path, width, height, channels);
+        return false;
+    }
+    void *shim = shim_open(log);
+    if (!shim)
+        return false;
+    image_oiio_write_fn *write =
+        (image_oiio_write_fn *)shim_function(shim, "image_oiio_write", log);
+    char temporary[PATH_MAX];
+    int length = snprintf(temporary, sizeof temporary, "%s.%ld.tmp", path, (long)getpid());
+    struct image_error error = {"the path is too long"};
+    bool ok = write && length < (int)sizeof temporary;
+    if (ok) {
+        errno = 0;
+        ok = write(temporary, format, width, height, channels, texels, &error) &&
+             sync_and_rename(temporary, path, &error);
+        if (!ok)
+            unlink(temporary);
+    }
+    if (write && !ok)
+        log_message(log, DT_ERROR, "cannot write %s: %s", path, error.text);
+    dlclose(shim);
+    return ok;
+}
+
+bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                     const uint8_t *texels, const struct dt_log *log)
+{
+    return image_write(path, "png", width, height, channels, texels, log);
+}
+
+bool image_write_exr(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                     const float *texels, const struct dt_log *log)
+{
+    return image_write(path, "openexr", width, height, channels, texels, log);
+}

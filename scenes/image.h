@@ -1,0 +1,30 @@
+/* Image files behind a C interface; OpenImageIO is loaded on first use, from a shared object
+ * beside the executable, since its libraries cost half a second at process start. Called by
+ * scenes (textures) and by the app (pictures). */
+#ifndef DIPTYCH_IMAGE_H
+#define DIPTYCH_IMAGE_H
+
+#include "diptych.h"
+
+/* Reads any file that OpenImageIO knows as RGBA8, row 0 at the top, resized to width x height if
+ * both are non-zero. *texels is malloc'ed, width * height * 4 bytes. Colour stays as encoded in
+ * the file (sRGB), not premultiplied; one channel is spread over red, green and blue; alpha is
+ * 255 where the file has none. */
+bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,
+                      const struct dt_log *log);
+
+/* Width and height of an image file, from its header alone. */
+bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log);
+
+/* Write whole or not at all (temporary file, then rename). Row 0 of the array is the top of the
+ * picture. */
+bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                     const uint8_t *texels, const struct dt_log *log);
+/* Linear float, EXR; channels 1, 3 or 4. */
+bool image_write_exr(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                     const float *texels, const struct dt_log *log);
+/* Reads linear float, RGBA. */
+bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
+                      const struct dt_log *log);
+
+#endif

@@ -1,0 +1,144 @@
+/* OpenImageIO behind three C functions (image_oiio.h). Built into its own shared object, so that
+ * only programs that touch an image file pay for loading the library. No exception leaves this
+ * file. */
+#include "image_oiio.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <memory>
+#include <string>
+
+namespace
+{
+
+bool fail(image_error *error, const std::string &reason)
+{
+    std::snprintf(error->text, sizeof error->text, "%s",
+                  reason.empty() ? "unknown reason" : reason.c_str());
+    return false;
+}
+
+/* sRGB, IEC 61966-2-1: resizing averages light, not codes. */
+float decode(float code)
+{
+    return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
+}
+
+float encode(float light)
+{
+    return light <= 0.0031308f ? light * 12.92f : 1.055f * std::pow(light, 1.0f / 2.4f) - 0.055f;
+}
+
+void map_color(OIIO::ImageBuf &image, float (*map)(float))
+{
+    for (OIIO::ImageBuf::Iterator<float> texel(image); !texel.done(); ++texel)
+        for (int channel = 0; channel < 3; channel++)
+            texel[channel] = map(texel[channel]);
+}
+
+bool resize(OIIO::ImageBuf &image, uint32_t width, uint32_t height, bool is_encoded)
+{
+    if (is_encoded)
+        map_color(image, decode);
+    OIIO::ROI roi(0, (int)width, 0, (int)height, 0, 1, 0, 4);
+    OIIO::ImageBuf resized = OIIO::ImageBufAlgo::resize(image, "triangle", 0.0f, roi);
+    if (resized.has_error())
+        return false;
+    image = resized;
+    if (is_encoded)
+        map_color(image, encode);
+    return true;
+}
+
+/* Any number of channels to RGBA: one or two are grey (and alpha), three or four are colour (and
+ * alpha). */
+OIIO::ImageBuf to_rgba(const OIIO::ImageBuf &image)
+{
+    const int one = -1;
+    int count = image.nchannels();
+    int order[4] = {0, count < 3 ? 0 : 1, count < 3 ? 0 : 2, count == 2 ? 1 : count >= 4 ? 3 : one};
+    float values[4] = {0, 0, 0, 1};
+    return OIIO::ImageBufAlgo::channels(image, 4, order, values);
+}
+
+} // namespace
+
+extern "C" bool image_oiio_size(const char *path, uint32_t *width, uint32_t *height,
+                                image_error *error)
+try {
+    auto input = OIIO::ImageInput::open(path);
+    if (!input)
+        return fail(error, OIIO::geterror());
+    *width = (uint32_t)input->spec().width;
+    *height = (uint32_t)input->spec().height;
+    return true;
+} catch (const std::exception &exception) {
+    return fail(error, exception.what());
+}
+
+extern "C" bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
+                                void **texels, image_error *error)
+try {
+    OIIO::ImageSpec hints;
+    hints.attribute("oiio:UnassociatedAlpha", 1);
+    OIIO::ImageBuf source(path, 0, 0, nullptr, &hints);
+    if (!source.read(0, 0, true, OIIO::TypeDesc::FLOAT))
+        return fail(error, source.geterror());
+    OIIO::ImageBuf image = to_rgba(source);
+    if (image.has_error())
+        return fail(error, image.geterror());
+    if (*width == 0 || *height == 0) {
+        *width = (uint32_t)image.spec().width;
+        *height = (uint32_t)image.spec().height;
+    } else if (!resize(image, *width, *height, !is_float)) {
+        return fail(error, image.geterror());
+    }
+    size_t count = (size_t)*width * *height * 4;
+    std::unique_ptr<void, decltype(&std::free)> bytes(
+        std::malloc(count * (is_float ? sizeof(float) : 1)), std::free);
+    if (!bytes)
+        return fail(error, "out of memory");
+    if (!image.get_pixels(image.roi(), is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8,
+                          bytes.get()))
+        return fail(error, image.geterror());
+    *texels = bytes.release();
+    return true;
+} catch (const std::exception &exception) {
+    return fail(error, exception.what());
+}
+
+extern "C" bool image_oiio_write(const char *path, const char *format, uint32_t width,
+                                 uint32_t height, uint32_t channels, const void *texels,
+                                 image_error *error)
+try {
+    auto output = OIIO::ImageOutput::create(format);
+    if (!output)
+        return fail(error, OIIO::geterror());
+    bool is_float = std::string(format) == "openexr";
+    OIIO::TypeDesc type = is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
+    OIIO::ImageSpec spec((int)width, (int)height, (int)channels, type);
+    spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+    spec.attribute("oiio:UnassociatedAlpha", 1);
+    if (is_float)
+        spec.attribute("compression", "zip");
+    /* Left alone, OpenImageIO writes today's into an EXR; the same picture is to be the same file. */
+    spec.attribute("DateTime", "");
+    if (!output->open(path, spec))
+        return fail(error, output->geterror());
+    if (!output->write_image(type, texels)) {
+        std::string reason = output->geterror();
+        output->close();
+        return fail(error, reason);
+    }
+    if (!output->close())
+        return fail(error, output->geterror());
+    return true;
+} catch (const std::exception &exception) {
+    return fail(error, exception.what());
+}

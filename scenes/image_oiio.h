@@ -1,0 +1,38 @@
+/* The C face of the OpenImageIO shim, image_oiio.cpp, which becomes build/libdiptych_image.so.
+ * image.c loads that with dlopen and looks these functions up by name; nobody else includes
+ * this. All return false with a reason in `error`. */
+#ifndef DIPTYCH_IMAGE_OIIO_H
+#define DIPTYCH_IMAGE_OIIO_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct image_error {
+    char text[512];
+};
+
+typedef bool image_oiio_size_fn(const char *path, uint32_t *width, uint32_t *height,
+                                struct image_error *error);
+/* Four channels; `is_float`: float, else uint8_t. *texels is malloc'ed. Resizes if both sizes
+ * are non-zero. */
+typedef bool image_oiio_read_fn(const char *path, bool is_float, uint32_t *width, uint32_t *height,
+                                void **texels, struct image_error *error);
+/* `format` is "png" (texels are uint8_t) or "openexr" (float). */
+typedef bool image_oiio_write_fn(const char *path, const char *format, uint32_t width,
+                                 uint32_t height, uint32_t channels, const void *texels,
+                                 struct image_error *error);
+
+image_oiio_size_fn image_oiio_size;
+image_oiio_read_fn image_oiio_read;
+image_oiio_write_fn image_oiio_write;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,471 @@
+/* Mesh files to one flat triangle list, through assimp's C interface: nodes flattened, normals
+ * completed, degenerate triangles dropped, equal vertices welded, materials and texture names
+ * collected. Called by scene.c. */
+#include "mesh.h"
+
+#include <assimp/cimport.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+/* What the walk over the nodes carries along. */
+struct import {
+    const struct aiScene *source;
+    const char *path;
+    float scale;
+    struct mesh *mesh;
+    const struct dt_log *log;
+};
+
+void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    if (log->message)
+        log->message(log->user, level, length < 0 ? format : text);
+    if (length >= 0)
+        free(text);
+}
+
+static bool out_of_memory(const struct import *import)
+{
+    log_message(import->log, DT_ERROR, "%s: out of memory; the mesh is too large for this machine",
+                import->path);
+    return false;
+}
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+static float clamp_unit(float x)
+{
+    return x > 0 ? (x < 1 ? x : 1) : 0; /* NaN becomes 0 */
+}
+
+/* The path of texture `name` as the material gives it: relative to the mesh file, with either
+ * slash. */
+static char *beside_mesh(const char *mesh_path, const char *name)
+{
+    const char *slash = strrchr(mesh_path, '/');
+    int folder = name[0] == '/' || !slash ? 0 : (int)(slash - mesh_path + 1);
+    char *path = NULL;
+    if (asprintf(&path, "%.*s%s", folder, mesh_path, name) < 0)
+        return NULL;
+    for (char *c = path; *c; c++)
+        if (*c == '\\')
+            *c = '/';
+    return path;
+}
+
+/* "*3" names the fourth texture inside the mesh file. Its bytes (a PNG or JPEG file as it
+ * stands) go to an anonymous file, so that all textures are read by path. */
+static char *embedded_path(const struct import *import, const char *name, int *fd)
+{
+    unsigned long index = strtoul(name + 1, NULL, 10);
+    if (index >= import->source->mNumTextures || import->source->mTextures[index]->mHeight != 0)
+        return NULL;
+    const struct aiTexture *texture = import->source->mTextures[index];
+    *fd = memfd_create("texture", MFD_CLOEXEC);
+    const char *bytes = (const char *)texture->pcData;
+    for (size_t done = 0; *fd >= 0 && done < texture->mWidth;) {
+        ssize_t written = write(*fd, bytes + done, texture->mWidth - done);
+        if (written <= 0)
+            return NULL;
+        done += (size_t)written;
+    }
+    char *path = NULL;
+    return *fd >= 0 && asprintf(&path, "/proc/self/fd/%d", *fd) >= 0 ? path : NULL;
+}
+
+static bool texture_name(const struct aiMaterial *material, enum aiTextureType type,
+                         struct aiString *name)
+{
+    return aiGetMaterialTexture(material, type, 0, name, NULL, NULL, NULL, NULL, NULL, NULL) ==
+               aiReturn_SUCCESS &&
+           name->length > 0;
+}
+
+/* Index of the texture with this colour and opacity map, added if new; -1 if it cannot be had (a
+ * warning tells). */
+static int32_t texture_index(struct import *import, const char *color, const char *opacity)
+{
+    struct mesh *mesh = import->mesh;
+    struct mesh_texture texture = {.fd = -1};
+    texture.color = color[0] == '*' ? embedded_path(import, color, &texture.fd)
+                                    : beside_mesh(import->path, color);
+    texture.opacity = opacity ? beside_mesh(import->path, opacity) : NULL;
+    for (uint32_t i = 0; texture.color && texture.fd < 0 && i < mesh->texture_count; i++) {
+        const struct mesh_texture *other = &mesh->textures[i];
+        bool same_opacity = texture.opacity && other->opacity
+                                ? strcmp(texture.opacity, other->opacity) == 0
+                                : !texture.opacity && !other->opacity;
+        if (same_opacity && strcmp(texture.color, other->color) == 0) {
+            free(texture.color);
+            free(texture.opacity);
+            return (int32_t)i;
+        }
+    }
+    struct mesh_texture *textures =
+        realloc(mesh->textures, (mesh->texture_count + 1) * sizeof *textures);
+    if (textures)
+        mesh->textures = textures;
+    if (!texture.color || !textures) {
+        log_message(import->log, DT_WARNING, "%s: texture %s cannot be used; plain colour instead",
+                    import->path, color);
+        free(texture.color);
+        free(texture.opacity);
+        if (texture.fd >= 0)
+            close(texture.fd);
+        return -1;
+    }
+    mesh->textures[mesh->texture_count] = texture;
+    return (int32_t)mesh->texture_count++;
+}
+
+/* glTF says whether alpha counts; other formats leave it to the texture. */
+static float alpha_cutoff(const struct aiMaterial *material)
+{
+    struct aiString mode;
+    if (aiGetMaterialString(material, "$mat.gltf.alphaMode", 0, 0, &mode) != aiReturn_SUCCESS)
+        return 0.5f;
+    if (strcmp(mode.data, "OPAQUE") == 0)
+        return 0;
+    float cutoff = 0.5f;
+    aiGetMaterialFloatArray(material, "$mat.gltf.alphaCutoff", 0, 0, &cutoff, NULL);
+    return clamp_unit(cutoff);
+}
+
+static struct dt_material import_material(struct import *import, const struct aiMaterial *material)
+{
+    struct dt_material result = {.albedo = {0.6f, 0.6f, 0.6f}, .texture = -1};
+    struct aiColor4D color;
+    if (aiGetMaterialColor(material, AI_MATKEY_BASE_COLOR, &color) == aiReturn_SUCCESS ||
+        aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &color) == aiReturn_SUCCESS)
+        memcpy(result.albedo,
+               (float[]){clamp_unit(color.r), clamp_unit(color.g), clamp_unit(color.b)},
+               sizeof result.albedo);
+    if (aiGetMaterialColor(material, AI_MATKEY_COLOR_EMISSIVE, &color) == aiReturn_SUCCESS)
+        memcpy(result.emission, (float[]){color.r, color.g, color.b}, sizeof result.emission);
+    struct aiString name, opacity;
+    if (texture_name(material, aiTextureType_BASE_COLOR, &name) ||
+        texture_name(material, aiTextureType_DIFFUSE, &name)) {
+        bool has_opacity =
+            texture_name(material, aiTextureType_OPACITY, &opacity) && opacity.data[0] != '*';
+        result.texture = texture_index(import, name.data, has_opacity ? opacity.data : NULL);
+        /* Many exporters write Kd 0 beside a map. */
+        if (result.texture >= 0 && result.albedo[0] + result.albedo[1] + result.albedo[2] == 0)
+            result.albedo[0] = result.albedo[1] = result.albedo[2] = 1;
+        result.alpha_cutoff = result.texture >= 0 ? alpha_cutoff(material) : 0;
+    }
+    return result;
+}
+
+static bool import_materials(struct import *import)
+{
+    struct mesh *mesh = import->mesh;
+    uint32_t count = import->source->mNumMaterials;
+    mesh->materials = calloc(count ? count : 1, sizeof *mesh->materials);
+    if (!mesh->materials)
+        return out_of_memory(import);
+    for (uint32_t i = 0; i < count; i++)
+        mesh->materials[i] = import_material(import, import->source->mMaterials[i]);
+    mesh->material_count = count;
+    if (count == 0) {
+        mesh->materials[0] = (struct dt_material){.albedo = {0.6f, 0.6f, 0.6f}, .texture = -1};
+        mesh->material_count = 1;
+    }
+    return true;
+}
+
+/* ---- Triangles ------------------------------------------------------------------------------- */
+
+static struct aiVector3D transform(const struct aiMatrix4x4 *m, struct aiVector3D p)
+{
+    return (struct aiVector3D){m->a1 * p.x + m->a2 * p.y + m->a3 * p.z + m->a4,
+                               m->b1 * p.x + m->b2 * p.y + m->b3 * p.z + m->b4,
+                               m->c1 * p.x + m->c2 * p.y + m->c3 * p.z + m->c4};
+}
+
+/* Cofactors of the upper 3x3: the inverse transpose times the determinant, which is enough for a
+ * direction once the sign of the determinant is taken out. Returns that determinant. */
+static double normal_matrix(const struct aiMatrix4x4 *m, double n[3][3])
+{
+    const double a[3][3] = {{m->a1, m->a2, m->a3}, {m->b1, m->b2, m->b3}, {m->c1, m->c2, m->c3}};
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            n[i][j] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
+        }
+    double determinant = a[0][0] * n[0][0] + a[0][1] * n[0][1] + a[0][2] * n[0][2];
+    for (int i = 0; i < 9 && determinant < 0; i++)
+        n[i / 3][i % 3] = -n[i / 3][i % 3];
+    return determinant;
+}
+
+/* Writes the unit vector along v; false if v has no direction. */
+static bool normalize(const double v[3], float out[3])
+{
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(length > 1e-30) || !isfinite(length))
+        return false;
+    for (int i = 0; i < 3; i++)
+        out[i] = (float)(v[i] / length);
+    return true;
+}
+
+/* Unit normal of a triangle. False if it is degenerate: its height is below what single
+ * precision tells apart from nothing at the length of its longest side. */
+static bool face_normal(const struct dt_vertex corner[3], float out[3])
+{
+    double edge[3][3], longest = 0;
+    for (int k = 0; k < 3; k++) {
+        double length = 0;
+        for (int i = 0; i < 3; i++) {
+            edge[k][i] = (double)corner[(k + 1) % 3].position[i] - corner[k].position[i];
+            length += edge[k][i] * edge[k][i];
+        }
+        longest = length > longest ? length : longest;
+    }
+    const double *a = edge[0], *b = edge[1];
+    double cross[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                       a[0] * b[1] - a[1] * b[0]};
+    double area = sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]);
+    return area > 1e-7 * longest && normalize(cross, out);
+}
+
+static void import_corner(const struct import *import, const struct aiMesh *part, uint32_t index,
+                          const struct aiMatrix4x4 *matrix, double normals[3][3],
+                          struct dt_vertex *vertex)
+{
+    struct aiVector3D p = transform(matrix, part->mVertices[index]);
+    memcpy(vertex->position,
+           (float[]){p.x * import->scale, p.y * import->scale, p.z * import->scale},
+           sizeof vertex->position);
+    memset(vertex->normal, 0, sizeof vertex->normal);
+    if (part->mNormals) {
+        struct aiVector3D n = part->mNormals[index];
+        double turned[3];
+        for (int i = 0; i < 3; i++)
+            turned[i] = normals[i][0] * n.x + normals[i][1] * n.y + normals[i][2] * n.z;
+        normalize(turned, vertex->normal);
+    }
+    /* assimp counts v from the bottom of the image; here row 0, v = 0, is the top. */
+    if (part->mTextureCoords[0]) {
+        vertex->uv[0] = part->mTextureCoords[0][index].x;
+        vertex->uv[1] = 1 - part->mTextureCoords[0][index].y;
+    } else {
+        vertex->uv[0] = vertex->uv[1] = 0;
+    }
+    vertex->material =
+        part->mMaterialIndex < import->mesh->material_count ? part->mMaterialIndex : 0;
+}
+
+static bool import_part(struct import *import, const struct aiMesh *part,
+                        const struct aiMatrix4x4 *matrix)
+{
+    struct mesh *mesh = import->mesh;
+    double normals[3][3];
+    bool mirrored = normal_matrix(matrix, normals) < 0;
+    for (uint32_t f = 0; f < part->mNumFaces; f++) {
+        const struct aiFace *face = &part->mFaces[f];
+        if (face->mNumIndices != 3)
+            continue; /* points and lines */
+        mesh->source_triangles++;
+        struct dt_vertex corner[3];
+        for (int k = 0; k < 3; k++)
+            import_corner(import, part, face->mIndices[mirrored ? 2 - k : k], matrix, normals,
+                          &corner[k]);
+        float flat[3];
+        if (!face_normal(corner, flat)) {
+            mesh->degenerate_triangles++;
+            continue;
+        }
+        for (int k = 0; k < 3; k++) {
+            const float *n = corner[k].normal;
+            if (n[0] == 0 && n[1] == 0 && n[2] == 0)
+                memcpy(corner[k].normal, flat, sizeof flat);
+            mesh->vertices[mesh->vertex_count++] = corner[k];
+        }
+    }
+    return true;
+}
+
+static struct aiMatrix4x4 multiply(const struct aiMatrix4x4 *a, const struct aiMatrix4x4 *b)
+{
+    struct aiMatrix4x4 product = *a;
+    aiMultiplyMatrix4(&product, b);
+    return product;
+}
+
+/* Counts with vertices == NULL, then fills. */
+static void walk(struct import *import, const struct aiNode *node, const struct aiMatrix4x4 *parent,
+                 uint64_t *corners)
+{
+    struct aiMatrix4x4 matrix = multiply(parent, &node->mTransformation);
+    for (uint32_t i = 0; i < node->mNumMeshes; i++) {
+        const struct aiMesh *part = import->source->mMeshes[node->mMeshes[i]];
+        *corners += 3ull * part->mNumFaces;
+        if (import->mesh->vertices)
+            import_part(import, part, &matrix);
+    }
+    for (uint32_t i = 0; i < node->mNumChildren; i++)
+        walk(import, node->mChildren[i], &matrix, corners);
+}
+
+/* ---- Welding --------------------------------------------------------------------------------- */
+
+enum { VERTEX_WORDS = sizeof(struct dt_vertex) / sizeof(uint32_t) };
+
+static void vertex_bits(const struct dt_vertex *vertex, uint32_t bits[VERTEX_WORDS])
+{
+    memcpy(bits, vertex, sizeof *vertex);
+}
+
+static uint32_t hash_bits(const uint32_t bits[VERTEX_WORDS])
+{
+    uint32_t hash = 2166136261u; /* FNV-1a by words, with the high bits folded down */
+    for (int i = 0; i < VERTEX_WORDS; i++) {
+        hash = (hash ^ bits[i]) * 16777619u;
+        hash ^= hash >> 15;
+    }
+    return hash;
+}
+
+static bool has_bits(const struct dt_vertex *vertex, const uint32_t bits[VERTEX_WORDS])
+{
+    uint32_t own[VERTEX_WORDS];
+    vertex_bits(vertex, own);
+    return memcmp(own, bits, sizeof own) == 0;
+}
+
+/* One vertex for all corners with the same bits, in order of first use; fills the indices. */
+static bool weld(struct import *import)
+{
+    struct mesh *mesh = import->mesh;
+    uint32_t slots = 16;
+    while (slots < 2 * (uint64_t)mesh->vertex_count && slots < 1u << 31)
+        slots *= 2;
+    uint32_t *table = malloc((size_t)slots * sizeof *table);
+    mesh->indices = malloc((mesh->vertex_count ? mesh->vertex_count : 1) * sizeof *mesh->indices);
+    if (!table || !mesh->indices) {
+        free(table);
+        return out_of_memory(import);
+    }
+    memset(table, 0xff, (size_t)slots * sizeof *table);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        const struct dt_vertex vertex = mesh->vertices[i];
+        uint32_t bits[VERTEX_WORDS];
+        vertex_bits(&vertex, bits);
+        uint32_t slot = hash_bits(bits) & (slots - 1);
+        while (table[slot] != UINT32_MAX && !has_bits(&mesh->vertices[table[slot]], bits))
+            slot = (slot + 1) & (slots - 1);
+        if (table[slot] == UINT32_MAX) {
+            mesh->vertices[count] = vertex;
+            table[slot] = count++;
+        }
+        mesh->indices[i] = table[slot];
+    }
+    mesh->index_count = mesh->vertex_count;
+    mesh->vertex_count = count;
+    free(table);
+    return true;
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+static bool import_triangles(struct import *import)
+{
+    struct mesh *mesh = import->mesh;
+    struct aiMatrix4x4 identity;
+    aiIdentityMatrix4(&identity);
+    uint64_t corners = 0;
+    walk(import, import->source->mRootNode, &identity, &corners);
+    if (corners > INT32_MAX) {
+        log_message(import->log, DT_ERROR,
+                    "%s: %llu triangles are too many; 715 million is the limit", import->path,
+                    (unsigned long long)corners / 3);
+        return false;
+    }
+    mesh->vertices = calloc(corners ? corners : 1, sizeof *mesh->vertices);
+    if (!mesh->vertices)
+        return out_of_memory(import);
+    corners = 0;
+    walk(import, import->source->mRootNode, &identity, &corners);
+    if (mesh->vertex_count == 0) {
+        log_message(import->log, DT_ERROR, "%s: no triangle in this mesh (%u degenerate)",
+                    import->path, mesh->degenerate_triangles);
+        return false;
+    }
+    return weld(import);
+}
+
+bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
+{
+    *mesh = (struct mesh){0};
+    const struct aiScene *source = aiImportFile(path, aiProcess_Triangulate);
+    if (!source || !source->mRootNode) {
+        log_message(log, DT_ERROR, "%s: %s", path,
+                    source ? "an empty mesh file" : aiGetErrorString());
+        if (source)
+            aiReleaseImport(source);
+        return false;
+    }
+    struct import import = {
+        .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
+    bool ok = import_materials(&import) && import_triangles(&import);
+    aiReleaseImport(source);
+    if (!ok)
+        mesh_free(mesh);
+    else if (mesh->degenerate_triangles)
+        log_message(log, DT_INFO, "%s: dropped %u degenerate triangles of %u", path,
+                    mesh->degenerate_triangles, mesh->source_triangles);
+    return ok;
+}
+
+void mesh_free(struct mesh *mesh)
+{
+    for (uint32_t i = 0; i < mesh->texture_count; i++) {
+        free(mesh->textures[i].color);
+        free(mesh->textures[i].opacity);
+        if (mesh->textures[i].fd >= 0)
+            close(mesh->textures[i].fd);
+    }
+    free(mesh->textures);
+    free(mesh->materials);
+    free(mesh->vertices);
+    free(mesh->indices);
+    *mesh = (struct mesh){0};
+}
+
+void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
+                 float *radius)
+{
+    for (int i = 0; i < 3; i++) {
+        low[i] = high[i] = mesh->vertices[0].position[i];
+        for (uint32_t v = 1; v < mesh->vertex_count; v++) {
+            low[i] = fminf(low[i], mesh->vertices[v].position[i]);
+            high[i] = fmaxf(high[i], mesh->vertices[v].position[i]);
+        }
+        center[i] = 0.5f * low[i] + 0.5f * high[i];
+    }
+    double largest = 0;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        double square = 0;
+        for (int i = 0; i < 3; i++) {
+            double offset = (double)mesh->vertices[v].position[i] - center[i];
+            square += offset * offset;
+        }
+        largest = square > largest ? square : largest;
+    }
+    *radius = nextafterf((float)sqrt(largest), INFINITY);
+}

@@ -1,0 +1,60 @@
+/* Between the files of this folder: a triangle mesh while it is still growing, and the textures
+ * that its materials name. scene.c imports (mesh.c), subdivides (subdivide.c), fills the texture
+ * array (texture.c) and hands the arrays to the scene. Not for callers outside. */
+#ifndef DIPTYCH_MESH_H
+#define DIPTYCH_MESH_H
+
+#include "diptych.h"
+
+/* One layer of the texture array: colour, and an opacity map if the material names one (its red
+ * replaces the alpha). The paths are owned; `fd` holds the bytes of a texture that was embedded
+ * in the mesh file, then `color` is the path of that descriptor. */
+struct mesh_texture {
+    char *color;
+    char *opacity; /* or NULL */
+    int fd;        /* or -1 */
+};
+
+struct mesh {
+    struct dt_vertex *vertices;
+    uint32_t vertex_count;
+    uint32_t *indices; /* three per triangle, counter-clockwise seen from the front */
+    uint32_t index_count;
+    struct dt_material
+        *materials; /* alpha_cutoff is 0.5 where texture alpha may count, until texture.c knows */
+    uint32_t material_count;
+    struct mesh_texture *textures;
+    uint32_t texture_count;
+    uint32_t source_triangles;
+    uint32_t degenerate_triangles;
+};
+
+/* Reads any file that assimp knows; node transforms are flattened, positions multiplied by
+ * `scale`. Missing normals become those of the faces, missing texture coordinates 0; degenerate
+ * triangles are dropped and counted. On false the mesh is empty. */
+bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
+void mesh_free(struct mesh *mesh); /* takes a zeroed mesh */
+
+/* Bounding box of the triangles, and a sphere about its centre that holds them all. */
+void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
+                 float *radius);
+
+/* Splits every edge longer than `longest_edge` in the middle, until there is none or until a
+ * further round would make more than `triangle_limit` triangles (a DT_WARNING tells which edge
+ * length was reached). Whether an edge is split depends on its two end points alone, so that
+ * neighbours agree and no cracks open. False only when out of memory. */
+bool mesh_subdivide(struct mesh *mesh, float longest_edge, uint32_t triangle_limit,
+                    const struct dt_log *log);
+
+/* Loads mesh->textures into the texture array of *scene, all layers `size` x `size` (a power of
+ * two; 0: the largest texture's size, rounded up, at most 1024), with mips averaged in linear
+ * light. Textures that cannot be read are dropped with a DT_WARNING. Completes `texture` and
+ * `alpha_cutoff` of mesh->materials. The texels belong to *scene. */
+bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
+                   const struct dt_log *log);
+
+/* printf into one message of the log. */
+void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+#endif

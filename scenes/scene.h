@@ -1,0 +1,45 @@
+/* Scene files, meshes, materials, cameras and lights as plain arrays: what the app loads and
+ * hands to a runtime. A leaf: no graphics API, no pipeline. Images are read and written through
+ * image.h. */
+#ifndef DIPTYCH_SCENE_H
+#define DIPTYCH_SCENE_H
+
+#include "diptych.h"
+
+struct scene_camera {
+    float eye[3], target[3], up[3];
+    float fov_y; /* radians */
+};
+
+struct scene_light {
+    int kind; /* DT_LIGHT_DIRECTIONAL or DT_LIGHT_SPOT */
+    float position[3];
+    float direction[3]; /* unit, the way that light travels */
+    float cone[2];      /* spot: inner and outer half angle, radians */
+    float color[3];     /* directional: irradiance, W/m2; spot: intensity, W/sr */
+};
+
+struct scene {
+    struct dt_scene data; /* arrays are owned by the scene */
+    struct scene_camera camera;
+    struct scene_light light;
+    float bounds_min[3], bounds_max[3];
+    float center[3], radius;       /* bounding sphere */
+    uint32_t source_triangles;     /* as in the mesh file */
+    uint32_t degenerate_triangles; /* dropped */
+    char *path;                    /* of the scene file, owned */
+};
+
+/* Reads a scene file (YAML, its keys are listed at the head of scene.c) and its
+ * mesh. The mesh is looked up beside the scene file, then below scenes_dir (may be NULL). Errors
+ * carry file:line:col. On false nothing is left allocated. */
+bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
+                const struct dt_log *log);
+void scene_free(struct scene *scene); /* takes a zeroed or failed scene */
+
+/* Fills everything in *frame that depends on the scene and the aspect ratio; width, height and
+ * index stay 0. */
+void scene_frame(const struct scene *scene, uint32_t width, uint32_t height,
+                 struct dt_frame *frame);
+
+#endif

@@ -1,0 +1,727 @@
+/* Scenes, meshes, textures, frames and image files against facts from outside: published
+ * measurements, formulas, invariants of closed surfaces. Run from the root of the repository
+ * (reads scenes/ and build/scenes/); fixtures live in a temporary folder. The OpenImageIO shim
+ * must lie beside this program or in the folder above it. */
+#include "image.h"
+#include "mesh.h"
+#include "scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define PI     3.14159265358979323846
+#define CAMERA "camera: {eye: [0, 0, 5], target: [0, 0, 0], fov_y: 40}\n"
+#define SUN    "light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}\n"
+
+/* ---- Fixtures -------------------------------------------------------------------------------- */
+
+struct heard {
+    int count[DT_ERROR + 1];
+    char text[8192]; /* the latest warning or error */
+};
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    struct heard *heard = user;
+    heard->count[level]++;
+    if (level >= DT_WARNING)
+        snprintf(heard->text, sizeof heard->text, "%s", message);
+}
+
+static char folder[] = "/tmp/scene_test.XXXXXX";
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    char command[64];
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return system(command);
+}
+
+/* Path of a fixture; valid until the fourth call after. */
+static const char *at(const char *name)
+{
+    static char paths[4][256];
+    static int next;
+    char *path = paths[next++ % 4];
+    snprintf(path, sizeof paths[0], "%s/%s", folder, name);
+    return path;
+}
+
+static void put(const char *name, const char *text)
+{
+    FILE *file = fopen(at(name), "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void load(struct scene *scene, const char *path, struct heard *heard)
+{
+    const struct dt_log log = {hear, heard};
+    if (!scene_load(scene, path, NULL, &log))
+        fail_msg("%s", heard->text);
+}
+
+/* ---- Geometry -------------------------------------------------------------------------------- */
+
+struct vec {
+    double x, y, z;
+};
+
+static struct vec position(const struct scene *scene, uint32_t corner)
+{
+    const float *p = scene->data.vertices[scene->data.indices[corner]].position;
+    return (struct vec){p[0], p[1], p[2]};
+}
+
+static struct vec sub(struct vec a, struct vec b)
+{
+    return (struct vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static struct vec cross(struct vec a, struct vec b)
+{
+    return (struct vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+static double dot(struct vec a, struct vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* Twice the area, along the face's normal. */
+static struct vec area_vector(const struct scene *scene, uint32_t triangle)
+{
+    struct vec a = position(scene, 3 * triangle);
+    return cross(sub(position(scene, 3 * triangle + 1), a),
+                 sub(position(scene, 3 * triangle + 2), a));
+}
+
+static struct vec vertex_normal(const struct scene *scene, uint32_t corner)
+{
+    const float *n = scene->data.vertices[scene->data.indices[corner]].normal;
+    return (struct vec){n[0], n[1], n[2]};
+}
+
+static void assert_normals(const struct scene *scene)
+{
+    for (uint32_t i = 0; i < scene->data.index_count; i++) {
+        struct vec n = vertex_normal(scene, i);
+        assert_true(fabs(dot(n, n) - 1) < 1e-5);
+    }
+}
+
+static double longest_edge(const struct scene *scene)
+{
+    double longest = 0;
+    for (uint32_t i = 0; i < scene->data.index_count; i++) {
+        struct vec edge = sub(position(scene, i), position(scene, i % 3 == 2 ? i - 2 : i + 1));
+        longest = fmax(longest, sqrt(dot(edge, edge)));
+    }
+    return longest;
+}
+
+struct edge {
+    float from[3], to[3];
+};
+
+static int compare_edges(const void *a, const void *b)
+{
+    return memcmp(a, b, sizeof(struct edge));
+}
+
+/* In a closed surface without T-junctions every edge from p to q has exactly one partner from q
+ * to p. */
+static bool is_watertight(const struct scene *scene)
+{
+    uint32_t count = scene->data.index_count;
+    struct edge *edges = calloc(count, sizeof *edges);
+    assert_non_null(edges);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *indices = scene->data.indices;
+        for (int k = 0; k < 3; k++) { /* + 0 turns -0 into 0 */
+            edges[i].from[k] = scene->data.vertices[indices[i]].position[k] + 0.0f;
+            edges[i].to[k] =
+                scene->data.vertices[indices[i % 3 == 2 ? i - 2 : i + 1]].position[k] + 0.0f;
+        }
+    }
+    qsort(edges, count, sizeof *edges, compare_edges);
+    bool closed = true;
+    for (uint32_t i = 0; i < count && closed; i++) {
+        struct edge back;
+        memcpy(back.from, edges[i].to, sizeof back.from);
+        memcpy(back.to, edges[i].from, sizeof back.to);
+        closed = bsearch(&back, edges, count, sizeof *edges, compare_edges) != NULL &&
+                 (i == 0 || compare_edges(&edges[i - 1], &edges[i]) != 0);
+    }
+    free(edges);
+    return closed;
+}
+
+/* ---- Meshes ---------------------------------------------------------------------------------- */
+
+static const char box_obj[] =
+    "v 0 0 0\nv 4 0 0\nv 4 1 0\nv 0 1 0\nv 0 0 3\nv 4 0 3\nv 4 1 3\nv 0 1 3\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
+
+static void box_is_subdivided_without_cracks(void **state)
+{
+    (void)state;
+    put("box.obj", box_obj);
+    put("box.yaml", "mesh: box.obj\nsubdivide: 0.1\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, at("box.yaml"), &heard);
+    assert_int_equal(scene.source_triangles, 12);
+    assert_int_equal(scene.degenerate_triangles, 0);
+    double radius = sqrt(16 + 1 + 9) / 2, area = 0;
+    assert_true(fabs(scene.radius - radius) < 1e-5);
+    assert_true(longest_edge(&scene) <= 0.1 * radius * 1.000001);
+    assert_true(is_watertight(&scene));
+    assert_normals(&scene);
+    const struct vec middle = {2, 0.5, 1.5};
+    for (uint32_t t = 0; t < scene.data.index_count / 3; t++) {
+        struct vec n = area_vector(&scene, t);
+        area += 0.5 * sqrt(dot(n, n));
+        assert_true(dot(n, sub(position(&scene, 3 * t), middle)) > 0);
+        assert_true(dot(n, vertex_normal(&scene, 3 * t)) > 0.9999 * sqrt(dot(n, n)));
+    }
+    assert_true(fabs(area - 2 * (4 * 1 + 4 * 3 + 1 * 3)) < 1e-4);
+    scene_free(&scene);
+}
+
+static void subdivision_stops_at_its_limit_and_says_so(void **state)
+{
+    (void)state;
+    put("box.obj", box_obj);
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    struct mesh mesh;
+    assert_true(mesh_import(&mesh, at("box.obj"), 1, &log));
+    assert_true(mesh_subdivide(&mesh, 0.001f, 5000, &log));
+    assert_in_range(mesh.index_count / 3, 13, 5000);
+    assert_int_equal(heard.count[DT_WARNING], 1);
+    assert_non_null(strstr(heard.text, "5000"));
+    mesh_free(&mesh);
+}
+
+/* Tabs, carriage returns and negative indices as the archive's Cornell Boxes have them; two
+ * triangles without area. */
+static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
+{
+    (void)state;
+    put("odd.obj", "# odd\r\nv\t0 0 0\r\nv\t1  0 0   \r\nv\t1 1 0\r\nv\t0 1 0\r\nf -4 -3 -2 -1\r\n"
+                   "v 0.5 0 0\r\nf 1 2 2\r\nf 1 5 2\r\nf 1 2 4\r\n");
+    put("odd.yaml", "mesh: odd.obj\nscale: 2\nsubdivide: 0\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, at("odd.yaml"), &heard);
+    assert_int_equal(scene.source_triangles, 5);
+    assert_int_equal(scene.degenerate_triangles, 2);
+    assert_int_equal(scene.data.index_count, 9);
+    assert_int_equal(heard.count[DT_INFO], 1);
+    assert_true(scene.bounds_max[0] == 2 && scene.bounds_max[1] == 2 && scene.bounds_min[0] == 0);
+    assert_normals(&scene);
+    scene_free(&scene);
+}
+
+static void gltf_nodes_are_flattened(void **state)
+{
+    (void)state;
+    const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    FILE *file = fopen(at("t.bin"), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(positions, sizeof positions, 1, file), 1);
+    assert_int_equal(fclose(file), 0);
+    put("t.gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+        "\"nodes\":[{\"translation\":[10,0,0],\"children\":[1]},{\"scale\":[-2,3,1],\"mesh\":0}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}],"
+        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.25,0.5,0.75,1]}}],"
+        "\"buffers\":[{\"uri\":\"t.bin\",\"byteLength\":36}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[1,1,0]}]}");
+    put("t.yaml", "mesh: t.gltf\nsubdivide: 0\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, at("t.yaml"), &heard);
+    assert_int_equal(scene.data.index_count, 3);
+    assert_true(scene.bounds_min[0] == 8 && scene.bounds_max[0] == 10 && scene.bounds_max[1] == 3);
+    /* A mirror turns the winding; the front must stay +z. */
+    assert_true(area_vector(&scene, 0).z > 0 && vertex_normal(&scene, 0).z > 0.999);
+    const float *albedo = scene.data.materials[scene.data.vertices[0].material].albedo;
+    assert_true(albedo[0] == 0.25f && albedo[1] == 0.5f && albedo[2] == 0.75f);
+    scene_free(&scene);
+}
+
+/* ---- Textures -------------------------------------------------------------------------------- */
+
+static const char textured_obj[] =
+    "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    "usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 2/2\nusemtl c\nf 1/1 2/2 3/3\n";
+
+static void write_checker(const char *name, uint8_t alpha_of_black)
+{
+    uint8_t texels[4 * 4 * 4];
+    for (int i = 0; i < 16; i++) {
+        bool white = (i + i / 4) & 1;
+        memset(texels + 4 * i, white ? 255 : 0, 3);
+        texels[4 * i + 3] = white ? 255 : alpha_of_black;
+    }
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    if (!image_write_png(at(name), 4, 4, 4, texels, &log))
+        fail_msg("%s", heard.text);
+}
+
+static const struct dt_material *material_of(const struct scene *scene, uint32_t triangle)
+{
+    return &scene->data.materials[scene->data.vertices[scene->data.indices[3 * triangle]].material];
+}
+
+static void textures_fill_the_array(void **state)
+{
+    (void)state;
+    write_checker("opaque.png", 255);
+    write_checker("holes.png", 0);
+    put("t.obj", textured_obj);
+    put("t.mtl",
+        "newmtl a\nKd 0 0 0\nmap_Kd opaque.png\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n"
+        "newmtl c\nKd 0.1 0.2 0.3\nmap_Kd none.png\n");
+    put("t.yaml", "mesh: t.obj\nsubdivide: 0\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, at("t.yaml"), &heard);
+    const struct dt_scene *data = &scene.data;
+    assert_int_equal(data->texture_layers, 2);
+    assert_int_equal(data->texture_width, 4);
+    assert_int_equal(data->texture_mips, 3);
+    const struct dt_material *a = material_of(&scene, 0), *b = material_of(&scene, 1),
+                             *c = material_of(&scene, 2);
+    assert_true(a->albedo[0] == 1 && a->texture >= 0 &&
+                a->alpha_cutoff == 0); /* Kd 0 beside a map: white */
+    assert_true(b->albedo[0] == 0.5f && b->texture >= 0 && b->alpha_cutoff == 0.5f);
+    assert_true(c->albedo[2] == 0.3f && c->texture == -1 && c->alpha_cutoff == 0);
+    assert_int_equal(heard.count[DT_WARNING], 1);
+    assert_non_null(strstr(heard.text, "none.png"));
+    /* Half of white light is sRGB code 188; behind holes nothing dark bleeds in, and coverage is
+     * a half. */
+    const uint8_t *mip1 = data->texels + 2 * 64, *mip2 = mip1 + 2 * 16;
+    assert_int_equal(mip1[16 * a->texture], 188);
+    assert_int_equal(mip2[4 * a->texture], 188);
+    assert_int_equal(mip2[4 * b->texture], 255);
+    assert_int_equal(mip2[4 * b->texture + 3], 128);
+    /* The obj file counts v from below; row 0 of the texels is the top. */
+    assert_true(data->vertices[data->indices[0]].uv[1] == 1);
+    scene_free(&scene);
+}
+
+static void opacity_map_becomes_alpha(void **state)
+{
+    (void)state;
+    write_checker("opaque.png", 255);
+    put("d.obj", "mtllib d.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 "
+                 "2/2 3/3\n");
+    put("d.mtl", "newmtl a\nKd 1 1 1\nmap_Kd opaque.png\nmap_d opaque.png\n");
+    put("d.yaml", "mesh: d.obj\ntexture_size: 4\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, at("d.yaml"), &heard);
+    assert_int_equal(scene.data.texture_layers, 1);
+    assert_true(scene.data.materials[scene.data.vertices[0].material].alpha_cutoff == 0.5f);
+    for (int i = 0; i < 16; i++)
+        assert_int_equal(scene.data.texels[4 * i + 3], scene.data.texels[4 * i]);
+    scene_free(&scene);
+}
+
+static void untextured_scene_has_one_white_texel(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, "scenes/cornell.yaml", &heard);
+    assert_int_equal(scene.data.texture_layers, 1);
+    assert_int_equal(scene.data.texture_width, 1);
+    assert_memory_equal(scene.data.texels, "\377\377\377\377", 4);
+    scene_free(&scene);
+}
+
+/* ---- Shipped scenes -------------------------------------------------------------------------- */
+
+/* Area of the triangles of one albedo (red part) whose normals agree with (x, y, z). */
+static double area_of(const struct scene *scene, float red, struct vec normal)
+{
+    double area = 0;
+    for (uint32_t t = 0; t < scene->data.index_count / 3; t++) {
+        struct vec n = area_vector(scene, t);
+        double twice = sqrt(dot(n, n));
+        if (fabsf(material_of(scene, t)->albedo[0] - red) < 1e-4f && dot(n, normal) > 0.999 * twice)
+            area += twice / 2;
+    }
+    return area;
+}
+
+static void assert_area(double area, double published_mm2)
+{
+    if (fabs(area * 1e6 - published_mm2) > 1e-4 * published_mm2)
+        fail_msg("area %g mm2, published %g", area * 1e6, published_mm2);
+}
+
+static void cornell_box_has_the_published_measures(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, "scenes/cornell.yaml", &heard);
+    assert_int_equal(scene.source_triangles, 30);
+    assert_true(fabsf(scene.bounds_max[0] - 0.556f) < 1e-6f &&
+                fabsf(scene.bounds_max[1] - 0.5488f) < 1e-6f);
+    const struct vec up = {0, 1, 0}, down = {0, -1, 0}, right = {1, 0, 0}, front = {0, 0, -1};
+    /* The tops of the blocks from the shoelace formula. */
+    double tops = 0.5 * fabs((130 - 240.) * (225 - 114.) - (82 - 290.) * (65 - 272.)) +
+                  0.5 * fabs((423 - 314.) * (296 - 406.) - (265 - 472.) * (247 - 456.));
+    assert_area(area_of(&scene, 0.725f, up), 0.5 * (552.8 + 549.6) * 559.2 + tops);
+    assert_area(area_of(&scene, 0.725f, down), 556 * 559.2);
+    assert_area(area_of(&scene, 0.725f, front), 0.5 * (549.6 + 556) * 548.8);
+    assert_area(area_of(&scene, 0.14f, right), 559.2 * 548.8);
+    assert_true(longest_edge(&scene) <= scene.radius / 16 * 1.000001);
+    scene_free(&scene);
+}
+
+static void atrium_is_heavy_and_faces_outward(void **state)
+{
+    (void)state;
+    if (access("build/scenes/atrium.obj", R_OK) != 0)
+        skip();
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    load(&scene, "scenes/atrium.yaml", &heard);
+    assert_true(scene.source_triangles > 100000);
+    assert_int_equal(scene.degenerate_triangles, 0);
+    assert_normals(&scene);
+    uint32_t against = 0;
+    for (uint32_t i = 0; i < scene.data.index_count; i++)
+        against += dot(area_vector(&scene, i / 3), vertex_normal(&scene, i)) <= 0;
+    assert_int_equal(against, 0);
+    /* Six times the enclosed volume; closed solids that face outward have a positive one. */
+    double volume = 0;
+    for (uint32_t t = 0; t < scene.data.index_count / 3; t++)
+        volume += dot(position(&scene, 3 * t), area_vector(&scene, t));
+    assert_true(volume > 0);
+    scene_free(&scene);
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+static void project(const float m[4][4], struct vec p, double out[3])
+{
+    double clip[4];
+    for (int i = 0; i < 4; i++)
+        clip[i] = m[0][i] * p.x + m[1][i] * p.y + m[2][i] * p.z + (double)m[3][i];
+    for (int i = 0; i < 3; i++)
+        out[i] = clip[i] / clip[3];
+}
+
+static void assert_close(double a, double b, double tolerance)
+{
+    if (!(fabs(a - b) <= tolerance))
+        fail_msg("%.9g is not %.9g", a, b);
+}
+
+static void assert_inverse(const struct dt_view *view)
+{
+    for (int x = -1; x <= 1; x++)
+        for (int y = -1; y <= 1; y++) {
+            double world[3], back[3];
+            project(view->inverse_view_projection, (struct vec){0.9 * x, 0.7 * y, 0.5}, world);
+            project(view->view_projection, (struct vec){world[0], world[1], world[2]}, back);
+            assert_close(back[0], 0.9 * x, 1e-4);
+            assert_close(back[1], 0.7 * y, 1e-4);
+            assert_close(back[2], 0.5, 1e-4);
+        }
+}
+
+static void camera_projects_known_points(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    struct dt_frame frame;
+    load(&scene, "scenes/cornell.yaml", &heard);
+    scene_frame(&scene, 200, 100, &frame);
+    const struct dt_view *camera = &frame.camera;
+    double p[3], reach = 0.8 * tan(39.3 / 2 * PI / 180);
+    project(camera->view_projection, (struct vec){0.278, 0.273, 0}, p);
+    assert_close(p[0], 0, 1e-5);
+    assert_close(p[1], 0, 1e-5);
+    project(camera->view_projection, (struct vec){0.278 - reach, 0.273 + reach, 0}, p);
+    assert_close(p[1], 1, 1e-5); /* y is up, and the world's -x is to the right */
+    assert_close(p[0], 0.5, 1e-5);
+    project(camera->view_projection, (struct vec){0.278, 0.273, camera->near_plane - 0.8}, p);
+    assert_close(p[2], 0, 1e-4);
+    project(camera->view_projection, (struct vec){0.278, 0.273, camera->far_plane - 0.8}, p);
+    assert_close(p[2], 1, 1e-4);
+    for (uint32_t i = 0; i < scene.data.index_count; i++) {
+        project(camera->view_projection, position(&scene, i), p);
+        assert_true(p[2] >= 0 && p[2] <= 1);
+        if (material_of(&scene, i / 3)->albedo[0] < 0.7f) /* red on the left, green on the right */
+            assert_true((p[0] < 0) == (material_of(&scene, i / 3)->albedo[0] > 0.5f));
+    }
+    assert_inverse(camera);
+    assert_inverse(&frame.light_view);
+    assert_int_equal(frame.width | frame.height | frame.index, 0);
+    scene_free(&scene);
+}
+
+static void spot_view_is_the_cone(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    struct dt_frame frame;
+    load(&scene, "scenes/cornell.yaml", &heard);
+    scene_frame(&scene, 64, 64, &frame);
+    assert_close(frame.light.area, pow(2 * tan(35 * PI / 180), 2), 1e-5);
+    assert_close(frame.light.cos_inner, cos(25 * PI / 180), 1e-6);
+    assert_close(frame.light.cos_outer, cos(35 * PI / 180), 1e-6);
+    /* A point on the rim of the outer cone lies on the circle of radius 1 about the view's axis. */
+    const float *d = frame.light.direction, *o = frame.light.position;
+    struct vec axis = {d[0], d[1], d[2]}, side = cross(axis, (struct vec){0, 0, 1});
+    double width = tan(35 * PI / 180) / sqrt(dot(side, side)), p[3];
+    struct vec rim = {o[0] + 0.2 * (axis.x + width * side.x),
+                      o[1] + 0.2 * (axis.y + width * side.y),
+                      o[2] + 0.2 * (axis.z + width * side.z)};
+    project(frame.light_view.view_projection, rim, p);
+    assert_close(hypot(p[0], p[1]), 1, 1e-5);
+    scene_free(&scene);
+}
+
+static void sun_view_holds_the_scene(void **state)
+{
+    (void)state;
+    put("box.obj", box_obj);
+    put("sun.yaml", "mesh: box.obj\n" CAMERA
+                    "light: {kind: directional, direction: [0, -2, 0], irradiance: [1, 2, 3]}\n");
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    struct dt_frame frame;
+    load(&scene, at("sun.yaml"), &heard);
+    scene_frame(&scene, 64, 64, &frame);
+    /* From straight above the box shows 4 x 3; a thin margin is allowed. */
+    assert_true(frame.light.area >= 12 && frame.light.area < 12 * 1.04);
+    assert_close(frame.light.direction[1], -1, 1e-6);
+    for (uint32_t i = 0; i < scene.data.index_count; i++) {
+        double p[3];
+        project(frame.light_view.view_projection, position(&scene, i), p);
+        assert_true(fabs(p[0]) < 1 && fabs(p[1]) < 1 && p[2] > 0 && p[2] < 1);
+    }
+    assert_inverse(&frame.light_view);
+    scene_free(&scene);
+}
+
+/* ---- Image files ----------------------------------------------------------------------------- */
+
+static void images_survive_the_round_trip(void **state)
+{
+    (void)state;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    uint8_t codes[5 * 3 * 4], *read_codes;
+    float light[5 * 3 * 4], *read_light;
+    for (int i = 0; i < 60; i++) {
+        codes[i] = (uint8_t)(i * 37);
+        light[i] = (float)(i * i) * 1.7f - 3;
+    }
+    uint32_t width = 0, height = 0;
+    assert_true(image_write_png(at("a.png"), 5, 3, 4, codes, &log));
+    assert_true(image_read_rgba8(at("a.png"), &width, &height, &read_codes, &log));
+    assert_int_equal(width, 5);
+    assert_int_equal(height, 3);
+    assert_memory_equal(read_codes, codes, sizeof codes);
+    free(read_codes);
+    assert_true(image_write_exr(at("a.exr"), 5, 3, 4, light, &log));
+    assert_true(image_read_float(at("a.exr"), &width, &height, &read_light, &log));
+    assert_int_equal(width, 5);
+    assert_memory_equal(read_light, light, sizeof light);
+    free(read_light);
+    assert_int_equal(heard.count[DT_ERROR], 0);
+}
+
+static size_t slurp(const char *path, uint8_t *bytes, size_t capacity)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    size_t size = fread(bytes, 1, capacity, file);
+    fclose(file);
+    return size;
+}
+
+/* OpenImageIO would put the time into an EXR, to the second. */
+static void same_picture_is_the_same_file(void **state)
+{
+    (void)state;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    const float texel[3] = {1, 2, 3};
+    const uint8_t code[3] = {1, 2, 3};
+    uint8_t before[2][4096], after[2][4096];
+    size_t sizes[2];
+    for (int round = 0; round < 2; round++) {
+        assert_true(image_write_exr(at("b.exr"), 1, 1, 3, texel, &log));
+        assert_true(image_write_png(at("b.png"), 1, 1, 3, code, &log));
+        if (round == 0) {
+            sizes[0] = slurp(at("b.exr"), before[0], sizeof before[0]);
+            sizes[1] = slurp(at("b.png"), before[1], sizeof before[1]);
+            usleep(1100000);
+        }
+    }
+    assert_int_equal(slurp(at("b.exr"), after[0], sizeof after[0]), sizes[0]);
+    assert_int_equal(slurp(at("b.png"), after[1], sizeof after[1]), sizes[1]);
+    assert_memory_equal(before[0], after[0], sizes[0]);
+    assert_memory_equal(before[1], after[1], sizes[1]);
+}
+
+static void image_errors_name_the_file(void **state)
+{
+    (void)state;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    const uint8_t texel[4] = {1, 2, 3, 4};
+    uint32_t width = 0, height = 0;
+    uint8_t *texels;
+    assert_false(image_write_png(at("no/such/folder.png"), 1, 1, 4, texel, &log));
+    assert_non_null(strstr(heard.text, "no/such/folder.png"));
+    put("text.png", "this is no picture");
+    assert_false(image_read_rgba8(at("text.png"), &width, &height, &texels, &log));
+    assert_non_null(strstr(heard.text, "text.png"));
+    assert_int_equal(heard.count[DT_ERROR], 2);
+}
+
+/* ---- Diagnostics ----------------------------------------------------------------------------- */
+
+/* Loads a scene that must fail with these lines in one error; %s in them is the fixture's path. */
+static void assert_refused(const char *text, const char *const *lines, size_t count)
+{
+    put("bad.yaml", text);
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    struct scene scene;
+    assert_false(scene_load(&scene, at("bad.yaml"), NULL, &log));
+    assert_int_equal(heard.count[DT_ERROR], 1);
+    assert_null(scene.data.vertices);
+    for (size_t i = 0; i < count; i++) {
+        char line[512];
+        snprintf(line, sizeof line, "%s:%s", at("bad.yaml"), lines[i]);
+        if (!strstr(heard.text, line))
+            fail_msg("no line '%s' in\n%s", line, heard.text);
+    }
+}
+
+static void wrong_scene_files_are_told_in_one_run(void **state)
+{
+    (void)state;
+    put("box.obj", box_obj);
+    static const char *const several[] = {
+        "2:1: error: unknown key `scal`; did you mean `scale`?\nscal: 2\n^~~~",
+        "3:19: error: `eye` takes a finite number here\n",
+        "3:36: error: `target` takes a sequence of 3 numbers\n",
+        "3:1: error: camera lacks the key `fov_y`\n",
+        "4:73: error: `cone` is out of range: it lies between 0 and 85\n",
+        "5:15: error: `texture_size` must be a power of two\n",
+    };
+    assert_refused("mesh: box.obj\nscal: 2\ncamera: {eye: [0, x, 1.0], target: [0, 1]}\n"
+                   "light: {kind: spot, position: [0, 0, 0], direction: [0,1,0], cone: [25, 95], "
+                   "intensity: [1, 1, 1]}\n"
+                   "texture_size: 300\n",
+                   several, DT_ARRAY_COUNT(several));
+    static const char *const lamp[] = {"3:15: error: `kind` of a light is `directional` or `spot`"};
+    assert_refused("mesh: box.obj\n" CAMERA "light: {kind: lamp}\n", lamp, 1);
+    static const char *const missing[] = {"1:1: error: the scene lacks the key `mesh`",
+                                          "1:1: error: the scene lacks the key `light`"};
+    assert_refused(CAMERA, missing, 2);
+    static const char *const twice[] = {"2:1: error: duplicate key"};
+    assert_refused("mesh: box.obj\nmesh: box.obj\n" CAMERA SUN, twice, 1);
+    static const char *const blind[] = {
+        "2:34: error: `target` is where `eye` is; move one of them"};
+    assert_refused("mesh: box.obj\ncamera: {eye: [1, 1, 1], target: [1, 1, 1], fov_y: 30}\n" SUN,
+                   blind, 1);
+    assert_refused("- 1\n", (const char *const[]){"1:1: error: a scene file is a mapping"}, 1);
+    assert_refused("", (const char *const[]){"1:1: error: the file is empty"}, 1);
+}
+
+static void missing_mesh_says_where_it_looked(void **state)
+{
+    (void)state;
+    put("lost.yaml", "mesh: sponza/sponza.obj\n" CAMERA SUN);
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    struct scene scene;
+    assert_false(scene_load(&scene, at("lost.yaml"), "/no/where", &log));
+    const char *words[] = {"lost.yaml:1:7: error:",
+                           at("sponza/sponza.obj"),
+                           "/no/where/sponza/sponza.obj",
+                           "--scenes",
+                           "DIPTYCH_SCENES",
+                           "casual-effects.com/data"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (!strstr(heard.text, words[i]))
+            fail_msg("no '%s' in\n%s", words[i], heard.text);
+}
+
+static void mesh_is_found_below_the_scenes_folder(void **state)
+{
+    (void)state;
+    assert_int_equal(mkdir(at("meshes"), 0777), 0);
+    put("meshes/other.obj", box_obj);
+    put("below.yaml", "mesh: other.obj\n" CAMERA SUN);
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    struct scene scene;
+    assert_true(scene_load(&scene, at("below.yaml"), at("meshes"), &log));
+    assert_int_equal(scene.source_triangles, 12);
+    scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(box_is_subdivided_without_cracks),
+        cmocka_unit_test(subdivision_stops_at_its_limit_and_says_so),
+        cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
+        cmocka_unit_test(gltf_nodes_are_flattened),
+        cmocka_unit_test(textures_fill_the_array),
+        cmocka_unit_test(opacity_map_becomes_alpha),
+        cmocka_unit_test(untextured_scene_has_one_white_texel),
+        cmocka_unit_test(cornell_box_has_the_published_measures),
+        cmocka_unit_test(atrium_is_heavy_and_faces_outward),
+        cmocka_unit_test(camera_projects_known_points),
+        cmocka_unit_test(spot_view_is_the_cone),
+        cmocka_unit_test(sun_view_holds_the_scene),
+        cmocka_unit_test(images_survive_the_round_trip),
+        cmocka_unit_test(same_picture_is_the_same_file),
+        cmocka_unit_test(image_errors_name_the_file),
+        cmocka_unit_test(wrong_scene_files_are_told_in_one_run),
+        cmocka_unit_test(missing_mesh_says_where_it_looked),
+        cmocka_unit_test(mesh_is_found_below_the_scenes_folder),
+    };
+    return cmocka_run_group_tests_name("scenes", tests, make_folder, remove_folder);
+}
