@@ -1,0 +1,441 @@
+/* Recording and running: one frame from begin to the fence, passes with labels and timestamps,
+ * barriers, dispatches, draws and clears; and commands that run on the spot. Called by generated
+ * pipelines from record, and by the other files of this folder. Nothing here allocates while a
+ * frame is recorded. */
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BARRIER_BATCH = 64 };
+
+/* ---- Command buffers ------------------------------------------------------------------------- */
+
+void vk_full_barrier(VkCommandBuffer commands)
+{
+    VkMemoryBarrier2 memory = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
+        .dstAccessMask =
+            VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT,
+    };
+    VkDependencyInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+        .memoryBarrierCount = 1,
+        .pMemoryBarriers = &memory,
+    };
+    vkCmdPipelineBarrier2(commands, &info);
+}
+
+void vk_transition(VkCommandBuffer commands, struct vk_image *image, VkImageLayout layout)
+{
+    VkImageMemoryBarrier2 barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .oldLayout = image->layout,
+        .newLayout = layout,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = image->handle,
+        .subresourceRange = {image->aspect, 0, image->mips, 0, image->layers},
+    };
+    VkDependencyInfo info = {
+        .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+        .imageMemoryBarrierCount = 1,
+        .pImageMemoryBarriers = &barrier,
+    };
+    vkCmdPipelineBarrier2(commands, &info);
+    image->layout = layout;
+}
+
+/* Every command buffer opens with a full barrier, so that the generated barriers only have to
+ * order what stands in one frame, and uploads, read-backs and last frame's history need none. */
+static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name)
+{
+    VkCommandBufferBeginInfo info = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+        .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
+    };
+    if (!VK(rt, vkResetCommandBuffer(commands, 0), name) || /* may be left half recorded */
+        !VK(rt, vkBeginCommandBuffer(commands, &info), name))
+        return false;
+    vk_full_barrier(commands);
+    return true;
+}
+
+static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name)
+{
+    VkCommandBufferSubmitInfo buffer = {
+        .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
+        .commandBuffer = commands,
+    };
+    VkSubmitInfo2 submit = {
+        .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
+        .commandBufferInfoCount = 1,
+        .pCommandBufferInfos = &buffer,
+    };
+    vk_full_barrier(commands); /* the fence alone does not show writes to the host */
+    return VK(rt, vkEndCommandBuffer(commands), name) &&
+           VK(rt, vkQueueSubmit2(rt->queue, 1, &submit, rt->fence), name) &&
+           VK(rt, vkWaitForFences(rt->device, 1, &rt->fence, VK_TRUE, UINT64_MAX), name) &&
+           VK(rt, vkResetFences(rt->device, 1, &rt->fence), name);
+}
+
+VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name)
+{
+    return begin_commands(rt, rt->immediate_commands, name) ? rt->immediate_commands : NULL;
+}
+
+bool vk_immediate_end(struct vk_runtime *rt, const char *name)
+{
+    return run_commands(rt, rt->immediate_commands, name);
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+bool vk_frame_create(struct vk_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    struct vk_buffer_info live = {
+        .name = "live",
+        .size = pipeline->live_size,
+        .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+    };
+    VkQueryPoolCreateInfo queries = {
+        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+        .queryType = VK_QUERY_TYPE_TIMESTAMP,
+        .queryCount = 2 * pipeline->pass_count,
+    };
+    rt->pass_runs = calloc(pipeline->pass_count, sizeof *rt->pass_runs);
+    rt->pass_ms = calloc(pipeline->pass_count, sizeof *rt->pass_ms);
+    if (!rt->pass_runs || !rt->pass_ms)
+        return vk_error(rt, "pipeline %s: out of memory; free some", pipeline->name);
+    return vk_mapped_create(rt, &rt->builtin.live, &rt->live_memory, &live) &&
+           (!rt->timing ||
+            VK(rt, vkCreateQueryPool(rt->device, &queries, NULL, &rt->queries), pipeline->name));
+}
+
+void vk_frame_destroy(struct vk_runtime *rt)
+{
+    vk_mapped_destroy(rt, &rt->builtin.live, &rt->live_memory);
+    vkDestroyQueryPool(rt->device, rt->queries, NULL);
+    free(rt->pass_runs);
+    free(rt->pass_ms);
+    rt->queries = VK_NULL_HANDLE;
+    rt->pass_runs = NULL;
+    rt->pass_ms = NULL;
+    rt->rendered = false;
+}
+
+/* Milliseconds of every pass that ran; timestamps wrap at the number of bits that the queue
+ * counts with. */
+static bool read_timestamps(struct vk_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    uint64_t mask = rt->timestamp_bits < 64 ? (1ull << rt->timestamp_bits) - 1 : UINT64_MAX;
+    for (uint32_t pass = 0; pass < pipeline->pass_count; pass++) {
+        uint64_t stamps[2];
+        rt->pass_ms[pass] = NAN;
+        if (!rt->pass_runs[pass])
+            continue;
+        if (!VK(rt,
+                vkGetQueryPoolResults(rt->device, rt->queries, 2 * pass, 2, sizeof stamps, stamps,
+                                      sizeof stamps[0],
+                                      VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                pipeline->passes[pass].name))
+            return false;
+        double ticks = (double)((stamps[1] - stamps[0]) & mask);
+        rt->pass_ms[pass] = ticks * (double)rt->properties.limits.timestampPeriod * 1e-6;
+    }
+    return true;
+}
+
+bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    struct dt_frame block = *frame;
+    block.width = rt->width;
+    block.height = rt->height;
+    memcpy(rt->frame_memory.bytes, &block, sizeof block);
+    memcpy(rt->live_memory.bytes, live, pipeline->live_size);
+    memset(rt->pass_runs, 0, pipeline->pass_count * sizeof *rt->pass_runs);
+    rt->failed = false;
+    if (!begin_commands(rt, rt->frame_commands, pipeline->name))
+        return false;
+    if (rt->timing)
+        vkCmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
+    return rt->panel->record(rt, rt->state, live) && !rt->failed &&
+           run_commands(rt, rt->frame_commands, pipeline->name) &&
+           (!rt->timing || read_timestamps(rt));
+}
+
+/* ---- Passes ---------------------------------------------------------------------------------- */
+
+static void write_timestamp(struct vk_runtime *rt, uint32_t query)
+{
+    vkCmdWriteTimestamp2(rt->frame_commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, rt->queries,
+                         query);
+}
+
+bool vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs)
+{
+    VkDebugUtilsLabelEXT label = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+        .pLabelName = rt->panel->pipeline->passes[pass].name,
+    };
+    rt->pass_runs[pass] = runs;
+    if (rt->begin_label)
+        rt->begin_label(rt->frame_commands, &label);
+    if (rt->timing && runs)
+        write_timestamp(rt, 2 * pass);
+    return !rt->failed;
+}
+
+bool vk_pass_end(struct vk_runtime *rt, uint32_t pass)
+{
+    const char *name = rt->panel->pipeline->passes[pass].name;
+    if (rt->timing && rt->pass_runs[pass])
+        write_timestamp(rt, 2 * pass + 1);
+    if (rt->end_label)
+        rt->end_label(rt->frame_commands);
+    if (rt->failed || !rt->observer)
+        return !rt->failed;
+    return run_commands(rt, rt->frame_commands, name) &&
+           rt->observer->after_pass(rt->observer->user, pass) &&
+           begin_commands(rt, rt->frame_commands, name);
+}
+
+/* ---- Barriers -------------------------------------------------------------------------------- */
+
+static VkBufferMemoryBarrier2 buffer_barrier(const struct vk_barrier *barrier)
+{
+    return (VkBufferMemoryBarrier2){
+        .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
+        .srcStageMask = barrier->src_stage,
+        .srcAccessMask = barrier->src_access,
+        .dstStageMask = barrier->dst_stage,
+        .dstAccessMask = barrier->dst_access,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .buffer = barrier->buffer->handle,
+        .size = VK_WHOLE_SIZE,
+    };
+}
+
+static VkImageMemoryBarrier2 image_barrier(const struct vk_barrier *barrier)
+{
+    struct vk_image *image = barrier->image;
+    VkImageLayout old = barrier->discard ? VK_IMAGE_LAYOUT_UNDEFINED : image->layout;
+    image->layout = barrier->layout;
+    return (VkImageMemoryBarrier2){
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+        .srcStageMask = barrier->src_stage,
+        .srcAccessMask = barrier->src_access,
+        .dstStageMask = barrier->dst_stage,
+        .dstAccessMask = barrier->dst_access,
+        .oldLayout = old,
+        .newLayout = barrier->layout,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = image->handle,
+        .subresourceRange = {image->aspect, 0, image->mips, 0, image->layers},
+    };
+}
+
+void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count)
+{
+    VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
+    VkImageMemoryBarrier2 images[BARRIER_BATCH];
+    while (count > 0) {
+        uint32_t batch = count < BARRIER_BATCH ? count : BARRIER_BATCH;
+        VkDependencyInfo info = {
+            .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+            .pBufferMemoryBarriers = buffers,
+            .pImageMemoryBarriers = images,
+        };
+        for (uint32_t i = 0; i < batch; i++) {
+            if (barriers[i].buffer)
+                buffers[info.bufferMemoryBarrierCount++] = buffer_barrier(&barriers[i]);
+            else
+                images[info.imageMemoryBarrierCount++] = image_barrier(&barriers[i]);
+        }
+        vkCmdPipelineBarrier2(rt->frame_commands, &info);
+        barriers += batch;
+        count -= batch;
+    }
+}
+
+/* ---- Dispatches ------------------------------------------------------------------------------ */
+
+static void bind_program(struct vk_runtime *rt, const struct vk_program *program,
+                         VkPipelineBindPoint point)
+{
+    vkCmdBindPipeline(rt->frame_commands, point, program->pipeline);
+    if (program->set)
+        vkCmdBindDescriptorSets(rt->frame_commands, point, program->layout, 0, 1, &program->set, 0,
+                                NULL);
+}
+
+void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,
+                 uint32_t z)
+{
+    const uint32_t *limit = rt->properties.limits.maxComputeWorkGroupCount;
+    if (x > limit[0] || y > limit[1] || z > limit[2]) {
+        vk_error(rt,
+                 "pass %s: %u x %u x %u workgroups, but the device's limit is %u x %u x %u; "
+                 "use larger workgroups or a smaller frame",
+                 program->name, x, y, z, limit[0], limit[1], limit[2]);
+        rt->failed = true;
+        return;
+    }
+    bind_program(rt, program, VK_PIPELINE_BIND_POINT_COMPUTE);
+    vkCmdDispatch(rt->frame_commands, x, y, z);
+}
+
+void vk_dispatch_indirect(struct vk_runtime *rt, const struct vk_program *program,
+                          const struct vk_buffer *arguments)
+{
+    bind_program(rt, program, VK_PIPELINE_BIND_POINT_COMPUTE);
+    vkCmdDispatchIndirect(rt->frame_commands, arguments->handle, 0);
+}
+
+/* ---- Draws ----------------------------------------------------------------------------------- */
+
+static VkClearColorValue clear_color(const struct vk_image *image, const float clear[4])
+{
+    VkClearColorValue value;
+    for (int i = 0; i < 4; i++) {
+        switch (image->texel) {
+        case DT_FORMAT_R32UI:
+        case DT_FORMAT_RG32UI:
+        case DT_FORMAT_RGBA32UI:
+            value.uint32[i] = (uint32_t)clear[i];
+            break;
+        case DT_FORMAT_R32I:
+            value.int32[i] = (int32_t)clear[i];
+            break;
+        default:
+            value.float32[i] = clear[i];
+        }
+    }
+    return value;
+}
+
+static VkRenderingAttachmentInfo attachment(const struct vk_target *target)
+{
+    const struct vk_image *image = target->image;
+    bool depth = image->aspect & VK_IMAGE_ASPECT_DEPTH_BIT;
+    VkRenderingAttachmentInfo info = {
+        .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+        .imageView = image->mip_views[target->mip],
+        .imageLayout = image->layout,
+        .loadOp = target->load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
+        .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+    };
+    if (depth)
+        info.clearValue.depthStencil.depth = target->clear[0];
+    else
+        info.clearValue.color = clear_color(image, target->clear);
+    return info;
+}
+
+static void begin_rendering(struct vk_runtime *rt, const struct vk_targets *targets)
+{
+    VkRenderingAttachmentInfo colors[VK_MAX_COLOR_TARGETS], depth;
+    const struct vk_target *first = targets->color_count ? &targets->color[0] : &targets->depth;
+    uint32_t width = first->image->width >> first->mip, height = first->image->height >> first->mip;
+    VkRect2D area = {.extent = {width ? width : 1, height ? height : 1}};
+    for (uint32_t i = 0; i < targets->color_count; i++)
+        colors[i] = attachment(&targets->color[i]);
+    if (targets->depth.image)
+        depth = attachment(&targets->depth);
+    VkRenderingInfo info = {
+        .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+        .renderArea = area,
+        .layerCount = targets->layers,
+        .colorAttachmentCount = targets->color_count,
+        .pColorAttachments = colors,
+        .pDepthAttachment = targets->depth.image ? &depth : NULL,
+    };
+    VkViewport viewport = {0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1};
+    vkCmdBeginRendering(rt->frame_commands, &info);
+    vkCmdSetViewport(rt->frame_commands, 0, 1, &viewport);
+    vkCmdSetScissor(rt->frame_commands, 0, 1, &area);
+}
+
+static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
+{
+    vkCmdBindVertexBuffers(rt->frame_commands, 0, 1, &rt->builtin.vertices.handle,
+                           &(VkDeviceSize){0});
+    vkCmdBindIndexBuffer(rt->frame_commands, indices->handle, 0, VK_INDEX_TYPE_UINT32);
+}
+
+void vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
+                   const struct vk_targets *targets, uint32_t instances)
+{
+    begin_rendering(rt, targets);
+    bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
+    bind_scene(rt, &rt->builtin.indices);
+    vkCmdDrawIndexed(rt->frame_commands, rt->index_count, instances, 0, 0, 0);
+    vkCmdEndRendering(rt->frame_commands);
+}
+
+void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *program,
+                            const struct vk_targets *targets, const struct vk_buffer *indices,
+                            const struct vk_buffer *arguments, uint32_t draw_count)
+{
+    uint32_t limit = rt->properties.limits.maxDrawIndirectCount;
+    if (draw_count > limit) {
+        vk_error(rt, "pass %s: %u indirect draws, but the device's limit is %u; use fewer",
+                 program->name, draw_count, limit);
+        rt->failed = true;
+        return;
+    }
+    begin_rendering(rt, targets);
+    bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
+    bind_scene(rt, indices ? indices : &rt->builtin.indices);
+    vkCmdDrawIndexedIndirect(rt->frame_commands, arguments->handle, 0, draw_count,
+                             sizeof(VkDrawIndexedIndirectCommand));
+    vkCmdEndRendering(rt->frame_commands);
+}
+
+void vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
+                        const struct vk_targets *targets)
+{
+    begin_rendering(rt, targets);
+    bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
+    vkCmdDraw(rt->frame_commands, 3, 1, 0, 0); /* one triangle that covers all */
+    vkCmdEndRendering(rt->frame_commands);
+}
+
+/* ---- Clears ---------------------------------------------------------------------------------- */
+
+void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets)
+{
+    begin_rendering(rt, targets);
+    vkCmdEndRendering(rt->frame_commands);
+}
+
+/* The plan's barriers are for the stages of the pass as it runs; a clear is another stage, hence
+ * a full barrier on both sides of it. Skipped passes are rare and cost nothing else. */
+void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, const float clear[4])
+{
+    VkClearColorValue value = clear_color(image, clear);
+    VkImageSubresourceRange range = {image->aspect, 0, image->mips, 0, image->layers};
+    vk_full_barrier(rt->frame_commands);
+    vkCmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
+    vk_full_barrier(rt->frame_commands);
+}
+
+void vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer)
+{
+    vk_full_barrier(rt->frame_commands);
+    vkCmdFillBuffer(rt->frame_commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
+    vk_full_barrier(rt->frame_commands);
+}

@@ -1,0 +1,124 @@
+/* What the files of the Vulkan runtime share: the runtime's state, the one way to check a
+ * result, memory, and commands that run at once. Nobody outside this folder includes it. */
+#ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
+#define DIPTYCH_RUNTIME_VK_INTERNAL_H
+
+#include "runtime.h"
+
+enum { VK_MAX_SLOTS = 64 }; /* lines in one descriptor set layout */
+
+/* Memory that the host sees, mapped for as long as it lives. */
+struct vk_mapped {
+    VkDeviceMemory memory;
+    void *bytes;
+};
+
+struct vk_runtime {
+    struct dt_log log;
+    bool debug, timing;
+    int poison;
+    uint32_t messages;
+
+    /* context.c */
+    VkInstance instance;
+    VkDebugUtilsMessengerEXT messenger;
+    VkPhysicalDevice physical;
+    VkPhysicalDeviceProperties properties;
+    VkPhysicalDeviceMemoryProperties memory;
+    VkDeviceSize max_allocation; /* bytes in one vkAllocateMemory */
+    VkDevice device;
+    uint32_t queue_family, timestamp_bits;
+    VkQueue queue;
+    VkCommandPool command_pool;
+    VkCommandBuffer frame_commands, immediate_commands;
+    VkFence fence;
+    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label; /* these three only with debug */
+    PFN_vkCmdEndDebugUtilsLabelEXT end_label;
+    PFN_vkSetDebugUtilsObjectNameEXT set_name;
+
+    /* resources.c: copies to and from the device pass through here; grows on demand */
+    struct vk_buffer staging;
+    struct vk_mapped staging_memory;
+
+    /* scene.c, frame.c */
+    struct vk_builtin builtin;
+    struct vk_mapped frame_memory, live_memory;
+    struct vk_slot vertex_slot, index_slot, material_slot, texture_slot;
+    uint32_t index_count;
+    bool has_scene;
+
+    /* runtime.c */
+    const struct dt_panel *panel;
+    void *state;
+    uint32_t width, height; /* 0: the panel has no resources */
+    bool sized; /* the panel's resources exist and its descriptors point at the present scene */
+
+    /* frame.c */
+    const struct dt_observer *observer; /* during render */
+    bool failed;         /* a recording verb without result has logged an error in this frame */
+    VkQueryPool queries; /* two per pass */
+    bool *pass_runs;     /* pass_count of them, as the next two */
+    double *pass_ms;
+    bool rendered;
+};
+
+/* ---- Errors ---------------------------------------------------------------------------------- */
+
+/* Logs one DT_ERROR and returns false. */
+bool vk_error(const struct vk_runtime *rt, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* True for VK_SUCCESS; else logs "vkFunction(name): VK_ERROR_...: what to do". `call` is the
+ * text of the call. */
+bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, const char *name);
+#define VK(rt, call, name) vk_check(rt, call, #call, name)
+
+/* ---- Context (context.c) --------------------------------------------------------------------- */
+
+bool vk_context_open(struct vk_runtime *rt, const char *device);
+void vk_context_close(struct vk_runtime *rt); /* takes what a failed open left behind */
+
+/* Names a handle in messages of the validation layers; does nothing without debug. */
+void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name);
+
+/* ---- Resources (resources.c) ----------------------------------------------------------------- */
+
+/* A buffer in host-visible, coherent memory. */
+bool vk_mapped_create(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
+                      const struct vk_buffer_info *info);
+void vk_mapped_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped);
+
+/* At least `size` bytes of staging memory; NULL after an error that names `name`. Undoes earlier
+ * pointers. */
+void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name);
+
+uint32_t vk_texel_size(enum dt_format format); /* bytes */
+
+/* ---- Commands (frame.c) ---------------------------------------------------------------------- */
+
+/* Commands that are executed and waited for on the spot: between begin and end record into the
+ * command buffer that begin returns; NULL after an error. Work before and after is ordered
+ * against them. */
+VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name);
+bool vk_immediate_end(struct vk_runtime *rt, const char *name);
+
+/* Everything before happens before everything after, and is visible to it; the host too. */
+void vk_full_barrier(VkCommandBuffer commands);
+/* The same for one image, which moves to `layout`; a layout of UNDEFINED so far loses the
+ * content. */
+void vk_transition(VkCommandBuffer commands, struct vk_image *image, VkImageLayout layout);
+
+bool vk_frame_create(struct vk_runtime *rt); /* for rt->panel */
+void vk_frame_destroy(struct vk_runtime *rt);
+bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live);
+
+/* ---- Read-back (readback.c), scene (scene.c) ------------------------------------------------- */
+
+bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceSize size,
+                    struct dt_bytes *out);
+bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, struct dt_bytes *out);
+
+bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene);
+void vk_scene_destroy(struct vk_runtime *rt);
+
+#endif

@@ -1,0 +1,180 @@
+/* The verbs of the Vulkan runtime as the app sees them, struct dt_runtime runtime_vk, and the
+ * order in which they may be used. */
+#include "internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void destroy_panel(struct vk_runtime *rt)
+{
+    if (!rt->panel)
+        return;
+    vkDeviceWaitIdle(
+        rt->device); /* a lost device reports it here, and may be torn down all the same */
+    rt->panel->destroy(rt, rt->state);
+    vk_frame_destroy(rt);
+    free(rt->state);
+    rt->state = NULL;
+    rt->panel = NULL;
+    rt->width = rt->height = 0;
+    rt->sized = false;
+}
+
+static void runtime_close(void *runtime)
+{
+    struct vk_runtime *rt = runtime;
+    if (!rt)
+        return;
+    destroy_panel(rt);
+    if (rt->device) {
+        vk_scene_destroy(rt);
+        vk_mapped_destroy(rt, &rt->builtin.frame, &rt->frame_memory);
+        vk_mapped_destroy(rt, &rt->staging, &rt->staging_memory);
+    }
+    vk_context_close(rt);
+    free(rt);
+}
+
+static void *runtime_open(const struct dt_runtime_options *options)
+{
+    struct vk_runtime *rt = calloc(1, sizeof *rt);
+    struct vk_buffer_info frame = {
+        .name = "frame",
+        .size = sizeof(struct dt_frame),
+        .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
+    };
+    if (!rt) {
+        vk_error(&(struct vk_runtime){.log = options->log}, "Vulkan: out of memory; free some");
+        return NULL;
+    }
+    rt->log = options->log;
+    rt->debug = options->debug;
+    rt->timing = options->timing;
+    rt->poison = options->poison;
+    if (!vk_context_open(rt, options->device) ||
+        !vk_mapped_create(rt, &rt->builtin.frame, &rt->frame_memory, &frame)) {
+        runtime_close(rt);
+        return NULL;
+    }
+    return rt;
+}
+
+static const char *runtime_device_name(void *runtime)
+{
+    struct vk_runtime *rt = runtime;
+    return rt->properties.deviceName;
+}
+
+static bool runtime_is_software(void *runtime)
+{
+    struct vk_runtime *rt = runtime;
+    return rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
+static bool runtime_set_scene(void *runtime, const struct dt_scene *scene)
+{
+    struct vk_runtime *rt = runtime;
+    rt->sized = false; /* descriptors point at the former scene until the next resize */
+    return vk_scene_upload(rt, scene);
+}
+
+static bool runtime_create(void *runtime, const struct dt_panel *panel)
+{
+    struct vk_runtime *rt = runtime;
+    destroy_panel(rt);
+    rt->state = calloc(1, panel->state_size ? panel->state_size : 1);
+    if (!rt->state)
+        return vk_error(rt, "pipeline %s: out of memory; free some", panel->pipeline->name);
+    rt->panel = panel;
+    if (vk_frame_create(rt) && panel->create(rt, rt->state))
+        return true;
+    destroy_panel(rt);
+    return false;
+}
+
+static bool runtime_resize(void *runtime, uint32_t width, uint32_t height)
+{
+    struct vk_runtime *rt = runtime;
+    uint32_t limit = rt->properties.limits.maxImageDimension2D;
+    if (!rt->panel || !rt->has_scene)
+        return vk_error(rt, "resize: no pipeline or no scene yet; create and set_scene come first");
+    if (width < 1 || height < 1 || width > limit || height > limit)
+        return vk_error(rt, "frame of %ux%u: the device takes 1x1 to %ux%u; choose another --size",
+                        width, height, limit, limit);
+    rt->width = rt->height = 0;
+    rt->sized = false;
+    rt->rendered = false;
+    if (!VK(rt, vkDeviceWaitIdle(rt->device), "resize") ||
+        !rt->panel->resize(rt, rt->state, width, height))
+        return false;
+    rt->width = width;
+    rt->height = height;
+    rt->sized = true;
+    return true;
+}
+
+static bool runtime_render(void *runtime, const struct dt_frame *frame, const void *live,
+                           const struct dt_observer *observer)
+{
+    struct vk_runtime *rt = runtime;
+    if (!rt->sized)
+        return vk_error(rt, "render: the pipeline has no resources; resize comes first, also after "
+                            "set_scene and after a frame that failed");
+    rt->observer = observer;
+    rt->rendered = vk_frame_render(rt, frame, live ? live : rt->panel->pipeline->live_defaults);
+    rt->observer = NULL;
+    rt->sized = rt->rendered; /* else layouts as recorded may never have come about */
+    return rt->rendered;
+}
+
+static bool runtime_read(void *runtime, uint32_t resource, struct dt_bytes *out)
+{
+    struct vk_runtime *rt = runtime;
+    *out = (struct dt_bytes){0};
+    if (!rt->panel || resource >= rt->panel->pipeline->resource_count)
+        return vk_error(rt, "read: the pipeline has no resource %u", resource);
+    const struct dt_resource *what = &rt->panel->pipeline->resources[resource];
+    void *place = rt->panel->resource(rt->state, resource);
+    if (!rt->width)
+        return vk_error(rt, "read %s: it does not exist yet; resize comes first", what->name);
+    if (what->kind == DT_IMAGE)
+        return vk_read_image(rt, place, out);
+    const struct vk_buffer *buffer = place;
+    what->extent(rt->width, rt->height, out->extent);
+    return vk_read_buffer(rt, buffer, (VkDeviceSize)out->extent[0] * what->stride, out);
+}
+
+static bool runtime_timings(void *runtime, double *pass_ms)
+{
+    struct vk_runtime *rt = runtime;
+    if (!rt->timing || !rt->rendered)
+        return vk_error(rt, "timings: none; open with timing and render a frame first");
+    memcpy(pass_ms, rt->pass_ms, rt->panel->pipeline->pass_count * sizeof *pass_ms);
+    return true;
+}
+
+static uint32_t runtime_messages(void *runtime)
+{
+    struct vk_runtime *rt = runtime;
+    return rt->messages;
+}
+
+const struct vk_builtin *vk_builtin(const struct vk_runtime *rt)
+{
+    return &rt->builtin;
+}
+
+const struct dt_runtime runtime_vk = {
+    .name = "vk",
+    .open = runtime_open,
+    .device_name = runtime_device_name,
+    .is_software = runtime_is_software,
+    .set_scene = runtime_set_scene,
+    .create = runtime_create,
+    .resize = runtime_resize,
+    .render = runtime_render,
+    .read = runtime_read,
+    .timings = runtime_timings,
+    .messages = runtime_messages,
+    .close = runtime_close,
+};
