@@ -1,0 +1,431 @@
+/* Makes an OpenGL 4.6 core context, without a window (EGL surfaceless, OSMesa) or with a hidden
+ * one (GLFW), and brings it into the one fixed state in which both backends rasterise alike.
+ * Called by runtime.c. */
+#include "internal.h"
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/osmesa.h>
+#include <GLFW/glfw3.h>
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Why a context could not be made: the caller decides whether that is an error. */
+struct reason {
+    char text[256];
+};
+
+struct gl_context_kind {
+    const char *name;
+    bool (*make)(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why);
+    bool (*current)(struct gl_context *ctx);
+    GLADapiproc (*load)(void *ctx, const char *name);
+    /* `unload` also lets go of the driver, so that it reads its environment anew when it is
+     * loaded again. */
+    void (*destroy)(struct gl_context *ctx, bool unload);
+};
+
+/* ---- EGL without a surface ------------------------------------------------------------------- */
+
+static EGLDisplay egl_display(void)
+{
+    const char *extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    if (extensions && strstr(extensions, "EGL_MESA_platform_surfaceless"))
+        return eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+
+    /* Drivers without Mesa's platform have devices instead. */
+    PFNEGLQUERYDEVICESEXTPROC query =
+        (PFNEGLQUERYDEVICESEXTPROC)eglGetProcAddress("eglQueryDevicesEXT");
+    EGLDeviceEXT device;
+    EGLint count = 0;
+    if (!query || !query(1, &device, &count) || count < 1)
+        return EGL_NO_DISPLAY;
+    return eglGetPlatformDisplay(EGL_PLATFORM_DEVICE_EXT, device, NULL);
+}
+
+static bool egl_make(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why)
+{
+    ctx->display = egl_display();
+    if (ctx->display == EGL_NO_DISPLAY || !eglInitialize(ctx->display, NULL, NULL)) {
+        snprintf(why->text, sizeof why->text,
+                 "no EGL display without a window system (EGL error 0x%x)",
+                 (unsigned)eglGetError());
+        return false;
+    }
+    const EGLint attributes[] = {
+        EGL_CONTEXT_MAJOR_VERSION,
+        major,
+        EGL_CONTEXT_MINOR_VERSION,
+        minor,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK,
+        EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        EGL_CONTEXT_OPENGL_DEBUG,
+        debug,
+        EGL_NONE,
+    };
+    if (eglBindAPI(EGL_OPENGL_API))
+        ctx->context =
+            eglCreateContext(ctx->display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    if (!ctx->context)
+        snprintf(why->text, sizeof why->text, "EGL refuses OpenGL %d.%d core (EGL error 0x%x)",
+                 major, minor, (unsigned)eglGetError());
+    return ctx->context;
+}
+
+static bool egl_current(struct gl_context *ctx)
+{
+    eglMakeCurrent(ctx->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                   EGL_NO_CONTEXT); /* see gl_context_current */
+    return eglMakeCurrent(ctx->display, EGL_NO_SURFACE, EGL_NO_SURFACE, ctx->context);
+}
+
+static GLADapiproc egl_load(void *ctx, const char *name)
+{
+    (void)ctx;
+    return (GLADapiproc)eglGetProcAddress(name);
+}
+
+/* The display is one per process and terminating it would end every other runtime on it: only
+ * the trial before the first context does that. */
+static void egl_destroy(struct gl_context *ctx, bool unload)
+{
+    if (!ctx->display)
+        return;
+    eglMakeCurrent(ctx->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (ctx->context)
+        eglDestroyContext(ctx->display, ctx->context);
+    eglReleaseThread();
+    if (unload)
+        eglTerminate(ctx->display);
+}
+
+/* ---- OSMesa: no EGL, no window system; loaded on demand -------------------------------------- */
+
+#define OSMESA(ctx, function) ((__typeof__(&(function)))dlsym((ctx)->library, #function))
+
+static bool osmesa_make(struct gl_context *ctx, int major, int minor, bool debug,
+                        struct reason *why)
+{
+    /* OSMesa knows no debug contexts; its contexts speak when GL_DEBUG_OUTPUT is enabled */
+    (void)debug;
+    ctx->library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
+    if (!ctx->library) {
+        snprintf(why->text, sizeof why->text, "OSMesa is not there: %s (Debian: libosmesa6)",
+                 dlerror());
+        return false;
+    }
+    const int attributes[] = {
+        OSMESA_FORMAT,
+        OSMESA_RGBA,
+        OSMESA_PROFILE,
+        OSMESA_CORE_PROFILE,
+        OSMESA_CONTEXT_MAJOR_VERSION,
+        major,
+        OSMESA_CONTEXT_MINOR_VERSION,
+        minor,
+        0,
+    };
+    __typeof__(&OSMesaCreateContextAttribs) create = OSMESA(ctx, OSMesaCreateContextAttribs);
+    ctx->context = create ? create(attributes, NULL) : NULL;
+    if (!ctx->context)
+        snprintf(why->text, sizeof why->text, "OSMesa refuses OpenGL %d.%d core", major, minor);
+    return ctx->context;
+}
+
+static bool osmesa_current(struct gl_context *ctx)
+{
+    return OSMESA(ctx, OSMesaMakeCurrent)(ctx->context, ctx->pixels, GL_UNSIGNED_BYTE, 16, 16);
+}
+
+static GLADapiproc osmesa_load(void *ctx, const char *name)
+{
+    return (GLADapiproc)OSMESA((struct gl_context *)ctx, OSMesaGetProcAddress)(name);
+}
+
+static void osmesa_destroy(struct gl_context *ctx, bool unload)
+{
+    (void)unload; /* dlclose counts */
+    if (ctx->context) {
+        OSMESA(ctx, OSMesaMakeCurrent)(NULL, NULL, 0, 0, 0);
+        OSMESA(ctx, OSMesaDestroyContext)(ctx->context);
+    }
+    if (ctx->library)
+        dlclose(ctx->library);
+}
+
+/* ---- GLFW: a hidden window ------------------------------------------------------------------- */
+
+/* GLFW is one per process: the runtime that found it uninitialised terminates it, and must be
+ * closed last. */
+static bool window_initialise(struct gl_context *ctx)
+{
+    glfwGetError(NULL);
+    glfwGetTime();
+    ctx->owns_glfw = glfwGetError(NULL) == GLFW_NOT_INITIALIZED;
+    return glfwInit();
+}
+
+static bool window_make(struct gl_context *ctx, int major, int minor, bool debug,
+                        struct reason *why)
+{
+    const char *text = "no window system";
+    if (window_initialise(ctx)) {
+        glfwDefaultWindowHints();
+        glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+        glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
+        glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
+        glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug);
+        ctx->window = glfwCreateWindow(64, 64, "diptych", NULL, NULL);
+    }
+    if (!ctx->window) {
+        glfwGetError(&text);
+        snprintf(why->text, sizeof why->text, "GLFW gives no window with OpenGL %d.%d core (%s)",
+                 major, minor, text ? text : "no window system");
+    }
+    return ctx->window;
+}
+
+static bool window_current(struct gl_context *ctx)
+{
+    glfwMakeContextCurrent(NULL); /* see gl_context_current */
+    glfwMakeContextCurrent(ctx->window);
+    return glfwGetCurrentContext() == ctx->window;
+}
+
+static GLADapiproc window_load(void *ctx, const char *name)
+{
+    (void)ctx;
+    return (GLADapiproc)glfwGetProcAddress(name);
+}
+
+static void window_destroy(struct gl_context *ctx, bool unload)
+{
+    (void)unload;
+    if (ctx->window)
+        glfwDestroyWindow(ctx->window);
+    if (ctx->owns_glfw)
+        glfwTerminate();
+}
+
+static const struct gl_context_kind kinds[] = {
+    {"egl", egl_make, egl_current, egl_load, egl_destroy},
+    {"osmesa", osmesa_make, osmesa_current, osmesa_load, osmesa_destroy},
+    {"window", window_make, window_current, window_load, window_destroy},
+};
+
+/* ---- The version ----------------------------------------------------------------------------- */
+
+static void destroy(struct gl_context *ctx, bool unload)
+{
+    if (ctx->kind)
+        ctx->kind->destroy(ctx, unload);
+    *ctx = (struct gl_context){0};
+}
+
+static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int major, int minor,
+                 struct reason *why)
+{
+    struct gl_context *ctx = &rt->context;
+    ctx->kind = kind;
+    bool made = kind->make(ctx, major, minor, rt->options.debug, why);
+    if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, kind->load, ctx))
+        return true;
+    if (made)
+        snprintf(why->text, sizeof why->text, "the context cannot be made current");
+    destroy(ctx, false);
+    return false;
+}
+
+static bool has_extension(const struct gl_runtime *rt, const char *name)
+{
+    GLint count = 0;
+    rt->gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++)
+        if (strcmp((const char *)rt->gl.GetStringi(GL_EXTENSIONS, (GLuint)i), name) == 0)
+            return true;
+    return false;
+}
+
+static const char *const core_4_6[] = {
+    /* what 4.6 added to 4.5 */
+    "GL_ARB_gl_spirv",
+    "GL_ARB_indirect_parameters",
+    "GL_ARB_pipeline_statistics_query",
+    "GL_ARB_polygon_offset_clamp",
+    "GL_ARB_shader_atomic_counter_ops",
+    "GL_ARB_shader_draw_parameters",
+    "GL_ARB_shader_group_vote",
+    "GL_ARB_spirv_extensions",
+    "GL_ARB_texture_filter_anisotropic",
+    "GL_ARB_transform_feedback_overflow_query",
+    "GL_KHR_no_error",
+};
+
+static const char *const needed[] = {
+    "GL_ARB_shader_viewport_layer_array", /* gl_Layer from the vertex shader */
+};
+
+/* True when all are there; else `missing` lists the others, separated by blanks. */
+static bool has_all(const struct gl_runtime *rt, const char *const *names, size_t count,
+                    char *missing, size_t size)
+{
+    missing[0] = '\0';
+    for (size_t i = 0; i < count; i++) {
+        size_t used = strlen(missing);
+        if (!has_extension(rt, names[i]))
+            snprintf(missing + used, size - used, "%s%s", used ? " " : "", names[i]);
+    }
+    return !missing[0];
+}
+
+/* The driver refused 4.6. Mesa's software drivers hold it back although they have all of it, and
+ * give it when they are told so by the environment, which they read once when they are loaded:
+ * the trial context goes away, driver and all. */
+static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind *kind,
+                            struct reason *why)
+{
+    if (!make(rt, kind, 3, 3, why)) {
+        gl_log(rt, DT_ERROR, "context %s: OpenGL 4.6 core is needed, and there is none: %s",
+               kind->name, why->text);
+        return false;
+    }
+    const char *version = (const char *)rt->gl.GetString(GL_VERSION);
+    const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
+    bool mesa = version && strstr(version, "Mesa") && rt->gl.VERSION_4_5;
+    char missing[512];
+    bool complete = has_all(rt, core_4_6, DT_ARRAY_COUNT(core_4_6), missing, sizeof missing);
+    if (mesa && complete && !getenv("MESA_GL_VERSION_OVERRIDE")) {
+        gl_log(rt, DT_INFO,
+               "%s has every extension of OpenGL 4.6 but reports 4.5: setting "
+               "MESA_GL_VERSION_OVERRIDE=4.6 "
+               "MESA_GLSL_VERSION_OVERRIDE=460",
+               renderer);
+        destroy(&rt->context, true);
+        setenv("MESA_GL_VERSION_OVERRIDE", "4.6", 1);
+        setenv("MESA_GLSL_VERSION_OVERRIDE", "460", 1);
+        if (make(rt, kind, 4, 6, why))
+            return true;
+        gl_log(
+            rt, DT_ERROR,
+            "context %s: %s, also with the version override: set MESA_GL_VERSION_OVERRIDE=4.6 and "
+            "MESA_GLSL_VERSION_OVERRIDE=460 before the program starts",
+            kind->name, why->text);
+        return false;
+    }
+    gl_log(rt, DT_ERROR, "context %s: OpenGL 4.6 core is needed; %s gives only %s%s%s: %s",
+           kind->name, renderer, version, complete ? "" : ", without ", missing,
+           getenv("MESA_GL_VERSION_OVERRIDE") ? "unset MESA_GL_VERSION_OVERRIDE"
+                                              : "use a newer driver");
+    destroy(&rt->context, false);
+    return false;
+}
+
+/* ---- Fixed state ----------------------------------------------------------------------------- */
+
+/* Errors, undefined behaviour, deprecated and unportable use, and whatever else the driver finds
+ * worth a severity. Advice on performance and notes about where memory went say nothing about
+ * right or wrong. */
+static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenum severity,
+                                    GLsizei length, const GLchar *message, const void *user)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)user;
+    (void)source;
+    if (severity == GL_DEBUG_SEVERITY_NOTIFICATION || type == GL_DEBUG_TYPE_PERFORMANCE)
+        return;
+    while (length > 0 && message[length - 1] == '\n')
+        length--;
+    rt->messages++;
+    gl_log(rt, DT_ERROR, "OpenGL debug message %u: %.*s", id, (int)length, message);
+}
+
+static void read_limits(struct gl_runtime *rt)
+{
+    struct gl_limits *l = &rt->limits;
+    const struct {
+        GLenum name;
+        GLint *value;
+    } integers[] = {
+        {GL_MAX_TEXTURE_SIZE, &l->texture_size},
+        {GL_MAX_ARRAY_TEXTURE_LAYERS, &l->texture_layers},
+        {GL_MAX_COLOR_ATTACHMENTS, &l->color_targets},
+        {GL_MAX_DRAW_BUFFERS, &l->draw_buffers},
+        {GL_MAX_VIEWPORT_DIMS, l->viewport},
+        {GL_MAX_UNIFORM_BUFFER_BINDINGS, &l->uniform_bindings},
+        {GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &l->storage_bindings},
+        {GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &l->texture_bindings},
+        {GL_MAX_IMAGE_UNITS, &l->image_bindings},
+        {GL_MAX_CLIP_DISTANCES, &l->clip_distances},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
+        rt->gl.GetIntegerv(integers[i].name, integers[i].value);
+    for (GLuint i = 0; i < 3; i++)
+        rt->gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, i, &l->groups[i]);
+    rt->gl.GetInteger64v(GL_MAX_UNIFORM_BLOCK_SIZE, &l->uniform_size);
+    rt->gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &l->storage_size);
+    rt->gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &l->anisotropy);
+}
+
+/* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the
+ * first vertex provokes, sRGB targets encode. */
+static bool set_fixed_state(struct gl_runtime *rt)
+{
+    if (rt->options.debug) {
+        rt->gl.Enable(GL_DEBUG_OUTPUT);
+        rt->gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+        rt->gl.DebugMessageCallback(on_message, rt);
+    }
+    rt->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    rt->gl.ProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
+    rt->gl.FrontFace(GL_CCW);
+    rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
+    rt->gl.Enable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+    rt->gl.Disable(GL_DITHER);
+    rt->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    return GL(rt, "fixed state", PixelStorei(GL_UNPACK_ALIGNMENT, 1));
+}
+
+bool gl_context_open(struct gl_runtime *rt)
+{
+    const char *name = rt->options.context ? rt->options.context : "egl";
+    const struct gl_context_kind *kind = NULL;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(kinds); i++)
+        if (strcmp(kinds[i].name, name) == 0)
+            kind = &kinds[i];
+    if (!kind) {
+        gl_log(rt, DT_ERROR, "there is no OpenGL context '%s': choose egl, osmesa or window", name);
+        return false;
+    }
+    struct reason why = {""};
+    if (!make(rt, kind, 4, 6, &why) && !make_overridden(rt, kind, &why))
+        return false;
+
+    const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
+    snprintf(rt->device_name, sizeof rt->device_name, "%s", renderer);
+    char missing[512];
+    if (!rt->gl.VERSION_4_6 ||
+        !has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing)) {
+        gl_log(rt, DT_ERROR, "%s lacks %s: use a newer driver", renderer,
+               rt->gl.VERSION_4_6 ? missing : "OpenGL 4.6");
+        return false;
+    }
+    read_limits(rt);
+    return set_fixed_state(rt);
+}
+
+/* Always for real, by way of no context: OSMesa, EGL and GLX share Mesa's dispatch table without
+ * telling each other, and each leaves out the change to a context that it believes current. */
+bool gl_context_current(struct gl_runtime *rt)
+{
+    if (rt->context.kind->current(&rt->context))
+        return true;
+    gl_log(rt, DT_ERROR, "%s: the OpenGL context cannot be made current", rt->device_name);
+    return false;
+}
+
+void gl_context_close(struct gl_runtime *rt)
+{
+    destroy(&rt->context, false);
+}

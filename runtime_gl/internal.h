@@ -1,0 +1,98 @@
+/* What the files of the OpenGL runtime share and nobody else sees: the runtime's state, the one
+ * way to call OpenGL, and the helpers that cross files. */
+#ifndef DIPTYCH_RUNTIME_GL_INTERNAL_H
+#define DIPTYCH_RUNTIME_GL_INTERNAL_H
+
+#include "runtime.h"
+
+struct gl_context_kind;
+
+/* One OpenGL context and whatever stands below it; see context.c. */
+struct gl_context {
+    const struct gl_context_kind *kind; /* NULL: not made */
+    void *display;                      /* EGLDisplay */
+    void *context;                      /* EGLContext or OSMesaContext */
+    void *library;                      /* libOSMesa */
+    void *window;                       /* GLFWwindow */
+    bool owns_glfw;
+    uint8_t pixels[16 * 16 * 4]; /* OSMesa wants a default framebuffer; nothing is drawn to it */
+};
+
+struct gl_limits {
+    GLint texture_size, texture_layers;
+    GLint color_targets, draw_buffers, viewport[2];
+    GLint uniform_bindings, storage_bindings, texture_bindings, image_bindings;
+    GLint64 uniform_size, storage_size; /* bytes of one block */
+    GLint groups[3];
+    GLint clip_distances;
+    GLfloat anisotropy;
+};
+
+struct gl_runtime {
+    GladGLContext gl;
+    struct gl_context context;
+    struct dt_runtime_options options;
+    struct gl_limits limits;
+    char device_name[256];
+    uint32_t messages; /* from KHR_debug */
+
+    struct gl_builtin builtin;
+    uint32_t index_count;
+    GLuint scene_input, no_input; /* vertex array objects */
+    GLuint nearest;               /* the sampler of bindings without one */
+
+    const struct dt_panel *panel; /* NULL: none created */
+    void *state;
+    uint32_t width, height;
+
+    const struct dt_observer *observer; /* during render */
+    GLuint *queries;                    /* two per pass: begin, end; NULL without options.timing */
+    bool *ran;                          /* per pass, in the last render */
+};
+
+void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* The one way to make an OpenGL call that can fail: true, or one DT_ERROR that names the call
+ * and the object. */
+#define GL(rt, object, call) ((rt)->gl.call, gl_check((rt), #call, (object)))
+bool gl_check(const struct gl_runtime *rt, const char *call, const char *object);
+
+/* ---- context.c ------------------------------------------------------------------------------- */
+
+bool gl_context_open(
+    struct gl_runtime *rt); /* makes the context current, loads rt->gl, sets the fixed state */
+bool gl_context_current(struct gl_runtime *rt);
+void gl_context_close(struct gl_runtime *rt);
+
+/* ---- resources.c ----------------------------------------------------------------------------- */
+
+/* How texels of a format lie in memory, in the words of glTextureSubImage and
+ * glGetTextureSubImage. */
+struct gl_format {
+    const char *name;
+    GLenum internal, format, type;
+    uint32_t bytes; /* per texel */
+};
+const struct gl_format *gl_format(enum dt_format format);
+bool gl_depth(const struct gl_image *image);
+
+/* A buffer with initial content (size bytes; NULL: none) that gl_buffer_write may change. */
+bool gl_buffer_upload(struct gl_runtime *rt, struct gl_buffer *buffer,
+                      const struct gl_buffer_info *info, const void *data);
+bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
+                     size_t size);
+
+/* ---- scene.c --------------------------------------------------------------------------------- */
+
+bool gl_scene_upload(struct gl_runtime *rt,
+                     const struct dt_scene *scene); /* replaces the former scene */
+void gl_scene_destroy(struct gl_runtime *rt);
+
+/* ---- readback.c ------------------------------------------------------------------------------ */
+
+bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
+                    struct dt_bytes *out); /* out->size bytes */
+bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, struct dt_bytes *out);
+
+#endif

@@ -1,0 +1,182 @@
+/* The OpenGL 4.6 runtime: what generated pipelines (NAME_gl.c) call, and the table of verbs for
+ * the app. The Vulkan runtime has the same file names and the same verbs. Knows no pipeline. All
+ * state is in struct gl_runtime; functions are called through its GladGLContext, so several
+ * contexts live side by side. Every function that returns bool has logged the error when it
+ * returns false. */
+#ifndef DIPTYCH_RUNTIME_GL_H
+#define DIPTYCH_RUNTIME_GL_H
+
+#include <glad/gl.h>
+
+#include "diptych.h"
+
+enum { GL_ALL_MIPS = 0xffff, GL_MAX_COLOR_TARGETS = 8 };
+
+struct gl_runtime;
+
+struct gl_buffer {
+    const char *name;
+    GLuint handle;
+    GLsizeiptr size; /* bytes, at least 16 */
+};
+
+struct gl_image {
+    const char *name;
+    GLuint handle;
+    GLenum target; /* GL_TEXTURE_2D or GL_TEXTURE_2D_ARRAY */
+    GLenum format; /* sized internal format */
+    enum dt_format texel;
+    uint32_t width, height, layers, mips;
+    bool layered;
+    bool borrowed; /* shares the texture of another resource of disjoint lifetime, that owns it */
+};
+
+/* ---- Resources: resize, destroy -------------------------------------------------------------- */
+
+struct gl_buffer_info {
+    const char *name;
+    GLsizeiptr size; /* bytes; raised to 16 */
+};
+bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer,
+                      const struct gl_buffer_info *info);
+
+struct gl_image_info {
+    const char *name;
+    enum dt_format format;
+    uint32_t width, height, layers, mips;
+    bool layered;
+    const struct gl_image
+        *share; /* same format and size, disjoint lifetime: take its texture; NULL: an own one */
+};
+bool gl_image_create(struct gl_runtime *rt, struct gl_image *image,
+                     const struct gl_image_info *info);
+
+/* Zero-fills resources with history; fills the others with options.poison when that is set. One
+ * of the two is NULL. */
+bool gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl_image *image,
+                   bool history);
+
+void gl_buffer_destroy(struct gl_runtime *rt,
+                       struct gl_buffer *buffer); /* all take zeroed structs, and zero them */
+void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
+
+/* ---- Samplers -------------------------------------------------------------------------------- */
+
+struct gl_sampler_info {
+    const char *name;
+    GLenum filter;     /* GL_NEAREST or GL_LINEAR */
+    GLenum mip_filter; /* GL_NEAREST or GL_LINEAR: between mips */
+    GLenum wrap;
+    bool compare;     /* shadow sampler: GL_LEQUAL */
+    float anisotropy; /* 1: off */
+};
+bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct gl_sampler_info *info);
+void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
+
+/* ---- Programs: one per pass ------------------------------------------------------------------ */
+
+struct gl_code {
+    const uint32_t *words; /* SPIR-V */
+    size_t size;           /* bytes; 0: the stage is absent */
+    const char *glsl;      /* the same as text, for options.glsl */
+};
+
+struct gl_program_info {
+    const char *name;
+    struct gl_code compute, vertex, fragment;
+    /* vertex attributes of struct dt_vertex at locations 0 to 3; else no vertex input */
+    bool scene_vertices;
+    bool depth_test, depth_write;
+    GLenum depth_compare;
+    GLenum cull; /* GL_NONE, GL_BACK or GL_FRONT; front faces are GL_CCW */
+    bool blend_add;
+    uint32_t clip_distances; /* GL_CLIP_DISTANCE0 + i to enable */
+};
+
+struct gl_program {
+    const char *name;
+    GLuint handle;
+    struct gl_program_info info; /* code emptied after create */
+};
+bool gl_program_create(struct gl_runtime *rt, struct gl_program *program,
+                       const struct gl_program_info *info);
+void gl_program_destroy(struct gl_runtime *rt, struct gl_program *program);
+
+/* ---- Framebuffers: one per pass that draws --------------------------------------------------- */
+
+struct gl_target {
+    const struct gl_image *image;
+    uint32_t mip;
+    bool load; /* keep the content; else clear to `clear` */
+    float clear[4];
+};
+struct gl_targets {
+    struct gl_target color[GL_MAX_COLOR_TARGETS];
+    uint32_t color_count;
+    struct gl_target depth; /* image NULL: none */
+    uint32_t
+        layers; /* 1, or the layers of a layered draw: then attachments are whole array textures */
+};
+bool gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
+                           const struct gl_targets *targets);
+void gl_framebuffer_destroy(struct gl_runtime *rt, GLuint *framebuffer);
+
+/* ---- Recording ------------------------------------------------------------------------------- */
+
+/* Debug group and timestamps around a pass. end also finishes and calls the observer when there
+ * is one. */
+bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs);
+bool gl_pass_end(struct gl_runtime *rt, uint32_t pass);
+
+bool gl_barrier(struct gl_runtime *rt, GLbitfield bits); /* glMemoryBarrier */
+
+enum gl_binding_kind { GL_BIND_UNIFORM, GL_BIND_STORAGE, GL_BIND_TEXTURE, GL_BIND_IMAGE };
+struct gl_binding {
+    uint32_t binding;
+    enum gl_binding_kind kind;
+    const struct gl_buffer *buffer;
+    const struct gl_image *image;
+    uint32_t mip;   /* GL_BIND_IMAGE: the mip */
+    GLenum access;  /* GL_BIND_IMAGE: GL_READ_ONLY, GL_WRITE_ONLY, GL_READ_WRITE */
+    GLuint sampler; /* GL_BIND_TEXTURE; 0: nearest, clamped, for texelFetch */
+};
+bool gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t count);
+
+bool gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32_t x, uint32_t y,
+                 uint32_t z);
+bool gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
+                          const struct gl_buffer *arguments);
+
+/* Draws the whole scene `instances` times; a layered draw picks gl_Layer from gl_InstanceIndex. */
+bool gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
+                   const struct gl_targets *targets, uint32_t instances);
+/* Draws from an index buffer and DrawElementsIndirectCommand[draw_count] that compute passes
+ * wrote; indices NULL: the scene's own. */
+bool gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *program,
+                            GLuint framebuffer, const struct gl_targets *targets,
+                            const struct gl_buffer *indices, const struct gl_buffer *arguments,
+                            uint32_t draw_count);
+bool gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
+                        const struct gl_targets *targets);
+bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer,
+                      const struct gl_targets *targets); /* a skipped draw */
+bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image,
+                    const float clear[4]); /* a skipped dispatch */
+bool gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer);
+
+/* ---- What the runtime brings along: bind these like any resource ----------------------------- */
+
+struct gl_builtin {
+    struct gl_buffer frame;     /* uniform block struct dt_frame */
+    struct gl_buffer live;      /* uniform block of the live parameters */
+    struct gl_buffer vertices;  /* storage, struct dt_vertex[]; also the vertex buffer */
+    struct gl_buffer indices;   /* storage, uint[]; also the index buffer */
+    struct gl_buffer materials; /* storage, struct dt_material[] */
+    struct gl_image textures;   /* array texture */
+    GLuint texture_sampler;     /* trilinear, repeat */
+};
+const struct gl_builtin *gl_builtin(const struct gl_runtime *rt);
+
+extern const struct dt_runtime runtime_gl;
+
+#endif
