@@ -29,18 +29,38 @@ struct dt_log {
 /* ---- Reflection: emitted once per pipeline, the same object for both backends ----------------------------------- */
 
 enum dt_type {
-    DT_TYPE_FLOAT, DT_TYPE_VEC2, DT_TYPE_VEC3, DT_TYPE_VEC4,
-    DT_TYPE_INT, DT_TYPE_IVEC2, DT_TYPE_IVEC3, DT_TYPE_IVEC4,
-    DT_TYPE_UINT, DT_TYPE_UVEC2, DT_TYPE_UVEC3, DT_TYPE_UVEC4,
-    DT_TYPE_BOOL, DT_TYPE_MAT4,
+    DT_TYPE_FLOAT,
+    DT_TYPE_VEC2,
+    DT_TYPE_VEC3,
+    DT_TYPE_VEC4,
+    DT_TYPE_INT,
+    DT_TYPE_IVEC2,
+    DT_TYPE_IVEC3,
+    DT_TYPE_IVEC4,
+    DT_TYPE_UINT,
+    DT_TYPE_UVEC2,
+    DT_TYPE_UVEC3,
+    DT_TYPE_UVEC4,
+    DT_TYPE_BOOL,
+    DT_TYPE_MAT4,
     DT_TYPE_COUNT
 };
 
 enum dt_format {
-    DT_FORMAT_R8, DT_FORMAT_RG8, DT_FORMAT_RGBA8, DT_FORMAT_RGBA8_SRGB,
-    DT_FORMAT_R16F, DT_FORMAT_RG16F, DT_FORMAT_RGBA16F,
-    DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F,
-    DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI, DT_FORMAT_R32I,
+    DT_FORMAT_R8,
+    DT_FORMAT_RG8,
+    DT_FORMAT_RGBA8,
+    DT_FORMAT_RGBA8_SRGB,
+    DT_FORMAT_R16F,
+    DT_FORMAT_RG16F,
+    DT_FORMAT_RGBA16F,
+    DT_FORMAT_R32F,
+    DT_FORMAT_RG32F,
+    DT_FORMAT_RGBA32F,
+    DT_FORMAT_R32UI,
+    DT_FORMAT_RG32UI,
+    DT_FORMAT_RGBA32UI,
+    DT_FORMAT_R32I,
     DT_FORMAT_D32F,
     DT_FORMAT_COUNT
 };
@@ -69,7 +89,8 @@ struct dt_resource {
     bool history; /* keeps last frame's content; zero before the first */
     struct dt_contract contract;
     /* buffers */
-    const struct dt_field *fields; /* a buffer of a scalar or vector has one field of an empty name */
+    const struct dt_field
+        *fields; /* a buffer of a scalar or vector has one field of an empty name */
     uint32_t field_count;
     uint32_t stride; /* bytes from element to element */
     /* images */
@@ -88,7 +109,8 @@ struct dt_pass {
     enum dt_pass_kind kind;
     const uint16_t *reads; /* indices into resources, ascending order of the spec */
     uint32_t read_count;
-    const uint16_t *writes; /* everything that the pass writes or updates: what to look at after it */
+    const uint16_t
+        *writes; /* everything that the pass writes or updates: what to look at after it */
     uint32_t write_count;
 };
 
@@ -96,10 +118,10 @@ struct dt_param {
     const char *name;
     const char *doc;
     enum dt_type type;
-    bool live;         /* may change at run time; else it is compiled in, and value tells what */
-    uint32_t offset;   /* live: bytes into the live block */
-    double value[4];   /* as many as the type has components */
-    double min, max;   /* -INFINITY, INFINITY where the spec gives none */
+    bool live;       /* may change at run time; else it is compiled in, and value tells what */
+    uint32_t offset; /* live: bytes into the live block */
+    double value[4]; /* as many as the type has components */
+    double min, max; /* -INFINITY, INFINITY where the spec gives none */
 };
 
 struct dt_pipeline {
@@ -127,11 +149,11 @@ struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at l
 };
 _Static_assert(sizeof(struct dt_vertex) == 36, "nine scalars, no padding");
 
-struct dt_material { /* GLSL: SceneMaterial in std430 */
-    float albedo[3];      /* linear, 0..1; multiplies the texture */
-    int32_t texture;      /* layer of scene_textures, or -1 */
-    float emission[3];    /* not used by the shipped pipelines */
-    float alpha_cutoff;   /* texture alpha below this is a hole; 0: opaque */
+struct dt_material {    /* GLSL: SceneMaterial in std430 */
+    float albedo[3];    /* linear, 0..1; multiplies the texture */
+    int32_t texture;    /* layer of scene_textures, or -1 */
+    float emission[3];  /* not used by the shipped pipelines */
+    float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
 };
 _Static_assert(sizeof(struct dt_material) == 32, "two vec4");
 
@@ -149,13 +171,14 @@ struct dt_view { /* std140: GLSL struct View */
 };
 _Static_assert(sizeof(struct dt_view) == 288, "std140");
 
-struct dt_light { /* std140: GLSL struct Light */
+struct dt_light {      /* std140: GLSL struct Light */
     float position[3]; /* spot */
     int32_t kind;
     float direction[3]; /* unit, the way that light travels */
-    float area;         /* directional: area covered by the light view, m2; spot: of its image plane at distance 1 */
-    float color[3];     /* directional: irradiance, W/m2; spot: intensity on the axis, W/sr */
-    float cos_inner;    /* spot: full intensity within the inner half angle, none beyond the outer */
+    float
+        area; /* directional: area covered by the light view, m2; spot: of its image plane at distance 1 */
+    float color[3];  /* directional: irradiance, W/m2; spot: intensity on the axis, W/sr */
+    float cos_inner; /* spot: full intensity within the inner half angle, none beyond the outer */
     float cos_outer;
     float padding[3];
 };
@@ -163,10 +186,11 @@ _Static_assert(sizeof(struct dt_light) == 64, "std140");
 
 struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new in every frame */
     struct dt_view camera;
-    struct dt_view light_view; /* orthographic or perspective, covers all that the light can reach */
+    struct dt_view
+        light_view; /* orthographic or perspective, covers all that the light can reach */
     struct dt_light light;
     float scene_center[3];
-    float scene_radius; /* of the bounding sphere */
+    float scene_radius;     /* of the bounding sphere */
     uint32_t width, height; /* frame size in pixels; the runtime fills these two */
     uint32_t index;         /* 0 in the first frame after create */
     uint32_t triangle_count;
@@ -195,10 +219,13 @@ struct dt_panel {
     const char *backend; /* "gl" or "vk" */
     const struct dt_pipeline *pipeline;
     size_t state_size;
-    bool (*create)(void *runtime, void *state);                                  /* programs, pipelines */
-    bool (*resize)(void *runtime, void *state, uint32_t width, uint32_t height); /* resources; also the first time */
-    bool (*record)(void *runtime, void *state, const void *live);                /* one frame: all passes */
-    void *(*resource)(void *state, uint32_t index); /* struct gl_buffer *, gl_image *, vk_buffer * or vk_image * */
+    bool (*create)(void *runtime, void *state); /* programs, pipelines */
+    bool (*resize)(void *runtime, void *state, uint32_t width,
+                   uint32_t height); /* resources; also the first time */
+    bool (*record)(void *runtime, void *state, const void *live); /* one frame: all passes */
+    void *(*resource)(
+        void *state,
+        uint32_t index); /* struct gl_buffer *, gl_image *, vk_buffer * or vk_image * */
     void (*destroy)(void *runtime, void *state);
 };
 
@@ -209,7 +236,7 @@ struct dt_runtime_options {
     bool debug;          /* validation with synchronization checking; KHR_debug */
     bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
     bool timing;         /* timestamps around every pass */
-    int poison;          /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
+    int poison; /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
 };
 
 /* One texel or element array, tightly packed: buffers as they lie; images layer by layer, row 0 first, mip 0. */
@@ -231,14 +258,19 @@ struct dt_runtime {
     void *(*open)(const struct dt_runtime_options *options);
     const char *(*device_name)(void *runtime);
     bool (*is_software)(void *runtime);
-    bool (*set_scene)(void *runtime, const struct dt_scene *scene); /* before resize; replaces the former scene */
-    bool (*create)(void *runtime, const struct dt_panel *panel);    /* one panel per runtime at a time */
+    bool (*set_scene)(void *runtime,
+                      const struct dt_scene *scene); /* before resize; replaces the former scene */
+    bool (*create)(void *runtime,
+                   const struct dt_panel *panel); /* one panel per runtime at a time */
     bool (*resize)(void *runtime, uint32_t width, uint32_t height);
-    bool (*render)(void *runtime, const struct dt_frame *frame, const void *live, const struct dt_observer *observer);
+    bool (*render)(void *runtime, const struct dt_frame *frame, const void *live,
+                   const struct dt_observer *observer);
     bool (*read)(void *runtime, uint32_t resource, struct dt_bytes *out);
-    bool (*timings)(void *runtime, double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
-    uint32_t (*messages)(void *runtime);             /* validation and debug messages so far; must be 0 */
-    void (*close)(void *runtime);                    /* takes NULL; destroys the panel first */
+    bool (*timings)(
+        void *runtime,
+        double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
+    uint32_t (*messages)(void *runtime); /* validation and debug messages so far; must be 0 */
+    void (*close)(void *runtime);        /* takes NULL; destroys the panel first */
 };
 
 #endif

@@ -1,0 +1,403 @@
+/* Names: each declared once, none that GLSL, C or the generated code has taken, and every reference to one resolved. Called by
+ * check.c. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+#include "table.h"
+
+/* ---- Reserved names ----------------------------------------------------------------------------------------------- */
+
+static const char *const reserved_words =
+    /* GLSL 4.60, sections 3.6 and 3.7, and C11 */
+    " active asm atomic_uint attribute auto bool break buffer bvec2 bvec3 bvec4 case cast centroid char class coherent common"
+    " const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum extern external false filter"
+    " fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if image1D image2D image2DArray image3D in"
+    " inline inout input int interface invariant isampler2D ivec2 ivec3 ivec4 layout long lowp mat2 mat3 mat4 mediump"
+    " namespace noinline noperspective out output partition patch precise precision public readonly register resource"
+    " restrict return sample sampler sampler2D sampler2DArray sampler2DShadow sampler3D samplerCube shared short signed"
+    " sizeof smooth static struct subroutine superp switch template texture1D texture2D this true typedef uint uimage2D union"
+    " uniform unsigned using usampler2D uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while writeonly"
+    " int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t NULL main ";
+
+static const char *const taken_words =
+    /* functions of GLSL that a declaration would hide */
+    " abs acos all any asin atan barrier ceil ceil_div clamp cos cross degrees determinant distance dot equal exp exp2 floor"
+    " fma fract imageLoad imageSize imageStore inverse inversesqrt isinf isnan ldexp length lerp log log2 max min mix mod modf"
+    " normalize not pow radians reflect refract round roundEven sign sin sqrt step smoothstep tan texelFetch texture"
+    " textureLod transpose trunc"
+    /* what the generator declares in every body */
+    " frame camera light light_view view scene_center scene_radius scene_materials scene_texture scene_textures"
+    " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material dispatch_size invocation"
+    " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL VULKAN View Light Frame Live"
+    " SceneMaterial SceneVertex ";
+
+static bool in_words(const char *words, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = words; (at = strstr(at, name)); at++)
+        if (at[-1] == ' ' && at[length] == ' ')
+            return true;
+    return false;
+}
+
+bool is_reserved(const char *name)
+{
+    return in_words(reserved_words, name) || in_words(taken_words, name);
+}
+
+static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
+{
+    if (!strncmp(name, "gl_", 3))
+        diag_error(c->diag, loc, "`%s`: names that start with gl_ belong to GLSL", name);
+    else if (strstr(name, "__"))
+        diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL", name);
+    else if (in_words(reserved_words, name))
+        diag_error(c->diag, loc, "`%s` is a reserved word of GLSL or C", name);
+    else if (!scoped && in_words(taken_words, name))
+        diag_error(c->diag, loc, "`%s` is taken: pass bodies know it as something else", name);
+}
+
+/* ---- Declarations ------------------------------------------------------------------------------------------------- */
+
+struct declaration {
+    const char *name, *kind;
+    struct loc loc;
+};
+
+static void declare(struct declaration *list, size_t *count, const char *name, const char *kind, struct loc loc)
+{
+    list[(*count)++] = (struct declaration){name, kind, loc};
+}
+
+/* Everything that shares one scope in the generated GLSL. */
+static size_t collect(const struct pipeline *p, struct declaration *list)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < p->param_count; i++)
+        declare(list, &count, p->params[i].name, "parameter", p->params[i].loc);
+    for (uint32_t i = 0; i < p->constant_count; i++)
+        declare(list, &count, p->constants[i].name, "constant", p->constants[i].loc);
+    for (uint32_t i = 0; i < p->struct_count; i++)
+        declare(list, &count, p->structs[i].name, "struct", p->structs[i].loc);
+    for (uint32_t i = 0; i < p->resource_count; i++)
+        declare(list, &count, p->resources[i].name, p->resources[i].kind == DT_IMAGE ? "image" : "buffer",
+                p->resources[i].loc);
+    for (uint32_t i = 0; i < p->sampler_count; i++)
+        declare(list, &count, p->samplers[i].name, "sampler", p->samplers[i].loc);
+    for (uint32_t i = 0; i < p->metric_count; i++)
+        declare(list, &count, p->metrics[i].name, "metric", p->metrics[i].loc);
+    for (uint32_t i = 0; i < p->interleave_count; i++)
+        declare(list, &count, p->interleaves[i].name, "interleave", p->interleaves[i].loc);
+    return count;
+}
+
+static bool comes_before(struct loc a, struct loc b)
+{
+    return a.line < b.line || (a.line == b.line && a.column < b.column);
+}
+
+static void report_twice(struct checker *c, const struct declaration *a, const struct declaration *b)
+{
+    const struct declaration *first = comes_before(a->loc, b->loc) ? a : b, *second = first == a ? b : a;
+    diag_error(c->diag, second->loc, "the %s `%s` has the name of a %s", second->kind, second->name, first->kind);
+    diag_note(c->diag, first->loc, "first here");
+}
+
+/* Words that the generator makes from a declared name must not be declared by themselves. */
+static void check_derived(struct checker *c, const struct declaration *list, size_t count, const struct declaration *of)
+{
+    static const char *const suffixes[] = {"_count", "_size", "_store", "_sample", "_sample_lod", "_compare", "_tile",
+                                           "_classes", "_class", "_split", "_gather", "_class_size", "_index"};
+    size_t length = strlen(of->name);
+    bool plain = !strcmp(of->kind, "parameter") || !strcmp(of->kind, "constant") || !strcmp(of->kind, "struct");
+    for (size_t i = 0; !plain && i < count; i++) {
+        const char *name = list[i].name;
+        if (strncmp(name, of->name, length))
+            continue;
+        bool buffer = !strcmp(of->kind, "buffer"), image = !strcmp(of->kind, "image"),
+             sampler = !strcmp(of->kind, "sampler"), interleave = !strcmp(of->kind, "interleave");
+        for (size_t k = 0; k < sizeof suffixes / sizeof *suffixes; k++) {
+            bool applies = k == 0 ? buffer || sampler : k <= 5 ? image : k <= 11 ? interleave : false;
+            if (applies && !strcmp(name + length, suffixes[k]))
+                diag_error(c->diag, list[i].loc, "`%s` is taken: the %s `%s` brings it into pass bodies", name, of->kind,
+                           of->name);
+        }
+    }
+}
+
+static void check_fields(struct checker *c, const struct structure *structure)
+{
+    for (uint32_t i = 0; i < structure->field_count; i++)
+        check_word(c, structure->fields[i].name, structure->fields[i].loc, true);
+}
+
+static void check_pass_names(struct checker *c)
+{
+    struct pipeline *p = c->pipeline;
+    for (uint32_t i = 0; i < p->pass_count; i++) {
+        check_word(c, p->passes[i].name, p->passes[i].loc, true);
+        for (uint32_t k = 0; k < i; k++)
+            if (!strcmp(p->passes[k].name, p->passes[i].name) && strcmp(p->passes[i].name, "?")) {
+                diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`", p->passes[i].name);
+                diag_note(c->diag, p->passes[k].loc, "first here");
+                break;
+            }
+    }
+}
+
+void check_names(struct checker *c)
+{
+    const struct pipeline *p = c->pipeline;
+    size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count + p->sampler_count +
+                  p->metric_count + p->interleave_count;
+    struct declaration *list = calloc(most + 1, sizeof *list);
+    if (!list) {
+        c->out_of_memory = true;
+        return;
+    }
+    size_t count = collect(p, list);
+    if (p->name)
+        check_word(c, p->name, p->loc, true);
+    for (size_t i = 0; i < count; i++) {
+        check_word(c, list[i].name, list[i].loc, false);
+        check_derived(c, list, count, &list[i]);
+        for (size_t k = 0; k < i; k++)
+            if (!strcmp(list[i].name, list[k].name)) {
+                report_twice(c, &list[k], &list[i]);
+                break;
+            }
+    }
+    for (uint32_t i = 0; i < p->struct_count; i++)
+        check_fields(c, &p->structs[i]);
+    check_pass_names(c);
+    free(list);
+}
+
+/* ---- References --------------------------------------------------------------------------------------------------- */
+
+static const char *const builtin_names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices", "scene_materials",
+                                                         "scene_textures"};
+
+static void report_unknown_resource(struct checker *c, struct loc loc, const char *what, const char *name, int kind)
+{
+    const struct pipeline *p = c->pipeline;
+    const char **names = arena_alloc(c->model->arena, (p->resource_count + BUILTIN_COUNT + 1) * sizeof *names);
+    size_t count = 0;
+    if (find_sampler(c, name) || find_metric(c, name) || find_interleave(c, name)) {
+        diag_error(c->diag, loc, "`%s` is no buffer or image; list it in `uses`", name);
+        return;
+    }
+    if (kind >= 0 && find_resource(c, name)) {
+        diag_error(c->diag, loc, "`%s` is %s, not %s", name, kind == DT_IMAGE ? "a buffer" : "an image",
+                   kind == DT_IMAGE ? "an image" : "a buffer");
+        return;
+    }
+    for (uint32_t i = 0; names && i < p->resource_count; i++)
+        if (kind < 0 || (int)p->resources[i].kind == kind)
+            names[count++] = p->resources[i].name;
+    for (int i = 0; names && kind < 0 && i < BUILTIN_COUNT; i++)
+        names[count++] = builtin_names[i];
+    report_missing(c, loc, what, name, names, count);
+}
+
+static void resolve_element(struct checker *c, struct resource *buffer)
+{
+    const char *types = table_find(SECTION_STRUCT, "*")->choices;
+    if (!buffer->of)
+        return;
+    buffer->structure = find_struct(c, buffer->of);
+    int type = table_choice(types, buffer->of);
+    if (buffer->structure)
+        return;
+    if (type >= 0 && type != DT_TYPE_BOOL) {
+        buffer->type = (enum dt_type)type;
+        return;
+    }
+    const char **names = arena_alloc(c->model->arena, (c->pipeline->struct_count + 16) * sizeof *names);
+    static const char *const words[] = {"float", "vec2", "vec3", "vec4", "int", "ivec2", "ivec3", "ivec4", "uint", "uvec2",
+                                        "uvec3", "uvec4", "mat4"};
+    size_t count = 0;
+    for (uint32_t i = 0; names && i < c->pipeline->struct_count; i++)
+        names[count++] = c->pipeline->structs[i].name;
+    for (size_t i = 0; names && i < sizeof words / sizeof *words; i++)
+        names[count++] = words[i];
+    report_missing(c, buffer->of_loc, "struct or type", buffer->of, names, count);
+}
+
+static void resolve_filter(struct checker *c, struct access *access)
+{
+    access->filter = find_sampler(c, access->sampler);
+    if (access->filter) {
+        if (access->filter->kind == SAMPLER_FILTER)
+            return;
+        diag_error(c->diag, access->sampler_loc, "`%s` is a point set; an image is read through a sampler of kind filter",
+                   access->sampler);
+        access->filter = NULL;
+        return;
+    }
+    const char **names = arena_alloc(c->model->arena, (c->pipeline->sampler_count + 1) * sizeof *names);
+    size_t count = 0;
+    for (uint32_t i = 0; names && i < c->pipeline->sampler_count; i++)
+        if (c->pipeline->samplers[i].kind == SAMPLER_FILTER)
+            names[count++] = c->pipeline->samplers[i].name;
+    report_missing(c, access->sampler_loc, "sampler", access->sampler, names, count);
+}
+
+static void resolve_access(struct checker *c, struct access *access)
+{
+    access->resource = find_resource(c, access->name);
+    for (int i = 0; !access->resource && i < BUILTIN_COUNT; i++)
+        if (!strcmp(builtin_names[i], access->name))
+            access->builtin = i;
+    if (!access->resource && access->builtin < 0)
+        report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
+    if (access->builtin >= 0 && access->mode != MODE_READ)
+        diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read", access->name);
+    if (access->sampler)
+        resolve_filter(c, access);
+}
+
+static void resolve_use(struct checker *c, struct pass *pass, uint32_t index)
+{
+    const struct pipeline *p = c->pipeline;
+    const char *name = pass->uses[index];
+    struct sampler *sampler = find_sampler(c, name);
+    if (sampler && sampler->kind == SAMPLER_FILTER) {
+        diag_error(c->diag, pass->use_locs[index], "`%s` filters images: name it in `reads`, {name: IMAGE, sampler: %s}",
+                   name, name);
+        return;
+    }
+    if (sampler || find_metric(c, name) || find_interleave(c, name))
+        return;
+    if (find_resource(c, name)) {
+        diag_error(c->diag, pass->use_locs[index], "`%s` is a buffer or image; list it in `reads`, `writes` or `updates`",
+                   name);
+        return;
+    }
+    size_t count = 0;
+    const char **names = arena_alloc(c->model->arena, (p->sampler_count + p->metric_count + p->interleave_count + 1) *
+                                                          sizeof *names);
+    for (uint32_t i = 0; names && i < p->sampler_count; i++)
+        names[count++] = p->samplers[i].name;
+    for (uint32_t i = 0; names && i < p->metric_count; i++)
+        names[count++] = p->metrics[i].name;
+    for (uint32_t i = 0; names && i < p->interleave_count; i++)
+        names[count++] = p->interleaves[i].name;
+    report_missing(c, pass->use_locs[index], "point set, metric or interleave", name, names, count);
+}
+
+/* A dispatch over an interleave uses it, listed or not. */
+static void add_use(struct checker *c, struct pass *pass, const char *name)
+{
+    for (uint32_t i = 0; i < pass->use_count; i++)
+        if (!strcmp(pass->uses[i], name))
+            return;
+    const char **uses = arena_alloc(c->model->arena, (pass->use_count + 1) * sizeof *uses);
+    struct loc *locs = arena_alloc(c->model->arena, (pass->use_count + 1) * sizeof *locs);
+    if (!uses || !locs) {
+        c->out_of_memory = true;
+        return;
+    }
+    for (uint32_t i = 0; i < pass->use_count; i++) {
+        uses[i] = pass->uses[i];
+        locs[i] = pass->use_locs[i];
+    }
+    uses[pass->use_count] = name;
+    locs[pass->use_count] = pass->interleave_loc;
+    pass->uses = uses;
+    pass->use_locs = locs;
+    pass->use_count++;
+}
+
+static void resolve_interleave(struct checker *c, struct pass *pass)
+{
+    pass->interleave = find_interleave(c, pass->interleave_name);
+    if (pass->interleave) {
+        add_use(c, pass, pass->interleave_name);
+        return;
+    }
+    const char **names = arena_alloc(c->model->arena, (c->pipeline->interleave_count + 1) * sizeof *names);
+    for (uint32_t i = 0; names && i < c->pipeline->interleave_count; i++)
+        names[i] = c->pipeline->interleaves[i].name;
+    report_missing(c, pass->interleave_loc, "interleave", pass->interleave_name, names,
+                   names ? c->pipeline->interleave_count : 0);
+}
+
+static void resolve_after(struct checker *c, const struct pass *pass, uint32_t index)
+{
+    const char *name = pass->after[index];
+    if (!strcmp(name, pass->name)) {
+        diag_error(c->diag, pass->after_locs[index], "the pass `%s` cannot run after itself", name);
+        return;
+    }
+    if (find_pass(c, name))
+        return;
+    const char **names = arena_alloc(c->model->arena, (c->pipeline->pass_count + 1) * sizeof *names);
+    for (uint32_t i = 0; names && i < c->pipeline->pass_count; i++)
+        names[i] = c->pipeline->passes[i].name;
+    report_missing(c, pass->after_locs[index], "pass", name, names, names ? c->pipeline->pass_count : 0);
+}
+
+static struct resource *resolve_buffer(struct checker *c, const char *name, struct loc loc)
+{
+    struct resource *buffer = find_resource(c, name);
+    if (!buffer || buffer->kind != DT_BUFFER)
+        report_unknown_resource(c, loc, "buffer", name, DT_BUFFER);
+    return buffer && buffer->kind == DT_BUFFER ? buffer : NULL;
+}
+
+static void resolve_ranges(struct checker *c, struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        struct range *range = &pass->ranges[i];
+        check_word(c, range->name, range->loc, false);
+        if (!range->of || !resolve_buffer(c, range->of, range->of_loc))
+            continue;
+        for (uint32_t k = 0; k < pass->access_count; k++)
+            if (pass->accesses[k].mode == MODE_READ && !strcmp(pass->accesses[k].name, range->of))
+                range->access = &pass->accesses[k];
+        if (!range->access)
+            diag_error(c->diag, range->of_loc, "the range `%s` runs over `%s`, which the pass `%s` does not list in reads",
+                       range->name, range->of, pass->name);
+    }
+}
+
+static void resolve_pass(struct checker *c, struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        resolve_access(c, &pass->accesses[i]);
+    for (uint32_t i = 0; i < pass->use_count; i++)
+        resolve_use(c, pass, i);
+    for (uint32_t i = 0; i < pass->after_count; i++)
+        resolve_after(c, pass, i);
+    if (pass->interleave_name)
+        resolve_interleave(c, pass);
+    if (pass->dispatch_image)
+        pass->size_resource = find_resource(c, pass->dispatch_image);
+    if (pass->indirect)
+        pass->indirect_resource = resolve_buffer(c, pass->indirect, pass->indirect_loc);
+    if (pass->size == SIZE_INDIRECT && pass->kind == PASS_DISPATCH)
+        pass->size_resource = pass->indirect_resource;
+    if (pass->indices)
+        pass->index_resource = resolve_buffer(c, pass->indices, pass->indices_loc);
+    resolve_ranges(c, pass);
+}
+
+static void resolve_output(struct checker *c, const char *name, struct loc loc)
+{
+    const struct resource *image = name ? find_resource(c, name) : NULL;
+    if (name && (!image || image->kind != DT_IMAGE))
+        report_unknown_resource(c, loc, "image", name, DT_IMAGE);
+}
+
+void check_references(struct checker *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
+        if (c->pipeline->resources[i].kind == DT_BUFFER)
+            resolve_element(c, &c->pipeline->resources[i]);
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        resolve_pass(c, &c->pipeline->passes[i]);
+    resolve_output(c, c->pipeline->linear_output, c->pipeline->linear_loc);
+    resolve_output(c, c->pipeline->display_output, c->pipeline->display_loc);
+}

@@ -1,0 +1,375 @@
+/* Numbers: parameters within their ranges, constants without circles, sizes and counts at several frame sizes, assertions.
+ * Called by check.c. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "check.h"
+
+enum { LARGEST_SIDE = 16384, MOST_LAYERS = 2048, MOST_ELEMENTS = 1 << 28 };
+
+/* The smallest frame, the usual one, and one that no tile divides. */
+const int frame_sizes[FRAME_SIZES][2] = {{1, 1}, {1920, 1080}, {7, 5}};
+
+/* ---- Expressions -------------------------------------------------------------------------------------------------- */
+
+static void remember(struct checker *c, const struct expr *expr)
+{
+    if (c->expr_count == c->expr_capacity) {
+        size_t capacity = c->expr_capacity ? 2 * c->expr_capacity : 64;
+        const struct expr **exprs = realloc(c->exprs, capacity * sizeof *exprs);
+        if (!exprs) {
+            c->out_of_memory = true;
+            return;
+        }
+        c->exprs = exprs;
+        c->expr_capacity = capacity;
+    }
+    c->exprs[c->expr_count++] = expr;
+}
+
+static bool check_reach(struct checker *c, const struct expr *expr, const struct limits *limits)
+{
+    unsigned excess = expr_reach(expr) & ~limits->reach;
+    if (excess & EXPR_LIVE)
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` cannot depend on a live parameter", limits->what, limits->of);
+    else if (excess & EXPR_FRAME)
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` cannot depend on the size of the frame", limits->what, limits->of);
+    return !excess;
+}
+
+/* Where an expression was evaluated, as text for the message. */
+static const char *situation(struct checker *c, const struct expr *expr, const int frame[2], const char *live)
+{
+    const char *text = "";
+    unsigned reach = expr_reach(expr);
+    if (reach & EXPR_FRAME)
+        text = arena_printf(c->model->arena, " at a frame of %dx%d", frame[0], frame[1]);
+    if ((reach & EXPR_LIVE) && *live)
+        text = arena_printf(c->model->arena, "%s with live parameters at their %s", text ? text : "", live);
+    return text ? text : "";
+}
+
+static bool check_value(struct checker *c, const struct expr *expr, const struct limits *limits, const int frame[2],
+                        const char *live)
+{
+    int64_t value;
+    const char *where = situation(c, expr, frame, live);
+    switch (expr_eval(expr, frame[0], frame[1], &value)) {
+    case EXPR_DIVIDES_BY_ZERO:
+        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]), "%s of `%s` divides by zero%s", limits->what,
+                   limits->of, where);
+        return false;
+    case EXPR_OVERFLOWS:
+        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]), "%s of `%s` overflows 64 bits%s", limits->what,
+                   limits->of, where);
+        return false;
+    case EXPR_OK: break;
+    }
+    if (value < limits->least)
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` is %" PRId64 "%s; at least %" PRId64, limits->what, limits->of,
+                   value, where, limits->least);
+    else if (value > limits->most)
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` is %" PRId64 "%s; at most %" PRId64, limits->what, limits->of,
+                   value, where, limits->most);
+    return value >= limits->least && value <= limits->most;
+}
+
+/* Sets every live parameter to its min (-1) or max (1) where it has one; keeps the values in `kept`. */
+static void move_live(struct pipeline *pipeline, int side, double (*kept)[4])
+{
+    for (uint32_t i = 0; i < pipeline->param_count; i++) {
+        struct param *param = &pipeline->params[i];
+        double end = side < 0 ? param->min : param->max;
+        memcpy(kept[i], param->value, sizeof param->value);
+        for (uint32_t k = 0; param->live && isfinite(end) && k < 4; k++)
+            param->value[k] = end;
+    }
+}
+
+static void restore(struct pipeline *pipeline, double (*kept)[4])
+{
+    for (uint32_t i = 0; i < pipeline->param_count; i++)
+        memcpy(pipeline->params[i].value, kept[i], sizeof pipeline->params[i].value);
+}
+
+static bool check_live_ends(struct checker *c, const struct expr *expr, const struct limits *limits)
+{
+    double(*kept)[4] = calloc(c->pipeline->param_count + 1, sizeof *kept);
+    bool good = true;
+    if (!kept) {
+        c->out_of_memory = true;
+        return false;
+    }
+    for (int side = -1; good && side <= 1; side += 2) {
+        move_live(c->pipeline, side, kept);
+        for (int i = 0; good && i < FRAME_SIZES; i++)
+            good = check_value(c, expr, limits, frame_sizes[i], side < 0 ? "min" : "max");
+        restore(c->pipeline, kept);
+    }
+    free(kept);
+    return good;
+}
+
+bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits)
+{
+    if (!expr)
+        return false;
+    remember(c, expr);
+    if (!expr_resolve(expr, c->pipeline, c->diag) || !check_reach(c, expr, limits))
+        return false;
+    for (int i = 0; i < FRAME_SIZES; i++)
+        if (!check_value(c, expr, limits, frame_sizes[i], ""))
+            return false;
+    return !(expr_reach(expr) & EXPR_LIVE) || check_live_ends(c, expr, limits);
+}
+
+/* ---- Parameters and constants ------------------------------------------------------------------------------------- */
+
+static void check_param(struct checker *c, const struct param *param)
+{
+    if (param->min > param->max) {
+        diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name, param->min, param->max);
+        return;
+    }
+    for (uint32_t i = 0; i < param->components; i++) {
+        if (param->value[i] < param->min) {
+            diag_error(c->diag, param->value_loc, "`%s` is %.9g, below its min of %.9g", param->name, param->value[i],
+                       param->min);
+            return;
+        }
+        if (param->value[i] > param->max) {
+            diag_error(c->diag, param->value_loc, "`%s` is %.9g, above its max of %.9g", param->name, param->value[i],
+                       param->max);
+            return;
+        }
+    }
+    if (param->step < 0)
+        diag_error(c->diag, param->loc, "the step of `%s` is negative", param->name);
+}
+
+void check_params(struct checker *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->param_count; i++)
+        check_param(c, &c->pipeline->params[i]);
+}
+
+/* A constant is settled once all constants that it mentions are; those left over when nothing moves stand in a circle. */
+static bool is_ready(const struct checker *c, const struct constant *constant, const bool *settled)
+{
+    for (uint32_t i = 0; i < c->pipeline->constant_count; i++)
+        if (!settled[i] && expr_mentions(constant->value, c->pipeline->constants[i].name))
+            return false;
+    return true;
+}
+
+static void settle(struct checker *c, struct constant *constant)
+{
+    struct limits limits = {"the value", constant->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN, INT64_MAX};
+    if (!check_expr(c, constant->value, &limits)) {
+        constant->value = NULL;
+        constant->folded = 1;
+        return;
+    }
+    constant->folds = expr_reach(constant->value) == EXPR_BAKED;
+    if (constant->folds)
+        expr_eval(constant->value, 1, 1, &constant->folded);
+}
+
+void check_constants(struct checker *c)
+{
+    struct pipeline *pipeline = c->pipeline;
+    bool *settled = calloc(pipeline->constant_count + 1, sizeof *settled), moved = true;
+    c->out_of_memory |= !settled;
+    while (settled && moved) {
+        moved = false;
+        for (uint32_t i = 0; i < pipeline->constant_count; i++)
+            if (!settled[i] && is_ready(c, &pipeline->constants[i], settled)) {
+                settle(c, &pipeline->constants[i]);
+                settled[i] = moved = true;
+            }
+    }
+    for (uint32_t i = 0; settled && i < pipeline->constant_count; i++) {
+        struct constant *constant = &pipeline->constants[i];
+        if (settled[i])
+            continue;
+        remember(c, constant->value);
+        diag_error(c->diag, constant->loc, "the constant `%s` depends on itself", constant->name);
+    }
+    for (uint32_t i = 0; settled && i < pipeline->constant_count; i++)
+        if (!settled[i]) {
+            pipeline->constants[i].value = NULL;
+            pipeline->constants[i].folded = 1;
+        }
+    free(settled);
+}
+
+/* ---- Sizes -------------------------------------------------------------------------------------------------------- */
+
+bool image_extent(const struct resource *image, uint32_t mip, const int frame[2], int64_t extent[3])
+{
+    if (!image->width || !image->height)
+        return false;
+    extent[2] = 1;
+    if (expr_eval(image->width, frame[0], frame[1], &extent[0]) != EXPR_OK ||
+        expr_eval(image->height, frame[0], frame[1], &extent[1]) != EXPR_OK ||
+        (image->layers && expr_eval(image->layers, frame[0], frame[1], &extent[2]) != EXPR_OK))
+        return false;
+    for (int i = 0; i < 2; i++)
+        extent[i] = extent[i] >> mip > 1 ? extent[i] >> mip : 1;
+    return true;
+}
+
+static void check_mips(struct checker *c, const struct resource *image)
+{
+    struct limits limits = {"the number of mips", image->name, EXPR_BAKED, 1, 15};
+    if (image->mips)
+        check_expr(c, image->mips, &limits);
+}
+
+static void check_image(struct checker *c, struct resource *image)
+{
+    struct limits width = {"the width", image->name, EXPR_FRAME, 1, LARGEST_SIDE};
+    struct limits height = {"the height", image->name, EXPR_FRAME, 1, LARGEST_SIDE};
+    struct limits layers = {"the number of layers", image->name, EXPR_FRAME, 1, MOST_LAYERS};
+    bool good = check_expr(c, image->width, &width);
+    good &= check_expr(c, image->height, &height);
+    if (image->layers)
+        good &= check_expr(c, image->layers, &layers);
+    check_mips(c, image);
+    if (!good)
+        image->width = image->height = NULL;
+}
+
+static void check_interleave(struct checker *c, struct interleave *interleave)
+{
+    struct expr *sides[2] = {interleave->x, interleave->y};
+    for (int i = 0; i < 2; i++) {
+        struct limits limits = {i ? "the height" : "the width", interleave->name, EXPR_BAKED, 1, 64};
+        int64_t value = 1;
+        if (check_expr(c, sides[i], &limits) && expr_eval(sides[i], 1, 1, &value) == EXPR_OK)
+            interleave->tile[i] = (uint32_t)value;
+    }
+}
+
+void check_sizes(struct checker *c)
+{
+    struct pipeline *pipeline = c->pipeline;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        struct resource *resource = &pipeline->resources[i];
+        struct limits count = {"the count", resource->name, EXPR_FRAME, 1, MOST_ELEMENTS};
+        if (resource->kind == DT_IMAGE)
+            check_image(c, resource);
+        else if (!check_expr(c, resource->count, &count))
+            resource->count = NULL;
+    }
+    for (uint32_t i = 0; i < pipeline->sampler_count; i++) {
+        struct sampler *sampler = &pipeline->samplers[i];
+        struct limits count = {"the count", sampler->name, EXPR_BAKED, 1, 1 << 24};
+        if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->count && !check_expr(c, sampler->count, &count))
+            sampler->count = NULL;
+    }
+    for (uint32_t i = 0; i < pipeline->interleave_count; i++)
+        check_interleave(c, &pipeline->interleaves[i]);
+}
+
+/* ---- Assertions --------------------------------------------------------------------------------------------------- */
+
+static void add_param(struct text *text, const struct param *param, int component)
+{
+    for (uint32_t i = 0; i < param->components; i++) {
+        if (component >= 0 && i != (uint32_t)component)
+            continue;
+        text_add(text, component < 0 && i ? ", " : "");
+        if (param->type == DT_TYPE_BOOL)
+            text_add(text, "%s", param->value[i] != 0 ? "true" : "false");
+        else
+            text_add(text, "%.9g", param->value[i]);
+    }
+}
+
+/* The value of {NAME} or {NAME.x}; false when there is no such thing. */
+static bool add_placeholder(struct checker *c, const char *name, struct text *text)
+{
+    const char *dot = strchr(name, '.');
+    size_t length = dot ? (size_t)(dot - name) : strlen(name);
+    int component = -1;
+    if (dot && dot[1] && strchr("xyzw", dot[1]) && !dot[2])
+        component = dot[1] == 'w' ? 3 : dot[1] - 'x';
+    else if (dot)
+        return false;
+    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
+        const struct param *param = &c->pipeline->params[i];
+        if (strlen(param->name) != length || strncmp(param->name, name, length))
+            continue;
+        add_param(text, param, component);
+        return true;
+    }
+    for (uint32_t i = 0; i < c->pipeline->constant_count; i++) {
+        const struct constant *constant = &c->pipeline->constants[i];
+        int64_t value;
+        if (strcmp(constant->name, name) || expr_eval(constant->value, 1920, 1080, &value) != EXPR_OK)
+            continue;
+        text_add(text, "%" PRId64, value);
+        return true;
+    }
+    return false;
+}
+
+static void report_placeholder(struct checker *c, const struct assertion *assertion, const char *name)
+{
+    size_t count = 0;
+    const char **names = arena_alloc(
+        c->model->arena, (c->pipeline->param_count + c->pipeline->constant_count + 1) * sizeof *names);
+    for (uint32_t i = 0; names && i < c->pipeline->param_count; i++)
+        names[count++] = c->pipeline->params[i].name;
+    for (uint32_t i = 0; names && i < c->pipeline->constant_count; i++)
+        names[count++] = c->pipeline->constants[i].name;
+    report_missing(c, assertion->loc, "parameter or constant for the message's placeholder", name, names, count);
+}
+
+/* The message with its placeholders filled. */
+static bool fill_message(struct checker *c, const struct assertion *assertion, struct text *text)
+{
+    bool good = true;
+    for (const char *at = assertion->message; *at;) {
+        const char *close = *at == '{' ? strchr(at, '}') : NULL;
+        if (!close) {
+            text_add_bytes(text, at++, 1);
+            continue;
+        }
+        const char *name = arena_strndup(c->model->arena, at + 1, (size_t)(close - at - 1));
+        if (name && !add_placeholder(c, name, text)) {
+            report_placeholder(c, assertion, name);
+            good = false;
+        }
+        at = close + 1;
+    }
+    return good;
+}
+
+static void check_assert(struct checker *c, const struct assertion *assertion)
+{
+    struct limits limits = {"the condition", "asserts", EXPR_FRAME | EXPR_LIVE, INT64_MIN, INT64_MAX};
+    struct text message = {0};
+    int64_t holds = 1;
+    bool good = check_expr(c, assertion->that, &limits);
+    if (!assertion->message)
+        return;
+    if (fill_message(c, assertion, &message) && good && expr_eval(assertion->that, 1920, 1080, &holds) == EXPR_OK &&
+        !holds) {
+        const char *text = message.data ? message.data : "assertion failed";
+        if (assertion->warning)
+            diag_warning(c->diag, assertion->loc, "%s", text);
+        else
+            diag_error(c->diag, assertion->loc, "%s", text);
+    }
+    text_free(&message);
+}
+
+void check_asserts(struct checker *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->assertion_count; i++)
+        check_assert(c, &c->pipeline->assertions[i]);
+}

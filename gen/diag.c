@@ -1,0 +1,328 @@
+/* Diagnostics and the files that they point into. Every stage reports here; main flushes. */
+#include "diag.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+enum severity { SEVERITY_ERROR, SEVERITY_WARNING, SEVERITY_NOTE };
+static const char *const severity_names[] = {"error", "warning", "note"};
+
+struct message {
+    enum severity severity;
+    struct loc loc;
+    char *text;
+    unsigned file; /* number of the source in order of first appearance */
+    unsigned head; /* index of the message that a note belongs to; else its own */
+    unsigned order;
+};
+
+struct diag {
+    struct message *messages;
+    unsigned count, capacity, errors;
+    bool failed; /* out of memory: some message is lost */
+};
+
+/* ---- Sources ------------------------------------------------------------------------------------------------------ */
+
+static char *read_all(struct arena *arena, FILE *file, size_t *length)
+{
+    size_t capacity = 16 * 1024, used = 0;
+    char *buffer = malloc(capacity);
+    while (buffer) {
+        used += fread(buffer + used, 1, capacity - used, file);
+        if (used < capacity)
+            break;
+        char *larger = realloc(buffer, capacity *= 2);
+        if (!larger)
+            free(buffer);
+        buffer = larger;
+    }
+    char *text = buffer && !ferror(file) ? arena_strndup(arena, buffer, used) : NULL;
+    free(buffer);
+    *length = used;
+    return text;
+}
+
+static bool list_input(struct model *model, const char *path)
+{
+    for (uint32_t i = 0; i < model->input_count; i++)
+        if (!strcmp(model->inputs[i], path))
+            return true;
+    if (!(model->input_count & (model->input_count - 1)) || !model->inputs) { /* full at powers of two */
+        uint32_t capacity = model->input_count ? 2 * model->input_count : 1;
+        const char **inputs = arena_alloc(model->arena, capacity * sizeof *inputs);
+        if (!inputs)
+            return false;
+        if (model->input_count)
+            memcpy(inputs, model->inputs, model->input_count * sizeof *inputs);
+        model->inputs = inputs;
+    }
+    model->inputs[model->input_count++] = path;
+    return true;
+}
+
+const struct source *source_read(struct model *model, const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return NULL;
+    struct source *source = arena_alloc(model->arena, sizeof *source);
+    if (source) {
+        source->path = arena_strndup(model->arena, path, strlen(path));
+        source->text = read_all(model->arena, file, &source->length);
+    }
+    fclose(file);
+    if (!source || !source->path || !source->text || !list_input(model, source->path))
+        return NULL;
+    return source;
+}
+
+/* ---- Collecting --------------------------------------------------------------------------------------------------- */
+
+struct diag *diag_create(void)
+{
+    return calloc(1, sizeof(struct diag));
+}
+
+void diag_free(struct diag *diag)
+{
+    if (!diag)
+        return;
+    for (unsigned i = 0; i < diag->count; i++)
+        free(diag->messages[i].text);
+    free(diag->messages);
+    free(diag);
+}
+
+static unsigned file_number(const struct diag *diag, const struct source *source)
+{
+    const char *path = source ? source->path : "";
+    unsigned next = 0;
+    for (unsigned i = 0; i < diag->count; i++) {
+        const struct message *message = &diag->messages[i];
+        if (!strcmp(message->loc.source ? message->loc.source->path : "", path))
+            return message->file;
+        if (message->file >= next)
+            next = message->file + 1;
+    }
+    return next;
+}
+
+static bool is_duplicate(const struct diag *diag, const struct message *message)
+{
+    for (unsigned i = 0; i < diag->count; i++) {
+        const struct message *other = &diag->messages[i];
+        if (other->severity == message->severity && other->file == message->file &&
+            other->loc.line == message->loc.line && other->loc.column == message->loc.column &&
+            !strcmp(other->text, message->text))
+            return true;
+    }
+    return false;
+}
+
+static void add_message(struct diag *diag, enum severity severity, struct loc loc, const char *format,
+                        va_list arguments)
+{
+    if (severity == SEVERITY_ERROR)
+        diag->errors++;
+    if (diag->count == diag->capacity) {
+        unsigned capacity = diag->capacity ? 2 * diag->capacity : 32;
+        struct message *messages = realloc(diag->messages, capacity * sizeof *messages);
+        if (!messages) {
+            diag->failed = true;
+            return;
+        }
+        diag->messages = messages;
+        diag->capacity = capacity;
+    }
+    struct message message = {.severity = severity, .loc = loc, .file = file_number(diag, loc.source)};
+    if (vasprintf(&message.text, format, arguments) < 0) {
+        diag->failed = true;
+        return;
+    }
+    if (severity != SEVERITY_NOTE && is_duplicate(diag, &message)) {
+        free(message.text);
+        return;
+    }
+    message.order = diag->count;
+    message.head = severity == SEVERITY_NOTE && diag->count ? diag->messages[diag->count - 1].head
+                                                             : diag->count;
+    diag->messages[diag->count++] = message;
+}
+
+void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    add_message(diag, SEVERITY_ERROR, loc, format, arguments);
+    va_end(arguments);
+}
+
+void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    add_message(diag, SEVERITY_WARNING, loc, format, arguments);
+    va_end(arguments);
+}
+
+void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    add_message(diag, SEVERITY_NOTE, loc, format, arguments);
+    va_end(arguments);
+}
+
+unsigned diag_error_count(const struct diag *diag)
+{
+    return diag->errors;
+}
+
+/* ---- Printing ----------------------------------------------------------------------------------------------------- */
+
+/* Start and length in bytes of a line; false when the source has no such line. */
+static bool find_line(const struct source *source, int line, const char **start, int *length)
+{
+    if (!source || !source->text || line < 1)
+        return false;
+    const char *at = source->text, *end = source->text + source->length;
+    for (int i = 1; i < line; i++) {
+        at = memchr(at, '\n', (size_t)(end - at));
+        if (!at)
+            return false;
+        at++;
+    }
+    const char *stop = memchr(at, '\n', (size_t)(end - at));
+    if (!stop)
+        stop = end;
+    if (stop > at && stop[-1] == '\r')
+        stop--;
+    *start = at;
+    *length = (int)(stop - at);
+    return true;
+}
+
+/* The caret line: one column per UTF-8 character, tabs kept so that the caret stands below its character. */
+static void print_caret(const char *line, int bytes, int column, int length)
+{
+    fputs("      | ", stderr);
+    int i = 0, at = 1;
+    for (; i < bytes && at < column; i++) {
+        if ((line[i] & 0xc0) == 0x80)
+            continue;
+        if (at + 1 > column)
+            break;
+        fputc(line[i] == '\t' ? '\t' : ' ', stderr);
+        at++;
+    }
+    int left = 0;
+    for (; i < bytes; i++)
+        left += (line[i] & 0xc0) != 0x80;
+    fputc('^', stderr);
+    for (int k = 1; k < length && k < left; k++)
+        fputc('~', stderr);
+    fputc('\n', stderr);
+}
+
+static void print_message(const struct message *message)
+{
+    struct loc loc = message->loc;
+    const char *path = loc.source ? loc.source->path : "diptych-gen";
+    const char *severity = severity_names[message->severity];
+    if (loc.line < 1) {
+        fprintf(stderr, "%s: %s: %s\n", path, severity, message->text);
+        return;
+    }
+    fprintf(stderr, "%s:%d:%d: %s: %s\n", path, loc.line, loc.column, severity, message->text);
+    const char *line;
+    int bytes;
+    if (!find_line(loc.source, loc.line, &line, &bytes))
+        return;
+    fprintf(stderr, "%5d | %.*s\n", loc.line, bytes, line);
+    print_caret(line, bytes, loc.column, loc.length);
+}
+
+/* Notes stay behind the message that they belong to, whatever place they point at. */
+static int compare_messages(const void *a, const void *b, void *user)
+{
+    const struct message *all = user, *x = a, *y = b;
+    const struct message *xs = &all[x->head], *ys = &all[y->head];
+    if (xs->file != ys->file)
+        return xs->file < ys->file ? -1 : 1;
+    if (xs->loc.line != ys->loc.line)
+        return xs->loc.line < ys->loc.line ? -1 : 1;
+    if (xs->loc.column != ys->loc.column)
+        return xs->loc.column < ys->loc.column ? -1 : 1;
+    return (x->order > y->order) - (x->order < y->order);
+}
+
+void diag_flush(struct diag *diag)
+{
+    struct message *sorted = malloc((diag->count + 1) * sizeof *sorted);
+    if (sorted) {
+        if (diag->count) {
+            memcpy(sorted, diag->messages, diag->count * sizeof *sorted);
+            qsort_r(sorted, diag->count, sizeof *sorted, compare_messages, diag->messages);
+        }
+        for (unsigned i = 0; i < diag->count; i++)
+            print_message(&sorted[i]);
+    }
+    if (!sorted || diag->failed)
+        fputs("diptych-gen: error: out of memory while reporting; some messages are missing\n", stderr);
+    free(sorted);
+    for (unsigned i = 0; i < diag->count; i++)
+        free(diag->messages[i].text);
+    diag->count = 0;
+    diag->failed = false;
+}
+
+/* ---- Suggestions -------------------------------------------------------------------------------------------------- */
+
+enum { LONGEST_WORD = 63 };
+
+/* Edits (insert, delete, replace, swap of neighbours) between two words, both at most LONGEST_WORD long. */
+static unsigned edit_distance(const char *a, const char *b)
+{
+    size_t n = strlen(a), m = strlen(b);
+    unsigned row[3][LONGEST_WORD + 2];
+    for (size_t j = 0; j <= m; j++)
+        row[1][j] = (unsigned)j;
+    for (size_t i = 1; i <= n; i++) {
+        unsigned *last = row[i % 3], *now = row[(i + 1) % 3], *before = row[(i + 2) % 3];
+        now[0] = (unsigned)i;
+        for (size_t j = 1; j <= m; j++) {
+            unsigned best = last[j - 1] + (a[i - 1] != b[j - 1]);
+            if (last[j] + 1 < best)
+                best = last[j] + 1;
+            if (now[j - 1] + 1 < best)
+                best = now[j - 1] + 1;
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && before[j - 2] + 1 < best)
+                best = before[j - 2] + 1;
+            now[j] = best;
+        }
+    }
+    return row[(n + 1) % 3][m];
+}
+
+const char *diag_nearest(const char *word, const char *const *candidates, size_t count)
+{
+    size_t length = strlen(word);
+    if (length > LONGEST_WORD)
+        return NULL;
+    unsigned limit = length <= 2 ? 1 : length <= 6 ? 2 : 3, best = limit + 1;
+    const char *nearest = NULL;
+    for (size_t i = 0; i < count; i++) {
+        if (!candidates[i] || strlen(candidates[i]) > LONGEST_WORD || !strcmp(word, candidates[i]))
+            continue;
+        unsigned distance = strcasecmp(word, candidates[i]) ? edit_distance(word, candidates[i]) : 0;
+        if (distance < best && distance < length) {
+            best = distance;
+            nearest = candidates[i];
+        }
+    }
+    return nearest;
+}

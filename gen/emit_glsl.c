@@ -1,0 +1,515 @@
+/* The complete GLSL of one stage of one pass for one backend. Called by main.c for every stage;
+ * spirv.c compiles what comes out, and the OpenGL runtime can take it as text. How the parts are
+ * put together: glsl.h. */
+#include "glsl.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char *const type_names[DT_TYPE_COUNT] = {
+    "float", "vec2", "vec3",  "vec4",  "int",   "ivec2", "ivec3",
+    "ivec4", "uint", "uvec2", "uvec3", "uvec4", "bool",  "mat4",
+};
+
+const char *glsl_type(enum dt_type type)
+{
+    return type_names[type];
+}
+
+const char *glsl_element_type(const struct resource *buffer)
+{
+    return buffer->structure ? buffer->structure->name : glsl_type(buffer->type);
+}
+
+bool glsl_uses(const struct glsl *glsl, const char *format, ...)
+{
+    char word[256];
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vsnprintf(word, sizeof word, format, arguments);
+    va_end(arguments);
+    if (length < 0 || (size_t)length >= sizeof word)
+        return true;
+    for (int part = 0; part < PART_COUNT; part++)
+        if (glsl->parts[part].data && find_word(glsl->parts[part].data, word))
+            return true;
+    return false;
+}
+
+void glsl_binding(const struct glsl *glsl, int binding, struct text *out)
+{
+    text_add(out, "%sbinding = %d", glsl->backend == BACKEND_VK ? "set = 0, " : "", binding);
+}
+
+/* ---- Parameters, constants, structs ---------------------------------------------------------- */
+
+/* A float literal: shortest of the forms that reads back as the same float, with a point. */
+static void add_float(double value, struct text *out)
+{
+    char digits[40];
+    for (int precision = 6; precision <= 9; precision++) {
+        snprintf(digits, sizeof digits, "%.*g", precision, value);
+        float read = 0;
+        if (sscanf(digits, "%f", &read) == 1 && read == (float)value)
+            break;
+    }
+    text_add(out, "%s%s", digits, strpbrk(digits, ".en") ? "" : ".0");
+}
+
+static enum dt_type scalar_of(enum dt_type type)
+{
+    if (type == DT_TYPE_BOOL || type == DT_TYPE_MAT4)
+        return type == DT_TYPE_BOOL ? type : DT_TYPE_FLOAT;
+    return (enum dt_type)(type / 4 * 4); /* FLOAT, INT and UINT each head a group of four */
+}
+
+static void add_component(enum dt_type scalar, double value, struct text *out)
+{
+    if (scalar == DT_TYPE_FLOAT)
+        add_float(value, out);
+    else if (scalar == DT_TYPE_BOOL)
+        text_add(out, "%s", value != 0 ? "true" : "false");
+    else
+        text_add(out, "%.0f%s", value, scalar == DT_TYPE_UINT ? "u" : "");
+}
+
+static void add_params(struct glsl *glsl, struct text *out)
+{
+    bool live = false;
+    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
+        const struct param *param = &glsl->pipeline->params[i];
+        if (!glsl_uses(glsl, "%s", param->name))
+            continue;
+        live |= param->live;
+        if (param->live)
+            continue;
+        text_add(out, "const %s %s = ", glsl_type(param->type), param->name);
+        if (param->components > 1)
+            text_add(out, "%s(", glsl_type(param->type));
+        for (uint32_t k = 0; k < param->components; k++) {
+            text_add(out, "%s", k ? ", " : "");
+            add_component(scalar_of(param->type), param->value[k], out);
+        }
+        text_add(out, "%s;\n", param->components > 1 ? ")" : "");
+    }
+    if (!live)
+        return;
+    text_add(out,
+             "\nlayout(std140, "); /* all live parameters: the block's offsets are the layout's */
+    glsl_binding(glsl, glsl->pass->live_binding, out);
+    text_add(out, ") uniform Live {\n");
+    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++)
+        if (glsl->pipeline->params[i].live)
+            text_add(out, "    %s %s;\n", glsl_type(glsl->pipeline->params[i].type),
+                     glsl->pipeline->params[i].name);
+    text_add(out, "};\n");
+}
+
+static void add_constants(struct glsl *glsl, struct text *out)
+{
+    for (uint32_t i = glsl->pipeline->constant_count;
+         i-- > 0;) { /* later ones may use earlier ones */
+        const struct constant *constant = &glsl->pipeline->constants[i];
+        if (!glsl_uses(glsl, "%s", constant->name))
+            continue;
+        if (constant->folds) {
+            text_add(out, "const int %s = %lld;\n", constant->name, (long long)constant->folded);
+            continue;
+        }
+        text_add(out, "#define %s (", constant->name);
+        expr_emit_glsl(constant->value, out);
+        text_add(out, ")\n");
+    }
+}
+
+static void add_structs(struct glsl *glsl, struct text *out)
+{
+    for (uint32_t i = 0; i < glsl->pipeline->struct_count; i++) {
+        const struct structure *structure = &glsl->pipeline->structs[i];
+        if (!glsl_uses(glsl, "%s", structure->name))
+            continue;
+        text_add(out, "struct %s {\n", structure->name);
+        for (uint32_t k = 0; k < structure->field_count; k++) {
+            const struct field *field = &structure->fields[k];
+            text_add(out, "    %s %s", glsl_type(field->type), field->name);
+            if (field->array_count)
+                text_add(out, "[%u]", field->array_count);
+            text_add(out, ";\n");
+        }
+        text_add(out, "};\n\n");
+    }
+}
+
+/* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
+
+static bool is_listed(const struct pass *pass, const char *name)
+{
+    for (uint32_t i = 0; i < pass->use_count; i++)
+        if (!strcmp(pass->uses[i], name))
+            return true;
+    return false;
+}
+
+/* Functions are put before those written so far, because they may be used there. */
+static void put_function(struct glsl *glsl, struct text *function)
+{
+    glsl_put_before(&glsl->parts[PART_FUNCTIONS], function);
+}
+
+static void add_samplers(struct glsl *glsl)
+{
+    static const char *const maps[] = {"", "polar_disk", "concentric_disk"};
+    struct text *constants = &glsl->parts[PART_RESOURCES];
+    for (uint32_t i = 0; i < glsl->pipeline->sampler_count; i++) {
+        const struct sampler *sampler = &glsl->pipeline->samplers[i];
+        if (sampler->kind != SAMPLER_HAMMERSLEY || !is_listed(glsl->pass, sampler->name))
+            continue;
+        struct text function = {0};
+        if (glsl_uses(glsl, "%s", sampler->name))
+            text_add(&function, "vec2 %s(int k)\n{\n    return %s(hammersley(k, %s_count));\n}\n\n",
+                     sampler->name, maps[sampler->map], sampler->name);
+        put_function(glsl, &function);
+        int64_t count = 0;
+        if (!glsl_uses(glsl, "%s_count", sampler->name))
+            continue;
+        if (!expr_reach(sampler->count) && expr_eval(sampler->count, 0, 0, &count) == EXPR_OK) {
+            text_add(constants, "const int %s_count = %lld;\n", sampler->name, (long long)count);
+        } else {
+            text_add(constants, "#define %s_count (", sampler->name);
+            expr_emit_glsl(sampler->count, constants);
+            text_add(constants, ")\n");
+        }
+    }
+}
+
+static bool has_field(const struct structure *structure, const char *name)
+{
+    for (uint32_t i = 0; i < structure->field_count; i++)
+        if (!strcmp(structure->fields[i].name, name) && structure->fields[i].type == DT_TYPE_VEC3)
+            return true;
+    return false;
+}
+
+/* Whether the pass has a buffer of this struct, and the struct both fields of the metric. */
+static bool metric_takes(const struct pass *pass, const struct metric *metric,
+                         const struct structure *structure)
+{
+    if (!has_field(structure, metric->position_field) ||
+        !has_field(structure, metric->normal_field))
+        return false;
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].resource && pass->accesses[i].resource->structure == structure)
+            return true;
+    return false;
+}
+
+static void add_metric(struct glsl *glsl, const struct metric *metric)
+{
+    struct text function = {0}, *out = &function;
+    const char *scale = metric->scale ? metric->scale : "scene_radius";
+    text_add(out, "float %s(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{\n    return %s(pa, na, pb, nb, ",
+             metric->name, metric->normal_term == TERM_DOT ? "metric_dot" : "metric_one_minus_dot");
+    add_float(metric->position, out);
+    text_add(out, ", ");
+    add_float(metric->normal, out);
+    double number;
+    if (!strcmp(scale, "scene_radius")) {
+        text_add(out, ", frame.scene_radius");
+    } else if (sscanf(scale, "%lf", &number) == 1) {
+        text_add(out, ", ");
+        add_float(number, out);
+    }
+    text_add(out, ");\n}\n\n");
+    const struct pipeline *pipeline = glsl->pipeline;
+    for (uint32_t a = 0; a < pipeline->struct_count; a++)
+        for (uint32_t b = 0; b < pipeline->struct_count; b++) {
+            const struct structure *left = &pipeline->structs[a], *right = &pipeline->structs[b];
+            if (metric_takes(glsl->pass, metric, left) && metric_takes(glsl->pass, metric, right))
+                text_add(
+                    out, "float %s(%s a, %s b)\n{\n    return %s(a.%s, a.%s, b.%s, b.%s);\n}\n\n",
+                    metric->name, left->name, right->name, metric->name, metric->position_field,
+                    metric->normal_field, metric->position_field, metric->normal_field);
+        }
+    put_function(glsl, &function);
+}
+
+static void add_interleave(struct glsl *glsl, const struct interleave *tile)
+{
+    const char *name = tile->name;
+    struct text functions = {0}, *out = &functions, *constants = &glsl->parts[PART_RESOURCES];
+    if (glsl_uses(glsl, "%s_class", name))
+        text_add(out, "int %s_class(ivec2 p)\n{\n    return tile_class(p, %s_tile);\n}\n\n", name,
+                 name);
+    if (glsl_uses(glsl, "%s_split", name))
+        text_add(out,
+                 "ivec2 %s_split(ivec2 p, ivec2 size)\n{\n    return tile_split(p, size, "
+                 "%s_tile);\n}\n\n",
+                 name, name);
+    if (glsl_uses(glsl, "%s_gather", name))
+        text_add(out,
+                 "ivec2 %s_gather(ivec2 q, ivec2 size)\n{\n    return tile_gather(q, size, "
+                 "%s_tile);\n}\n\n",
+                 name, name);
+    if (glsl_uses(glsl, "%s_class_size", name))
+        text_add(out,
+                 "ivec2 %s_class_size(int class_index, ivec2 size)\n{\n"
+                 "    return tile_class_size(class_index, size, %s_tile);\n}\n\n",
+                 name, name);
+    put_function(glsl, &functions);
+    if (glsl_uses(glsl, "%s_tile", name))
+        text_add(constants, "const ivec2 %s_tile = ivec2(%u, %u);\n", name, tile->tile[0],
+                 tile->tile[1]);
+    if (glsl_uses(glsl, "%s_classes", name))
+        text_add(constants, "const int %s_classes = %u;\n", name, tile->tile[0] * tile->tile[1]);
+}
+
+/* ---- Where an invocation stands -------------------------------------------------------------- */
+
+static void add_interleave_place(struct glsl *glsl)
+{
+    const char *tile = glsl->pass->interleave->name;
+    struct text function = {0};
+    if (glsl_uses(glsl, "interleave_split"))
+        text_add(
+            &function,
+            "ivec2 interleave_split()\n{\n"
+            "    return %s_split(interleave_pixel(), ivec2(frame.width, frame.height));\n}\n\n",
+            tile);
+    put_function(glsl, &function);
+    if (glsl_uses(glsl, "interleave_pixel"))
+        text_add(&function,
+                 "/* Invocations beyond the last pixel of the class repeat it. */\n"
+                 "ivec2 interleave_pixel()\n{\n"
+                 "    ivec2 last = %s_class_size(interleave_class(), ivec2(frame.width, "
+                 "frame.height)) - 1;\n"
+                 "    ivec2 q = min(ivec2(gl_GlobalInvocationID.xy), last);\n"
+                 "    return q * %s_tile + tile_offset(interleave_class(), %s_tile);\n}\n\n",
+                 tile, tile, tile);
+    put_function(glsl, &function);
+    if (glsl_uses(glsl, "interleave_class"))
+        text_add(&function, "int interleave_class()\n{\n    return int(gl_WorkGroupID.z);\n}\n\n");
+    put_function(glsl, &function);
+}
+
+static void add_size_component(const struct pass *pass, int axis, struct text *out)
+{
+    const struct resource *image = pass->size == SIZE_IMAGE ? pass->size_resource : NULL;
+    const struct expr *value = pass->dispatch[axis];
+    if (image)
+        value = axis == 0 ? image->width : axis == 1 ? image->height : image->layers;
+    if (value)
+        expr_emit_glsl(value, out);
+    else
+        text_add(out, image && axis < 2 ? (axis ? "int(frame.height)" : "int(frame.width)") : "1");
+    if (pass->size == SIZE_GROUPS)
+        text_add(out, " * %u", pass->local[axis]);
+}
+
+static void add_dispatch_size(struct glsl *glsl)
+{
+    const struct pass *pass = glsl->pass;
+    struct text function = {0}, *out = &function;
+    text_add(out, "ivec3 dispatch_size()\n{\n    return ");
+    if (pass->size == SIZE_INDIRECT) {
+        text_add(out, "ivec3(gl_NumWorkGroups * gl_WorkGroupSize)");
+    } else if (pass->size == SIZE_INTERLEAVE) {
+        const uint32_t *tile = pass->interleave->tile;
+        text_add(out, "ivec3((int(frame.width) + %u) / %u, (int(frame.height) + %u) / %u, %u)",
+                 tile[0] - 1, tile[0], tile[1] - 1, tile[1], tile[0] * tile[1]);
+    } else {
+        text_add(out, "ivec3(");
+        for (int axis = 0; axis < 3; axis++) {
+            text_add(out, "%s", axis ? ", " : "");
+            add_size_component(pass, axis, out);
+        }
+        text_add(out, ")");
+    }
+    text_add(out, ";\n}\n\n");
+    put_function(glsl, &function);
+}
+
+/* What a body may name without `frame.` before it. Variables, not macros, so that members of the
+ * same name stay. */
+static void add_frame_names(struct glsl *glsl)
+{
+    static const char *const names[][2] = {{"View", "camera"},
+                                           {"View", "light_view"},
+                                           {"Light", "light"},
+                                           {"vec3", "scene_center"},
+                                           {"float", "scene_radius"}};
+    struct text variables = {0};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
+        if (glsl_uses(glsl, "%s", names[i][1]))
+            text_add(&variables, "%s %s = frame.%s;\n\n", names[i][0], names[i][1], names[i][1]);
+    put_function(glsl, &variables);
+}
+
+static void add_place(struct glsl *glsl)
+{
+    struct text function = {0};
+    if (glsl->stage == STAGE_IS_COMPUTE) {
+        if (glsl->pass->interleave)
+            add_interleave_place(glsl);
+        if (glsl_uses(glsl, "dispatch_size"))
+            add_dispatch_size(glsl);
+        if (glsl_uses(glsl, "invocation"))
+            text_add(&function,
+                     "ivec3 invocation()\n{\n    return ivec3(gl_GlobalInvocationID);\n}\n\n");
+    } else if (glsl->pass->kind == PASS_SCENE) {
+        if (glsl_uses(glsl, "view"))
+            text_add(&function, "View view = frame.%s;\n\n",
+                     glsl->pass->view && !strcmp(glsl->pass->view, "light") ? "light_view"
+                                                                            : "camera");
+        if (glsl->stage == STAGE_IS_FRAGMENT && glsl_uses(glsl, "scene_texture"))
+            text_add(&function,
+                     "/* Linear colour and alpha; layer -1: white. */\n"
+                     "vec4 scene_texture(vec2 uv, int layer)\n{\n"
+                     "    vec4 texel = texture(scene_textures, vec3(uv, float(max(layer, 0))));\n"
+                     "    return layer < 0 ? vec4(1.0) : texel;\n}\n\n");
+    }
+    put_function(glsl, &function);
+}
+
+/* ---- The stage ------------------------------------------------------------------------------- */
+
+static void add_functions(struct glsl *glsl)
+{
+    const struct pipeline *pipeline = glsl->pipeline;
+    add_place(glsl);
+    add_frame_names(glsl);
+    for (uint32_t i = 0; i < pipeline->metric_count; i++)
+        if (is_listed(glsl->pass, pipeline->metrics[i].name) &&
+            glsl_uses(glsl, "%s", pipeline->metrics[i].name))
+            add_metric(glsl, &pipeline->metrics[i]);
+    add_samplers(glsl);
+    for (uint32_t i = 0; i < pipeline->interleave_count; i++) {
+        const struct interleave *tile = &pipeline->interleaves[i];
+        if (tile == glsl->pass->interleave || is_listed(glsl->pass, tile->name))
+            add_interleave(glsl, tile);
+    }
+    glsl_accessors(glsl);
+}
+
+static bool add_library(struct glsl *glsl)
+{
+    static const char *const from_the_end[] = {"interleave", "metric", "disk", "hammersley",
+                                               "scene"};
+    struct text layout = {0};
+    text_add(&layout, "std140, ");
+    glsl_binding(glsl, glsl->pass->frame_binding, &layout);
+    bool ok = !layout.failed;
+    for (size_t i = 0; ok && i < DT_ARRAY_COUNT(from_the_end); i++)
+        ok = glsl_library(glsl, from_the_end[i], layout.data);
+    ok = ok && glsl_library(glsl, "frame", layout.data) &&
+         (glsl->pipeline->fast || glsl_library(glsl, "exact", layout.data));
+    text_free(&layout);
+    return ok;
+}
+
+static void add_vertex_inputs(struct glsl *glsl, struct text *out)
+{
+    static const char *const inputs[][2] = {{"vec3", "vertex_position"},
+                                            {"vec3", "vertex_normal"},
+                                            {"vec2", "vertex_uv"},
+                                            {"uint", "vertex_material"}};
+    for (int i = 0; i < 4; i++)
+        if (glsl_uses(glsl, "%s", inputs[i][1]))
+            text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
+    if (glsl->pass->clip_distances)
+        text_add(out,
+                 "out gl_PerVertex {\n    vec4 gl_Position;\n    float gl_ClipDistance[%u];\n};\n",
+                 glsl->pass->clip_distances);
+}
+
+static void add_head(struct glsl *glsl)
+{
+    static const char *const stages[] = {"COMPUTE", "VERTEX", "FRAGMENT"};
+    static const char *const stage_names[] = {"compute", "vertex", "fragment"};
+    struct text *out = &glsl->parts[PART_HEAD];
+    const struct pass *pass = glsl->pass;
+    text_add(
+        out,
+        "#version 460\n/* Generated by diptych-gen: pipeline %s, pass %s, %s stage for %s. */\n",
+        glsl->pipeline->name, pass->name, stage_names[glsl->stage],
+        glsl->backend == BACKEND_GL ? "OpenGL" : "Vulkan");
+    if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "gl_Layer"))
+        text_add(out, "#extension GL_ARB_shader_viewport_layer_array : require\n");
+    text_add(out, "#define %s\n%s%s", stages[glsl->stage],
+             glsl->backend == BACKEND_GL ? "#define OPENGL\n"
+                                         : "", /* compilers for Vulkan define VULKAN */
+             glsl->pipeline->fast ? "" : "#define EXACT\n");
+    if (glsl->stage == STAGE_IS_COMPUTE)
+        text_add(out, "\nlayout(local_size_x = %u, local_size_y = %u, local_size_z = %u) in;\n",
+                 pass->local[0], pass->local[1], pass->local[2]);
+    if (glsl->stage == STAGE_IS_VERTEX && pass->kind == PASS_SCENE)
+        add_vertex_inputs(glsl, out);
+}
+
+/* A draw over the whole frame has no vertices: one triangle that covers it. */
+static void add_fullscreen_vertex(struct glsl *glsl)
+{
+    text_add(&glsl->parts[PART_BODY],
+             "void main()\n{\n    vec2 corner = vec2(%s << 1 & 2, %s & 2);\n"
+             "    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n",
+             glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex",
+             glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex");
+}
+
+static bool add_parts(struct glsl *glsl)
+{
+    if (glsl->pass->kind == PASS_FULLSCREEN && glsl->stage == STAGE_IS_VERTEX)
+        add_fullscreen_vertex(glsl);
+    else if (!glsl_body(glsl) || !glsl_ranges(glsl))
+        return false;
+    add_functions(glsl);
+    glsl_resources(glsl);
+    struct text *constants = &glsl->parts[PART_CONSTANTS];
+    add_constants(glsl, constants); /* before the library: they may name the frame */
+    if (!add_library(glsl))
+        return false;
+    add_structs(glsl, &glsl->parts[PART_STRUCTS]);
+    if (glsl_uses(glsl, "PI"))
+        text_add(constants, "const float PI = 3.14159265359;\n");
+    add_params(glsl, constants);
+    add_head(glsl);
+    return true;
+}
+
+/* Parts apart by an empty line, none doubled. */
+static void join_parts(struct glsl *glsl, struct text *out)
+{
+    for (int i = 0; i < PART_COUNT; i++) {
+        struct text *part = &glsl->parts[i];
+        out->failed |= part->failed;
+        size_t length = part->length;
+        while (length && part->data[length - 1] == '\n')
+            length--;
+        if (!length)
+            continue;
+        text_add(out, "%s", i ? "\n" : "");
+        text_add_bytes(out, part->data, length);
+        text_add(out, "\n");
+    }
+}
+
+bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
+               struct shader *shader, struct diag *diag)
+{
+    struct glsl glsl = {.model = model,
+                        .pipeline = &model->pipeline,
+                        .pass = pass,
+                        .backend = backend,
+                        .stage = stage,
+                        .diag = diag};
+    bool ok = glsl_check_accesses(&glsl) && add_parts(&glsl);
+    if (ok) {
+        shader->stage = stage;
+        join_parts(&glsl, &shader->glsl);
+        ok = !shader->glsl.failed;
+    }
+    for (int i = 0; i < PART_COUNT; i++)
+        text_free(&glsl.parts[i]);
+    return ok;
+}

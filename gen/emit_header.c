@@ -1,0 +1,287 @@
+/* NAME.h: what C code sees of a pipeline. Structs with every padding written out and every offset asserted, baked
+ * parameters as constants, the live block, the indices of resources and passes. Called by main. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "emit_c.h"
+
+/* A member that may be preceded and followed by padding. */
+struct member {
+    const char *name;
+    enum dt_type type;
+    uint32_t array_count, offset, size;
+};
+
+static void emit_member(struct text *out, const struct member *member)
+{
+    const struct type_info *info = type_info(member->type);
+    bool padded = member->array_count && info->size != info->align && info->columns == 1;
+
+    text_add(out, "    %s %s", info->c, member->name);
+    if (member->array_count) {
+        text_add(out, "[%" PRIu32 "]", member->array_count);
+    }
+    if (info->columns > 1) {
+        text_add(out, "[%" PRIu32 "]", info->columns);
+    }
+    if (info->components > 1) {
+        text_add(out, "[%" PRIu32 "]", padded ? info->components + 1 : info->components);
+    }
+    text_add(out, padded ? "; /* %s, the last of each is padding */\n" : "; /* %s */\n",
+             member->type == DT_TYPE_BOOL ? "bool: 0 or 1" : info->glsl);
+}
+
+static bool is_member(const struct member *members, uint32_t count, const char *name)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (strcmp(members[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void emit_padding(struct text *out, const struct member *members, uint32_t count,
+                         uint32_t bytes, unsigned *number)
+{
+    char name[32];
+
+    do {
+        snprintf(name, sizeof name, "padding%u", (*number)++);
+    } while (is_member(members, count, name));
+    if (bytes) {
+        text_add(out, "    uint32_t %s[%" PRIu32 "];\n", name, bytes / 4);
+    }
+}
+
+/* The struct's body and its assertions; members in order of offset. */
+static void emit_struct(struct text *out, const char *tag, const char *rule,
+                        const struct member *members, uint32_t count, uint32_t size)
+{
+    uint32_t at = 0;
+    unsigned number = 0;
+
+    text_add(out, "struct %s {\n", tag);
+    for (uint32_t i = 0; i < count; i++) {
+        if (members[i].offset > at) {
+            emit_padding(out, members, count, members[i].offset - at, &number);
+        }
+        emit_member(out, &members[i]);
+        at = members[i].offset + members[i].size;
+    }
+    if (size > at) {
+        emit_padding(out, members, count, size - at, &number);
+    }
+    text_add(out, "};\n_Static_assert(sizeof(struct %s) == %" PRIu32 ", \"%s: %s\");\n", tag, size,
+             tag, rule);
+    for (uint32_t i = 0; i < count; i++) {
+        text_add(out, "_Static_assert(offsetof(struct %s, %s) == %" PRIu32 ", \"%s.%s: %s\");\n",
+                 tag, members[i].name, members[i].offset, tag, members[i].name, rule);
+    }
+    text_add(out, "\n");
+}
+
+static void emit_structs(const struct c_output *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->struct_count; i++) {
+        const struct structure *structure = &c->pipeline->structs[i];
+        struct arena *arena = c->model->arena;
+        struct member *members = arena_alloc(arena, (structure->field_count + 1) * sizeof *members);
+
+        for (uint32_t f = 0; members && f < structure->field_count; f++) {
+            const struct field *field = &structure->fields[f];
+            uint32_t size = type_info(field->type)->size;
+
+            members[f] = (struct member){
+                field->name, field->type, field->array_count, field->offset,
+                field->array_count ? field->array_count * field->array_stride : size};
+        }
+        text_add(c->out, "/* ");
+        c_comment(c->out, structure->doc ? structure->doc : structure->name);
+        text_add(c->out, ": std430, %" PRIu32 " bytes from element to element. */\n",
+                 structure->stride);
+        if (members) {
+            emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, structure->name),
+                        "std430", members, structure->field_count, structure->stride);
+        }
+    }
+}
+
+static void emit_live(const struct c_output *c)
+{
+    struct arena *arena = c->model->arena;
+    struct member *members = arena_alloc(arena, (c->pipeline->param_count + 1) * sizeof *members);
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; members && i < c->pipeline->param_count; i++) {
+        const struct param *param = &c->pipeline->params[i];
+
+        if (param->live) {
+            members[count++] = (struct member){param->name, param->type, 0, param->offset,
+                                               type_info(param->type)->size};
+        }
+    }
+    text_add(c->out, "/* The uniform block of the live parameters: std140. */\n");
+    if (members) {
+        emit_struct(c->out, arena_printf(arena, "%s_live", c->pipeline->name), "std140", members,
+                    count, c->pipeline->live_size);
+    }
+}
+
+/* ---- Constants ---------------------------------------------------------------------------------------------------- */
+
+static void emit_value(const struct c_output *c, const struct param *param, uint32_t component)
+{
+    bool real = param->type <= DT_TYPE_VEC4;
+    bool is_unsigned = param->type >= DT_TYPE_UINT && param->type <= DT_TYPE_UVEC4;
+
+    text_add(c->out, "#define ");
+    c_enumerator(c, "PARAM", param->name);
+    if (param->components > 1) {
+        text_add(c->out, "_%c", "XYZW"[component & 3]);
+    }
+    text_add(c->out, " ");
+    if (real) {
+        c_float(c->out, param->value[component]);
+    } else {
+        text_add(c->out, param->value[component] < 0 ? "(%.0f%s)" : "%.0f%s",
+                 param->value[component], is_unsigned ? "u" : "");
+    }
+    text_add(c->out, "\n");
+}
+
+static void emit_param_comment(const struct c_output *c, const struct param *param)
+{
+    text_add(c->out, "/* %s", param->name);
+    if (param->doc) {
+        text_add(c->out, ": ");
+        c_comment(c->out, param->doc);
+    }
+    if (!isinf(param->min) || !isinf(param->max)) {
+        text_add(c->out, " [");
+        if (!isinf(param->min)) {
+            text_add(c->out, "%.9g", param->min);
+        }
+        text_add(c->out, "..");
+        if (!isinf(param->max)) {
+            text_add(c->out, "%.9g", param->max);
+        }
+        text_add(c->out, "]");
+    }
+    text_add(c->out, " */\n");
+}
+
+static void emit_params(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+    bool any = false;
+
+    for (uint32_t i = 0; i < pipeline->param_count; i++) {
+        const struct param *param = &pipeline->params[i];
+
+        if (param->live) {
+            continue;
+        }
+        text_add(c->out, any ? "" : "/* ---- Baked parameters ---- */\n\n");
+        any = true;
+        emit_param_comment(c, param);
+        for (uint32_t component = 0; component < param->components; component++) {
+            emit_value(c, param, component);
+        }
+    }
+    text_add(c->out, any ? "\n" : "");
+    any = false;
+    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
+        const struct constant *constant = &pipeline->constants[i];
+
+        if (!constant->folds) {
+            continue;
+        }
+        text_add(c->out, any ? "" : "/* ---- Constants ---- */\n\n");
+        any = true;
+        text_add(c->out, "#define ");
+        c_enumerator(c, "CONSTANT", constant->name);
+        text_add(c->out, constant->folded < 0 ? " (%" PRId64 ")" : " %" PRId64, constant->folded);
+        if (constant->doc) {
+            text_add(c->out, " /* ");
+            c_comment(c->out, constant->doc);
+            text_add(c->out, " */");
+        }
+        text_add(c->out, "\n");
+    }
+    text_add(c->out, any ? "\n" : "");
+}
+
+static void emit_indices(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+
+    text_add(c->out,
+             "/* Indices into %s_pipeline.resources, and of dt_panel.resource. */\nenum {\n",
+             pipeline->name);
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        text_add(c->out, "    ");
+        c_enumerator(c, "RESOURCE", pipeline->resources[i].name);
+        text_add(c->out, ",\n");
+    }
+    text_add(c->out, "    ");
+    c_upper(c->out, pipeline->name);
+    text_add(c->out,
+             "_RESOURCES /* how many */\n};\n\n/* Passes in order of execution. */\nenum {\n");
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        text_add(c->out, "    ");
+        c_enumerator(c, "PASS", pipeline->order[i]->name);
+        text_add(c->out, ",\n");
+    }
+    text_add(c->out, "    ");
+    c_upper(c->out, pipeline->name);
+    text_add(c->out, "_PASSES /* how many */\n};\n\n");
+}
+
+static void emit_functions(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+    const char *name = pipeline->name;
+
+    text_add(c->out,
+             "/* Sizes at a frame of width x height: elements, or width, height and layers. */\n");
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        text_add(
+            c->out,
+            "void %s_extent_%s(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);\n",
+            name, pipeline->resources[i].name);
+    }
+    text_add(
+        c->out,
+        "\n/* Workgroups that `count` invocations take; none when the count is not positive. */\n"
+        "static inline uint32_t %s_groups(int64_t count, int64_t local)\n"
+        "{\n"
+        "    return count > 0 ? (uint32_t)((count - 1) / local + 1) : 0;\n"
+        "}\n\n"
+        "extern const struct dt_pipeline %s_pipeline;\n"
+        "extern const struct dt_panel %s_gl, %s_vk;\n",
+        name, name, name, name);
+}
+
+void emit_header(const struct model *model, struct text *out)
+{
+    struct c_output c = {.model = model, .pipeline = &model->pipeline, .out = out};
+
+    text_add(out, "/* ");
+    c_slot_doc(&c);
+    text_add(out, "\n * Generated by diptych-gen from ");
+    c_slot_spec(&c);
+    text_add(out, "; change that and generate again. */\n#ifndef DIPTYCH_GENERATED_");
+    c_upper(out, model->pipeline.name);
+    text_add(out, "_H\n#define DIPTYCH_GENERATED_");
+    c_upper(out, model->pipeline.name);
+    text_add(out, "_H\n\n#include \"diptych.h\"\n\n");
+    emit_params(&c);
+    emit_structs(&c);
+    emit_live(&c);
+    emit_indices(&c);
+    emit_functions(&c);
+    text_add(out, "\n#endif\n");
+}

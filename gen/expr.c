@@ -1,0 +1,737 @@
+/* Integer expressions: parsed with the place of every part, resolved against the model, evaluated with overflow checks, and
+ * printed as C or GLSL. Called by read (parse), check (resolve, evaluate) and the emitters (text). */
+#include "expr.h"
+
+#include <ctype.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum operation {
+    OP_NUMBER, OP_FRAME_WIDTH, OP_FRAME_HEIGHT, OP_NAME, /* leaves */
+    OP_NEGATE, OP_NOT,
+    OP_MULTIPLY, OP_DIVIDE, OP_REMAINDER, OP_ADD, OP_SUBTRACT,
+    OP_LESS, OP_LESS_EQUAL, OP_GREATER, OP_GREATER_EQUAL, OP_EQUAL, OP_NOT_EQUAL,
+    OP_AND, OP_OR, OP_CHOOSE,
+    OP_MIN, OP_MAX, OP_CEIL_DIV
+};
+
+struct expr {
+    enum operation operation;
+    struct expr *operand[3];
+    int64_t number;
+    const char *name;
+    int component; /* of a vector parameter; -1: none */
+    struct loc loc;
+    const struct param *param;       /* resolved */
+    const struct constant *constant; /* resolved */
+};
+
+/* ---- Parsing ------------------------------------------------------------------------------------------------------ */
+
+struct parser {
+    struct model *model;
+    struct diag *diag;
+    const char *text;
+    size_t at;
+    struct loc loc; /* of the whole text */
+    unsigned depth;
+    bool failed;
+};
+
+enum { DEEPEST = 64 }; /* nesting; keeps a hostile spec from exhausting the stack */
+
+static struct loc place(const struct parser *p, size_t from, size_t to)
+{
+    struct loc loc = p->loc;
+    loc.column += (int)from;
+    loc.length = to > from ? (int)(to - from) : 1;
+    return loc;
+}
+
+static struct expr *fail(struct parser *p, size_t from, size_t to, const char *what)
+{
+    if (!p->failed)
+        diag_error(p->diag, place(p, from, to), "%s in the expression `%s`", what, p->text);
+    p->failed = true;
+    return NULL;
+}
+
+static void skip_spaces(struct parser *p)
+{
+    while (isspace((unsigned char)p->text[p->at]))
+        p->at++;
+}
+
+static bool take(struct parser *p, const char *token)
+{
+    skip_spaces(p);
+    size_t length = strlen(token);
+    if (strncmp(p->text + p->at, token, length))
+        return false;
+    p->at += length;
+    return true;
+}
+
+static struct expr *node(struct parser *p, enum operation operation, size_t from)
+{
+    struct expr *expr = arena_alloc(p->model->arena, sizeof *expr);
+    if (!expr) {
+        p->failed = true;
+        return NULL;
+    }
+    expr->operation = operation;
+    expr->component = -1;
+    expr->loc = place(p, from, p->at);
+    return expr;
+}
+
+static struct expr *parse_choose(struct parser *p);
+
+static struct expr *parse_number(struct parser *p)
+{
+    size_t from = p->at;
+    uint64_t value = 0;
+    bool overflow = false;
+    for (; isdigit((unsigned char)p->text[p->at]); p->at++)
+        overflow |= __builtin_mul_overflow(value, 10u, &value) ||
+                    __builtin_add_overflow(value, (uint64_t)(p->text[p->at] - '0'), &value);
+    char next = p->text[p->at];
+    if (next == '.' || isalpha((unsigned char)next) || next == '_') {
+        while (isalnum((unsigned char)p->text[p->at]) || strchr("._", p->text[p->at] ? p->text[p->at] : ' '))
+            p->at++;
+        return fail(p, from, p->at, "a number that is no integer");
+    }
+    if (overflow || value > INT64_MAX)
+        return fail(p, from, p->at, "a number beyond 64 bits");
+    struct expr *expr = node(p, OP_NUMBER, from);
+    if (expr)
+        expr->number = (int64_t)value;
+    return expr;
+}
+
+static bool is_word(const char *text, size_t length, const char *word)
+{
+    return strlen(word) == length && !strncmp(text, word, length);
+}
+
+static struct expr *parse_call(struct parser *p, enum operation operation, size_t from)
+{
+    struct expr *a = parse_choose(p);
+    if (!a)
+        return NULL;
+    if (!take(p, ","))
+        return fail(p, p->at, p->at + 1, "expected `,` and a second argument");
+    struct expr *b = parse_choose(p);
+    if (!b)
+        return NULL;
+    if (!take(p, ")"))
+        return fail(p, p->at, p->at + 1, "expected `)`");
+    struct expr *expr = node(p, operation, from);
+    if (expr) {
+        expr->operand[0] = a;
+        expr->operand[1] = b;
+    }
+    return expr;
+}
+
+static size_t word_length(const char *text)
+{
+    size_t length = 0;
+    while (isalnum((unsigned char)text[length]) || text[length] == '_')
+        length++;
+    return length;
+}
+
+static struct expr *parse_frame(struct parser *p, size_t from)
+{
+    if (p->text[p->at] == '.') {
+        const char *member = p->text + p->at + 1;
+        size_t length = word_length(member);
+        p->at += 1 + length;
+        if (is_word(member, length, "width"))
+            return node(p, OP_FRAME_WIDTH, from);
+        if (is_word(member, length, "height"))
+            return node(p, OP_FRAME_HEIGHT, from);
+    }
+    return fail(p, from, p->at, "`frame` has only `frame.width` and `frame.height`");
+}
+
+static struct expr *parse_name(struct parser *p)
+{
+    static const struct {
+        const char *name;
+        enum operation operation;
+    } calls[] = {{"min", OP_MIN}, {"max", OP_MAX}, {"ceil_div", OP_CEIL_DIV}};
+    size_t from = p->at, length = word_length(p->text + from);
+    p->at += length;
+    if (is_word(p->text + from, length, "frame"))
+        return parse_frame(p, from);
+    for (size_t i = 0; i < sizeof calls / sizeof *calls; i++)
+        if (is_word(p->text + from, length, calls[i].name) && take(p, "("))
+            return parse_call(p, calls[i].operation, from);
+    if (is_word(p->text + from, length, "true") || is_word(p->text + from, length, "false")) {
+        struct expr *expr = node(p, OP_NUMBER, from);
+        if (expr)
+            expr->number = p->text[from] == 't';
+        return expr;
+    }
+    int component = -1;
+    if (p->text[p->at] == '.') {
+        const char *letter = p->text[p->at + 1] ? strchr("xyzw", p->text[p->at + 1]) : NULL;
+        size_t member = word_length(p->text + p->at + 1);
+        p->at += 1 + member;
+        if (!letter || member != 1)
+            return fail(p, from, p->at, "a component is one of .x .y .z .w");
+        component = *letter == 'w' ? 3 : *letter - 'x';
+    }
+    struct expr *expr = node(p, OP_NAME, from);
+    if (!expr)
+        return NULL;
+    expr->name = arena_strndup(p->model->arena, p->text + from, length);
+    expr->component = component;
+    return expr->name ? expr : NULL;
+}
+
+static struct expr *parse_primary(struct parser *p)
+{
+    skip_spaces(p);
+    char c = p->text[p->at];
+    if (isdigit((unsigned char)c))
+        return parse_number(p);
+    if (isalpha((unsigned char)c) || c == '_')
+        return parse_name(p);
+    if (c == '(') {
+        p->at++;
+        struct expr *expr = parse_choose(p);
+        if (expr && !take(p, ")"))
+            return fail(p, p->at, p->at + 1, "expected `)`");
+        return expr;
+    }
+    if (!c)
+        return fail(p, p->at ? p->at - 1 : 0, p->at, "expected a number, a name or `(` at the end");
+    return fail(p, p->at, p->at + 1, "expected a number, a name or `(`");
+}
+
+static struct expr *parse_unary(struct parser *p)
+{
+    skip_spaces(p);
+    size_t from = p->at;
+    char c = p->text[from];
+    if (c != '-' && c != '!')
+        return parse_primary(p);
+    p->at++;
+    if (++p->depth > DEEPEST)
+        return fail(p, from, from + 1, "too many levels");
+    struct expr *operand = parse_unary(p);
+    p->depth--;
+    struct expr *expr = operand ? node(p, c == '-' ? OP_NEGATE : OP_NOT, from) : NULL;
+    if (expr)
+        expr->operand[0] = operand;
+    return expr;
+}
+
+/* Binary operators by level, loosest first; of two that start alike the longer stands first. */
+struct binary {
+    const char *token;
+    enum operation operation;
+    int level;
+};
+static const struct binary binaries[] = {
+    {"||", OP_OR, 0},       {"&&", OP_AND, 1},     {"==", OP_EQUAL, 2},   {"!=", OP_NOT_EQUAL, 2},
+    {"<=", OP_LESS_EQUAL, 3}, {">=", OP_GREATER_EQUAL, 3}, {"<", OP_LESS, 3}, {">", OP_GREATER, 3},
+    {"+", OP_ADD, 4},       {"-", OP_SUBTRACT, 4}, {"*", OP_MULTIPLY, 5}, {"/", OP_DIVIDE, 5},
+    {"%", OP_REMAINDER, 5},
+};
+enum { BINARY_LEVELS = 6, BINARY_COUNT = sizeof binaries / sizeof *binaries };
+
+static struct expr *parse_binary(struct parser *p, int level)
+{
+    if (level == BINARY_LEVELS)
+        return parse_unary(p);
+    skip_spaces(p);
+    size_t from = p->at;
+    struct expr *left = parse_binary(p, level + 1);
+    while (left) {
+        const struct binary *found = NULL;
+        for (size_t i = 0; i < BINARY_COUNT && !found; i++)
+            if (binaries[i].level == level && take(p, binaries[i].token))
+                found = &binaries[i];
+        if (!found)
+            break;
+        struct expr *right = parse_binary(p, level + 1);
+        struct expr *expr = right ? node(p, found->operation, from) : NULL;
+        if (expr) {
+            expr->operand[0] = left;
+            expr->operand[1] = right;
+        }
+        left = expr;
+    }
+    return left;
+}
+
+static struct expr *parse_choose(struct parser *p)
+{
+    skip_spaces(p);
+    size_t from = p->at;
+    if (++p->depth > DEEPEST)
+        return fail(p, from, from + 1, "too many levels");
+    struct expr *condition = parse_binary(p, 0);
+    if (condition && take(p, "?")) {
+        struct expr *yes = parse_choose(p);
+        if (yes && !take(p, ":"))
+            return fail(p, p->at, p->at + 1, "expected `:`");
+        struct expr *no = yes ? parse_choose(p) : NULL;
+        struct expr *expr = no ? node(p, OP_CHOOSE, from) : NULL;
+        if (expr) {
+            expr->operand[0] = condition;
+            expr->operand[1] = yes;
+            expr->operand[2] = no;
+        }
+        condition = expr;
+    }
+    p->depth--;
+    return condition;
+}
+
+struct expr *expr_parse(struct model *model, const char *text, struct loc loc, struct diag *diag)
+{
+    struct parser p = {.model = model, .diag = diag, .text = text, .loc = loc};
+    struct expr *expr = parse_choose(&p);
+    if (!expr)
+        return NULL;
+    skip_spaces(&p);
+    if (p.text[p.at])
+        return fail(&p, p.at, p.at + 1, "expected an operator");
+    return expr;
+}
+
+struct loc expr_loc(const struct expr *expr)
+{
+    return expr->loc;
+}
+
+/* ---- Resolving ---------------------------------------------------------------------------------------------------- */
+
+static void report_unknown(const struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
+{
+    size_t count = 0, total = pipeline->param_count + pipeline->constant_count + 2;
+    const char **names = calloc(total, sizeof *names);
+    for (uint32_t i = 0; names && i < pipeline->param_count; i++)
+        names[count++] = pipeline->params[i].name;
+    for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
+        names[count++] = pipeline->constants[i].name;
+    const char *nearest = names ? diag_nearest(expr->name, names, count) : NULL;
+    if (!nearest && (!strcmp(expr->name, "width") || !strcmp(expr->name, "height")))
+        nearest = expr->name[0] == 'w' ? "frame.width" : "frame.height";
+    if (nearest)
+        diag_error(diag, expr->loc, "unknown name `%s`; did you mean `%s`?", expr->name, nearest);
+    else
+        diag_error(diag, expr->loc, "unknown name `%s`; expressions know parameters, constants, frame.width and "
+                                    "frame.height", expr->name);
+    free(names);
+}
+
+static bool resolve_param(struct expr *expr, const struct param *param, struct diag *diag)
+{
+    static const char letters[] = "xyzw";
+    bool is_float = param->type <= DT_TYPE_VEC4 || param->type == DT_TYPE_MAT4;
+    expr->param = param;
+    if (is_float) {
+        diag_error(diag, expr->loc, "`%s` is a float parameter, but expressions are over integers", param->name);
+        return false;
+    }
+    if (param->components > 1 && expr->component < 0) {
+        diag_error(diag, expr->loc, "`%s` is a vector; write `%s.x` for one of its components", param->name,
+                   param->name);
+        return false;
+    }
+    if (param->components == 1 && expr->component >= 0) {
+        diag_error(diag, expr->loc, "`%s` is no vector and has no component `.%c`", param->name,
+                   letters[expr->component]);
+        return false;
+    }
+    if (expr->component >= (int)param->components) {
+        diag_error(diag, expr->loc, "`%s` has %u components and no `.%c`", param->name, param->components,
+                   letters[expr->component]);
+        return false;
+    }
+    return true;
+}
+
+static bool resolve_name(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
+{
+    for (uint32_t i = 0; i < pipeline->param_count; i++)
+        if (!strcmp(pipeline->params[i].name, expr->name))
+            return resolve_param(expr, &pipeline->params[i], diag);
+    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
+        const struct constant *constant = &pipeline->constants[i];
+        if (strcmp(constant->name, expr->name))
+            continue;
+        expr->constant = constant;
+        if (expr->component < 0)
+            return true;
+        diag_error(diag, expr->loc, "`%s` is a constant and has no components", constant->name);
+        return false;
+    }
+    report_unknown(expr, pipeline, diag);
+    return false;
+}
+
+bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
+{
+    if (!expr)
+        return true;
+    if (expr->operation == OP_NAME)
+        return resolve_name(expr, pipeline, diag);
+    bool good = true;
+    for (int i = 0; i < 3; i++)
+        good &= expr_resolve(expr->operand[i], pipeline, diag);
+    return good;
+}
+
+bool expr_mentions(const struct expr *expr, const char *name)
+{
+    if (!expr)
+        return false;
+    if (expr->operation == OP_NAME)
+        return !strcmp(expr->name, name);
+    return expr_mentions(expr->operand[0], name) || expr_mentions(expr->operand[1], name) ||
+           expr_mentions(expr->operand[2], name);
+}
+
+/* Baked, and false (or true) whatever else stands beside it. */
+static bool decides(const struct expr *expr, bool truth)
+{
+    int64_t value;
+    return expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK && (value != 0) == truth;
+}
+
+static unsigned reach_of_operands(const struct expr *expr)
+{
+    const struct expr *const *operand = (const struct expr *const *)expr->operand;
+    if (expr->operation == OP_AND || expr->operation == OP_OR) {
+        bool truth = expr->operation == OP_OR;
+        if (decides(operand[0], truth) || decides(operand[1], truth))
+            return EXPR_BAKED;
+    }
+    if (expr->operation == OP_CHOOSE && (decides(operand[0], true) || decides(operand[0], false)))
+        return expr_reach(operand[decides(operand[0], true) ? 1 : 2]);
+    return expr_reach(operand[0]) | expr_reach(operand[1]) | expr_reach(operand[2]);
+}
+
+unsigned expr_reach(const struct expr *expr)
+{
+    if (!expr)
+        return EXPR_BAKED;
+    switch (expr->operation) {
+    case OP_FRAME_WIDTH:
+    case OP_FRAME_HEIGHT:
+        return EXPR_FRAME;
+    case OP_NAME:
+        if (expr->constant)
+            return expr_reach(expr->constant->value);
+        return expr->param && expr->param->live ? EXPR_LIVE : EXPR_BAKED;
+    default:
+        return reach_of_operands(expr);
+    }
+}
+
+/* ---- Evaluation --------------------------------------------------------------------------------------------------- */
+
+struct evaluation {
+    int64_t width, height;
+    const struct expr *fault; /* the part that failed */
+};
+
+static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, int64_t *value);
+
+static enum expr_result fault(const struct expr *expr, struct evaluation *e, enum expr_result result)
+{
+    if (!e->fault)
+        e->fault = expr;
+    return result;
+}
+
+static enum expr_result divide(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b, int64_t *value)
+{
+    if (b == 0)
+        return fault(expr, e, EXPR_DIVIDES_BY_ZERO);
+    if (a == INT64_MIN && b == -1)
+        return fault(expr, e, EXPR_OVERFLOWS);
+    if (expr->operation == OP_DIVIDE)
+        *value = a / b;
+    else if (expr->operation == OP_REMAINDER)
+        *value = a % b;
+    else
+        *value = a / b + (a % b > 0);
+    return EXPR_OK;
+}
+
+static enum expr_result combine(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b, int64_t *value)
+{
+    bool overflow = false;
+    switch (expr->operation) {
+    case OP_MULTIPLY: overflow = __builtin_mul_overflow(a, b, value); break;
+    case OP_ADD: overflow = __builtin_add_overflow(a, b, value); break;
+    case OP_SUBTRACT: overflow = __builtin_sub_overflow(a, b, value); break;
+    case OP_DIVIDE:
+    case OP_REMAINDER:
+    case OP_CEIL_DIV: return divide(expr, e, a, b, value);
+    case OP_LESS: *value = a < b; break;
+    case OP_LESS_EQUAL: *value = a <= b; break;
+    case OP_GREATER: *value = a > b; break;
+    case OP_GREATER_EQUAL: *value = a >= b; break;
+    case OP_EQUAL: *value = a == b; break;
+    case OP_NOT_EQUAL: *value = a != b; break;
+    case OP_MIN: *value = a < b ? a : b; break;
+    default: *value = a > b ? a : b; break; /* OP_MAX */
+    }
+    return overflow ? fault(expr, e, EXPR_OVERFLOWS) : EXPR_OK;
+}
+
+/* Leaves and unary operators. */
+static enum expr_result evaluate_simple(const struct expr *expr, struct evaluation *e, int64_t *value)
+{
+    enum expr_result result;
+    switch (expr->operation) {
+    case OP_NUMBER: *value = expr->number; return EXPR_OK;
+    case OP_FRAME_WIDTH: *value = e->width; return EXPR_OK;
+    case OP_FRAME_HEIGHT: *value = e->height; return EXPR_OK;
+    case OP_NAME:
+        if (expr->constant) {
+            result = evaluate(expr->constant->value, e, value);
+            return result == EXPR_OK ? result : (e->fault = expr, result);
+        }
+        *value = expr->param ? (int64_t)expr->param->value[expr->component > 0 ? expr->component : 0] : 1;
+        return EXPR_OK;
+    case OP_NOT:
+        result = evaluate(expr->operand[0], e, value);
+        *value = !*value;
+        return result;
+    default: /* OP_NEGATE */
+        result = evaluate(expr->operand[0], e, value);
+        if (result == EXPR_OK && __builtin_sub_overflow((int64_t)0, *value, value))
+            return fault(expr, e, EXPR_OVERFLOWS);
+        return result;
+    }
+}
+
+/* A missing expression (reported before) counts as 1, so that it causes no further errors. */
+static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, int64_t *value)
+{
+    *value = 1;
+    if (!expr)
+        return EXPR_OK;
+    if (expr->operation <= OP_NOT)
+        return evaluate_simple(expr, e, value);
+    int64_t a, b;
+    enum expr_result result = evaluate(expr->operand[0], e, &a);
+    if (result != EXPR_OK)
+        return result;
+    if (expr->operation == OP_CHOOSE)
+        return evaluate(expr->operand[a ? 1 : 2], e, value);
+    if ((expr->operation == OP_AND && !a) || (expr->operation == OP_OR && a)) {
+        *value = a != 0;
+        return EXPR_OK;
+    }
+    result = evaluate(expr->operand[1], e, &b);
+    if (result != EXPR_OK)
+        return result;
+    if (expr->operation == OP_AND || expr->operation == OP_OR) {
+        *value = b != 0;
+        return EXPR_OK;
+    }
+    return combine(expr, e, a, b, value);
+}
+
+enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height, int64_t *value)
+{
+    struct evaluation e = {.width = frame_width, .height = frame_height};
+    return evaluate(expr, &e, value);
+}
+
+struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t frame_height)
+{
+    struct evaluation e = {.width = frame_width, .height = frame_height};
+    int64_t value;
+    evaluate(expr, &e, &value);
+    return e.fault ? e.fault->loc : expr->loc;
+}
+
+/* ---- Text --------------------------------------------------------------------------------------------------------- */
+
+enum language { LANGUAGE_C, LANGUAGE_GLSL };
+static void emit(const struct expr *expr, enum language language, bool nested, struct text *out);
+static void emit_condition(const struct expr *expr, enum language language, struct text *out);
+
+static const char *operator_token(enum operation operation)
+{
+    for (size_t i = 0; i < BINARY_COUNT; i++)
+        if (binaries[i].operation == operation)
+            return binaries[i].token;
+    return "";
+}
+
+static bool is_condition(const struct expr *expr)
+{
+    return (expr->operation >= OP_LESS && expr->operation <= OP_OR) || expr->operation == OP_NOT;
+}
+
+static void emit_param(const struct expr *expr, enum language language, struct text *out)
+{
+    const struct param *param = expr->param;
+    bool vector = param->components > 1;
+    int component = expr->component > 0 ? expr->component : 0;
+    if (language == LANGUAGE_GLSL) {
+        text_add(out, param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4) ? "%s" : "int(%s",
+                 param->name);
+        if (vector)
+            text_add(out, ".%c", "xyzw"[component]);
+        if (!(param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4)))
+            text_add(out, ")");
+    } else if (vector) {
+        text_add(out, "(int64_t)live->%s[%d]", param->name, component);
+    } else {
+        text_add(out, param->type == DT_TYPE_BOOL ? "(live->%s != 0)" : "(int64_t)live->%s", param->name);
+    }
+}
+
+static void emit_leaf(const struct expr *expr, enum language language, struct text *out)
+{
+    if (expr->operation == OP_NAME && expr->constant) {
+        if (language == LANGUAGE_GLSL)
+            text_add(out, "%s", expr->name);
+        else
+            emit(expr->constant->value, language, true, out);
+    } else if (expr->operation == OP_NAME) {
+        emit_param(expr, language, out);
+    } else {
+        const char *side = expr->operation == OP_FRAME_WIDTH ? "width" : "height";
+        text_add(out, language == LANGUAGE_C ? "(int64_t)%s" : "int(frame.%s)", side);
+    }
+}
+
+static void emit_call(const struct expr *expr, enum language language, struct text *out)
+{
+    const struct expr *a = expr->operand[0], *b = expr->operand[1];
+    if (expr->operation == OP_CEIL_DIV) {
+        text_add(out, "(");
+        emit(a, language, true, out);
+        text_add(out, " / ");
+        emit(b, language, true, out);
+        text_add(out, language == LANGUAGE_C ? " + (" : " + int(");
+        emit(a, language, true, out);
+        text_add(out, " %% ");
+        emit(b, language, true, out);
+        text_add(out, " > 0))");
+    } else if (language == LANGUAGE_GLSL) {
+        text_add(out, expr->operation == OP_MIN ? "min(" : "max(");
+        emit(a, language, false, out);
+        text_add(out, ", ");
+        emit(b, language, false, out);
+        text_add(out, ")");
+    } else {
+        text_add(out, "(");
+        emit(a, language, true, out);
+        text_add(out, expr->operation == OP_MIN ? " < " : " > ");
+        emit(b, language, true, out);
+        text_add(out, " ? ");
+        emit(a, language, true, out);
+        text_add(out, " : ");
+        emit(b, language, true, out);
+        text_add(out, ")");
+    }
+}
+
+static void emit_comparison(const struct expr *expr, enum language language, struct text *out)
+{
+    bool logic = expr->operation == OP_AND || expr->operation == OP_OR;
+    if (expr->operation == OP_NOT) {
+        text_add(out, "!(");
+        emit_condition(expr->operand[0], language, out);
+        text_add(out, ")");
+        return;
+    }
+    for (int i = 0; i < 2; i++) {
+        if (i)
+            text_add(out, " %s ", operator_token(expr->operation));
+        text_add(out, logic ? "(" : "");
+        if (logic)
+            emit_condition(expr->operand[i], language, out);
+        else
+            emit(expr->operand[i], language, true, out);
+        text_add(out, logic ? ")" : "");
+    }
+}
+
+/* As a truth value: GLSL has no conversion from int to bool in conditions. */
+static void emit_condition(const struct expr *expr, enum language language, struct text *out)
+{
+    int64_t value;
+    if (expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
+        text_add(out, value ? "true" : "false");
+    } else if (is_condition(expr)) {
+        emit_comparison(expr, language, out);
+    } else {
+        emit(expr, language, true, out);
+        text_add(out, " != 0");
+    }
+}
+
+static void emit_nested(const struct expr *expr, enum language language, struct text *out)
+{
+    if (is_condition(expr)) {
+        text_add(out, language == LANGUAGE_GLSL ? "int(" : "(");
+        emit_comparison(expr, language, out);
+        text_add(out, ")");
+    } else if (expr->operation == OP_NEGATE) {
+        text_add(out, "(-");
+        emit(expr->operand[0], language, true, out);
+        text_add(out, ")");
+    } else if (expr->operation == OP_CHOOSE) {
+        text_add(out, "(");
+        emit_condition(expr->operand[0], language, out);
+        text_add(out, " ? ");
+        emit(expr->operand[1], language, true, out);
+        text_add(out, " : ");
+        emit(expr->operand[2], language, true, out);
+        text_add(out, ")");
+    } else {
+        text_add(out, "(");
+        emit(expr->operand[0], language, true, out);
+        text_add(out, " %s ", operator_token(expr->operation));
+        emit(expr->operand[1], language, true, out);
+        text_add(out, ")");
+    }
+}
+
+static void emit(const struct expr *expr, enum language language, bool nested, struct text *out)
+{
+    int64_t value;
+    if (!expr)
+        return;
+    if (expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
+        text_add(out, nested && value < 0 ? "(%" PRId64 ")" : "%" PRId64, value);
+    } else if (expr->operation <= OP_NAME) {
+        emit_leaf(expr, language, out);
+    } else if (expr->operation >= OP_MIN) {
+        emit_call(expr, language, out);
+    } else if (!nested && expr->operation >= OP_MULTIPLY && expr->operation <= OP_SUBTRACT) {
+        emit(expr->operand[0], language, true, out);
+        text_add(out, " %s ", operator_token(expr->operation));
+        emit(expr->operand[1], language, true, out);
+    } else {
+        emit_nested(expr, language, out);
+    }
+}
+
+void expr_emit_c(const struct expr *expr, struct text *out)
+{
+    emit(expr, LANGUAGE_C, false, out);
+}
+
+void expr_emit_glsl(const struct expr *expr, struct text *out)
+{
+    emit(expr, LANGUAGE_GLSL, false, out);
+}

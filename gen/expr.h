@@ -1,0 +1,33 @@
+/* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names of parameters and constants,
+ * components (tile.x), frame.width, frame.height. 64-bit, overflow and division by zero are errors. Called by read (parse),
+ * check (resolve, fold) and the emitters (C and GLSL text). */
+#ifndef DIPTYCH_GEN_EXPR_H
+#define DIPTYCH_GEN_EXPR_H
+
+#include "diag.h"
+#include "text.h"
+
+/* NULL after an error at the offending column. A plain integer scalar is an expression too. */
+struct expr *expr_parse(struct model *model, const char *text, struct loc loc, struct diag *diag);
+/* Resolves names against params and constants; reports unknown ones with a suggestion. Booleans count as 0 and 1. */
+bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag);
+
+enum expr_reach { EXPR_BAKED = 0, EXPR_FRAME = 1, EXPR_LIVE = 2 }; /* mask: what the value depends on; `0 && live` on nothing */
+unsigned expr_reach(const struct expr *expr);
+
+enum expr_result { EXPR_OK, EXPR_DIVIDES_BY_ZERO, EXPR_OVERFLOWS };
+/* Live parameters count with their default. */
+enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height, int64_t *value);
+/* For "is 0 when second_vpls = 0"-like messages. */
+struct loc expr_loc(const struct expr *expr);
+/* The part that expr_eval fails at, to underline it; the whole expression when it does not fail. */
+struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t frame_height);
+/* Whether a parameter or constant of this name stands in the expression itself. */
+bool expr_mentions(const struct expr *expr, const char *name);
+
+/* C: baked parts as literals, frame.width as `width`, live parameters as `live->NAME`; int64_t arithmetic. */
+void expr_emit_c(const struct expr *expr, struct text *out);
+/* GLSL int: frame.width as int(frame.width), live parameters by name. */
+void expr_emit_glsl(const struct expr *expr, struct text *out);
+
+#endif

@@ -1,0 +1,88 @@
+/* What the files that write GLSL share: emit_glsl.c (the stage as a whole), glsl_access.c
+ * (resources and their accessors), glsl_body.c (the author's text), glsl_range.c (loops over
+ * ranges), glsl_library.c (templates/glsl).
+ *
+ * A stage is written from its end to its beginning: the body first, then what the body names,
+ * then what that names. So each declaration can ask whether anything behind it uses it, and
+ * unused ones are left out. */
+#ifndef DIPTYCH_GEN_GLSL_H
+#define DIPTYCH_GEN_GLSL_H
+
+#include <stdio.h>
+
+#include "expr.h"
+#include "stages.h"
+
+/* Parts of the output in its order; they are filled from the last to the first. */
+enum glsl_part {
+    PART_HEAD,      /* #version, extensions, macros, workgroup size */
+    PART_CONSTANTS, /* parameters, constants */
+    PART_STRUCTS,
+    PART_LIBRARY, /* pieces of templates/glsl, with the block of the frame */
+    PART_RESOURCES,
+    PART_FUNCTIONS, /* accessors, samplers, metrics, interleaves */
+    PART_CACHES,    /* shared memory of ranges */
+    PART_BODY,
+    PART_COUNT
+};
+
+struct glsl {
+    struct model *model;
+    const struct pipeline *pipeline;
+    const struct pass *pass;
+    enum backend backend;
+    enum stage stage;
+    struct diag *diag;
+    struct text parts[PART_COUNT];
+};
+
+/* Whether an identifier (printf-like) stands in any part that is filled already; not as a member
+ * behind a dot. */
+bool glsl_uses(const struct glsl *glsl, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+/* "set = 0, binding = 3" or "binding = 3". */
+void glsl_binding(const struct glsl *glsl, int binding, struct text *out);
+/* Puts `front` at the beginning of the part, and empties it. */
+void glsl_put_before(struct text *part, struct text *front);
+/* Name of a type in GLSL. */
+const char *glsl_type(enum dt_type type);
+const char *glsl_element_type(const struct resource *buffer); /* struct or type name */
+
+/* ---- Scanning -------------------------------------------------------------------------------- */
+
+struct token {
+    const char *text; /* into the scanned text */
+    size_t length;    /* 0: end of the text */
+};
+/* The next identifier, number or single character from *cursor; skips blanks, comments and
+ * preprocessor lines. */
+struct token token_next(const char **cursor);
+bool token_is(struct token token, const char *text);
+/* First occurrence of `word` as an identifier of its own, neither a member of something nor in a
+ * comment; NULL: none. */
+const char *find_word(const char *text, const char *word);
+
+/* ---- Parts ----------------------------------------------------------------------------------- */
+
+/* glsl_body.c: the author's file with includes expanded, other stages cut out, and #line; into
+ * PART_BODY. */
+bool glsl_body(struct glsl *glsl);
+/* Where a piece of PART_BODY comes from. */
+struct loc glsl_body_loc(const struct glsl *glsl, const char *body, size_t offset, size_t length);
+/* glsl_range.c: `for (Type v : range) { ... }` of PART_BODY written out; declarations into
+ * PART_CACHES. */
+bool glsl_ranges(struct glsl *glsl);
+/* glsl_access.c: into PART_FUNCTIONS and PART_RESOURCES. */
+void glsl_accessors(struct glsl *glsl);
+void glsl_resources(struct glsl *glsl);
+bool glsl_check_accesses(struct glsl *glsl);
+/* glsl_library.c: the definitions of templates/glsl/NAME.glsl that are used so far, put before
+ * PART_LIBRARY. @layout@ in them becomes `layout`. */
+bool glsl_library(struct glsl *glsl, const char *name, const char *layout);
+/* glsl_library.c: reads DIR/NAME once per model; NULL when it is not there. number: of #line,
+ * may be NULL. */
+const struct source *glsl_source(struct model *model, const char *path, uint32_t *number);
+/* Enters a file that was read already into model->glsl_sources; false when out of memory. */
+bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number);
+
+#endif

@@ -1,0 +1,327 @@
+/* Resources of a pass in GLSL: blocks, images and textures with their bindings, and the
+ * functions by which a body reads and writes them. Called by emit_glsl.c; kinds and bindings are
+ * the plan's. */
+#include "glsl.h"
+
+#include <string.h>
+
+struct format_names {
+    const char *layout; /* storage format qualifier; NULL: cannot be a storage image */
+    const char *prefix; /* of image2D, sampler2D and vec4 */
+};
+
+static struct format_names format_names(enum dt_format format)
+{
+    static const struct format_names names[DT_FORMAT_COUNT] = {
+        [DT_FORMAT_R8] = {"r8", ""},
+        [DT_FORMAT_RG8] = {"rg8", ""},
+        [DT_FORMAT_RGBA8] = {"rgba8", ""},
+        [DT_FORMAT_RGBA8_SRGB] = {NULL, ""},
+        [DT_FORMAT_R16F] = {"r16f", ""},
+        [DT_FORMAT_RG16F] = {"rg16f", ""},
+        [DT_FORMAT_RGBA16F] = {"rgba16f", ""},
+        [DT_FORMAT_R32F] = {"r32f", ""},
+        [DT_FORMAT_RG32F] = {"rg32f", ""},
+        [DT_FORMAT_RGBA32F] = {"rgba32f", ""},
+        [DT_FORMAT_R32UI] = {"r32ui", "u"},
+        [DT_FORMAT_RG32UI] = {"rg32ui", "u"},
+        [DT_FORMAT_RGBA32UI] = {"rgba32ui", "u"},
+        [DT_FORMAT_R32I] = {"r32i", "i"},
+        [DT_FORMAT_D32F] = {NULL, ""},
+    };
+    return names[format];
+}
+
+static bool is_image(const struct access *access)
+{
+    return access->resource && access->resource->kind == DT_IMAGE;
+}
+
+static bool is_storage(const struct access *access)
+{
+    return access->kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE);
+}
+
+static bool is_compare(const struct access *access)
+{
+    return access->filter && access->filter->compare;
+}
+
+/* Number of earlier accesses of the pass to the same resource with a binding: names must differ. */
+static uint32_t earlier(const struct glsl *glsl, const struct access *access)
+{
+    uint32_t count = 0;
+    for (const struct access *other = glsl->pass->accesses; other < access; other++)
+        count += other->resource && other->resource == access->resource && other->binding >= 0;
+    return count;
+}
+
+/* The GLSL variable: NAME_image or NAME_texture, with the mip behind it when the pass has
+ * several of one resource. */
+static const char *variable_name(const struct glsl *glsl, const struct access *access)
+{
+    const char *kind = is_storage(access) ? "image" : "texture";
+    uint32_t number = earlier(glsl, access);
+    const char *name =
+        number ? arena_printf(glsl->model->arena, "%s_%s_%u", access->name, kind, number)
+               : arena_printf(glsl->model->arena, "%s_%s", access->name, kind);
+    return name ? name : access->name;
+}
+
+/* ---- Functions ------------------------------------------------------------------------------- */
+
+/* Texels by position. A resource that the pass reads at several mips by texel keeps the first. */
+static void add_texel(const struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const struct resource *image = access->resource;
+    const char *variable = variable_name(glsl, access),
+               *prefix = format_names(image->format).prefix;
+    const char *position = image->layers ? "ivec3" : "ivec2";
+    bool depth = image->format == DT_FORMAT_D32F;
+    if (is_storage(access))
+        text_add(out, "%svec4 %s(%s p)\n{\n    return imageLoad(%s, p);\n}\n\n", prefix,
+                 access->name, position, variable);
+    else
+        text_add(out, "%s%s %s(%s p)\n{\n    return texelFetch(%s, p, %u)%s;\n}\n\n",
+                 depth ? "" : prefix, depth ? "float" : "vec4", access->name, position, variable,
+                 access->mip_value, depth ? ".x" : "");
+}
+
+static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const char *variable = variable_name(glsl, access);
+    const char *swizzle = access->resource->layers ? ".xy" : "";
+    if (is_storage(access))
+        text_add(out, "ivec2 %s_size()\n{\n    return imageSize(%s)%s;\n}\n\n", access->name,
+                 variable, swizzle);
+    else
+        text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, %u)%s;\n}\n\n", access->name,
+                 variable, access->mip_value, swizzle);
+}
+
+static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const struct resource *image = access->resource;
+    const char *variable = variable_name(glsl, access),
+               *prefix = format_names(image->format).prefix;
+    const char *uv = image->layers ? "vec3" : "vec2";
+    bool depth = image->format == DT_FORMAT_D32F;
+    const char *tail = depth ? ".x" : "";
+    const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
+    if (glsl_uses(glsl, "%s_sample_lod", access->name))
+        text_add(
+            out,
+            "%s %s_sample_lod(%s uv, float lod)\n{\n    return textureLod(%s, uv, lod)%s;\n}\n\n",
+            type, access->name, uv, variable, tail);
+    if (!glsl_uses(glsl, "%s_sample", access->name))
+        return;
+    text_add(out, "%s %s_sample(%s uv)\n{\n", type, access->name, uv);
+    if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
+        text_add(out, "    return texture(%s, uv)%s;\n}\n\n", variable, tail);
+    else
+        text_add(out, "    return textureLod(%s, uv, %u.0)%s;\n}\n\n", variable, access->mip_value,
+                 tail);
+}
+
+/* textureLod has no form for array shadow samplers; with all mips at one size, texture means the
+ * same outside of fragment shaders. */
+static void add_compare(const struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const char *variable = variable_name(glsl, access);
+    if (access->resource->layers)
+        text_add(out,
+                 "float %s_compare(vec3 uv, float reference)\n{\n"
+                 "    return textureGrad(%s, vec4(uv, reference), vec2(0.0), vec2(0.0));\n}\n\n",
+                 access->name, variable);
+    else
+        text_add(out,
+                 "float %s_compare(vec2 uv, float reference)\n{\n"
+                 "    return textureLod(%s, vec3(uv, reference), %u.0);\n}\n\n",
+                 access->name, variable, access->mip_value);
+}
+
+static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const struct resource *image = access->resource;
+    text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, value);\n}\n\n",
+             access->name, image->layers ? "ivec3" : "ivec2", format_names(image->format).prefix,
+             variable_name(glsl, access));
+}
+
+/* Whether an earlier access of the pass to this resource gives the same function already. */
+static bool first_texel_access(const struct glsl *glsl, const struct access *access)
+{
+    for (const struct access *other = glsl->pass->accesses; other < access; other++)
+        if (other->resource == access->resource && other->binding >= 0 &&
+            other->mode != MODE_WRITE && !is_compare(other))
+            return false;
+    return true;
+}
+
+void glsl_accessors(struct glsl *glsl)
+{
+    struct text *out = &glsl->parts[PART_FUNCTIONS];
+    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
+        const struct access *access = &glsl->pass->accesses[i];
+        if (!is_image(access) || access->binding < 0)
+            continue;
+        if (glsl_uses(glsl, "%s_size", access->name) && !earlier(glsl, access))
+            add_size(glsl, access, out);
+        if (access->mode != MODE_WRITE && !is_compare(access) &&
+            glsl_uses(glsl, "%s", access->name) && first_texel_access(glsl, access))
+            add_texel(glsl, access, out);
+        if (access->mode != MODE_READ && glsl_uses(glsl, "%s_store", access->name))
+            add_store(glsl, access, out);
+        if (access->filter && access->filter->compare &&
+            glsl_uses(glsl, "%s_compare", access->name))
+            add_compare(glsl, access, out);
+        else if (access->filter && !access->filter->compare)
+            add_sample(glsl, access, out);
+    }
+}
+
+/* ---- Declarations ---------------------------------------------------------------------------- */
+
+static void add_image(struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const struct resource *image = access->resource;
+    const struct format_names names = format_names(image->format);
+    const char *array = image->layers ? "Array" : "", *variable = variable_name(glsl, access);
+    if (!glsl_uses(glsl, "%s", variable))
+        return;
+    text_add(out, "layout(");
+    glsl_binding(glsl, access->binding, out);
+    if (!is_storage(access)) {
+        text_add(out, ") uniform %ssampler2D%s%s %s;\n", names.prefix, array,
+                 is_compare(access) ? "Shadow" : "", variable);
+        return;
+    }
+    bool reads = access->kind & ACCESS_STORAGE_READ, writes = access->kind & ACCESS_STORAGE_WRITE;
+    text_add(out, ", %s) %suniform %simage2D%s %s;\n", names.layout,
+             !writes                                ? "readonly "
+             : !reads || access->mode == MODE_WRITE ? "writeonly "
+                                                    : "",
+             names.prefix, array, variable);
+}
+
+static void add_buffer(struct glsl *glsl, const struct access *access, struct text *out)
+{
+    const struct resource *buffer = access->resource;
+    const char *element = glsl_element_type(buffer);
+    if (glsl_uses(glsl, "%s_count", access->name)) {
+        int64_t count = 0;
+        if (!expr_reach(buffer->count) && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK) {
+            text_add(out, "const int %s_count = %lld;\n", access->name, (long long)count);
+        } else {
+            text_add(out, "#define %s_count (", access->name);
+            expr_emit_glsl(buffer->count, out);
+            text_add(out, ")\n");
+        }
+    }
+    if (!glsl_uses(glsl, "%s", access->name))
+        return;
+    if (glsl->stage == STAGE_IS_VERTEX && access->mode != MODE_READ)
+        return; /* only fragment and compute stages write */
+    bool uniform = access->kind & ACCESS_UNIFORM;
+    text_add(out, "layout(%s, ", uniform ? "std140" : "std430");
+    glsl_binding(glsl, access->binding, out);
+    text_add(out, ") %s %s_block {\n    %s %s[",
+             uniform                     ? "uniform"
+             : access->mode == MODE_READ ? "readonly buffer"
+                                         : "buffer",
+             access->name, element, access->name);
+    int64_t count = 0;
+    if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
+        text_add(out, "%lld", (long long)count);
+    text_add(out, "];\n};\n");
+}
+
+static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text *out)
+{
+    static const char *const names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices",
+                                                     "scene_materials", "scene_textures"};
+    static const char *const elements[BUILTIN_COUNT] = {"SceneVertex", "uint", "SceneMaterial",
+                                                        NULL};
+    if (binding < 0 || !glsl_uses(glsl, "%s", names[builtin]))
+        return;
+    text_add(out, "layout(%s", elements[builtin] ? "std430, " : "");
+    glsl_binding(glsl, binding, out);
+    if (elements[builtin])
+        text_add(out, ") readonly buffer %s_block {\n    %s %s[];\n};\n", names[builtin],
+                 elements[builtin], names[builtin]);
+    else
+        text_add(out, ") uniform sampler2DArray %s;\n", names[builtin]);
+}
+
+static void add_targets(struct glsl *glsl, struct text *out)
+{
+    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
+        const struct access *access = &glsl->pass->accesses[i];
+        if (is_image(access) && access->kind & ACCESS_COLOR && access->attachment >= 0)
+            text_add(out, "layout(location = %d) out %svec4 %s;\n", access->attachment,
+                     format_names(access->resource->format).prefix, access->name);
+    }
+}
+
+void glsl_resources(struct glsl *glsl)
+{
+    struct text *out = &glsl->parts[PART_RESOURCES];
+    const struct pass *pass = glsl->pass;
+    bool listed[BUILTIN_COUNT] = {false};
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        if (access->resource && access->binding >= 0 && is_image(access))
+            add_image(glsl, access, out);
+        else if (access->resource && access->binding >= 0)
+            add_buffer(glsl, access, out);
+        else if (!access->resource && access->builtin >= 0 && access->binding >= 0) {
+            add_builtin(glsl, access->builtin, access->binding, out);
+            listed[access->builtin] = true;
+        }
+    }
+    if (!listed[BUILTIN_MATERIALS])
+        add_builtin(glsl, BUILTIN_MATERIALS, pass->materials_binding, out);
+    if (!listed[BUILTIN_TEXTURES])
+        add_builtin(glsl, BUILTIN_TEXTURES, pass->textures_binding, out);
+    if (glsl->stage == STAGE_IS_FRAGMENT)
+        add_targets(glsl, out);
+}
+
+/* std140 and std430 agree on a uniform buffer's elements when each is a multiple of 16 bytes
+ * with no array inside. */
+static bool std140_equals_std430(const struct resource *buffer)
+{
+    if (buffer->stride % 16)
+        return false;
+    for (uint32_t i = 0; buffer->structure && i < buffer->structure->field_count; i++)
+        if (buffer->structure->fields[i].array_count &&
+            buffer->structure->fields[i].array_stride % 16)
+            return false;
+    return !buffer->structure || buffer->structure->align == 16;
+}
+
+bool glsl_check_accesses(struct glsl *glsl)
+{
+    bool ok = true;
+    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
+        const struct access *access = &glsl->pass->accesses[i];
+        const struct resource *resource = access->resource;
+        if (!resource)
+            continue;
+        if (is_image(access) && is_storage(access) && !format_names(resource->format).layout) {
+            diag_error(glsl->diag, access->loc,
+                       "%s has a format that a dispatch cannot write: draw into it instead",
+                       access->name);
+            ok = false;
+        }
+        if (!is_image(access) && access->kind & ACCESS_UNIFORM &&
+            (expr_reach(resource->count) || !std140_equals_std430(resource))) {
+            diag_error(glsl->diag, access->loc,
+                       "%s cannot be a uniform block: its count must not depend on the frame "
+                       "and its elements must fill multiples of 16 bytes",
+                       access->name);
+            ok = false;
+        }
+    }
+    return ok;
+}

@@ -1,0 +1,186 @@
+/* Library pieces: templates/glsl/NAME.glsl is a list of definitions with an empty line between
+ * them, and a stage gets those that it uses. Also the table of the files that bodies come from.
+ * Called by emit_glsl.c and glsl_body.c. */
+#include "glsl.h"
+
+#include <ctype.h>
+#include <string.h>
+
+/* ---- Scanning -------------------------------------------------------------------------------- */
+
+static bool is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_';
+}
+
+/* Behind blanks, comments and preprocessor lines. */
+static const char *skip_blank(const char *at)
+{
+    for (;;) {
+        while (isspace((unsigned char)*at))
+            at++;
+        if (at[0] == '/' && at[1] == '*') {
+            const char *end = strstr(at + 2, "*/");
+            at = end ? end + 2 : at + strlen(at);
+        } else if ((at[0] == '/' && at[1] == '/') || at[0] == '#') {
+            at += strcspn(at, "\n");
+        } else {
+            return at;
+        }
+    }
+}
+
+struct token token_next(const char **cursor)
+{
+    const char *at = skip_blank(*cursor), *end = at;
+    if (is_word(*end)) /* numbers such as 1.5e3 fall into pieces, which no caller minds */
+        while (is_word(*end))
+            end++;
+    else if (*end)
+        end++;
+    *cursor = end;
+    return (struct token){at, (size_t)(end - at)};
+}
+
+bool token_is(struct token token, const char *text)
+{
+    return token.length == strlen(text) && !memcmp(token.text, text, token.length);
+}
+
+static bool in_comment(const char *text, const char *at)
+{
+    for (const char *c = at; c > text && c[-1] != '\n'; c--)
+        if (c[0] == '/' && c[-1] == '/')
+            return true;
+    for (const char *c = at; c > text; c--) {
+        if (c[-1] == '*' && c[0] == '/')
+            return false;
+        if (c[-1] == '/' && c[0] == '*')
+            return true;
+    }
+    return false;
+}
+
+const char *find_word(const char *text, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = text; at && (at = strstr(at, word)); at += length) {
+        bool starts = at == text || (!is_word(at[-1]) && at[-1] != '.');
+        if (starts && !is_word(at[length]) && !in_comment(text, at))
+            return at;
+    }
+    return NULL;
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+const struct source *glsl_source(struct model *model, const char *path, uint32_t *number)
+{
+    uint32_t count = model->glsl_source_count;
+    for (uint32_t i = 0; i < count; i++)
+        if (!strcmp(model->glsl_sources[i]->path, path)) {
+            if (number)
+                *number = i + 1;
+            return model->glsl_sources[i];
+        }
+    const struct source *source = source_read(model, path);
+    return source && glsl_source_add(model, source, number) ? source : NULL;
+}
+
+bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number)
+{
+    uint32_t count = model->glsl_source_count;
+    for (uint32_t i = 0; i < count; i++)
+        if (model->glsl_sources[i] == source) {
+            if (number)
+                *number = i + 1;
+            return true;
+        }
+    const struct source **sources = arena_alloc(model->arena, (count + 1) * sizeof *sources);
+    if (!sources)
+        return false;
+    if (count)
+        memcpy(sources, model->glsl_sources, count * sizeof *sources);
+    sources[count] = source;
+    model->glsl_sources = sources;
+    model->glsl_source_count = count + 1;
+    if (number)
+        *number = count + 1;
+    return true;
+}
+
+/* ---- Definitions ----------------------------------------------------------------------------- */
+
+/* What a definition defines: the name behind `struct`, or before the first parenthesis, or
+ * behind the last brace. */
+static struct token defined_name(const char *text)
+{
+    const char *cursor = text;
+    struct token token = token_next(&cursor), before = {0};
+    if (token_is(token, "struct"))
+        return token_next(&cursor);
+    if (token_is(token, "layout")) {
+        for (; token.length; token = token_next(&cursor))
+            before = token_is(token, ";") ? before : token;
+        return before;
+    }
+    for (; token.length && !token_is(token, "(") && !token_is(token, "=");
+         token = token_next(&cursor))
+        before = token;
+    return token.length ? before : (struct token){0};
+}
+
+static void add_with_layout(struct text *out, const char *text, const char *layout)
+{
+    const char *slot = strstr(text, "@layout@");
+    if (!slot) {
+        text_add(out, "%s\n\n", text);
+        return;
+    }
+    text_add_bytes(out, text, (size_t)(slot - text));
+    text_add(out, "%s%s\n\n", layout, slot + strlen("@layout@"));
+}
+
+void glsl_put_before(struct text *part, struct text *front)
+{
+    if (part->data)
+        text_add_bytes(front, part->data, part->length);
+    text_free(part);
+    *part = *front;
+    *front = (struct text){0};
+}
+
+bool glsl_library(struct glsl *glsl, const char *name, const char *layout)
+{
+    struct model *model = glsl->model;
+    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
+    const struct source *source = path ? glsl_source(model, path, NULL) : NULL;
+    if (!source) {
+        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
+                   path ? path : name);
+        return false;
+    }
+    size_t end = source->length;
+    while (end > 0) { /* from the last definition to the first: they use those above them */
+        size_t start = end;
+        while (start > 0 &&
+               !(start >= 2 && source->text[start - 1] == '\n' && source->text[start - 2] == '\n'))
+            start--;
+        size_t length = end - start;
+        while (length && source->text[start + length - 1] == '\n')
+            length--;
+        const char *text = arena_strndup(model->arena, source->text + start, length);
+        if (!text)
+            return false;
+        struct token defined = defined_name(text);
+        if (defined.length && glsl_uses(glsl, "%.*s", (int)defined.length, defined.text)) {
+            struct text front = {0};
+            add_with_layout(&front, text, layout);
+            glsl_put_before(&glsl->parts[PART_LIBRARY], &front);
+        }
+        end = start;
+        while (end > 0 && source->text[end - 1] == '\n')
+            end--;
+    }
+    return true;
+}

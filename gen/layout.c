@@ -1,0 +1,88 @@
+/* Byte offsets by the rules of the OpenGL specification, section 7.6.2.2: std430 for structs in storage buffers, std140
+ * for the uniform block of the live parameters. Called by main between check and plan; the results are asserted again in
+ * the emitted C. */
+#include "plan.h"
+#include "stages.h"
+
+static const struct type_info types[DT_TYPE_COUNT] = {
+    [DT_TYPE_FLOAT] = {"DT_TYPE_FLOAT", "float", "float", 1, 1, 4, 4},
+    [DT_TYPE_VEC2] = {"DT_TYPE_VEC2", "vec2", "float", 2, 1, 8, 8},
+    [DT_TYPE_VEC3] = {"DT_TYPE_VEC3", "vec3", "float", 3, 1, 12, 16},
+    [DT_TYPE_VEC4] = {"DT_TYPE_VEC4", "vec4", "float", 4, 1, 16, 16},
+    [DT_TYPE_INT] = {"DT_TYPE_INT", "int", "int32_t", 1, 1, 4, 4},
+    [DT_TYPE_IVEC2] = {"DT_TYPE_IVEC2", "ivec2", "int32_t", 2, 1, 8, 8},
+    [DT_TYPE_IVEC3] = {"DT_TYPE_IVEC3", "ivec3", "int32_t", 3, 1, 12, 16},
+    [DT_TYPE_IVEC4] = {"DT_TYPE_IVEC4", "ivec4", "int32_t", 4, 1, 16, 16},
+    [DT_TYPE_UINT] = {"DT_TYPE_UINT", "uint", "uint32_t", 1, 1, 4, 4},
+    [DT_TYPE_UVEC2] = {"DT_TYPE_UVEC2", "uvec2", "uint32_t", 2, 1, 8, 8},
+    [DT_TYPE_UVEC3] = {"DT_TYPE_UVEC3", "uvec3", "uint32_t", 3, 1, 12, 16},
+    [DT_TYPE_UVEC4] = {"DT_TYPE_UVEC4", "uvec4", "uint32_t", 4, 1, 16, 16},
+    [DT_TYPE_BOOL] = {"DT_TYPE_BOOL", "bool", "uint32_t", 1, 1, 4, 4},
+    [DT_TYPE_MAT4] = {"DT_TYPE_MAT4", "mat4", "float", 4, 4, 64, 16},
+};
+
+const struct type_info *type_info(enum dt_type type)
+{
+    return &types[type];
+}
+
+static uint32_t align_up(uint32_t value, uint32_t alignment)
+{
+    return (value + alignment - 1) / alignment * alignment;
+}
+
+/* Rules 1 to 5 and 10 of std430: as std140, but neither arrays nor structs are rounded up to 16 bytes. */
+static void layout_struct(struct structure *structure)
+{
+    uint32_t offset = 0, align = 4;
+
+    for (uint32_t i = 0; i < structure->field_count; i++) {
+        struct field *field = &structure->fields[i];
+        const struct type_info *info = type_info(field->type);
+
+        field->array_stride = field->array_count ? align_up(info->size, info->align) : 0;
+        field->offset = align_up(offset, info->align);
+        offset = field->offset +
+                 (field->array_count ? field->array_count * field->array_stride : info->size);
+        align = info->align > align ? info->align : align;
+    }
+    structure->align = align;
+    structure->stride = align_up(offset, align);
+}
+
+/* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be bound. */
+static void layout_live(struct pipeline *pipeline)
+{
+    uint32_t offset = 0;
+
+    for (uint32_t i = 0; i < pipeline->param_count; i++) {
+        struct param *param = &pipeline->params[i];
+        const struct type_info *info = type_info(param->type);
+
+        if (param->live) {
+            param->offset = align_up(offset, info->align);
+            offset = param->offset + info->size;
+        }
+    }
+    pipeline->live_size = offset ? align_up(offset, 16) : 16;
+}
+
+void layout_model(struct model *model)
+{
+    struct pipeline *pipeline = &model->pipeline;
+
+    for (uint32_t i = 0; i < pipeline->struct_count; i++) {
+        layout_struct(&pipeline->structs[i]);
+    }
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        struct resource *resource = &pipeline->resources[i];
+
+        resource->index = i;
+        if (resource->kind == DT_BUFFER && resource->structure) {
+            resource->stride = resource->structure->stride;
+        } else if (resource->kind == DT_BUFFER) {
+            resource->stride = align_up(types[resource->type].size, types[resource->type].align);
+        }
+    }
+    layout_live(pipeline);
+}

@@ -1,0 +1,398 @@
+/* diptych-gen: one pipeline spec in; GLSL, SPIR-V, C and a graph out. This file is the command line and the road through the
+ * stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried (usage, files, memory). */
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "stages.h"
+
+#define VERSION "0.1.0"
+
+enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
+
+/* ---- Command line ------------------------------------------------------------------------------------------------- */
+
+struct options {
+    const char *spec, *out, *graph, *depfile, *templates;
+    const char **sets;
+    size_t set_count;
+    bool check, schema, reference, help, version;
+};
+
+struct option_name {
+    const char *name, *value; /* value: what it takes, NULL: nothing */
+    const char *doc;
+};
+static const struct option_name option_names[] = {
+    {"-o", "DIR", "folder for the generated files; made when it is missing"},
+    {"--set", "PATH=VALUE", "override a value of the spec: a.b.c=VALUE, or PARAMETER=VALUE; may be repeated"},
+    {"--check", NULL, "check only, write nothing"},
+    {"--graph", "FILE.dot", "also write the pass graph to this file"},
+    {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
+    {"--templates", "DIR", "folder with glsl/ and c/; default: templates here, else beside the program's folder"},
+    {"--schema", NULL, "print a JSON Schema of the spec language"},
+    {"--reference", NULL, "print the reference of the spec language, Markdown"},
+    {"--help", NULL, "this text"},
+    {"--version", NULL, "the version"},
+};
+enum { OPTION_COUNT = sizeof option_names / sizeof *option_names };
+
+static void print_help(void)
+{
+    printf("usage: diptych-gen SPEC -o DIR [options]\n\nGenerates GLSL, SPIR-V and C for both runtimes from a pipeline spec.\n\n");
+    for (size_t i = 0; i < OPTION_COUNT; i++) {
+        const struct option_name *option = &option_names[i];
+        int width = printf("  %s%s%s", option->name, option->value ? " " : "", option->value ? option->value : "");
+        printf("%*s%s\n", width < 24 ? 24 - width : 1, "", option->doc);
+    }
+}
+
+static bool usage_error(const char *text, const char *what)
+{
+    fprintf(stderr, "diptych-gen: error: ");
+    fprintf(stderr, text, what);
+    fprintf(stderr, "\ndiptych-gen: try `diptych-gen --help`\n");
+    return false;
+}
+
+static bool unknown_option(const char *word)
+{
+    const char *names[OPTION_COUNT];
+    for (size_t i = 0; i < OPTION_COUNT; i++)
+        names[i] = option_names[i].name;
+    const char *nearest = diag_nearest(word, names, OPTION_COUNT);
+    if (!nearest)
+        return usage_error("unknown option `%s`", word);
+    fprintf(stderr, "diptych-gen: error: unknown option `%s`; did you mean `%s`?\n", word, nearest);
+    fprintf(stderr, "diptych-gen: try `diptych-gen --help`\n");
+    return false;
+}
+
+static void take_option(struct options *options, const char *name, const char *value)
+{
+    if (!strcmp(name, "-o"))
+        options->out = value;
+    else if (!strcmp(name, "--set"))
+        options->sets[options->set_count++] = value;
+    else if (!strcmp(name, "--graph"))
+        options->graph = value;
+    else if (!strcmp(name, "--depfile"))
+        options->depfile = value;
+    else if (!strcmp(name, "--templates"))
+        options->templates = value;
+    else if (!strcmp(name, "--check"))
+        options->check = true;
+    else if (!strcmp(name, "--schema"))
+        options->schema = true;
+    else if (!strcmp(name, "--reference"))
+        options->reference = true;
+    else if (!strcmp(name, "--help"))
+        options->help = true;
+    else
+        options->version = true;
+}
+
+/* `word` is NAME, or NAME=VALUE for an option that takes a value. */
+static bool parse_option(struct options *options, const char *word, const char *next, bool *took_next)
+{
+    for (size_t i = 0; i < OPTION_COUNT; i++) {
+        const struct option_name *option = &option_names[i];
+        size_t length = strlen(option->name);
+        if (strncmp(word, option->name, length) || (word[length] && (word[length] != '=' || !option->value)))
+            continue;
+        const char *value = word[length] ? word + length + 1 : next;
+        *took_next = option->value && !word[length];
+        if (option->value && (!value || !*value))
+            return usage_error("`%s` needs a value", option->name);
+        take_option(options, option->name, value);
+        return true;
+    }
+    return unknown_option(word);
+}
+
+static bool parse_options(int count, char **words, struct options *options)
+{
+    bool only_names = false;
+    for (int i = 1; i < count; i++) {
+        bool took_next = false;
+        if (!only_names && !strcmp(words[i], "--")) {
+            only_names = true;
+        } else if (!only_names && words[i][0] == '-' && words[i][1]) {
+            if (!parse_option(options, words[i], i + 1 < count ? words[i + 1] : NULL, &took_next))
+                return false;
+            i += took_next;
+        } else if (options->spec) {
+            return usage_error("one spec at a time; what is `%s`?", words[i]);
+        } else {
+            options->spec = words[i];
+        }
+    }
+    if (options->help || options->version || options->schema || options->reference)
+        return true;
+    if (!options->spec)
+        return usage_error("no spec given%s", "");
+    if (!options->out && !options->check && !options->graph)
+        return usage_error("`-o DIR` is missing for `%s`", options->spec);
+    if (options->depfile && !options->out)
+        return usage_error("`--depfile %s` needs `-o DIR`", options->depfile);
+    return true;
+}
+
+/* ---- Generation --------------------------------------------------------------------------------------------------- */
+
+struct generation {
+    const struct options *options;
+    struct model model;
+    struct diag *diag;
+    struct pass_shaders *shaders[2]; /* per backend, pass_count each */
+    struct output *output;
+};
+
+static const char *const backend_names[] = {"gl", "vk"};
+static const char *const stage_suffixes[] = {"comp", "vert", "frag"};
+
+static bool has_stage(const struct pass *pass, enum stage stage)
+{
+    return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
+}
+
+static bool compile_pass(struct generation *g, enum backend backend, uint32_t index)
+{
+    const struct pass *pass = g->model.pipeline.order[index];
+    bool good = true;
+    for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
+        struct shader *shader = &g->shaders[backend][index].stage[stage];
+        shader->stage = stage;
+        if (has_stage(pass, stage))
+            good &= emit_glsl(&g->model, pass, backend, stage, shader, g->diag) &&
+                    spirv_compile(&g->model, pass, backend, shader, g->diag);
+    }
+    return good;
+}
+
+static bool compile(struct generation *g)
+{
+    uint32_t count = g->model.pipeline.pass_count;
+    if (!spirv_init()) {
+        diag_error(g->diag, (struct loc){0}, "the GLSL compiler could not be started");
+        return false;
+    }
+    bool good = true;
+    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+        g->shaders[backend] = calloc(count + 1, sizeof *g->shaders[backend]);
+        if (!g->shaders[backend])
+            diag_error(g->diag, (struct loc){0}, "out of memory");
+        for (uint32_t i = 0; g->shaders[backend] && i < count; i++)
+            good &= compile_pass(g, backend, i);
+        good &= g->shaders[backend] != NULL;
+    }
+    spirv_finish();
+    return good && !diag_error_count(g->diag);
+}
+
+static void add_named(struct generation *g, const char *suffix, struct text *text)
+{
+    const char *name = arena_printf(g->model.arena, "%s%s", g->model.pipeline.name, suffix);
+    if (name)
+        output_add(g->output, g->options->out, name, text);
+    else
+        text_free(text);
+}
+
+/* gl/PASS.comp and gl/PASS.comp.spv, and so on for every stage and backend. The SPIR-V is copied last: emitters use it. */
+static void add_shaders(struct generation *g)
+{
+    const struct pipeline *pipeline = &g->model.pipeline;
+    for (int backend = 0; backend < 2; backend++)
+        for (uint32_t i = 0; i < pipeline->pass_count; i++)
+            for (int stage = 0; stage < 3; stage++) {
+                struct shader *shader = &g->shaders[backend][i].stage[stage];
+                const char *name = arena_printf(g->model.arena, "%s/%s.%s", backend_names[backend],
+                                                pipeline->order[i]->name, stage_suffixes[stage]);
+                const char *binary = arena_printf(g->model.arena, "%s.spv", name ? name : "");
+                if (!shader->word_count || !name || !binary)
+                    continue;
+                struct text words = {0};
+                text_add_bytes(&words, (const char *)shader->words, shader->word_count * sizeof *shader->words);
+                output_add(g->output, g->options->out, name, &shader->glsl);
+                output_add(g->output, g->options->out, binary, &words);
+            }
+}
+
+static void add_depfile_path(struct text *text, const char *path)
+{
+    for (; *path; path++) {
+        if (*path == ' ' || *path == '#')
+            text_add(text, "\\");
+        text_add(text, *path == '$' ? "$$" : "%c", *path);
+    }
+}
+
+static void add_depfile(struct generation *g)
+{
+    const char *out = g->options->out;
+    struct text text = {0};
+    const char *slash = out[strlen(out) - 1] == '/' ? "" : "/";
+    const char *target = arena_printf(g->model.arena, "%s%s%s.h", out, slash, g->model.pipeline.name);
+    add_depfile_path(&text, target ? target : "");
+    text_add(&text, ":");
+    for (uint32_t i = 0; i < g->model.input_count; i++) {
+        text_add(&text, " \\\n  ");
+        add_depfile_path(&text, g->model.inputs[i]);
+    }
+    text_add(&text, "\n");
+    output_add(g->output, "", g->options->depfile, &text);
+}
+
+static void add_graph(struct generation *g)
+{
+    struct text text = {0};
+    emit_graph(&g->model, &text);
+    output_add(g->output, "", g->options->graph, &text);
+}
+
+static void add_sources(struct generation *g)
+{
+    const struct model *model = &g->model;
+    struct text header = {0}, pipeline = {0}, gl = {0}, vk = {0}, graph = {0};
+    emit_header(model, &header);
+    emit_c_pipeline(model, &pipeline);
+    emit_c_gl(model, g->shaders[BACKEND_GL], &gl);
+    emit_c_vk(model, g->shaders[BACKEND_VK], &vk);
+    emit_graph(model, &graph);
+    add_named(g, ".h", &header);
+    add_named(g, ".c", &pipeline);
+    add_named(g, "_gl.c", &gl);
+    add_named(g, "_vk.c", &vk);
+    add_named(g, ".dot", &graph);
+    add_shaders(g);
+}
+
+static enum status write_files(struct generation *g)
+{
+    g->output = output_create();
+    if (!g->output) {
+        fputs("diptych-gen: error: out of memory\n", stderr);
+        return STATUS_FAILED;
+    }
+    if (g->options->out)
+        add_sources(g);
+    if (g->options->graph)
+        add_graph(g);
+    if (g->options->depfile)
+        add_depfile(g);
+    return output_commit(g->output) ? STATUS_DONE : STATUS_FAILED;
+}
+
+static void print_summary(const struct pipeline *pipeline)
+{
+    const double mebi = 1024.0 * 1024.0;
+    double whole = (double)pipeline->transient_bytes / mebi, aliased = (double)pipeline->aliased_bytes / mebi;
+    printf("%s: %u passes, %u resources; transients at 1920x1080: %.1f MiB, with aliasing %.1f MiB", pipeline->name,
+           pipeline->pass_count, pipeline->resource_count, whole, aliased);
+    if (whole > 0)
+        printf(" (%.0f %% saved)", 100 * (1 - aliased / whole));
+    printf("\n");
+}
+
+static enum status generate(struct generation *g)
+{
+    const struct options *options = g->options;
+    if (!read_spec(&g->model, options->spec, options->sets, options->set_count, g->diag) ||
+        !check_model(&g->model, g->model.templates_dir, g->diag) || diag_error_count(g->diag))
+        return STATUS_WRONG_SPEC;
+    layout_model(&g->model);
+    if (!plan_model(&g->model, g->diag) || diag_error_count(g->diag) || !compile(g))
+        return STATUS_WRONG_SPEC;
+    enum status status = options->check ? STATUS_DONE : write_files(g);
+    if (status == STATUS_DONE)
+        print_summary(&g->model.pipeline);
+    return status;
+}
+
+static void free_shaders(struct pass_shaders *shaders, uint32_t count)
+{
+    for (uint32_t i = 0; shaders && i < count; i++)
+        for (int stage = 0; stage < 3; stage++) {
+            text_free(&shaders[i].stage[stage].glsl);
+            free(shaders[i].stage[stage].words);
+        }
+    free(shaders);
+}
+
+/* `templates` in the working folder, else beside the program's folder: build/diptych-gen finds templates/. */
+static const char *find_templates(struct arena *arena, const char *given)
+{
+    char program[PATH_MAX];
+    if (given)
+        return given;
+    if (!access("templates/glsl", R_OK))
+        return "templates";
+    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
+    if (length <= 0)
+        return "templates";
+    program[length] = '\0';
+    for (int i = 0; i < 2; i++) {
+        char *slash = strrchr(program, '/');
+        if (slash)
+            *slash = '\0';
+    }
+    const char *path = arena_printf(arena, "%s/templates", program);
+    return path ? path : "templates";
+}
+
+static enum status run(const struct options *options)
+{
+    struct generation g = {.options = options, .diag = diag_create(), .model.arena = arena_create()};
+    enum status status = STATUS_FAILED;
+    if (g.diag && g.model.arena) {
+        g.model.templates_dir = find_templates(g.model.arena, options->templates);
+        status = generate(&g);
+        fflush(stdout);
+        diag_flush(g.diag);
+    } else {
+        fputs("diptych-gen: error: out of memory\n", stderr);
+    }
+    for (int backend = 0; backend < 2; backend++)
+        free_shaders(g.shaders[backend], g.model.pipeline.pass_count);
+    output_free(g.output);
+    diag_free(g.diag);
+    arena_free(g.model.arena);
+    return status;
+}
+
+static enum status print_text(void (*emit)(struct text *out))
+{
+    struct text text = {0};
+    emit(&text);
+    bool good = !text.failed && (!text.length || fwrite(text.data, 1, text.length, stdout) == text.length);
+    good = !fflush(stdout) && good;
+    if (!good)
+        fprintf(stderr, "diptych-gen: error: cannot write to the standard output: %s\n", strerror(errno));
+    text_free(&text);
+    return good ? STATUS_DONE : STATUS_FAILED;
+}
+
+int main(int argc, char **argv)
+{
+    struct options options = {.sets = calloc((size_t)argc + 1, sizeof(char *))};
+    enum status status = STATUS_DONE;
+    if (!options.sets || !parse_options(argc, argv, &options)) {
+        status = STATUS_FAILED;
+    } else if (options.help) {
+        print_help();
+    } else if (options.version) {
+        printf("diptych-gen " VERSION "\n");
+    } else if (options.schema) {
+        status = print_text(emit_schema);
+    } else if (options.reference) {
+        status = print_text(emit_reference);
+    } else {
+        status = run(&options);
+    }
+    free(options.sets);
+    return (int)status;
+}

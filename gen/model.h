@@ -1,0 +1,281 @@
+/* The model: one pipeline spec as the stages of diptych-gen see it. read fills it from YAML, check verifies and resolves
+ * names, layout and plan add their decisions, the emitters read it const. Every node remembers its place in the source.
+ * All memory comes from the model's arena and lives until model_free. Arrays are pointer + count. */
+#ifndef DIPTYCH_GEN_MODEL_H
+#define DIPTYCH_GEN_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include "diptych.h" /* enum dt_type, dt_format, dt_contract_kind: the emitted reflection uses the same */
+
+/* ---- Places and expressions --------------------------------------------------------------------------------------- */
+
+struct source; /* one file that was read: name as given, text, lines (diag.h) */
+
+struct loc {
+    const struct source *source;
+    int line, column; /* 1-based; line 0: the whole file */
+    int length;       /* characters to underline, at least 1 */
+};
+
+struct expr; /* integer expression over parameters, constants and frame.width, frame.height (expr.h) */
+
+/* ---- Declarations ------------------------------------------------------------------------------------------------- */
+
+struct param {
+    const char *name, *doc;
+    struct loc loc, value_loc;
+    enum dt_type type; /* FLOAT, INT, UINT, BOOL or a vector of them; from `type`, else from the value */
+    uint32_t components;
+    double value[4];
+    double min, max; /* each component; +-INFINITY when absent */
+    double step;     /* for sliders; 0 when absent */
+    bool live;
+    uint32_t offset; /* layout: bytes into the live block */
+};
+
+struct constant { /* named integer expression; folds at generation unless it uses the frame size */
+    const char *name, *doc;
+    struct loc loc;
+    struct expr *value;
+    bool folds; /* check: depends on baked parameters alone */
+    int64_t folded;
+};
+
+struct field {
+    const char *name;
+    struct loc loc;
+    enum dt_type type;
+    uint32_t array_count; /* 0: no array */
+    uint32_t offset, array_stride; /* layout, std430 */
+};
+
+struct structure {
+    const char *name, *doc;
+    struct loc loc;
+    struct field *fields;
+    uint32_t field_count;
+    uint32_t align, stride; /* layout, std430; stride is the array stride */
+};
+
+/* Ways in which a pass touches a resource; the plan's bits for one access of one pass, a usage mask for a resource. */
+enum access_kind {
+    ACCESS_STORAGE_READ = 1 << 0,  /* buffer as storage, image by imageLoad */
+    ACCESS_STORAGE_WRITE = 1 << 1, /* buffer as storage, image by imageStore */
+    ACCESS_FETCH = 1 << 2,         /* image by texelFetch */
+    ACCESS_SAMPLED = 1 << 3,       /* image through a filtering sampler */
+    ACCESS_UNIFORM = 1 << 4,       /* buffer as a uniform block */
+    ACCESS_COLOR = 1 << 5,         /* colour attachment */
+    ACCESS_DEPTH = 1 << 6,         /* depth attachment */
+    ACCESS_INDIRECT = 1 << 7,      /* arguments of a draw or dispatch */
+    ACCESS_INDEX = 1 << 8,         /* index buffer */
+    ACCESS_CLEAR = 1 << 9          /* cleared by the runtime because the pass was skipped */
+};
+
+struct resource {
+    const char *name, *doc;
+    struct loc loc;
+    enum dt_kind kind;
+    bool history;
+    struct dt_contract contract;
+    /* buffers */
+    const char *of; /* struct or type name */
+    struct loc of_loc;
+    struct structure *structure; /* check; NULL when of is a type */
+    enum dt_type type;           /* when structure is NULL */
+    struct expr *count;
+    uint32_t stride; /* layout */
+    /* images */
+    enum dt_format format;
+    struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */
+    double clear[4]; /* `clear`, default 0; depth: 1 */
+    /* plan */
+    uint32_t index;       /* in pipeline->resources */
+    unsigned usage;       /* mask of enum access_kind over all passes */
+    int first_pass, last_pass; /* in execution order; -1: unused. History spans the frame. */
+    uint32_t slot;        /* Vulkan memory slot */
+    int share;            /* OpenGL: resource whose texture it takes; -1: an own one */
+    uint64_t bytes;       /* at the reference frame size 1920x1080 */
+};
+
+enum sampler_kind { SAMPLER_HAMMERSLEY, SAMPLER_FILTER };
+enum sampler_map { MAP_SQUARE, MAP_POLAR_DISK, MAP_CONCENTRIC_DISK };
+enum sampler_wrap { WRAP_CLAMP, WRAP_REPEAT, WRAP_MIRROR };
+struct sampler {
+    const char *name, *doc;
+    struct loc loc;
+    enum sampler_kind kind;
+    struct expr *count; /* hammersley */
+    enum sampler_map map;
+    bool linear, linear_mip, compare; /* filter */
+    enum sampler_wrap wrap;
+    double anisotropy; /* 1 */
+};
+
+enum normal_term { TERM_ONE_MINUS_DOT, TERM_DOT }; /* w2 (1 - (a.b)+), and Equation 2 as printed: w2 (a.b)+ */
+struct metric {
+    const char *name, *doc;
+    struct loc loc;
+    double position, normal;                  /* weights */
+    const char *position_field, *normal_field; /* default "position", "normal" */
+    enum normal_term normal_term;
+    const char *scale; /* "scene_radius", or a number as text: lengths are divided by it */
+};
+
+struct interleave {
+    const char *name, *doc;
+    struct loc loc;
+    struct expr *x, *y; /* tile size; baked */
+    uint32_t tile[2];   /* check */
+};
+
+/* ---- Passes ------------------------------------------------------------------------------------------------------- */
+
+enum access_mode { MODE_READ, MODE_WRITE, MODE_UPDATE };
+struct access {
+    const char *name; /* of the resource; "scene_vertices" etc. are builtins: see builtin */
+    struct loc loc;
+    enum access_mode mode;
+    struct expr *mip;     /* NULL: mip 0 for storage and targets, all mips for sampling */
+    const char *sampler;  /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
+    struct loc sampler_loc;
+    struct resource *resource; /* check; NULL for a builtin */
+    int builtin;               /* enum builtin, or -1 */
+    struct sampler *filter;    /* check */
+    uint32_t mip_value;        /* check */
+    unsigned kind;             /* plan: mask of enum access_kind */
+    int binding;               /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
+    int attachment;            /* plan: colour attachment number; -1 */
+};
+
+enum builtin { BUILTIN_VERTICES, BUILTIN_INDICES, BUILTIN_MATERIALS, BUILTIN_TEXTURES, BUILTIN_COUNT };
+/* names in specs: scene_vertices scene_indices scene_materials scene_textures */
+
+enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };
+enum loop_shape { LOOP_AUTO, LOOP_UNROLL, LOOP_ROLL };
+
+/* A run of `count` elements of a buffer that all invocations of a workgroup read alike. The body iterates over it with
+ * `for (Type v : name) { ... }`; where the elements live and how the loop is written is decided by the plan. */
+struct range {
+    const char *name;
+    struct loc loc, of_loc;
+    const char *of; /* buffer, among the pass's reads */
+    struct access *access; /* check */
+    const char *first;     /* GLSL int expression, uniform over the workgroup; default "0" */
+    struct expr *count;    /* folds at generation */
+    int64_t count_value;   /* check */
+    enum storage_class storage;
+    enum loop_shape loop;
+    uint32_t chunk; /* plan: elements per copy and per unrolled block */
+};
+
+enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_DISPATCH };
+enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
+enum pass_cull { CULL_NONE, CULL_BACK, CULL_FRONT };
+enum pass_compare { COMPARE_OFF, COMPARE_LESS, COMPARE_LESS_EQUAL, COMPARE_GREATER, COMPARE_ALWAYS };
+
+struct barrier { /* before the pass: what `resource` waits for */
+    struct resource *resource;
+    unsigned from;       /* mask of access_kind of the earlier passes (0: first touch in the frame) */
+    unsigned from_stages; /* enum stage_bit of those accesses */
+    bool from_writes;    /* the earlier accesses wrote: memory dependency, not only execution */
+    unsigned to, to_stages;
+    bool to_writes;
+    bool discard;        /* first touch of a transient: content undefined */
+    const struct resource *alias; /* first touch of a slot that another resource used before, else NULL */
+};
+enum stage_bit { STAGE_COMPUTE = 1, STAGE_VERTEX = 2, STAGE_FRAGMENT = 4, STAGE_COLOR = 8, STAGE_DEPTH = 16,
+                 STAGE_INDIRECT = 32, STAGE_INDEX = 64, STAGE_CLEAR = 128 };
+
+struct pass {
+    const char *name, *doc;
+    struct loc loc;
+    enum pass_kind kind;
+    const char *view;  /* draws of the scene: "camera" or "light": names the View that `view` means in the body */
+    struct expr *layers; /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
+    struct access *accesses; /* reads, writes, updates in the order of the spec */
+    uint32_t access_count;
+    const char **uses; /* names of hammersley samplers, metrics, interleaves */
+    struct loc *use_locs;
+    uint32_t use_count;
+    const char *shader; /* path as written */
+    struct loc shader_loc;
+    const struct source *body; /* check: the file, read once */
+    struct expr *when;  /* NULL: always */
+    const char **after; /* explicit order */
+    struct loc *after_locs;
+    uint32_t after_count;
+    /* dispatch */
+    enum pass_size size;
+    struct expr *dispatch[3];  /* invocations or groups */
+    const char *dispatch_image; /* SIZE_IMAGE: one invocation per texel of this image */
+    struct resource *size_resource; /* check; also the indirect buffer's, for SIZE_INDIRECT */
+    const char *interleave_name; /* `interleave: tile`: one z per class, x and y over the class's pixels */
+    struct interleave *interleave; /* check */
+    const char *indirect;      /* buffer of arguments, for dispatches and scene draws */
+    struct resource *indirect_resource;
+    const char *indices;       /* scene draws: index buffer made by a pass */
+    struct resource *index_resource;
+    uint32_t local[3]; /* check folds local_size into it; defaults by the kind stand in it before */
+    struct expr *local_size[3]; /* as written; NULL: not given */
+    struct range *ranges;
+    uint32_t range_count;
+    /* draws */
+    enum pass_cull cull;
+    enum pass_compare depth_compare; /* default LESS with a depth target */
+    bool depth_write, blend_add;
+    uint32_t clip_distances;
+    /* check and plan */
+    struct loc when_loc, size_loc, indirect_loc, indices_loc, interleave_loc;
+    bool conditional;  /* `when` depends on live parameters */
+    struct barrier *barriers;
+    uint32_t barrier_count;
+    int frame_binding, live_binding; /* uniform blocks; every pass has both */
+    int textures_binding, materials_binding; /* scene draws; -1: none */
+    uint32_t index;    /* in order of execution */
+};
+
+struct assertion {
+    struct loc loc;
+    struct expr *that;
+    bool warning; /* level: warning or error */
+    const char *message;
+};
+
+struct pipeline {
+    const char *name, *doc;
+    struct loc loc;
+    bool fast; /* exactness: fast; default exact */
+    bool gpu;  /* target: gpu; default software: what the storage class and the loop shape are chosen for */
+    struct param *params;           uint32_t param_count;
+    struct constant *constants;     uint32_t constant_count;
+    struct structure *structs;      uint32_t struct_count;
+    struct resource *resources;     uint32_t resource_count; /* buffers, then images, in the order of the spec */
+    struct sampler *samplers;       uint32_t sampler_count;
+    struct metric *metrics;         uint32_t metric_count;
+    struct interleave *interleaves; uint32_t interleave_count;
+    struct pass *passes;            uint32_t pass_count; /* spec order; without passes whose `when` folds to false */
+    struct assertion *assertions;   uint32_t assertion_count;
+    const char *linear_output, *display_output; /* names, or NULL */
+    struct loc linear_loc, display_loc;
+    /* plan */
+    struct pass **order; /* pass_count pointers, in order of execution */
+    uint32_t slot_count;
+    uint64_t transient_bytes, aliased_bytes; /* at 1920x1080: sum without, with aliasing */
+    uint32_t live_size;
+};
+
+struct arena;
+struct model {
+    struct arena *arena;
+    struct pipeline pipeline;
+    const char **inputs; /* every file that was read, for the depfile */
+    uint32_t input_count;
+    const char *templates_dir; /* holds glsl/, where library pieces and included files are looked for */
+    const struct source **glsl_sources; /* emit_glsl: source-string number of #line minus 1 -> file */
+    uint32_t glsl_source_count;
+};
+
+#endif

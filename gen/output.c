@@ -1,0 +1,203 @@
+/* A set of files that appears whole or not at all: every file is written beside its place first, then all are renamed. Files
+ * that would not change are left alone, so that ninja rebuilds nothing. Called by main alone. */
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "stages.h"
+
+struct output_file {
+    char *path, *temporary; /* temporary: NULL while there is none */
+    struct text text;
+    bool unchanged;
+};
+
+struct output {
+    struct output_file *files;
+    size_t count;
+    bool failed;
+};
+
+struct output *output_create(void)
+{
+    return calloc(1, sizeof(struct output));
+}
+
+void output_add(struct output *output, const char *dir, const char *name, struct text *text)
+{
+    struct output_file file = {.text = *text};
+    *text = (struct text){0};
+    struct output_file *files = realloc(output->files, (output->count + 1) * sizeof *files);
+    if (files)
+        output->files = files;
+    const char *slash = *dir && dir[strlen(dir) - 1] != '/' ? "/" : "";
+    if (!files || asprintf(&file.path, "%s%s%s", dir, slash, name) < 0) {
+        text_free(&file.text);
+        output->failed = true;
+        return;
+    }
+    files[output->count++] = file;
+}
+
+static bool fail(const char *what, const char *path)
+{
+    fprintf(stderr, "diptych-gen: error: cannot %s `%s`: %s\n", what, path, strerror(errno));
+    return false;
+}
+
+static bool is_unchanged(const struct output_file *file)
+{
+    FILE *old = fopen(file->path, "rb");
+    if (!old)
+        return false;
+    size_t at = 0;
+    char buffer[8192];
+    bool same = true;
+    for (size_t got; same && (got = fread(buffer, 1, sizeof buffer, old)) > 0; at += got)
+        same = got <= file->text.length - at && !memcmp(buffer, file->text.data + at, got);
+    same = same && at == file->text.length && !ferror(old);
+    fclose(old);
+    return same;
+}
+
+/* Makes the folders above a path, like mkdir -p. */
+static bool make_folders(char *path)
+{
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        bool good = !mkdir(path, 0777) || errno == EEXIST;
+        if (!good)
+            fail("make the folder", path);
+        *slash = '/';
+        if (!good)
+            return false;
+    }
+    return true;
+}
+
+static bool write_all(int descriptor, const char *data, size_t length)
+{
+    while (length) {
+        ssize_t done = write(descriptor, data, length);
+        if (done < 0 && errno == EINTR)
+            continue;
+        if (done <= 0)
+            return false;
+        data += done;
+        length -= (size_t)done;
+    }
+    return true;
+}
+
+static bool write_temporary(struct output_file *file)
+{
+    if (!make_folders(file->path))
+        return false;
+    char *path;
+    if (asprintf(&path, "%s.XXXXXX", file->path) < 0)
+        return false;
+    int descriptor = mkstemp(path);
+    if (descriptor < 0) {
+        fail("write", file->path);
+        free(path);
+        return false;
+    }
+    file->temporary = path;
+    mode_t mask = umask(0);
+    umask(mask);
+    bool good = write_all(descriptor, file->text.data, file->text.length) && !fchmod(descriptor, 0666 & ~mask);
+    if (!good)
+        fail("write", file->path);
+    if (close(descriptor) && good)
+        good = fail("write", file->path);
+    return good;
+}
+
+static void remove_temporaries(struct output *output)
+{
+    for (size_t i = 0; i < output->count; i++) {
+        struct output_file *file = &output->files[i];
+        if (file->temporary)
+            unlink(file->temporary);
+        free(file->temporary);
+        file->temporary = NULL;
+    }
+}
+
+/* Signals that end the process wait until the temporary files are gone: they are blocked from the first temporary file to
+ * the last rename, and looked for in between. */
+static bool interrupted(const sigset_t *signals)
+{
+    sigset_t pending;
+    if (sigpending(&pending))
+        return false;
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        if (sigismember(signals, numbers[i]) == 1 && sigismember(&pending, numbers[i]) == 1)
+            return true;
+    return false;
+}
+
+static bool write_and_rename(struct output *output, const sigset_t *signals)
+{
+    for (size_t i = 0; i < output->count; i++) {
+        struct output_file *file = &output->files[i];
+        file->unchanged = is_unchanged(file);
+        if (interrupted(signals) || (!file->unchanged && !write_temporary(file)))
+            return false;
+        struct stat status; /* a folder in the place of a file would stop the renames half way */
+        if (!file->unchanged && !stat(file->path, &status) && S_ISDIR(status.st_mode)) {
+            errno = EISDIR;
+            return fail("write", file->path);
+        }
+    }
+    for (size_t i = 0; i < output->count; i++) {
+        struct output_file *file = &output->files[i];
+        if (file->unchanged)
+            continue;
+        if (rename(file->temporary, file->path))
+            return fail("write", file->path);
+        free(file->temporary);
+        file->temporary = NULL;
+    }
+    return true;
+}
+
+bool output_commit(struct output *output)
+{
+    for (size_t i = 0; i < output->count; i++)
+        output->failed |= output->files[i].text.failed;
+    if (output->failed) {
+        fputs("diptych-gen: error: out of memory; nothing was written\n", stderr);
+        return false;
+    }
+    sigset_t signals, before;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    sigaddset(&signals, SIGHUP);
+    bool blocked = !sigprocmask(SIG_BLOCK, &signals, &before);
+    bool good = write_and_rename(output, &signals);
+    remove_temporaries(output);
+    if (blocked)
+        sigprocmask(SIG_SETMASK, &before, NULL); /* a signal that waited ends the process here */
+    return good;
+}
+
+void output_free(struct output *output)
+{
+    if (!output)
+        return;
+    remove_temporaries(output);
+    for (size_t i = 0; i < output->count; i++) {
+        free(output->files[i].path);
+        text_free(&output->files[i].text);
+    }
+    free(output->files);
+    free(output);
+}

@@ -1,0 +1,372 @@
+/* The plan: everything that both backends must decide alike is decided here, once. Order, kinds of access, bindings,
+ * ranges, lifetimes, memory slots, barriers. Called by main after layout; the emitters read the result. */
+#include "plan.h"
+#include "expr.h"
+#include "stages.h"
+
+uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise)
+{
+    int64_t value = 0;
+
+    if (!expr || expr_eval(expr, width, height, &value) != EXPR_OK) {
+        return otherwise;
+    }
+    return value < 0 ? 0 : value > UINT32_MAX ? UINT32_MAX : (uint32_t)value;
+}
+
+/* ---- Kinds of access ---------------------------------------------------------------------------------------------- */
+
+static unsigned image_kind(const struct pass *pass, const struct access *access)
+{
+    const struct format_info *format = format_info(access->resource->format);
+
+    if (access->mode == MODE_READ) {
+        if (access->sampler) {
+            return ACCESS_SAMPLED;
+        }
+        return pass->kind == PASS_DISPATCH && format->storage ? ACCESS_STORAGE_READ : ACCESS_FETCH;
+    }
+    if (pass->kind != PASS_DISPATCH) {
+        return access->resource->format == DT_FORMAT_D32F ? ACCESS_DEPTH : ACCESS_COLOR;
+    }
+    return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
+                                      : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
+}
+
+static unsigned buffer_kind(const struct pass *pass, const struct access *access)
+{
+    if (access->mode == MODE_READ) {
+        for (uint32_t i = 0; i < pass->range_count; i++) {
+            if (pass->ranges[i].access == access && pass->ranges[i].storage == STORAGE_UNIFORM) {
+                return ACCESS_UNIFORM;
+            }
+        }
+        return ACCESS_STORAGE_READ;
+    }
+    return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
+                                      : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
+}
+
+/* Devices bind at least eight storage images. Reads beyond that go by texelFetch, which shows the same texels. */
+static void limit_storage_images(struct pass *pass, struct diag *diag)
+{
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+
+        count += access->resource && access->resource->kind == DT_IMAGE &&
+                 access->kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE);
+    }
+    for (uint32_t i = pass->access_count; i-- > 0 && count > STORAGE_IMAGE_LIMIT;) {
+        struct access *access = &pass->accesses[i];
+
+        if (access->resource && access->resource->kind == DT_IMAGE &&
+            access->kind == ACCESS_STORAGE_READ) {
+            access->kind = ACCESS_FETCH;
+            count--;
+        }
+    }
+    if (count > STORAGE_IMAGE_LIMIT) {
+        diag_error(diag, pass->loc, "'%s' writes and updates %u images; a pass can have %d of them",
+                   pass->name, count, STORAGE_IMAGE_LIMIT);
+    }
+}
+
+static void plan_kinds(struct pass *pass, struct diag *diag)
+{
+    int attachments = 0;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+
+        access->binding = access->attachment = -1;
+        if (!access->resource) {
+            access->kind =
+                access->builtin == BUILTIN_TEXTURES ? ACCESS_SAMPLED : ACCESS_STORAGE_READ;
+        } else if (access->resource->kind == DT_IMAGE) {
+            access->kind = image_kind(pass, access);
+        } else {
+            access->kind = buffer_kind(pass, access);
+        }
+        if (access->kind & ACCESS_COLOR) {
+            access->attachment = attachments++;
+        }
+    }
+    if (attachments > COLOR_TARGET_LIMIT) {
+        diag_error(diag, pass->loc, "'%s' draws to %d colour targets; a pass can have %d",
+                   pass->name, attachments, COLOR_TARGET_LIMIT);
+    }
+    limit_storage_images(pass, diag);
+}
+
+/* ---- Bindings ----------------------------------------------------------------------------------------------------- */
+
+enum binding_class {
+    BIND_STORAGE_IMAGE,
+    BIND_STORAGE_BUFFER,
+    BIND_UNIFORM,
+    BIND_TEXTURE,
+    BIND_NONE
+};
+
+static enum binding_class binding_class(const struct access *access)
+{
+    bool image =
+        access->resource ? access->resource->kind == DT_IMAGE : access->builtin == BUILTIN_TEXTURES;
+
+    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
+        return BIND_NONE;
+    }
+    if (access->kind & (ACCESS_FETCH | ACCESS_SAMPLED)) {
+        return BIND_TEXTURE;
+    }
+    if (access->kind & ACCESS_UNIFORM) {
+        return BIND_UNIFORM;
+    }
+    return image ? BIND_STORAGE_IMAGE : BIND_STORAGE_BUFFER;
+}
+
+static int bind_class(struct pass *pass, enum binding_class class, int next)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+
+        if (binding_class(access) != class) {
+            continue;
+        }
+        if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_MATERIALS && !access->resource) {
+            access->binding = pass->materials_binding;
+        } else if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_TEXTURES &&
+                   !access->resource) {
+            access->binding = pass->textures_binding;
+        } else {
+            access->binding = next++;
+        }
+    }
+    return next;
+}
+
+/* One numbering for all kinds, so that it serves Vulkan's one set and OpenGL's separate tables. Storage images and
+ * buffers come first because OpenGL has the fewest places for them. */
+static void plan_bindings(struct pass *pass, struct diag *diag)
+{
+    int next = bind_class(pass, BIND_STORAGE_IMAGE, 0), first_texture = 0;
+
+    pass->materials_binding = pass->kind == PASS_SCENE ? next++ : -1;
+    next = bind_class(pass, BIND_STORAGE_BUFFER, next);
+    pass->frame_binding = next++;
+    pass->live_binding = next++;
+    next = bind_class(pass, BIND_UNIFORM, next);
+    first_texture = next;
+    pass->textures_binding = pass->kind == PASS_SCENE ? next++ : -1;
+    next = bind_class(pass, BIND_TEXTURE, next);
+    if (next - first_texture > TEXTURE_LIMIT) {
+        diag_error(diag, pass->loc, "'%s' reads %d images as textures; a pass can have %d",
+                   pass->name, next - first_texture, TEXTURE_LIMIT);
+    }
+}
+
+/* ---- Ranges ------------------------------------------------------------------------------------------------------- */
+
+/* The largest divisor of count in 8..limit, so that no block is cut short; else the limit, with a short last block. */
+static uint32_t chunk_of(uint64_t count, uint32_t limit)
+{
+    if (count <= limit) {
+        return count ? (uint32_t)count : 1;
+    }
+    for (uint32_t chunk = limit; chunk >= 8; chunk--) {
+        if (count % chunk == 0) {
+            return chunk;
+        }
+    }
+    return limit;
+}
+
+/* Where std140 and std430 place the elements alike, a storage buffer's bytes can be read as a uniform block. */
+static void check_uniform(const struct range *range, const struct resource *buffer,
+                          struct diag *diag)
+{
+    const struct structure *structure = buffer->structure;
+    bool alike = buffer->stride % 16 == 0;
+
+    for (uint32_t i = 0; structure && i < structure->field_count; i++) {
+        alike = alike && structure->fields[i].array_stride % 16 == 0;
+    }
+    if (!alike) {
+        diag_error(diag, range->loc,
+                   "'%s' cannot be read as a uniform block: its elements (and arrays in them) are "
+                   "not a multiple of 16 "
+                   "bytes long; pad '%s' or choose another storage",
+                   buffer->name, buffer->of);
+    }
+    if (buffer->bytes > UNIFORM_BLOCK_LIMIT) {
+        diag_error(diag, range->loc,
+                   "'%s' has %llu bytes, but a uniform block holds %d on every device; choose "
+                   "another storage",
+                   buffer->name, (unsigned long long)buffer->bytes, UNIFORM_BLOCK_LIMIT);
+    }
+}
+
+/* What pays on a software rasterizer is a copy in shared memory, read at literal indices: a loop over storage or shared
+ * memory costs 20 times as much. Blocks of 32 keep compilation short. A GPU reads shared memory in a loop as fast, and
+ * long unrolled code only fills its instruction cache. */
+static void plan_range(struct range *range, const struct pipeline *pipeline)
+{
+    const struct resource *buffer = range->access ? range->access->resource : NULL;
+    uint32_t stride = buffer ? buffer->stride : sizeof(struct dt_material);
+    uint64_t count = range->count_value > 0 ? (uint64_t)range->count_value : 1;
+    uint32_t limit = 32;
+
+    if (range->loop == LOOP_AUTO) {
+        range->loop = pipeline->gpu && count > 64 ? LOOP_ROLL : LOOP_UNROLL;
+    }
+    if (range->loop == LOOP_ROLL) {
+        limit = 64;
+    }
+    if (range->storage == STORAGE_AUTO) {
+        range->storage = stride <= SHARED_MEMORY_LIMIT / 8 ? STORAGE_SHARED : STORAGE_BUFFER;
+    }
+    if (range->storage == STORAGE_SHARED) {
+        limit = stride * limit > SHARED_MEMORY_LIMIT ? SHARED_MEMORY_LIMIT / stride : limit;
+        limit = limit ? limit : 1;
+    }
+    range->chunk = chunk_of(count, limit);
+}
+
+/* All copies of one pass lie in shared memory side by side. */
+static void check_shared(const struct pass *pass, struct diag *diag)
+{
+    uint64_t bytes = 0;
+
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        const struct range *range = &pass->ranges[i];
+        const struct resource *buffer = range->access ? range->access->resource : NULL;
+
+        if (range->storage == STORAGE_SHARED) {
+            bytes +=
+                (uint64_t)range->chunk * (buffer ? buffer->stride : sizeof(struct dt_material));
+        }
+    }
+    if (bytes > SHARED_MEMORY_LIMIT) {
+        diag_error(diag, pass->ranges[0].loc,
+                   "the ranges of '%s' take %llu bytes of shared memory; every device has %d: give "
+                   "one of them "
+                   "`storage: buffer`",
+                   pass->name, (unsigned long long)bytes, SHARED_MEMORY_LIMIT);
+    }
+}
+
+static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
+{
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        struct range *range = &pass->ranges[i];
+
+        plan_range(range, pipeline);
+    }
+    check_shared(pass, diag);
+}
+
+static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
+{
+    for (uint32_t p = 0; p < pipeline->pass_count; p++) {
+        const struct pass *pass = &pipeline->passes[p];
+
+        for (uint32_t i = 0; i < pass->range_count; i++) {
+            const struct range *range = &pass->ranges[i];
+
+            if (range->storage == STORAGE_UNIFORM && range->access && range->access->resource) {
+                check_uniform(range, range->access->resource, diag);
+            }
+        }
+    }
+}
+
+/* ---- Touches ------------------------------------------------------------------------------------------------------ */
+
+static unsigned stages_of(const struct pass *pass, const struct access *access)
+{
+    if (access->kind & ACCESS_COLOR) {
+        return STAGE_COLOR;
+    }
+    if (access->kind & ACCESS_DEPTH) {
+        return STAGE_DEPTH;
+    }
+    if (pass->kind == PASS_DISPATCH) {
+        return STAGE_COMPUTE;
+    }
+    /* Draws write buffers in the fragment stage; a fullscreen draw's vertices need no resource. */
+    return pass->kind == PASS_SCENE && access->mode == MODE_READ ? STAGE_VERTEX | STAGE_FRAGMENT
+                                                                 : STAGE_FRAGMENT;
+}
+
+static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch touch)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (touches[i].resource == touch.resource) {
+            touches[i].kind |= touch.kind;
+            touches[i].stages |= touch.stages;
+            touches[i].reads |= touch.reads;
+            touches[i].writes |= touch.writes;
+            return count;
+        }
+    }
+    touches[count] = touch;
+    return count + 1;
+}
+
+uint32_t pass_touches(const struct pass *pass, struct touch *touches)
+{
+    uint32_t count = 0;
+
+    if (pass->indirect_resource) {
+        count = merge_touch(
+            touches, count,
+            (struct touch){pass->indirect_resource, ACCESS_INDIRECT, STAGE_INDIRECT, true, false});
+    }
+    if (pass->index_resource) {
+        count = merge_touch(
+            touches, count,
+            (struct touch){pass->index_resource, ACCESS_INDEX, STAGE_INDEX, true, false});
+    }
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        struct touch touch = {access->resource, access->kind, stages_of(pass, access),
+                              access->mode != MODE_WRITE, access->mode != MODE_READ};
+
+        if (!access->resource) {
+            continue;
+        }
+        /* Skipped at run time, a pass clears what it would have written: targets as targets, the rest by commands. */
+        if (pass->conditional && access->mode == MODE_WRITE &&
+            !(access->kind & (ACCESS_COLOR | ACCESS_DEPTH))) {
+            touch.kind |= ACCESS_CLEAR;
+            touch.stages |= STAGE_CLEAR;
+        }
+        count = merge_touch(touches, count, touch);
+    }
+    return count;
+}
+
+/* ------------------------------------------------------------------------------------------------------------------- */
+
+bool plan_model(struct model *model, struct diag *diag)
+{
+    struct pipeline *pipeline = &model->pipeline;
+    unsigned errors = diag_error_count(diag);
+    bool ordered = plan_order(model, diag);
+
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        plan_ranges(&pipeline->passes[i], pipeline, diag);
+        plan_kinds(&pipeline->passes[i], diag);
+        plan_bindings(&pipeline->passes[i], diag);
+    }
+    if (!ordered) {
+        return false;
+    }
+    plan_lifetimes(model);
+    check_uniforms(pipeline, diag);
+    plan_slots(model);
+    plan_barriers(model);
+    return diag_error_count(diag) == errors;
+}

@@ -1,0 +1,82 @@
+/* What layout, plan and the emitters share about types, formats and touched resources. The stages themselves are in
+ * stages.h; everything here is called only inside gen/. */
+#ifndef DIPTYCH_GEN_PLAN_H
+#define DIPTYCH_GEN_PLAN_H
+
+#include "diag.h"
+
+/* ---- layout.c ----------------------------------------------------------------------------------------------------- */
+
+struct type_info {
+    const char *dt;       /* enumerator in diptych.h */
+    const char *glsl;     /* name in specs and shaders */
+    const char *c;        /* element type in C */
+    uint32_t components;  /* per column */
+    uint32_t columns;     /* 4 for mat4, else 1 */
+    uint32_t size, align; /* bytes; the same in std140 and std430 outside arrays */
+};
+const struct type_info *type_info(enum dt_type type);
+
+/* ---- format.c ----------------------------------------------------------------------------------------------------- */
+
+struct format_info {
+    const char *name; /* in specs */
+    const char *dt;   /* enumerator in diptych.h */
+    const char *vk;   /* VkFormat */
+    uint32_t bytes;   /* per texel */
+    bool storage;     /* imageLoad and imageStore on both backends */
+    bool integer;
+};
+const struct format_info *format_info(enum dt_format format);
+
+/* ---- plan.c: what one pass does to one resource, its accesses combined -------------------------------------------- */
+
+struct touch {
+    struct resource *resource;
+    unsigned kind;   /* mask of enum access_kind */
+    unsigned stages; /* mask of enum stage_bit */
+    bool reads, writes;
+};
+/* Fills touches (room for access_count + 2) with one entry per resource, in the order of the spec; returns how many. */
+uint32_t pass_touches(const struct pass *pass, struct touch *touches);
+
+/* Value of an expression that check has verified, NULL: otherwise. Clamped to 0..UINT32_MAX. */
+uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise);
+
+/* The reference frame, at which sizes are told and memory slots are packed. */
+enum { REFERENCE_WIDTH = 1920, REFERENCE_HEIGHT = 1080 };
+enum { STORAGE_IMAGE_LIMIT = 8, TEXTURE_LIMIT = 16, COLOR_TARGET_LIMIT = 8 };
+enum {
+    SHARED_MEMORY_LIMIT = 16384,
+    UNIFORM_BLOCK_LIMIT = 16384
+}; /* bytes that every device of either API has */
+
+/* ---- The plan's parts; plan.c calls them in this order ------------------------------------------------------------ */
+
+bool plan_order(struct model *model, struct diag *diag); /* order.c: pipeline->order, pass->index */
+void plan_lifetimes(struct model *model);                /* alias.c: first_pass, last_pass, bytes */
+void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */
+bool resources_overlap(const struct resource *a,
+                       const struct resource *b); /* alias.c: alive in a common pass */
+void plan_barriers(struct model *model);          /* barrier.c: pass->barriers */
+
+/* The layout that a Vulkan image has while a pass touches it in these ways (mask of enum access_kind). */
+enum image_layout { LAYOUT_GENERAL, LAYOUT_READ, LAYOUT_COLOR, LAYOUT_DEPTH };
+enum image_layout layout_of(unsigned kind); /* barrier.c */
+
+/* glMemoryBarrier bits before each pass; bits as in the OpenGL headers, which gen does not include. */
+enum gl_barrier_bit {
+    GLB_ELEMENT_ARRAY = 0x0002,
+    GLB_UNIFORM = 0x0004,
+    GLB_TEXTURE_FETCH = 0x0008,
+    GLB_SHADER_IMAGE_ACCESS = 0x0020,
+    GLB_COMMAND = 0x0040,
+    GLB_TEXTURE_UPDATE = 0x0100,
+    GLB_BUFFER_UPDATE = 0x0200,
+    GLB_FRAMEBUFFER = 0x0400,
+    GLB_SHADER_STORAGE = 0x2000
+};
+/* barrier.c: bits[i] for the pass at place i of the order (pass_count values), in a frame that follows another one. */
+void plan_gl_bits(const struct model *model, unsigned *bits);
+
+#endif

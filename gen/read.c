@@ -1,0 +1,87 @@
+/* YAML -> model. read_spec is called by main; the sections are read in the order in which they may name each other, whatever
+ * their order in the file. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "read.h"
+
+static void read_asserts(struct reader *reader, const struct fields *top)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    struct fy_node *list = field_node(top, "asserts"), *item;
+    void *iterator = NULL;
+    if (!list)
+        return;
+    pipeline->assertions =
+        reader_alloc(reader, (size_t)fy_node_sequence_item_count(list), sizeof *pipeline->assertions);
+    while (pipeline->assertions && (item = fy_node_sequence_iterate(list, &iterator))) {
+        struct fields fields;
+        if (!fields_read(reader, item, SECTION_ASSERT, node_loc(reader, item), &fields))
+            continue;
+        struct assertion *assertion = &pipeline->assertions[pipeline->assertion_count++];
+        assertion->loc = field_loc(reader, &fields, "that");
+        assertion->that = field_expr(reader, &fields, "that");
+        assertion->warning = field_choice(reader, &fields, "level", 1) == 0;
+        assertion->message = field_text(reader, &fields, "message");
+    }
+}
+
+static void read_output(struct reader *reader, const struct fields *top)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    struct fields fields;
+    struct fy_node *map = field_node(top, "output");
+    if (!map || !fields_read(reader, map, SECTION_OUTPUT, field_loc(reader, top, "output"), &fields))
+        return;
+    pipeline->linear_output = field_text(reader, &fields, "linear");
+    pipeline->linear_loc = field_loc(reader, &fields, "linear");
+    pipeline->display_output = field_text(reader, &fields, "display");
+    pipeline->display_loc = field_loc(reader, &fields, "display");
+}
+
+static void read_sections(struct reader *reader)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    struct fields top;
+    struct loc start = {.source = reader->source, .line = 1, .column = 1, .length = 1};
+    if (!fields_read(reader, fy_document_root(reader->document), SECTION_TOP, start, &top))
+        return;
+    pipeline->name = field_text(reader, &top, "pipeline");
+    pipeline->loc = field_loc(reader, &top, "pipeline");
+    pipeline->doc = field_text(reader, &top, "doc");
+    pipeline->fast = field_choice(reader, &top, "exactness", 0) == 1;
+    pipeline->gpu = field_choice(reader, &top, "target", 0) == 1;
+    read_params(reader, &top);
+    read_constants(reader, &top);
+    read_structs(reader, &top);
+    read_resources(reader, &top);
+    read_samplers(reader, &top);
+    read_metrics(reader, &top);
+    read_interleaves(reader, &top);
+    read_passes(reader, &top);
+    read_asserts(reader, &top);
+    read_contracts(reader, &top);
+    read_output(reader, &top);
+}
+
+bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count, struct diag *diag)
+{
+    struct reader reader = {.model = model, .diag = diag};
+    reader.source = source_read(model, path);
+    if (!reader.source) {
+        diag_error(diag, (struct loc){0}, "cannot read the spec `%s`", path);
+        return false;
+    }
+    bool loaded = document_load(&reader, sets, set_count);
+    if (loaded)
+        read_sections(&reader);
+    if (reader.out_of_memory)
+        diag_error(diag, (struct loc){0}, "out of memory while reading `%s`", path);
+    for (size_t i = 0; i < reader.override_count; i++) /* those that found no place belong to nobody */
+        if (!fy_node_is_attached(reader.overrides[i].node))
+            fy_node_free(reader.overrides[i].node);
+    free(reader.overrides);
+    if (reader.document)
+        fy_document_destroy(reader.document);
+    return loaded && !reader.out_of_memory;
+}

@@ -1,0 +1,90 @@
+/* What the files of the reader share: a document whose every node has a place, and maps checked against the table. Internal
+ * to read*.c. */
+#ifndef DIPTYCH_GEN_READ_H
+#define DIPTYCH_GEN_READ_H
+
+#include <libfyaml.h>
+
+#include "expr.h"
+#include "table.h"
+
+/* A node that a `--set` put in: its places are in the text of the option. */
+struct override {
+    struct fy_node *node;
+    const struct source *source;
+    int column;      /* 1-based, of the node's text within the option */
+    int type;        /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float a
+                        float; -1: no former value */
+};
+
+struct reader {
+    struct model *model;
+    struct diag *diag;
+    const struct source *source;
+    struct fy_document *document;
+    struct override *overrides;
+    size_t override_count;
+    bool out_of_memory;
+};
+
+/* One map of the document, checked: known keys with acceptable values only. */
+enum { MOST_KEYS = 32 };
+struct field_value {
+    const struct key *key;
+    struct fy_node *name, *value;
+};
+struct fields {
+    enum section section;
+    struct loc loc; /* of the map, or of the name that it belongs to */
+    struct field_value values[MOST_KEYS];
+    size_t count;
+};
+
+/* One name of a section of free names. */
+struct named {
+    const char *name;
+    struct loc loc;
+    struct fy_node *value;
+};
+struct named_list {
+    struct named *items;
+    uint32_t count;
+};
+
+/* read_document.c */
+bool document_load(struct reader *reader, const char *const *sets, size_t set_count);
+struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 0 for NULL */
+const char *node_text(struct reader *reader, struct fy_node *node);     /* NULL unless a scalar */
+bool is_identifier(const char *text);
+bool text_number(const char *text, double *value);
+
+/* read_fields.c: false when the node is no map; `loc` is the place for missing keys. */
+bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc, struct fields *fields);
+struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key);
+struct fy_node *field_node(const struct fields *fields, const char *key);
+struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
+const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
+bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback);
+double field_number(struct reader *reader, const struct fields *fields, const char *key, double fallback);
+int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback);
+struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
+struct expr *node_expr(struct reader *reader, struct fy_node *node);
+void *reader_alloc(struct reader *reader, size_t count, size_t size); /* at least one element */
+/* The document's value must be what the key says; reports otherwise. */
+bool value_check(struct reader *reader, const struct key *key, struct fy_node *node, struct loc loc);
+
+/* read_params.c */
+bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components, enum dt_type *type);
+void read_params(struct reader *reader, const struct fields *top);
+void read_constants(struct reader *reader, const struct fields *top);
+/* read_resources.c */
+void read_structs(struct reader *reader, const struct fields *top);
+void read_resources(struct reader *reader, const struct fields *top);
+void read_samplers(struct reader *reader, const struct fields *top);
+void read_metrics(struct reader *reader, const struct fields *top);
+void read_interleaves(struct reader *reader, const struct fields *top);
+void read_contracts(struct reader *reader, const struct fields *top);
+/* read_passes.c */
+void read_passes(struct reader *reader, const struct fields *top);
+
+#endif

@@ -1,0 +1,409 @@
+/* The document: YAML through libfyaml, duplicate keys, `--set` overrides, and the place of every node. Called by read.c. */
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "read.h"
+
+/* ---- Nodes and places --------------------------------------------------------------------------------------------- */
+
+static const struct override *find_override(const struct reader *reader, struct fy_node *node)
+{
+    for (; node; node = fy_node_get_parent(node))
+        for (size_t i = 0; i < reader->override_count; i++)
+            if (reader->overrides[i].node == node)
+                return &reader->overrides[i];
+    return NULL;
+}
+
+/* The first scalar at or below a node: maps and lists have no token of their own. */
+static struct fy_node *first_scalar(struct fy_node *node)
+{
+    while (node && fy_node_get_type(node) != FYNT_SCALAR) {
+        void *iterator = NULL;
+        if (fy_node_get_type(node) == FYNT_SEQUENCE)
+            node = fy_node_sequence_iterate(node, &iterator);
+        else
+            node = fy_node_pair_key(fy_node_mapping_iterate(node, &iterator));
+    }
+    return node;
+}
+
+struct loc node_loc(const struct reader *reader, struct fy_node *node)
+{
+    struct loc loc = {.source = reader->source, .length = 1};
+    const struct override *override = find_override(reader, node);
+    if (override) {
+        loc.source = override->source;
+        loc.line = 1;
+        loc.column = override->column;
+    }
+    struct fy_node *scalar = first_scalar(node);
+    struct fy_token *token = scalar ? fy_node_get_scalar_token(scalar) : NULL;
+    const struct fy_mark *start = token ? fy_token_start_mark(token) : NULL;
+    const struct fy_mark *end = token ? fy_token_end_mark(token) : NULL;
+    if (!start)
+        return loc;
+    loc.line = override ? 1 : start->line + 1;
+    loc.column = (override ? override->column : 1) + start->column;
+    if (scalar == node && end && end->line == start->line && end->column > start->column)
+        loc.length = end->column - start->column;
+    return loc;
+}
+
+const char *node_text(struct reader *reader, struct fy_node *node)
+{
+    if (!node || fy_node_get_type(node) != FYNT_SCALAR)
+        return NULL;
+    size_t length = 0;
+    const char *text = fy_node_get_scalar(node, &length);
+    return arena_strndup(reader->model->arena, text ? text : "", text ? length : 0);
+}
+
+bool is_identifier(const char *text)
+{
+    if (!isalpha((unsigned char)*text) && *text != '_')
+        return false;
+    while (isalnum((unsigned char)*text) || *text == '_')
+        text++;
+    return !*text;
+}
+
+bool text_number(const char *text, double *value)
+{
+    const char *at = *text == '-' || *text == '+' ? text + 1 : text;
+    if (!isdigit((unsigned char)*at) && *at != '.')
+        return false;
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end && isfinite(*value);
+}
+
+/* ---- Overrides ---------------------------------------------------------------------------------------------------- */
+
+/* One `--set PATH=VALUE` on its way down the document. */
+struct setting {
+    struct source *source;
+    const char *path; /* what is left of it */
+    const char *value;
+    char segment[128];
+    int column; /* of the segment */
+};
+
+static struct loc setting_loc(const struct setting *setting, int column, size_t length)
+{
+    return (struct loc){.source = setting->source, .line = 1, .column = column, .length = length ? (int)length : 1};
+}
+
+static bool next_segment(struct setting *setting)
+{
+    const char *end = strpbrk(setting->path, ".=");
+    size_t length = end ? (size_t)(end - setting->path) : strlen(setting->path);
+    if (!length || length >= sizeof setting->segment)
+        return false;
+    setting->column = (int)(setting->path - setting->source->text) + 1;
+    memcpy(setting->segment, setting->path, length);
+    setting->segment[length] = '\0';
+    setting->path = end && *end == '.' ? end + 1 : end;
+    return true;
+}
+
+static bool is_last(const struct setting *setting)
+{
+    return *setting->path == '=';
+}
+
+static struct fy_node *build_node(struct reader *reader, const struct setting *setting, const char *text, int column,
+                                  size_t length)
+{
+    struct fy_node *node = *text ? fy_node_build_from_string(reader->document, text, length) : NULL;
+    if (!node) {
+        diag_error(reader->diag, setting_loc(setting, column, length), "`--set %s`: `%s` is no YAML value",
+                   setting->source->text, text);
+        return NULL;
+    }
+    size_t count = reader->override_count;
+    struct override *overrides = realloc(reader->overrides, (count + 1) * sizeof *overrides);
+    if (!overrides) {
+        reader->out_of_memory = true;
+        return NULL;
+    }
+    reader->overrides = overrides;
+    overrides[count] = (struct override){node, setting->source, column, -1};
+    reader->override_count++;
+    return node;
+}
+
+/* The type that a parameter's replaced value stood for, so that the new one is read alike. */
+static int former_type(struct reader *reader, const struct key *key, struct fy_node *old)
+{
+    double value[4];
+    uint32_t components;
+    enum dt_type type;
+    bool is_param = key->section == SECTION_PARAMS || (key->section == SECTION_PARAM && !strcmp(key->name, "value"));
+    if (!is_param)
+        return -1;
+    for (size_t i = 0; i < reader->override_count; i++) /* a second --set of the same */
+        if (reader->overrides[i].node == old)
+            return reader->overrides[i].type;
+    return param_value(reader, old, value, &components, &type) ? (int)type : -1;
+}
+
+static void replace_value(struct reader *reader, struct setting *setting, const struct key *key,
+                          struct fy_node_pair *pair)
+{
+    struct fy_node *old = fy_node_pair_value(pair);
+    struct fy_node_pair *inner = NULL;
+    if (old && fy_node_get_type(old) == FYNT_MAPPING &&
+        (key->section == SECTION_PARAMS || key->section == SECTION_CONSTANTS))
+        inner = fy_node_mapping_lookup_pair_by_string(old, "value", FY_NT);
+    if (inner) {
+        replace_value(reader, setting, table_find(key->child, "value"), inner);
+        return;
+    }
+    int type = former_type(reader, key, old);
+    int column = (int)(setting->value - setting->source->text) + 1;
+    struct fy_node *node = build_node(reader, setting, setting->value, column, strlen(setting->value));
+    if (!node)
+        return;
+    reader->overrides[reader->override_count - 1].type = type;
+    if (fy_node_pair_set_value(pair, node))
+        reader->out_of_memory = true;
+}
+
+/* A key that the table knows but the document does not have yet. */
+static void add_value(struct reader *reader, struct setting *setting, struct fy_node *map)
+{
+    size_t length = strlen(setting->segment);
+    char *name = arena_strndup(reader->model->arena, setting->segment, length);
+    struct fy_node *key = name ? build_node(reader, setting, name, setting->column, length) : NULL;
+    int column = (int)(setting->value - setting->source->text) + 1;
+    struct fy_node *value =
+        key ? build_node(reader, setting, setting->value, column, strlen(setting->value)) : NULL;
+    if (value && fy_node_mapping_append(map, key, value))
+        reader->out_of_memory = true;
+}
+
+static void report_path(struct reader *reader, const struct setting *setting, const char *where, const char *const *names,
+                        size_t count)
+{
+    const char *nearest = diag_nearest(setting->segment, names, count);
+    struct loc loc = setting_loc(setting, setting->column, strlen(setting->segment));
+    if (nearest)
+        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s; did you mean `%s`?", setting->source->text,
+                   setting->segment, where, nearest);
+    else
+        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s", setting->source->text, setting->segment, where);
+}
+
+/* Names that stand in a map, and, for a section of fixed keys, those that may. */
+static void report_unknown_key(struct reader *reader, const struct setting *setting, struct fy_node *map,
+                               enum section section)
+{
+    const char *names[256];
+    size_t count = 0;
+    void *iterator = NULL;
+    struct fy_node_pair *pair;
+    while (map && (pair = fy_node_mapping_iterate(map, &iterator)) && count < 200)
+        names[count++] = node_text(reader, fy_node_pair_key(pair));
+    for (size_t i = 0; i < table_key_count && count < 256; i++)
+        if (table_keys[i].section == section && strcmp(table_keys[i].name, "*"))
+            names[count++] = table_keys[i].name;
+    report_path(reader, setting, table_sections[section].title, names, count);
+}
+
+/* The element of a list of maps with this `name`, or with this number. */
+static struct fy_node *find_element(struct reader *reader, const struct setting *setting, struct fy_node *list)
+{
+    const char *names[256];
+    size_t count = 0;
+    void *iterator = NULL;
+    struct fy_node *item;
+    char *end;
+    long number = strtol(setting->segment, &end, 10);
+    if (!*end && number >= 0 && number < fy_node_sequence_item_count(list))
+        return fy_node_sequence_get_by_index(list, (int)number);
+    while ((item = fy_node_sequence_iterate(list, &iterator)) && count < 256) {
+        struct fy_node *name = fy_node_get_type(item) == FYNT_MAPPING
+                                   ? fy_node_mapping_lookup_value_by_string(item, "name", FY_NT)
+                                   : NULL;
+        const char *text = node_text(reader, name);
+        if (text && !strcmp(text, setting->segment))
+            return item;
+        if (text)
+            names[count++] = text;
+    }
+    report_path(reader, setting, "the list", names, count);
+    return NULL;
+}
+
+static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map, enum section section);
+
+static void apply_below(struct reader *reader, struct setting *setting, const struct key *key, struct fy_node *value)
+{
+    enum section section = key->child;
+    if (value && key->type == KEY_LIST && fy_node_get_type(value) == FYNT_SEQUENCE) {
+        if (!next_segment(setting))
+            return;
+        value = find_element(reader, setting, value);
+        if (!value)
+            return;
+        if (is_last(setting)) {
+            diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
+                       "`--set %s`: `%s` is %s; name one of its keys", setting->source->text, setting->segment,
+                       table_sections[section].title);
+            return;
+        }
+    }
+    if (section != SECTION_NONE && value && fy_node_get_type(value) == FYNT_MAPPING) {
+        if (next_segment(setting))
+            apply_in_map(reader, setting, value, section);
+        return;
+    }
+    diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
+               "`--set %s`: `%s` has no keys below it", setting->source->text, setting->segment);
+}
+
+static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map, enum section section)
+{
+    const struct key *key = table_find(section, setting->segment);
+    struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, setting->segment, FY_NT);
+    bool free_name = key && !strcmp(key->name, "*");
+    if (!key || (free_name && !pair) || (!pair && !is_last(setting)))
+        report_unknown_key(reader, setting, map, section);
+    else if (!is_last(setting))
+        apply_below(reader, setting, key, fy_node_pair_value(pair));
+    else if (pair)
+        replace_value(reader, setting, key, pair);
+    else
+        add_value(reader, setting, map);
+}
+
+static bool is_scalar_key(const char *name)
+{
+    const struct key *key = table_find(SECTION_TOP, name);
+    return key && key->child == SECTION_NONE;
+}
+
+/* A bare name is a parameter, else a scalar of the top level such as `exactness`. */
+static void apply_bare(struct reader *reader, struct setting *setting, struct fy_node *root)
+{
+    struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
+    if (params && fy_node_get_type(params) != FYNT_MAPPING)
+        params = NULL;
+    bool is_param = params && fy_node_mapping_lookup_pair_by_string(params, setting->segment, FY_NT);
+    if (!is_param && is_scalar_key(setting->segment))
+        apply_in_map(reader, setting, root, SECTION_TOP);
+    else if (is_param)
+        apply_in_map(reader, setting, params, SECTION_PARAMS);
+    else
+        report_unknown_key(reader, setting, params, SECTION_PARAMS);
+}
+
+static void apply_set(struct reader *reader, const char *text, struct fy_node *root)
+{
+    struct source *source = reader_alloc(reader, 1, sizeof *source);
+    if (!source)
+        return;
+    *source = (struct source){"--set", text, strlen(text)};
+    struct setting setting = {.source = source, .path = text, .column = 1};
+    const char *equals = strchr(text, '=');
+    bool well_formed = equals && equals > text && equals[1] && equals[-1] != '.' && *text != '.';
+    for (const char *at = text; well_formed && at < equals - 1; at++)
+        well_formed = at[0] != '.' || at[1] != '.';
+    if (!well_formed) {
+        diag_error(reader->diag, setting_loc(&setting, 1, strlen(text)), "`--set %s`: expected PATH=VALUE", text);
+        return;
+    }
+    setting.value = equals + 1;
+    if (!next_segment(&setting))
+        diag_error(reader->diag, setting_loc(&setting, 1, 1), "`--set %s`: the path is too long", text);
+    else if (is_last(&setting))
+        apply_bare(reader, &setting, root);
+    else
+        apply_in_map(reader, &setting, root, SECTION_TOP);
+}
+
+/* ---- Loading ------------------------------------------------------------------------------------------------------ */
+
+static void report_syntax(struct reader *reader, struct fy_diag *messages)
+{
+    void *iterator = NULL;
+    struct fy_diag_error *error;
+    unsigned before = diag_error_count(reader->diag);
+    while ((error = fy_diag_errors_iterate(messages, &iterator))) {
+        struct loc loc = {reader->source, error->line, error->column, 1};
+        diag_error(reader->diag, loc, "YAML: %s", error->msg);
+    }
+    if (diag_error_count(reader->diag) == before)
+        diag_error(reader->diag, (struct loc){.source = reader->source}, "YAML: the document cannot be read");
+}
+
+/* Reports keys that stand twice in one map, and takes the later ones out. */
+static void drop_duplicates(struct reader *reader, struct fy_node *node)
+{
+    void *iterator = NULL;
+    if (!node || fy_node_get_type(node) == FYNT_SCALAR)
+        return;
+    if (fy_node_get_type(node) == FYNT_SEQUENCE) {
+        struct fy_node *item;
+        while ((item = fy_node_sequence_iterate(node, &iterator)))
+            drop_duplicates(reader, item);
+        return;
+    }
+    for (int i = 0; i < fy_node_mapping_item_count(node); i++) {
+        struct fy_node *key = fy_node_pair_key(fy_node_mapping_get_by_index(node, i));
+        const char *name = node_text(reader, key);
+        drop_duplicates(reader, fy_node_pair_value(fy_node_mapping_get_by_index(node, i)));
+        for (int j = i + 1; name && j < fy_node_mapping_item_count(node); j++) {
+            struct fy_node_pair *pair = fy_node_mapping_get_by_index(node, j);
+            const char *other = node_text(reader, fy_node_pair_key(pair));
+            if (!other || strcmp(name, other))
+                continue;
+            diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)), "the key `%s` stands twice", name);
+            diag_note(reader->diag, node_loc(reader, key), "first here");
+            fy_node_mapping_remove(node, pair);
+            j--;
+        }
+    }
+}
+
+static struct fy_document *parse(struct reader *reader, struct fy_diag *messages)
+{
+    struct fy_parse_cfg config = {
+        .flags = FYPCF_QUIET | FYPCF_COLLECT_DIAG | FYPCF_ALLOW_DUPLICATE_KEYS, .diag = messages};
+    reader->document = fy_document_build_from_string(&config, reader->source->text, reader->source->length);
+    if (!reader->document)
+        return NULL;
+    drop_duplicates(reader, fy_document_root(reader->document));
+    return fy_document_resolve(reader->document) ? NULL : reader->document;
+}
+
+bool document_load(struct reader *reader, const char *const *sets, size_t set_count)
+{
+    struct fy_diag_cfg config;
+    fy_diag_cfg_default(&config);
+    config.fp = NULL;
+    struct fy_diag *messages = fy_diag_create(&config);
+    if (!messages) {
+        reader->out_of_memory = true;
+        return false;
+    }
+    fy_diag_set_collect_errors(messages, true);
+    struct fy_node *root = NULL;
+    if (!parse(reader, messages)) {
+        report_syntax(reader, messages);
+    } else {
+        root = fy_document_root(reader->document);
+        if (!root || fy_node_get_type(root) != FYNT_MAPPING) {
+            diag_error(reader->diag, (struct loc){.source = reader->source},
+                       "a spec is a map that starts with `pipeline: NAME`");
+            root = NULL;
+        }
+    }
+    for (size_t i = 0; root && i < set_count; i++)
+        apply_set(reader, sets[i], root);
+    fy_diag_unref(messages);
+    return root != NULL;
+}

@@ -1,0 +1,157 @@
+/* Parameters and constants of a spec. Called by read.c. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "read.h"
+
+/* ---- Parameters --------------------------------------------------------------------------------------------------- */
+
+static bool scalar_value(const char *text, double *value, enum dt_type *type)
+{
+    if (!strcmp(text, "true") || !strcmp(text, "false")) {
+        *type = DT_TYPE_BOOL;
+        *value = text[0] == 't';
+        return true;
+    }
+    *type = strpbrk(text, ".eE") ? DT_TYPE_FLOAT : DT_TYPE_INT;
+    return text_number(text, value);
+}
+
+/* Reads a value and the type that it has by itself; false when it is none. Reports nothing. */
+bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components, enum dt_type *type)
+{
+    const char *text = node_text(reader, node);
+    *components = 1;
+    if (text)
+        return scalar_value(text, &value[0], type);
+    if (!node || fy_node_get_type(node) != FYNT_SEQUENCE)
+        return false;
+    int count = fy_node_sequence_item_count(node);
+    bool real = false;
+    for (int i = 0; i < count && i < 4; i++) {
+        enum dt_type part;
+        text = node_text(reader, fy_node_sequence_get_by_index(node, i));
+        if (!text || !scalar_value(text, &value[i], &part) || part == DT_TYPE_BOOL)
+            return false;
+        real |= part == DT_TYPE_FLOAT;
+    }
+    if (count < 2 || count > 4)
+        return false;
+    *components = (uint32_t)count;
+    *type = (enum dt_type)((int)(real ? DT_TYPE_FLOAT : DT_TYPE_INT) + count - 1);
+    return true;
+}
+
+static uint32_t type_components(enum dt_type type)
+{
+    return type < DT_TYPE_BOOL ? (uint32_t)type % 4 + 1 : 1;
+}
+
+static const char *type_name(struct reader *reader, enum dt_type type)
+{
+    const char *at = table_find(SECTION_PARAM, "type")->choices;
+    for (int i = 0; i < (int)type && at; i++)
+        at = strchr(at, '|') + 1;
+    return arena_strndup(reader->model->arena, at, strcspn(at, "|"));
+}
+
+static bool fits_type(const struct param *param, uint32_t components, enum dt_type own, double value)
+{
+    if (components != param->components || (own == DT_TYPE_BOOL) != (param->type == DT_TYPE_BOOL))
+        return false;
+    if (param->type >= DT_TYPE_UINT && param->type <= DT_TYPE_UVEC4)
+        return value == floor(value) && value >= 0 && value <= UINT32_MAX;
+    if (param->type >= DT_TYPE_INT && param->type <= DT_TYPE_IVEC4)
+        return value == floor(value) && value >= INT32_MIN && value <= INT32_MAX;
+    return true;
+}
+
+static int former_type(const struct reader *reader, struct fy_node *node)
+{
+    for (size_t i = 0; i < reader->override_count; i++)
+        if (reader->overrides[i].node == node)
+            return reader->overrides[i].type;
+    return -1;
+}
+
+/* A value that stands where another type stood: an integer for a real is fine, as is a real integer for an integer. */
+static enum dt_type inferred_type(const struct reader *reader, struct fy_node *node, enum dt_type own)
+{
+    int former = former_type(reader, node);
+    return former >= 0 ? (enum dt_type)former : own;
+}
+
+static void set_value(struct reader *reader, struct param *param, struct fy_node *node, int type)
+{
+    enum dt_type own = DT_TYPE_INT;
+    uint32_t components = 1;
+    param->value_loc = node ? node_loc(reader, node) : param->loc;
+    param->type = type >= 0 ? (enum dt_type)type : DT_TYPE_INT;
+    param->components = type_components(param->type);
+    if (!node)
+        return;
+    if (!param_value(reader, node, param->value, &components, &own)) {
+        diag_error(reader->diag, param->value_loc, "the value of `%s` must be %s", param->name,
+                   table_type_text(KEY_VALUE));
+        return;
+    }
+    if (type < 0)
+        param->type = inferred_type(reader, node, own);
+    param->components = type_components(param->type);
+    bool fits = true;
+    for (uint32_t i = 0; i < components; i++)
+        fits &= fits_type(param, components, own, param->value[i]);
+    if (!fits)
+        diag_error(reader->diag, param->value_loc, "`%s` is %s, which this value is not", param->name,
+                   type_name(reader, param->type));
+}
+
+static void read_param(struct reader *reader, const struct named *named, struct param *param)
+{
+    *param = (struct param){.name = named->name, .loc = named->loc, .min = -INFINITY, .max = INFINITY};
+    if (fy_node_get_type(named->value) != FYNT_MAPPING) {
+        set_value(reader, param, named->value, -1);
+        return;
+    }
+    struct fields fields;
+    if (!fields_read(reader, named->value, SECTION_PARAM, named->loc, &fields))
+        return;
+    param->doc = field_text(reader, &fields, "doc");
+    param->min = field_number(reader, &fields, "min", -INFINITY);
+    param->max = field_number(reader, &fields, "max", INFINITY);
+    param->step = field_number(reader, &fields, "step", 0);
+    param->live = field_bool(reader, &fields, "live", false);
+    int type = field_choice(reader, &fields, "type", -1);
+    set_value(reader, param, field_node(&fields, "value"), type);
+}
+
+void read_params(struct reader *reader, const struct fields *top)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    struct named_list list = fields_named(reader, top, "params");
+    pipeline->params = reader_alloc(reader, list.count, sizeof *pipeline->params);
+    for (uint32_t i = 0; pipeline->params && i < list.count; i++)
+        read_param(reader, &list.items[i], &pipeline->params[pipeline->param_count++]);
+}
+
+/* ---- Constants ---------------------------------------------------------------------------------------------------- */
+
+void read_constants(struct reader *reader, const struct fields *top)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    struct named_list list = fields_named(reader, top, "constants");
+    pipeline->constants = reader_alloc(reader, list.count, sizeof *pipeline->constants);
+    for (uint32_t i = 0; pipeline->constants && i < list.count; i++) {
+        struct named *named = &list.items[i];
+        struct constant *constant = &pipeline->constants[pipeline->constant_count++];
+        *constant = (struct constant){.name = named->name, .loc = named->loc};
+        struct fields fields;
+        if (fy_node_get_type(named->value) != FYNT_MAPPING) {
+            constant->value = node_expr(reader, named->value);
+        } else if (fields_read(reader, named->value, SECTION_CONSTANT, named->loc, &fields)) {
+            constant->doc = field_text(reader, &fields, "doc");
+            constant->value = field_expr(reader, &fields, "value");
+        }
+    }
+}

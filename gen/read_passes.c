@@ -1,0 +1,290 @@
+/* Passes of a spec. Called by read.c after everything that passes may name. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "read.h"
+
+/* ---- Lists -------------------------------------------------------------------------------------------------------- */
+
+static int list_count(struct fy_node *list)
+{
+    return list ? fy_node_sequence_item_count(list) : 0;
+}
+
+/* A list of names; those that are none are reported and left out. */
+static uint32_t read_names(struct reader *reader, struct fy_node *list, const char ***names, struct loc **locs)
+{
+    uint32_t count = 0;
+    *names = reader_alloc(reader, (size_t)list_count(list), sizeof **names);
+    *locs = reader_alloc(reader, (size_t)list_count(list), sizeof **locs);
+    for (int i = 0; *names && *locs && i < list_count(list); i++) {
+        struct fy_node *item = fy_node_sequence_get_by_index(list, i);
+        const char *text = node_text(reader, item);
+        if (!text || !is_identifier(text)) {
+            diag_error(reader->diag, node_loc(reader, item), "expected a name");
+            continue;
+        }
+        (*names)[count] = text;
+        (*locs)[count++] = node_loc(reader, item);
+    }
+    return count;
+}
+
+static bool read_access(struct reader *reader, struct fy_node *node, enum access_mode mode, struct access *access)
+{
+    *access = (struct access){.mode = mode, .builtin = -1, .binding = -1, .attachment = -1, .loc = node_loc(reader, node)};
+    access->name = node_text(reader, node);
+    if (access->name && is_identifier(access->name))
+        return true;
+    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
+        diag_error(reader->diag, access->loc, "expected a resource's name, or a map such as {name: NAME, sampler: NAME}");
+        return false;
+    }
+    struct fields fields;
+    if (!fields_read(reader, node, SECTION_ACCESS, access->loc, &fields))
+        return false;
+    access->name = field_text(reader, &fields, "name");
+    access->loc = field_loc(reader, &fields, "name");
+    access->sampler = field_text(reader, &fields, "sampler");
+    access->sampler_loc = field_loc(reader, &fields, "sampler");
+    access->mip = field_expr(reader, &fields, "mip");
+    if (access->sampler && mode != MODE_READ)
+        diag_error(reader->diag, access->sampler_loc, "only `reads` take a sampler");
+    return access->name != NULL;
+}
+
+static void read_accesses(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    static const char *const keys[] = {"reads", "writes", "updates"};
+    int total = 0;
+    for (int k = 0; k < 3; k++)
+        total += list_count(field_node(fields, keys[k]));
+    pass->accesses = reader_alloc(reader, (size_t)total, sizeof *pass->accesses);
+    for (int k = 0; pass->accesses && k < 3; k++) {
+        struct fy_node *list = field_node(fields, keys[k]);
+        for (int i = 0; i < list_count(list); i++)
+            if (read_access(reader, fy_node_sequence_get_by_index(list, i), (enum access_mode)k,
+                            &pass->accesses[pass->access_count]))
+                pass->access_count++;
+    }
+}
+
+static void read_ranges(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct named_list list = fields_named(reader, fields, "ranges");
+    if (!list.count)
+        return;
+    pass->ranges = reader_alloc(reader, list.count, sizeof *pass->ranges);
+    for (uint32_t i = 0; pass->ranges && i < list.count; i++) {
+        struct fields inner;
+        struct range *range = &pass->ranges[pass->range_count];
+        *range = (struct range){.name = list.items[i].name, .loc = list.items[i].loc, .first = "0"};
+        if (!fields_read(reader, list.items[i].value, SECTION_RANGE, range->loc, &inner))
+            continue;
+        pass->range_count++;
+        range->of = field_text(reader, &inner, "of");
+        range->of_loc = field_loc(reader, &inner, "of");
+        range->count = field_expr(reader, &inner, "count");
+        if (field_node(&inner, "first"))
+            range->first = field_text(reader, &inner, "first");
+        range->storage = (enum storage_class)field_choice(reader, &inner, "storage", STORAGE_AUTO);
+        range->loop = (enum loop_shape)field_choice(reader, &inner, "loop", LOOP_AUTO);
+    }
+}
+
+/* ---- The kind and the size ---------------------------------------------------------------------------------------- */
+
+static bool names_image(const struct pipeline *pipeline, const char *text)
+{
+    for (uint32_t i = 0; i < pipeline->param_count; i++)
+        if (!strcmp(pipeline->params[i].name, text))
+            return false;
+    for (uint32_t i = 0; i < pipeline->constant_count; i++)
+        if (!strcmp(pipeline->constants[i].name, text))
+            return false;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        if (pipeline->resources[i].kind == DT_IMAGE && !strcmp(pipeline->resources[i].name, text))
+            return true;
+    return false;
+}
+
+/* One to three expressions; returns how many. */
+static int read_exprs(struct reader *reader, struct fy_node *node, struct expr *exprs[3])
+{
+    if (fy_node_get_type(node) == FYNT_SCALAR) {
+        exprs[0] = node_expr(reader, node);
+        return 1;
+    }
+    int count = fy_node_sequence_item_count(node);
+    for (int i = 0; i < count && i < 3; i++)
+        exprs[i] = node_expr(reader, fy_node_sequence_get_by_index(node, i));
+    return count;
+}
+
+/* Returns the dimensions of the dispatch. */
+static int read_dispatch(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    const char *key = field_node(fields, "dispatch") ? "dispatch" : "groups";
+    struct fy_node *node = field_node(fields, key);
+    const char *text = node_text(reader, node);
+    pass->kind = PASS_DISPATCH;
+    pass->size_loc = field_loc(reader, fields, key);
+    pass->size = !strcmp(key, "groups") ? SIZE_GROUPS : SIZE_INVOCATIONS;
+    if (pass->size == SIZE_INVOCATIONS && text && names_image(&reader->model->pipeline, text)) {
+        pass->size = SIZE_IMAGE;
+        pass->dispatch_image = text;
+        return 2;
+    }
+    return read_exprs(reader, node, pass->dispatch);
+}
+
+static void read_local(struct reader *reader, const struct fields *fields, struct pass *pass, int dimensions)
+{
+    struct fy_node *node = field_node(fields, "local");
+    pass->local[0] = node ? 1 : dimensions == 1 ? 64 : 8;
+    pass->local[1] = node || dimensions == 1 ? 1 : 8;
+    pass->local[2] = 1;
+    if (node)
+        read_exprs(reader, node, pass->local_size);
+}
+
+/* Keys that mean nothing for this kind of pass. */
+static void refuse_keys(struct reader *reader, const struct fields *fields, const char *what, const char *const *keys)
+{
+    for (; *keys; keys++)
+        if (field_node(fields, *keys))
+            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what, *keys);
+}
+
+static void refuse_others(struct reader *reader, const struct fields *fields, const struct pass *pass)
+{
+    static const char *const scene[] = {"local", "ranges", NULL};
+    static const char *const fullscreen[] = {"local", "ranges", "indirect", "view", "layers", "indices", "cull",
+                                             "clip_distances", NULL};
+    static const char *const dispatch[] = {"view", "layers", "indices", "cull", "depth", "depth_write", "blend",
+                                           "clip_distances", NULL};
+    if (pass->kind == PASS_SCENE)
+        refuse_keys(reader, fields, "a draw", scene);
+    else if (pass->kind == PASS_FULLSCREEN)
+        refuse_keys(reader, fields, "a fullscreen draw", fullscreen);
+    else
+        refuse_keys(reader, fields, "a dispatch", dispatch);
+}
+
+static void read_kind(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    static const char *const keys[] = {"draw", "dispatch", "groups", "interleave"};
+    const char *found = NULL;
+    int dimensions = 1;
+    for (int i = 0; i < 4; i++) {
+        if (!field_node(fields, keys[i]))
+            continue;
+        if (found)
+            diag_error(reader->diag, field_loc(reader, fields, keys[i]), "`%s` beside `%s`; a pass has exactly one of "
+                       "`draw`, `dispatch`, `groups`, `interleave`", keys[i], found);
+        else
+            found = keys[i];
+    }
+    pass->kind = PASS_DISPATCH;
+    pass->size = SIZE_INDIRECT;
+    pass->size_loc = pass->indirect_loc;
+    if (found && !strcmp(found, "draw")) {
+        pass->kind = field_choice(reader, fields, "draw", 0) ? PASS_FULLSCREEN : PASS_SCENE;
+    } else if (found && !strcmp(found, "interleave")) {
+        pass->size = SIZE_INTERLEAVE;
+        pass->size_loc = pass->interleave_loc;
+        dimensions = 2;
+    } else if (found) {
+        dimensions = read_dispatch(reader, fields, pass);
+    } else if (!pass->indirect) {
+        bool given = false; /* a wrong value was reported already */
+        for (size_t i = 0; i < fields->count; i++)
+            given |= !fields->values[i].value;
+        if (!given)
+            diag_error(reader->diag, pass->loc, "the pass `%s` needs one of `draw`, `dispatch`, `groups`, `interleave`, "
+                       "`indirect`", pass->name);
+    }
+    if (pass->indirect && found && pass->kind == PASS_DISPATCH)
+        diag_error(reader->diag, pass->indirect_loc, "`indirect` beside `%s`; the buffer alone says how much is dispatched",
+                   found);
+    if (pass->kind == PASS_DISPATCH)
+        read_local(reader, fields, pass, dimensions);
+    refuse_others(reader, fields, pass);
+}
+
+/* ---- A pass ------------------------------------------------------------------------------------------------------- */
+
+static bool has_depth_target(const struct pipeline *pipeline, const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        for (uint32_t k = 0; k < pipeline->resource_count; k++) {
+            const struct resource *resource = &pipeline->resources[k];
+            if (pass->accesses[i].mode != MODE_READ && resource->kind == DT_IMAGE &&
+                resource->format == DT_FORMAT_D32F && !strcmp(resource->name, pass->accesses[i].name))
+                return true;
+        }
+    return false;
+}
+
+static void read_draw_state(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    if (pass->kind == PASS_DISPATCH)
+        return;
+    bool depth = has_depth_target(&reader->model->pipeline, pass);
+    pass->view = field_choice(reader, fields, "view", 0) ? "light" : "camera";
+    pass->layers = field_expr(reader, fields, "layers");
+    pass->cull = (enum pass_cull)field_choice(reader, fields, "cull", CULL_NONE);
+    pass->depth_compare =
+        (enum pass_compare)field_choice(reader, fields, "depth", depth ? COMPARE_LESS : COMPARE_OFF);
+    pass->depth_write = field_bool(reader, fields, "depth_write", true);
+    pass->blend_add = field_choice(reader, fields, "blend", 0) == 1;
+    double distances = field_number(reader, fields, "clip_distances", 0);
+    if (distances > 8)
+        diag_error(reader->diag, field_loc(reader, fields, "clip_distances"), "at most 8 clip distances");
+    else
+        pass->clip_distances = (uint32_t)distances;
+    if (pass->depth_compare != COMPARE_OFF && !depth)
+        diag_error(reader->diag, field_loc(reader, fields, "depth"), "a depth test, but the pass `%s` writes no image of "
+                   "format d32f", pass->name);
+}
+
+static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    *pass = (struct pass){.frame_binding = -1, .live_binding = -1, .textures_binding = -1, .materials_binding = -1};
+    pass->name = field_text(reader, fields, "name");
+    pass->loc = field_loc(reader, fields, "name");
+    if (!pass->name)
+        pass->name = "?";
+    pass->doc = field_text(reader, fields, "doc");
+    pass->shader = field_text(reader, fields, "shader");
+    pass->shader_loc = field_loc(reader, fields, "shader");
+    pass->interleave_name = field_text(reader, fields, "interleave");
+    pass->interleave_loc = field_loc(reader, fields, "interleave");
+    pass->indirect = field_text(reader, fields, "indirect");
+    pass->indirect_loc = field_loc(reader, fields, "indirect");
+    pass->indices = field_text(reader, fields, "indices");
+    pass->indices_loc = field_loc(reader, fields, "indices");
+    pass->when = field_expr(reader, fields, "when");
+    pass->when_loc = field_loc(reader, fields, "when");
+    pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
+    pass->after_count = read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);
+    read_accesses(reader, fields, pass);
+    read_kind(reader, fields, pass);
+    read_ranges(reader, fields, pass);
+    read_draw_state(reader, fields, pass);
+}
+
+void read_passes(struct reader *reader, const struct fields *top)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    struct fy_node *list = field_node(top, "passes");
+    pipeline->passes = reader_alloc(reader, (size_t)list_count(list), sizeof *pipeline->passes);
+    for (int i = 0; pipeline->passes && i < list_count(list); i++) {
+        struct fy_node *item = fy_node_sequence_get_by_index(list, i);
+        struct fields fields;
+        if (fields_read(reader, item, SECTION_PASS, node_loc(reader, item), &fields))
+            read_pass(reader, &fields, &pipeline->passes[pipeline->pass_count++]);
+    }
+    if (list && !list_count(list))
+        diag_error(reader->diag, field_loc(reader, top, "passes"), "a pipeline has at least one pass");
+}

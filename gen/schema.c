@@ -1,0 +1,160 @@
+/* A JSON Schema (draft 2020-12) of the spec language, from the table that the reader uses: for editors, which complete and
+ * check by it. Names, expressions and numbers are checked by shape alone. Called by main for --schema. */
+#include <string.h>
+
+#include "stages.h"
+#include "table.h"
+
+static void add_string(struct text *out, const char *text)
+{
+    text_add(out, "\"");
+    for (; *text; text++) {
+        if (*text == '"' || *text == '\\')
+            text_add(out, "\\");
+        text_add(out, "%c", *text);
+    }
+    text_add(out, "\"");
+}
+
+static void add_choices(struct text *out, const char *choices, const char *skip)
+{
+    const char *separator = "";
+    text_add(out, "{\"enum\": [");
+    for (const char *at = choices; *at;) {
+        size_t length = strcspn(at, "|");
+        if (!skip || strlen(skip) != length || strncmp(at, skip, length)) {
+            text_add(out, "%s\"%.*s\"", separator, (int)length, at);
+            separator = ", ";
+        }
+        at += length + (at[length] != '\0');
+    }
+    text_add(out, "]}");
+}
+
+static void add_reference(struct text *out, enum section section)
+{
+    text_add(out, "{\"$ref\": \"#/$defs/%s\"}", table_sections[section].anchor);
+}
+
+/* A list whose elements are names, maps of the child section, or either. */
+static void add_list(struct text *out, const struct key *key)
+{
+    text_add(out, "{\"type\": \"array\", \"items\": ");
+    if (key->type == KEY_LIST) {
+        add_reference(out, key->child);
+    } else if (key->child != SECTION_NONE) {
+        text_add(out, "{\"anyOf\": [{\"$ref\": \"#/$defs/NAME\"}, ");
+        add_reference(out, key->child);
+        text_add(out, "]}");
+    } else {
+        text_add(out, "{\"$ref\": \"#/$defs/NAME\"}");
+    }
+    text_add(out, "}");
+}
+
+static void add_scalar_type(struct text *out, const struct key *key)
+{
+    static const char *const types[] = {
+        [KEY_NAME] = "{\"$ref\": \"#/$defs/NAME\"}",
+        [KEY_TEXT] = "{\"type\": [\"string\", \"number\", \"boolean\"]}",
+        [KEY_BOOL] = "{\"type\": \"boolean\"}",
+        [KEY_NUMBER] = "{\"type\": \"number\"}",
+        [KEY_INTEGER] = "{\"type\": \"integer\", \"minimum\": 0}",
+        [KEY_EXPR] = "{\"$ref\": \"#/$defs/EXPR\"}",
+        [KEY_EXPRS] = "{\"anyOf\": [{\"$ref\": \"#/$defs/EXPR\"}, {\"type\": \"array\", \"items\": {\"$ref\": "
+                      "\"#/$defs/EXPR\"}, \"minItems\": 1, \"maxItems\": 3}]}",
+        [KEY_SIZE] = "{\"anyOf\": [{\"const\": \"frame\"}, {\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/EXPR\"}, "
+                     "\"minItems\": 2, \"maxItems\": 2}]}",
+        [KEY_VALUE] = "{\"anyOf\": [{\"type\": [\"number\", \"boolean\"]}, {\"type\": \"array\", \"items\": {\"type\": "
+                      "\"number\"}, \"minItems\": 2, \"maxItems\": 4}]}",
+        [KEY_NUMBERS] = "{\"anyOf\": [{\"type\": \"number\"}, {\"type\": \"array\", \"items\": {\"type\": \"number\"}, "
+                        "\"minItems\": 1, \"maxItems\": 4}]}",
+        [KEY_LENGTH] = "{\"anyOf\": [{\"const\": \"scene_radius\"}, {\"type\": \"number\", \"exclusiveMinimum\": 0}]}",
+    };
+    if (key->type == KEY_CHOICE) {
+        add_choices(out, key->choices, NULL);
+    } else if (key->type == KEY_TYPE) {
+        text_add(out, "{\"anyOf\": [");
+        add_choices(out, key->choices, "bool");
+        text_add(out, ", {\"type\": \"string\", \"pattern\": \"^[a-z0-9]+\\\\[[0-9]+\\\\]$\"}]}");
+    } else {
+        text_add(out, "%s", types[key->type]);
+    }
+}
+
+static void add_type(struct text *out, const struct key *key)
+{
+    if (key->type == KEY_LIST || key->type == KEY_NAMES) {
+        add_list(out, key);
+    } else if (key->type == KEY_MAP) {
+        add_reference(out, key->child);
+    } else if (key->child != SECTION_NONE) {
+        text_add(out, "{\"anyOf\": [");
+        add_scalar_type(out, key);
+        text_add(out, ", ");
+        add_reference(out, key->child);
+        text_add(out, "]}");
+    } else {
+        add_scalar_type(out, key);
+    }
+}
+
+static void add_required(struct text *out, enum section section)
+{
+    const char *separator = "";
+    text_add(out, "      \"required\": [");
+    for (size_t i = 0; i < table_key_count; i++)
+        if (table_keys[i].section == section && table_keys[i].required) {
+            text_add(out, "%s\"%s\"", separator, table_keys[i].name);
+            separator = ", ";
+        }
+    text_add(out, "],\n");
+}
+
+static void add_section(struct text *out, enum section section)
+{
+    const struct key *any = NULL;
+    const char *separator = "";
+    text_add(out, "    \"%s\": {\n      \"type\": \"object\",\n      \"description\": ", table_sections[section].anchor);
+    add_string(out, table_sections[section].doc);
+    text_add(out, ",\n");
+    add_required(out, section);
+    text_add(out, "      \"properties\": {");
+    for (size_t i = 0; i < table_key_count; i++) {
+        const struct key *key = &table_keys[i];
+        if (key->section != section)
+            continue;
+        if (!strcmp(key->name, "*")) {
+            any = key;
+            continue;
+        }
+        text_add(out, "%s\n        \"%s\": {\"description\": ", separator, key->name);
+        add_string(out, key->doc);
+        text_add(out, ", \"allOf\": [");
+        add_type(out, key);
+        text_add(out, "]}");
+        separator = ",";
+    }
+    text_add(out, "\n      },\n");
+    if (any) {
+        text_add(out, "      \"propertyNames\": {\"$ref\": \"#/$defs/NAME\"},\n      \"additionalProperties\": ");
+        add_type(out, any);
+    } else {
+        text_add(out, "      \"additionalProperties\": false");
+    }
+    text_add(out, "\n    }");
+}
+
+void emit_schema(struct text *out)
+{
+    text_add(out, "{\n  \"$schema\": \"https://json-schema.org/draft/2020-12/schema\",\n"
+                  "  \"title\": \"diptych pipeline spec\",\n  \"$ref\": \"#/$defs/%s\",\n  \"$defs\": {\n",
+             table_sections[SECTION_TOP].anchor);
+    text_add(out, "    \"NAME\": {\"type\": \"string\", \"pattern\": \"^[A-Za-z_][A-Za-z0-9_]*$\"},\n"
+                  "    \"EXPR\": {\"type\": [\"integer\", \"string\", \"boolean\"]}");
+    for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++) {
+        text_add(out, ",\n");
+        add_section(out, section);
+    }
+    text_add(out, "\n  }\n}\n");
+}

@@ -1,0 +1,342 @@
+/* The table of the spec language's keys, and look-ups in it. */
+#include "table.h"
+
+#include <string.h>
+
+#define NUMBER_TYPES "float|vec2|vec3|vec4|int|ivec2|ivec3|ivec4|uint|uvec2|uvec3|uvec4"
+#define PARAM_TYPES NUMBER_TYPES "|bool"
+#define FIELD_TYPES NUMBER_TYPES "|bool|mat4" /* bool keeps the numbering of enum dt_type; the check refuses it */
+#define FORMATS \
+    "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|d32f"
+
+const struct section_info table_sections[SECTION_COUNT] = {
+    [SECTION_TOP] = {"the spec", "", "spec", "The top level of a spec.", NULL},
+    [SECTION_PARAMS] = {"`params`", "params", "params",
+                        "Values to turn. A baked parameter is a literal in the generated code; a live one may change at run "
+                        "time without regenerating. `--set NAME=VALUE` overrides either.",
+                        "clusters: {value: 8, min: 1, max: 64, doc: \"centres of k-means\"}"},
+    [SECTION_PARAM] = {"a parameter", "params.NAME", "param", "One parameter. `NAME: VALUE` is short for `NAME: {value: VALUE}`.",
+                       "{value: 2, min: 0, max: 2, live: true}"},
+    [SECTION_CONSTANTS] = {"`constants`", "constants", "constants",
+                           "Named integer expressions. Those over baked parameters alone become literals.",
+                           "per_cluster: second_vpls / clusters"},
+    [SECTION_CONSTANT] = {"a constant", "constants.NAME", "constant",
+                          "One constant. `NAME: EXPR` is short for `NAME: {value: EXPR}`.",
+                          "{value: first_vpls / 2, doc: \"half of them\"}"},
+    [SECTION_STRUCTS] = {"`structs`", "structs", "structs",
+                         "Element types of buffers, laid out by the rules of std430; the same in GLSL and C.",
+                         "Vpl: {position: vec3, cluster: uint, normal: vec3, flux: vec3}"},
+    [SECTION_STRUCT] = {"a struct", "structs.NAME", "struct", "One struct: a map of field names to types, in the order of memory.",
+                        "{position: vec3, weights: \"float[4]\"}"},
+    [SECTION_FIELD] = {"a field", "structs.NAME.FIELD", "field",
+                       "One field. `FIELD: TYPE` is short for `FIELD: {type: TYPE}`, `FIELD: TYPE[N]` for an array.",
+                       "{type: float, count: 4}"},
+    [SECTION_BUFFERS] = {"`buffers`", "buffers", "buffers",
+                         "Arrays of structs, scalars or vectors. A pass body sees `NAME[i]` and `NAME_count`.",
+                         "vpls: {of: Vpl, count: first_vpls + second_vpls}"},
+    [SECTION_BUFFER] = {"a buffer", "buffers.NAME", "buffer", "One buffer.", "{of: Vpl, count: 512}"},
+    [SECTION_IMAGES] = {"`images`", "images", "images",
+                        "Two-dimensional images and arrays of them. A pass body sees `NAME(p)`, `NAME_size()`, "
+                        "`NAME_store(p, v)`, `NAME_sample(uv)`, or assigns to `NAME` as a target.",
+                        "gbuffer_normal: {format: rgba16f, size: frame}"},
+    [SECTION_IMAGE] = {"an image", "images.NAME", "image", "One image.", "{format: d32f, size: [256, 256], layers: clusters}"},
+    [SECTION_SAMPLERS] = {"`samplers`", "samplers", "samplers",
+                          "Point sets (`kind: hammersley`: `vec2 NAME(int k)` in passes that list it in `uses`) and filtering "
+                          "state (`kind: filter`: named by a pass's `reads`).",
+                          "disk_points: {kind: hammersley, count: 32, map: concentric_disk}"},
+    [SECTION_SAMPLER] = {"a sampler", "samplers.NAME", "sampler", "One point set or filtering state.",
+                         "{kind: filter, filter: linear, wrap: clamp}"},
+    [SECTION_METRICS] = {"`metrics`", "metrics", "metrics",
+                         "Distances between points with normals: `float NAME(pa, na, pb, nb)`, and `NAME(a, b)` for structs that "
+                         "have both fields, in passes that list the metric in `uses`. The distance is "
+                         "position * |pa - pb| / scale + normal * term(na, nb).",
+                         "vpl_distance: {position: 0.6, normal: 0.4, scale: scene_radius}"},
+    [SECTION_METRIC] = {"a metric", "metrics.NAME", "metric", "One metric.", "{position: 0.6, normal: 0.4}"},
+    [SECTION_INTERLEAVES] = {"`interleaves`", "interleaves", "interleaves",
+                             "Tiles of interleaved sampling: a tile of x by y splits an image into x * y classes of pixels. Passes "
+                             "that use one see `NAME_tile`, `NAME_classes`, `NAME_class`, `NAME_split`, `NAME_gather`, "
+                             "`NAME_class_size`.",
+                             "tile: {x: 4, y: 4}"},
+    [SECTION_INTERLEAVE] = {"an interleave", "interleaves.NAME", "interleave", "One tile.", "{x: 4, y: 4}"},
+    [SECTION_PASS] = {"a pass", "passes[]", "pass",
+                      "One pass: a draw of the scene, a fullscreen draw or a dispatch. It has exactly one of `draw`, `dispatch`, "
+                      "`groups`, `interleave`, or `indirect` alone. Passes run in the order of the list as far as what they "
+                      "read and write allows.",
+                      "{name: tone, dispatch: picture, reads: [light], writes: [picture], shader: tone.glsl}"},
+    [SECTION_ACCESS] = {"an access", "passes[].reads[]", "access",
+                        "An element of `reads`, `writes` or `updates`: a resource's name, or a map.",
+                        "{name: gbuffer_normal, sampler: soft}"},
+    [SECTION_RANGES] = {"`ranges`", "passes[].ranges", "ranges",
+                        "Runs of a buffer that every invocation of a workgroup reads alike. The body iterates with "
+                        "`for (Type v : NAME) { ... }`; the generator decides where the elements live and how the loop is written.",
+                        "lights: {of: vpls, count: 32}"},
+    [SECTION_RANGE] = {"a range", "passes[].ranges.NAME", "range", "One range.", "{of: vpls, count: 32, first: \"0\"}"},
+    [SECTION_ASSERT] = {"an assertion", "asserts[]", "assert",
+                        "A condition that must hold for the values in force; frame sizes count as 1920 x 1080, live parameters "
+                        "with their value.",
+                        "{that: clusters <= 64, level: error, message: \"{clusters} clusters are too many\"}"},
+    [SECTION_CONTRACTS] = {"`contracts`", "contracts", "contracts",
+                           "How far the two backends may differ: the same bits, or within a tolerance.",
+                           "default: exact"},
+    [SECTION_CONTRACT] = {"a contract", "contracts.NAME", "contract", "A tolerance; exactly one of the keys.", "{ulp: 4}"},
+    [SECTION_OUTPUT] = {"`output`", "output", "output", "Which images are the picture.", "{display: picture}"},
+};
+
+#define REQUIRED true
+#define OPTIONAL false
+
+const struct key table_keys[] = {
+    /* the document */
+    {SECTION_TOP, "pipeline", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL,
+     "Name of the pipeline: of the generated files and of their symbols.", "ssvp"},
+    {SECTION_TOP, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What the pipeline does.",
+     "\"two bounces of diffuse light\""},
+    {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|fast", OPTIONAL, "exact",
+     "`exact`: the same bits from both backends; `fast`: the shader compiler is left free.", "exact"},
+    {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "software|gpu", OPTIONAL, "software",
+     "The kind of device that storage classes and loop shapes are chosen for.", "gpu"},
+    {SECTION_TOP, "params", KEY_MAP, SECTION_PARAMS, NULL, OPTIONAL, NULL, "Parameters.", "{clusters: 8}"},
+    {SECTION_TOP, "constants", KEY_MAP, SECTION_CONSTANTS, NULL, OPTIONAL, NULL, "Named integer expressions.",
+     "{half: first_vpls / 2}"},
+    {SECTION_TOP, "structs", KEY_MAP, SECTION_STRUCTS, NULL, OPTIONAL, NULL, "Element types of buffers.",
+     "{Center: {position: vec3, members: uint}}"},
+    {SECTION_TOP, "buffers", KEY_MAP, SECTION_BUFFERS, NULL, OPTIONAL, NULL, "Buffers.",
+     "{centers: {of: Center, count: clusters}}"},
+    {SECTION_TOP, "images", KEY_MAP, SECTION_IMAGES, NULL, OPTIONAL, NULL, "Images.",
+     "{picture: {format: rgba8, size: frame}}"},
+    {SECTION_TOP, "samplers", KEY_MAP, SECTION_SAMPLERS, NULL, OPTIONAL, NULL, "Point sets and filtering states.",
+     "{soft: {kind: filter, filter: linear}}"},
+    {SECTION_TOP, "metrics", KEY_MAP, SECTION_METRICS, NULL, OPTIONAL, NULL, "Distances.",
+     "{near: {position: 1, normal: 0}}"},
+    {SECTION_TOP, "interleaves", KEY_MAP, SECTION_INTERLEAVES, NULL, OPTIONAL, NULL, "Tiles of interleaved sampling.",
+     "{tile: {x: 4, y: 4}}"},
+    {SECTION_TOP, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL, "The passes.",
+     "[{name: fill, dispatch: picture, writes: [picture], shader: fill.glsl}]"},
+    {SECTION_TOP, "asserts", KEY_LIST, SECTION_ASSERT, NULL, OPTIONAL, NULL, "Conditions on the values in force.",
+     "[{that: clusters > 0, message: \"no clusters\"}]"},
+    {SECTION_TOP, "contracts", KEY_MAP, SECTION_CONTRACTS, NULL, OPTIONAL, NULL,
+     "How far the backends may differ, per resource.", "{default: exact}"},
+    {SECTION_TOP, "output", KEY_MAP, SECTION_OUTPUT, NULL, OPTIONAL, NULL, "Which images are the picture.",
+     "{display: picture}"},
+
+    /* parameters and constants */
+    {SECTION_PARAMS, "*", KEY_VALUE, SECTION_PARAM, NULL, OPTIONAL, NULL, "A parameter, by its name.", "8"},
+    {SECTION_PARAM, "value", KEY_VALUE, SECTION_NONE, NULL, REQUIRED, NULL, "The value: a number, a bool or a list of numbers.",
+     "[4, 4]"},
+    {SECTION_PARAM, "type", KEY_CHOICE, SECTION_NONE, PARAM_TYPES, OPTIONAL,
+     "int, float or bool, ivecN or vecN, by the value",
+     "The type. Without it an integer is int, a real float, a list ivecN or vecN.", "uint"},
+    {SECTION_PARAM, "min", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL, "Smallest value of every component.", "1"},
+    {SECTION_PARAM, "max", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL, "Largest value of every component.", "64"},
+    {SECTION_PARAM, "step", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL, "Step of a slider.", "0.05"},
+    {SECTION_PARAM, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it changes, with its unit.",
+     "\"clusters of k-means\""},
+    {SECTION_PARAM, "live", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: changes at run time. Counts and sizes cannot depend on it; `when` can.", "true"},
+    {SECTION_CONSTANTS, "*", KEY_EXPR, SECTION_CONSTANT, NULL, OPTIONAL, NULL, "A constant, by its name.",
+     "second_vpls / clusters"},
+    {SECTION_CONSTANT, "value", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL,
+     "Integer expression over parameters, constants, frame.width and frame.height.", "ceil_div(frame.width, 2)"},
+    {SECTION_CONSTANT, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it is.", "\"half the width\""},
+
+    /* structs */
+    {SECTION_STRUCTS, "*", KEY_MAP, SECTION_STRUCT, NULL, OPTIONAL, NULL, "A struct, by its name.",
+     "{position: vec3, members: uint}"},
+    {SECTION_STRUCT, "*", KEY_TYPE, SECTION_FIELD, FIELD_TYPES, OPTIONAL, NULL, "A field, by its name.", "vec3"},
+    {SECTION_FIELD, "type", KEY_TYPE, SECTION_NONE, FIELD_TYPES, REQUIRED, NULL, "The field's type.", "float"},
+    {SECTION_FIELD, "count", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "no array", "Elements, for an array.", "4"},
+
+    /* buffers and images */
+    {SECTION_BUFFERS, "*", KEY_MAP, SECTION_BUFFER, NULL, OPTIONAL, NULL, "A buffer, by its name.",
+     "{of: uint, count: 256}"},
+    {SECTION_BUFFER, "of", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "Element: a struct, or a scalar or vector type.",
+     "Vpl"},
+    {SECTION_BUFFER, "count", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "Number of elements, at least 1.",
+     "first_vpls + second_vpls"},
+    {SECTION_BUFFER, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: keeps last frame's content; zero before the first.", "true"},
+    {SECTION_BUFFER, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it holds, with units.",
+     "\"virtual point lights\""},
+    {SECTION_IMAGES, "*", KEY_MAP, SECTION_IMAGE, NULL, OPTIONAL, NULL, "An image, by its name.",
+     "{format: rgba16f, size: frame}"},
+    {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, FORMATS, REQUIRED, NULL, "Format of a texel.", "rgba16f"},
+    {SECTION_IMAGE, "size", KEY_SIZE, SECTION_NONE, NULL, REQUIRED, NULL,
+     "`frame`, or width and height as integer expressions, 1 to 16384.", "[frame.width / 2, 256]"},
+    {SECTION_IMAGE, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "no array",
+     "Layers, 1 to 2048; makes the image an array, also with one layer.", "clusters"},
+    {SECTION_IMAGE, "mips", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1", "Mip levels; does not depend on the frame.", "4"},
+    {SECTION_IMAGE, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: keeps last frame's content; zero before the first.", "true"},
+    {SECTION_IMAGE, "clear", KEY_NUMBERS, SECTION_NONE, NULL, OPTIONAL, "0; 1 for depth",
+     "What a draw that writes the image starts from, and what it holds when its writer was skipped.", "[0, 0, 0, 1]"},
+    {SECTION_IMAGE, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it holds, with units.",
+     "\"irradiance, W/m2\""},
+
+    /* samplers, metrics, interleaves */
+    {SECTION_SAMPLERS, "*", KEY_MAP, SECTION_SAMPLER, NULL, OPTIONAL, NULL, "A sampler, by its name.",
+     "{kind: filter, filter: linear}"},
+    {SECTION_SAMPLER, "kind", KEY_CHOICE, SECTION_NONE, "hammersley|filter", REQUIRED, NULL,
+     "A point set, or filtering state.", "hammersley"},
+    {SECTION_SAMPLER, "count", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, NULL, "hammersley: number of points; required.",
+     "second_vpls / clusters"},
+    {SECTION_SAMPLER, "map", KEY_CHOICE, SECTION_NONE, "square|polar_disk|concentric_disk", OPTIONAL, "square",
+     "hammersley: the unit square, or how it is mapped to the unit disk.", "concentric_disk"},
+    {SECTION_SAMPLER, "filter", KEY_CHOICE, SECTION_NONE, "nearest|linear", OPTIONAL, "nearest",
+     "filter: between texels.", "linear"},
+    {SECTION_SAMPLER, "mip_filter", KEY_CHOICE, SECTION_NONE, "nearest|linear", OPTIONAL, "nearest",
+     "filter: between mip levels.", "linear"},
+    {SECTION_SAMPLER, "wrap", KEY_CHOICE, SECTION_NONE, "clamp|repeat|mirror", OPTIONAL, "clamp",
+     "filter: beyond the edge.", "repeat"},
+    {SECTION_SAMPLER, "compare", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "filter: true for a depth comparison, `NAME_compare(uv, reference)`.", "true"},
+    {SECTION_SAMPLER, "anisotropy", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, "1", "filter: 1 to 16.", "8"},
+    {SECTION_SAMPLER, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it is for.", "\"points on the disk\""},
+    {SECTION_METRICS, "*", KEY_MAP, SECTION_METRIC, NULL, OPTIONAL, NULL, "A metric, by its name.",
+     "{position: 0.6, normal: 0.4}"},
+    {SECTION_METRIC, "position", KEY_NUMBER, SECTION_NONE, NULL, REQUIRED, NULL, "Weight of the distance.", "0.6"},
+    {SECTION_METRIC, "normal", KEY_NUMBER, SECTION_NONE, NULL, REQUIRED, NULL, "Weight of the normals' term.", "0.4"},
+    {SECTION_METRIC, "position_field", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "position",
+     "Field of a struct that is its position.", "center"},
+    {SECTION_METRIC, "normal_field", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "normal", "Field of a struct that is its normal.",
+     "axis"},
+    {SECTION_METRIC, "normal_term", KEY_CHOICE, SECTION_NONE, "one_minus_dot|dot", OPTIONAL, "one_minus_dot",
+     "1 - max(na.nb, 0), or max(na.nb, 0).", "dot"},
+    {SECTION_METRIC, "scale", KEY_LENGTH, SECTION_NONE, NULL, OPTIONAL, "scene_radius",
+     "The length that distances are divided by: `scene_radius`, or a number above 0.", "1.0"},
+    {SECTION_METRIC, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it measures.", "\"how unlike two lights are\""},
+    {SECTION_INTERLEAVES, "*", KEY_MAP, SECTION_INTERLEAVE, NULL, OPTIONAL, NULL, "An interleave, by its name.",
+     "{x: 4, y: 4}"},
+    {SECTION_INTERLEAVE, "x", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "Width of the tile; baked.", "4"},
+    {SECTION_INTERLEAVE, "y", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "Height of the tile; baked.", "tile_size.y"},
+    {SECTION_INTERLEAVE, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it is for.", "\"shading classes\""},
+
+    /* passes */
+    {SECTION_PASS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "Name of the pass.", "shade"},
+    {SECTION_PASS, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it does.", "\"irradiance by all lights\""},
+    {SECTION_PASS, "draw", KEY_CHOICE, SECTION_NONE, "scene|fullscreen", OPTIONAL, NULL,
+     "A draw: all triangles of the scene, or one triangle that covers the targets.", "scene"},
+    {SECTION_PASS, "dispatch", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "A dispatch by invocations: one to three integer expressions, or an image's name for one invocation per texel.",
+     "[frame.width, frame.height]"},
+    {SECTION_PASS, "groups", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, NULL, "A dispatch by workgroups.", "clusters"},
+    {SECTION_PASS, "interleave", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "A dispatch over an interleave's classes: x and y over the class's pixels, z is the class.", "tile"},
+    {SECTION_PASS, "indirect", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of an indexed draw.", "draw_arguments"},
+    {SECTION_PASS, "local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, "[64, 1, 1], or [8, 8, 1] in two dimensions",
+     "Size of a workgroup; at most 1024 invocations.", "[8, 8, 1]"},
+    {SECTION_PASS, "view", KEY_CHOICE, SECTION_NONE, "camera|light", OPTIONAL, "camera",
+     "draw: scene: what `view` is in the body.", "light"},
+    {SECTION_PASS, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "not layered",
+     "draw: scene: that many instances; the vertex part chooses gl_Layer.", "clusters"},
+    {SECTION_PASS, "indices", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "the scene's",
+     "draw: scene: buffer of uint with the indices to draw.", "visible_indices"},
+    {SECTION_PASS, "reads", KEY_NAMES, SECTION_ACCESS, NULL, OPTIONAL, "none", "What the pass reads.",
+     "[vpls, {name: gbuffer_normal, sampler: soft}]"},
+    {SECTION_PASS, "writes", KEY_NAMES, SECTION_ACCESS, NULL, OPTIONAL, "none",
+     "What the pass makes anew, as a whole. Images of a draw are its targets, in the order of their locations.",
+     "[irradiance]"},
+    {SECTION_PASS, "updates", KEY_NAMES, SECTION_ACCESS, NULL, OPTIONAL, "none", "What the pass reads and changes.",
+     "[clusters]"},
+    {SECTION_PASS, "uses", KEY_NAMES, SECTION_NONE, NULL, OPTIONAL, "none",
+     "Point sets, metrics and interleaves that the body calls.", "[vpl_distance]"},
+    {SECTION_PASS, "shader", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "GLSL file of the body, beside the spec or below the templates.", "shade.glsl"},
+    {SECTION_PASS, "when", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "always",
+     "The pass runs when this is not 0; may use live parameters. Skipped, it clears what it writes.", "bounces > 1"},
+    {SECTION_PASS, "after", KEY_NAMES, SECTION_NONE, NULL, OPTIONAL, "none", "Passes that must run before.", "[cluster]"},
+    {SECTION_PASS, "ranges", KEY_MAP, SECTION_RANGES, NULL, OPTIONAL, "none", "Runs of buffers that a workgroup reads alike.",
+     "{lights: {of: vpls, count: 32}}"},
+    {SECTION_PASS, "cull", KEY_CHOICE, SECTION_NONE, "none|back|front", OPTIONAL, "none", "draw: faces that are dropped.",
+     "back"},
+    {SECTION_PASS, "depth", KEY_CHOICE, SECTION_NONE, "off|less|less_equal|greater|always", OPTIONAL,
+     "less with a depth target, else off", "draw: the depth test.", "less_equal"},
+    {SECTION_PASS, "depth_write", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "true", "draw: whether depth is written.", "false"},
+    {SECTION_PASS, "blend", KEY_CHOICE, SECTION_NONE, "off|add", OPTIONAL, "off", "draw: how colours are combined.", "add"},
+    {SECTION_PASS, "clip_distances", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "0",
+     "draw: scene: clip distances that the vertex part writes, up to 8.", "1"},
+    {SECTION_ACCESS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The resource.", "shadow_depth"},
+    {SECTION_ACCESS, "sampler", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "by texel",
+     "reads: the filtering sampler of `NAME_sample` and `NAME_compare`.", "soft"},
+    {SECTION_ACCESS, "mip", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "0; all for a sampler", "The mip level; baked.", "1"},
+    {SECTION_RANGES, "*", KEY_MAP, SECTION_RANGE, NULL, OPTIONAL, NULL, "A range, by its name.", "{of: vpls, count: 32}"},
+    {SECTION_RANGE, "of", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The buffer, among the pass's reads.", "vpls"},
+    {SECTION_RANGE, "count", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "Number of elements; baked.", "32"},
+    {SECTION_RANGE, "first", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "0",
+     "First element: a GLSL int expression, the same for a whole workgroup.", "\"interleave_class() * 32\""},
+    {SECTION_RANGE, "storage", KEY_CHOICE, SECTION_NONE, "auto|shared|buffer|uniform", OPTIONAL, "auto",
+     "Where the elements are read from.", "shared"},
+    {SECTION_RANGE, "loop", KEY_CHOICE, SECTION_NONE, "auto|unroll|roll", OPTIONAL, "auto", "How the loop is written.",
+     "unroll"},
+
+    /* assertions, contracts, output */
+    {SECTION_ASSERT, "that", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "The condition.", "second_vpls >= 32 * clusters"},
+    {SECTION_ASSERT, "level", KEY_CHOICE, SECTION_NONE, "warning|error", OPTIONAL, "error", "What a failure is.", "warning"},
+    {SECTION_ASSERT, "message", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "What is said; {NAME} stands for the value of a parameter or constant.", "\"{clusters} clusters are too many\""},
+    {SECTION_CONTRACTS, "default", KEY_CHOICE, SECTION_CONTRACT, "exact", OPTIONAL, "exact", "For resources not named here.",
+     "exact"},
+    {SECTION_CONTRACTS, "*", KEY_CHOICE, SECTION_CONTRACT, "exact", OPTIONAL, NULL, "For one resource, by its name.",
+     "{ulp: 4}"},
+    {SECTION_CONTRACT, "ulp", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL, "Units in the last place.", "4"},
+    {SECTION_CONTRACT, "abs", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL, "Absolute difference.", "0.001"},
+    {SECTION_CONTRACT, "rel", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL, "Difference relative to the larger value.",
+     "0.01"},
+    {SECTION_OUTPUT, "linear", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL, "Image with linear radiance, for EXR.",
+     "radiance"},
+    {SECTION_OUTPUT, "display", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL, "Image with 8 bit sRGB codes, for PNG.",
+     "picture"},
+};
+const size_t table_key_count = sizeof table_keys / sizeof *table_keys;
+
+const struct key *table_find(enum section section, const char *name)
+{
+    const struct key *any = NULL;
+    for (size_t i = 0; i < table_key_count; i++) {
+        const struct key *key = &table_keys[i];
+        if (key->section != section)
+            continue;
+        if (!strcmp(key->name, name))
+            return key;
+        if (!strcmp(key->name, "*"))
+            any = key;
+    }
+    return any;
+}
+
+int table_choice(const char *choices, const char *word)
+{
+    size_t length = strlen(word);
+    int number = 0;
+    for (const char *at = choices; at; number++) {
+        const char *end = strchr(at, '|');
+        size_t size = end ? (size_t)(end - at) : strlen(at);
+        if (size == length && !memcmp(at, word, length))
+            return number;
+        at = end ? end + 1 : NULL;
+    }
+    return -1;
+}
+
+const char *table_type_text(enum key_type type)
+{
+    static const char *const texts[] = {
+        [KEY_NAME] = "a name",
+        [KEY_TEXT] = "text",
+        [KEY_BOOL] = "true or false",
+        [KEY_NUMBER] = "a number",
+        [KEY_INTEGER] = "an integer, 0 or more",
+        [KEY_EXPR] = "an integer expression",
+        [KEY_EXPRS] = "an integer expression or a list of 1 to 3",
+        [KEY_SIZE] = "`frame` or a list of 2 integer expressions",
+        [KEY_VALUE] = "a number, a bool or a list of 2 to 4 numbers",
+        [KEY_NUMBERS] = "a number or a list of 1 to 4",
+        [KEY_LENGTH] = "`scene_radius` or a number",
+        [KEY_CHOICE] = "a word",
+        [KEY_TYPE] = "a type",
+        [KEY_NAMES] = "a list of names",
+        [KEY_LIST] = "a list of maps",
+        [KEY_MAP] = "a map",
+    };
+    return texts[type];
+}

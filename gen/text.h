@@ -1,0 +1,17 @@
+/* A growing piece of text: what the emitters write into before output.c puts files in place. */
+#ifndef DIPTYCH_GEN_TEXT_H
+#define DIPTYCH_GEN_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct text {
+    char *data; /* NUL-terminated; NULL while empty */
+    size_t length, capacity;
+    bool failed; /* out of memory: later writes do nothing, output.c reports it */
+};
+void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void text_add_bytes(struct text *text, const char *bytes, size_t length);
+void text_free(struct text *text);
+
+#endif

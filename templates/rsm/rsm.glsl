@@ -1,0 +1,3 @@
+/* Reflective shadow map with the flux of every texel. */
+#define RSM_FLUX
+#include "../shared/rsm.glsl"

@@ -1,0 +1,15 @@
+/* The sampling pattern around a pixel's projection (Dachsbacher, Stamminger 2005, section 4.1):
+ * offsets r (sin, cos) with r uniform, so that they are denser near the middle, and weights r^2 in
+ * return, here with the sum 1. polar_disk has the radius sqrt(u), so p |p| has the radius u; over u
+ * = k / n the sum of u^2 is (n - 1) (2 n - 1) / (6 n). */
+void main()
+{
+    int k = invocation().x;
+    if (k >= samples)
+        return;
+    vec2 p = disk_points(k);
+    float r = dot(p, p);
+    float n = float(samples);
+    taps[k].offset = p * length(p);
+    taps[k].weight = r * r * 6.0 * n / ((n - 1.0) * (2.0 * n - 1.0));
+}

@@ -1,0 +1,26 @@
+/* One axis of the edge-aware filter over irradiance. A tent that is denoise_radius tiles wide on
+ * either side weighs all interleave classes alike, so the pattern of the tile vanishes wherever
+ * nothing is cut off. Neighbours beyond a discontinuity are cut off: other normals, and positions
+ * off the tangent plane. Includers define SOURCE, a function of the image to read. */
+vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
+{
+    vec4 centre = gbuffer_position(p);
+    vec3 n = gbuffer_normal(p).xyz;
+    int radius = max(denoise_radius * tile_length, 1);
+    int first = axis.x != 0 ? p.x : p.y;
+    int last = (axis.x != 0 ? size.x : size.y) - 1 - first;
+    float inverse_depth = 1.0 / (denoise_plane * max(centre.w, 1e-12));
+    vec3 sum = vec3(0.0);
+    float weights = 0.0;
+    for (int i = max(1 - radius, -first); i <= min(radius - 1, last); i++) {
+        ivec2 q = p + axis * i;
+        vec4 x = gbuffer_position(q);
+        float off_plane = abs(dot(n, x.xyz - centre.xyz)) * inverse_depth;
+        float alike = (dot(n, gbuffer_normal(q).xyz) - denoise_normal) / (1.0 - denoise_normal);
+        float weight = clamp(alike, 0.0, 1.0) * clamp(2.0 - off_plane, 0.0, 1.0);
+        weight *= x.w > 0.0 ? float(radius - abs(i)) : 0.0;
+        sum += SOURCE(q).rgb * weight;
+        weights += weight;
+    }
+    return vec4(weights > 0.0 ? sum / weights : vec3(0.0), 1.0);
+}

@@ -1,0 +1,20 @@
+/* Tone mapping (Reinhard et al. 2002, Equations 2 and 4) on luminance, then the sRGB curve (IEC
+ * 61966-2-1) and 8 bits. */
+float srgb(float x)
+{
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
+}
+
+void main()
+{
+    ivec2 size = radiance_size();
+    ivec2 p = invocation().xy;
+    if (p.x >= size.x || p.y >= size.y)
+        return;
+    vec3 colour = radiance(p).rgb * luminance_scale[0];
+    float luminance = dot(colour, vec3(0.2126, 0.7152, 0.0722));
+    colour *= (1.0 + luminance / (white * white)) / (1.0 + luminance);
+    colour = clamp(colour, 0.0, 1.0);
+    vec3 codes = floor(vec3(srgb(colour.r), srgb(colour.g), srgb(colour.b)) * 255.0 + 0.5);
+    display_store(p, vec4(codes * (1.0 / 255.0), 1.0));
+}

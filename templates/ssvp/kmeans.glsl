@@ -1,0 +1,149 @@
+/* k-means over the first-bounce VPLs with the metric vpl_distance (paper, Equation 2; Dong et al.
+ * 2009). One workgroup does all iterations. Every sum is serial in one invocation, the owner of the
+ * cluster, so its order is fixed; ties go to the lowest index. VPLs of zero flux have no vote and
+ * the label -1.
+ *
+ * Afterwards label[k] is the argmin over centres[].position and .normal, the centres that the
+ * last iteration began with, and centres[].mean and .mean_normal are the means of the members so
+ * labelled. Next frame begins with the means. */
+#include "../shared/space.glsl"
+
+shared vec3 centre_position[clusters];
+shared vec3 centre_normal[clusters];
+shared vec3 mean_position[clusters];
+shared vec3 mean_normal[clusters];
+shared int member_count[clusters];
+shared int label[first_vpls];
+shared float apart[first_vpls];
+
+float power(vec3 flux)
+{
+    return flux.r + flux.g + flux.b;
+}
+
+/* Last frame's mean; in the first frame, and when the light reached nothing until now, one of the
+ * living VPLs, evenly spaced in their order. */
+void seed(int c)
+{
+    int living = 0;
+    for (int k = 0; k < first_vpls; k++)
+        living += power(vpls[k].flux) > 0.0 ? 1 : 0;
+    int wanted = (2 * c + 1) * living / (2 * clusters);
+    int chosen = 0;
+    int rank = 0;
+    for (int k = 0; k < first_vpls; k++) {
+        bool lives = power(vpls[k].flux) > 0.0;
+        if (lives && rank == wanted)
+            chosen = k;
+        rank += lives ? 1 : 0;
+    }
+    bool seen = centres[c].seen != 0u;
+    centre_position[c] = seen ? centres[c].mean : vpls[chosen].position;
+    vec3 normal = unit_or(vpls[chosen].normal, vec3(0.0, 0.0, 1.0));
+    centre_normal[c] = seen ? centres[c].mean_normal : normal;
+}
+
+void assign(int k)
+{
+    int nearest = 0;
+    float least = 0.0;
+    for (int c = 0; c < clusters; c++) {
+        float d = vpl_distance(vpls[k].position, vpls[k].normal, centre_position[c],
+                               centre_normal[c]);
+        if (c == 0 || d < least) {
+            least = d;
+            nearest = c;
+        }
+    }
+    bool lives = power(vpls[k].flux) > 0.0;
+    label[k] = lives ? nearest : -1;
+    apart[k] = lives ? least : -1.0;
+}
+
+/* Mean of the positions, normalised sum of the normals. Where normals cancel out, the normal of the
+ * brightest member. */
+void average(int c)
+{
+    vec3 position = vec3(0.0);
+    vec3 normal = vec3(0.0);
+    vec3 dominant = centre_normal[c];
+    float brightest = 0.0;
+    int members = 0;
+    for (int k = 0; k < first_vpls; k++) {
+        if (label[k] != c)
+            continue;
+        position += vpls[k].position;
+        normal += vpls[k].normal;
+        members++;
+        if (power(vpls[k].flux) > brightest) {
+            brightest = power(vpls[k].flux);
+            dominant = vpls[k].normal;
+        }
+    }
+    float count = float(max(members, 1));
+    bool cancels = dot(normal, normal) < 1e-4 * count * count;
+    mean_position[c] = members > 0 ? position / count : centre_position[c];
+    mean_normal[c] = unit_or(cancels ? dominant : normal, centre_normal[c]);
+    member_count[c] = members;
+}
+
+/* An empty cluster moves to the VPL that is farthest from its own centre; two of them take two
+ * VPLs. One that finds none keeps its centre. */
+void reseed_empty()
+{
+    for (int c = 0; c < clusters; c++) {
+        if (member_count[c] > 0)
+            continue;
+        int farthest = 0;
+        float most = 0.0;
+        for (int k = 0; k < first_vpls; k++) {
+            if (apart[k] > most) {
+                most = apart[k];
+                farthest = k;
+            }
+        }
+        if (most > 0.0) {
+            mean_position[c] = vpls[farthest].position;
+            mean_normal[c] = unit_or(vpls[farthest].normal, centre_normal[c]);
+            apart[farthest] = -1.0;
+        }
+    }
+}
+
+void main()
+{
+    int lane = int(gl_LocalInvocationIndex);
+    int lanes = int(gl_WorkGroupSize.x);
+    if (lane < clusters)
+        seed(lane);
+    barrier();
+    for (int i = 0; i < kmeans_iterations; i++) {
+        for (int k = lane; k < first_vpls; k += lanes)
+            assign(k);
+        barrier();
+        if (lane < clusters)
+            average(lane);
+        barrier();
+        if (lane == 0)
+            reseed_empty();
+        barrier();
+        if (lane < clusters && i + 1 < kmeans_iterations) {
+            centre_position[lane] = mean_position[lane];
+            centre_normal[lane] = mean_normal[lane];
+        }
+        barrier();
+    }
+    for (int k = lane; k < first_vpls; k += lanes)
+        labels[k] = label[k];
+    if (lane < clusters) {
+        int all = 0;
+        for (int c = 0; c < clusters; c++)
+            all += member_count[c];
+        centres[lane].position = centre_position[lane];
+        centres[lane].normal = centre_normal[lane];
+        centres[lane].members = member_count[lane];
+        centres[lane].mean = mean_position[lane];
+        centres[lane].mean_normal = mean_normal[lane];
+        centres[lane].seen = all > 0 ? 1u : 0u;
+    }
+}

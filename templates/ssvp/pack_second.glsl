@@ -1,0 +1,14 @@
+/* Second-bounce VPLs in the order in which interleave classes shade them; see pack_first.glsl. */
+#include "classes.glsl"
+
+void main()
+{
+    int slot = invocation().x;
+    if (slot >= class_count * class_second)
+        return;
+    int wanted = class_member(slot / class_second, slot % class_second);
+    int k = min(wanted, second_total - 1);
+    shading_second[slot].position = second_vpl[k].position;
+    shading_second[slot].normal = second_vpl[k].normal;
+    shading_second[slot].flux = wanted < second_total ? second_vpl[k].flux : vec3(0.0);
+}

@@ -1,0 +1,4 @@
+void main()
+{
+    picture = vec4(1.0);
+}

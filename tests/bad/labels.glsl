@@ -1,0 +1,4 @@
+void main()
+{
+    labels = uvec4(1);
+}

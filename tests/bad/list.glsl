@@ -1,0 +1,4 @@
+void main()
+{
+    list[0] = 1u;
+}

@@ -1,0 +1,4 @@
+void main()
+{
+    plain = vec4(1.0);
+}

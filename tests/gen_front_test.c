@@ -1,0 +1,277 @@
+/* The front half of diptych-gen below the command line: expressions (values, overflow, text), suggestions, growing text, and
+ * outputs that appear whole or not at all. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "expr.h"
+#include "stages.h"
+
+static struct param params[] = {
+    {.name = "n", .type = DT_TYPE_INT, .components = 1, .value = {8}},
+    {.name = "tile", .type = DT_TYPE_IVEC2, .components = 2, .value = {4, 3}},
+    {.name = "live", .type = DT_TYPE_INT, .components = 1, .value = {2}, .live = true},
+    {.name = "ratio", .type = DT_TYPE_FLOAT, .components = 1, .value = {0.5}},
+};
+
+struct fixture {
+    struct model model;
+    struct diag *diag;
+};
+
+static int setup(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    f->model.arena = arena_create();
+    f->diag = diag_create();
+    f->model.pipeline.params = params;
+    f->model.pipeline.param_count = 4;
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+    diag_free(f->diag);
+    arena_free(f->model.arena);
+    free(f);
+    return 0;
+}
+
+static struct expr *parse(struct fixture *f, const char *text)
+{
+    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, f->diag);
+    return expr && expr_resolve(expr, &f->model.pipeline, f->diag) ? expr : NULL;
+}
+
+static int64_t value_of(struct fixture *f, const char *text)
+{
+    int64_t value;
+    struct expr *expr = parse(f, text);
+    assert_non_null(expr);
+    assert_int_equal(expr_eval(expr, 1920, 1080, &value), EXPR_OK);
+    return value;
+}
+
+static void values(void **state)
+{
+    struct fixture *f = *state;
+    assert_int_equal(value_of(f, "2 + 3 * 4"), 14);
+    assert_int_equal(value_of(f, "(2 + 3) * 4"), 20);
+    assert_int_equal(value_of(f, "20 - 5 - 3"), 12);
+    assert_int_equal(value_of(f, "-7 / 2"), -3);
+    assert_int_equal(value_of(f, "7 % 4"), 3);
+    assert_int_equal(value_of(f, "n / tile.y + tile.x"), 6);
+    assert_int_equal(value_of(f, "frame.width * frame.height"), 1920 * 1080);
+    assert_int_equal(value_of(f, "ceil_div(frame.width, 7)"), 275);
+    assert_int_equal(value_of(f, "min(n, 3) + max(n, 30)"), 33);
+    assert_int_equal(value_of(f, "n > 4 ? 10 : 20"), 10);
+    assert_int_equal(value_of(f, "1 || 1 / 0"), 1);
+    assert_int_equal(value_of(f, "0 && 1 / 0"), 0);
+    assert_int_equal(value_of(f, "!n == 0"), 1);
+    assert_int_equal(value_of(f, "1 < 2 && 2 <= 2 && 3 != 4 && 4 >= 4 && true"), 1);
+    assert_int_equal(value_of(f, "9223372036854775807"), INT64_MAX);
+    assert_int_equal(diag_error_count(f->diag), 0);
+}
+
+static void faults(void **state)
+{
+    static const struct {
+        const char *text;
+        enum expr_result result;
+    } cases[] = {
+        {"1 / (n - 8)", EXPR_DIVIDES_BY_ZERO},          {"1 % 0", EXPR_DIVIDES_BY_ZERO},
+        {"ceil_div(1, 0)", EXPR_DIVIDES_BY_ZERO},       {"9223372036854775807 + 1", EXPR_OVERFLOWS},
+        {"-9223372036854775807 - 2", EXPR_OVERFLOWS},   {"4294967296 * 4294967296", EXPR_OVERFLOWS},
+        {"-(-9223372036854775807 - 1)", EXPR_OVERFLOWS}, {"(-9223372036854775807 - 1) / -1", EXPR_OVERFLOWS},
+    };
+    struct fixture *f = *state;
+    int64_t value;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct expr *expr = parse(f, cases[i].text);
+        assert_non_null(expr);
+        assert_int_equal(expr_eval(expr, 1, 1, &value), cases[i].result);
+    }
+}
+
+static void refusals(void **state)
+{
+    static const char *const cases[] = {"", "1 +", "(1", "1 2", "x", "n.x", "tile", "tile.z", "ratio", "0.5", "1e3", "min(1)",
+                                        "frame", "frame.depth", "99999999999999999999", "a b", "$", "n.", "1 ? 2"};
+    struct fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        unsigned before = diag_error_count(f->diag);
+        assert_null(parse(f, cases[i]));
+        assert_int_equal(diag_error_count(f->diag), before + 1);
+    }
+    char deep[400];
+    memset(deep, '(', sizeof deep - 1);
+    deep[sizeof deep - 1] = '\0';
+    assert_null(parse(f, deep));
+}
+
+static void reach_and_text(void **state)
+{
+    static const struct {
+        const char *text;
+        unsigned reach;
+        const char *c, *glsl;
+    } cases[] = {
+        {"n * 2", EXPR_BAKED, "16", "16"},
+        {"frame.width + n", EXPR_FRAME, "(int64_t)width + 8", "int(frame.width) + 8"},
+        {"live > 1", EXPR_LIVE, "((int64_t)live->live > 1)", "int(live > 1)"},
+        {"0 && live > 1", EXPR_BAKED, "0", "0"},
+        {"n == 8 || live > 1", EXPR_BAKED, "1", "1"},
+        {"n == 8 ? 3 : live", EXPR_BAKED, "3", "3"},
+        {"min(live, 3)", EXPR_LIVE, "((int64_t)live->live < 3 ? (int64_t)live->live : 3)", "min(live, 3)"},
+        {"live && frame.height", EXPR_LIVE | EXPR_FRAME, "(((int64_t)live->live != 0) && ((int64_t)height != 0))",
+         "int((live != 0) && (int(frame.height) != 0))"},
+    };
+    struct fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct text c = {0}, glsl = {0};
+        struct expr *expr = parse(f, cases[i].text);
+        assert_non_null(expr);
+        assert_int_equal(expr_reach(expr), cases[i].reach);
+        expr_emit_c(expr, &c);
+        expr_emit_glsl(expr, &glsl);
+        assert_string_equal(c.data, cases[i].c);
+        assert_string_equal(glsl.data, cases[i].glsl);
+        text_free(&c);
+        text_free(&glsl);
+    }
+}
+
+static void nearest(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"clusters", "bounces", "tile", "x"};
+    assert_string_equal(diag_nearest("clutsers", words, 4), "clusters");
+    assert_string_equal(diag_nearest("Tile", words, 4), "tile");
+    assert_string_equal(diag_nearest("bounce", words, 4), "bounces");
+    assert_null(diag_nearest("picture", words, 4));
+    assert_null(diag_nearest("q", words, 4));
+    assert_null(diag_nearest("anything", words, 0));
+}
+
+static void growing_text(void **state)
+{
+    (void)state;
+    struct text text = {0};
+    for (int i = 0; i < 1000; i++)
+        text_add(&text, "%03d,", i);
+    assert_int_equal(text.length, 4000);
+    assert_memory_equal(text.data + 3992, "998,999,", 9);
+    text_add_bytes(&text, "\0x", 2);
+    assert_int_equal(text.length, 4002);
+    assert_false(text.failed);
+    text_free(&text);
+    assert_null(text.data);
+}
+
+/* ---- Output ------------------------------------------------------------------------------------------------------- */
+
+static void add(struct output *output, const char *dir, const char *name, const char *content)
+{
+    struct text text = {0};
+    text_add(&text, "%s", content);
+    output_add(output, dir, name, &text);
+}
+
+static bool commit(const char *dir, const char *first, const char *second_name, const char *second)
+{
+    struct output *output = output_create();
+    add(output, dir, "first", first);
+    add(output, dir, second_name, second);
+    bool good = output_commit(output);
+    output_free(output);
+    return good;
+}
+
+static const char *content(const char *dir, const char *name)
+{
+    static char buffer[64];
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return "absent";
+    buffer[fread(buffer, 1, sizeof buffer - 1, file)] = '\0';
+    fclose(file);
+    return buffer;
+}
+
+static int entries(const char *dir)
+{
+    char command[300];
+    int count = -1;
+    snprintf(command, sizeof command, "find '%s' -type f | wc -l", dir);
+    FILE *pipe = popen(command, "r");
+    if (!pipe || fscanf(pipe, "%d", &count) != 1)
+        count = -1;
+    if (pipe)
+        pclose(pipe);
+    return count;
+}
+
+static void outputs(void **state)
+{
+    (void)state;
+    char dir[] = "/tmp/gen_front_XXXXXX", path[256];
+    assert_non_null(mkdtemp(dir));
+    assert_true(commit(dir, "1", "sub/second", "2"));
+    assert_string_equal(content(dir, "first"), "1");
+    assert_string_equal(content(dir, "sub/second"), "2");
+
+    /* unchanged files keep their time stamp; changed ones do not */
+    struct timespec old[2] = {{1000, 0}, {1000, 0}};
+    struct stat status;
+    snprintf(path, sizeof path, "%s/first", dir);
+    assert_int_equal(utimensat(AT_FDCWD, path, old, 0), 0);
+    assert_true(commit(dir, "1", "sub/second", "3"));
+    assert_int_equal(stat(path, &status), 0);
+    assert_int_equal(status.st_mtim.tv_sec, 1000);
+    assert_string_equal(content(dir, "sub/second"), "3");
+
+    /* the second cannot be written (a file stands where its folder should be; a folder where the file should be):
+     * the first stays as it was, and nothing is left behind */
+    assert_false(commit(dir, "new", "first/second", "2"));
+    assert_string_equal(content(dir, "first"), "1");
+    snprintf(path, sizeof path, "%s/folder", dir);
+    assert_int_equal(mkdir(path, 0777), 0);
+    assert_false(commit(dir, "new", "folder", "2"));
+    assert_string_equal(content(dir, "first"), "1");
+    assert_int_equal(entries(dir), 2);
+
+    if (geteuid() != 0) { /* root writes anywhere */
+        assert_int_equal(chmod(path, 0555), 0);
+        assert_false(commit(dir, "new", "folder/second", "2"));
+        assert_string_equal(content(dir, "first"), "1");
+    }
+    char command[300];
+    snprintf(command, sizeof command, "rm -rf '%s'", dir);
+    assert_int_equal(system(command), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(values, setup, teardown),
+        cmocka_unit_test_setup_teardown(faults, setup, teardown),
+        cmocka_unit_test_setup_teardown(refusals, setup, teardown),
+        cmocka_unit_test_setup_teardown(reach_and_text, setup, teardown),
+        cmocka_unit_test(nearest),
+        cmocka_unit_test(growing_text),
+        cmocka_unit_test(outputs),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

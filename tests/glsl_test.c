@@ -1,0 +1,464 @@
+/* GLSL of one small pipeline, written for both backends, compiled and compared with
+ * tests/golden/glsl_*: the model is built by hand, so that only emit_glsl and spirv are under
+ * test. Run from the root of the tree. DIPTYCH_UPDATE_GOLDENS=1 writes the goldens anew; look at
+ * the difference before it is kept. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+#include <spirv/unified1/spirv.h>
+
+#include "expr.h"
+#include "stages.h"
+
+#define COUNT(a) (uint32_t)(sizeof(a) / sizeof((a)[0]))
+
+struct fixture {
+    struct model model;
+    struct diag *diag;
+    struct field fields[4], cell_fields[2];
+    struct structure structs[2];
+    struct param params[3];
+    struct constant constants[2];
+    struct resource resources[8];
+    struct sampler samplers[2];
+    struct metric metrics[1];
+    struct interleave interleaves[1];
+    struct pass passes[3];
+    struct access shade_accesses[5], scene_accesses[3], tone_accesses[3];
+    struct range ranges[1];
+    const char *shade_uses[3];
+    struct source body;
+};
+enum { LIGHTS, CELLS, NORMALS, SHADOWS, RESULT, DEPTH, DISPLAY, COLOR };
+enum { SHADE, SCENE, TONE };
+
+static const char shade_body[] =
+    "void main()\n"
+    "{\n"
+    "    ivec2 p = interleave_pixel();\n"
+    "    vec3 n = normals(p).xyz;\n"
+    "    vec3 sum = vec3(0.0);\n"
+    "    for (Light2 v : subset) {\n"
+    "        sum += v.flux * max(dot(n, v.position), 0.0) * float(subset_index + 1);\n"
+    "    }\n"
+    "    sum += vec3(points(0), float(points_count)) * exposure;\n"
+    "    int k = nearest % cells_count;\n"
+    "    sum.x += apart(cells[k].position, cells[k].normal, n, n) + apart(lights[k], cells[k]);\n"
+    "    sum.y += shadows_compare(vec3(0.5, 0.5, 1.0), sum.z) + float(half_width);\n"
+    "    result_store(p, vec4(sum, float(tile_class(p) + result_size().x)));\n"
+    "}\n";
+static const char scene_body[] =
+    "#ifdef VERTEX\n"
+    "layout(location = 0) out vec3 normal;\n"
+    "void main()\n"
+    "{\n"
+    "    normal = vertex_normal;\n"
+    "    gl_Layer = gl_InstanceIndex;\n"
+    "    gl_Position = view.view_projection * vec4(vertex_position, 1.0);\n"
+    "    gl_ClipDistance[0] = dot(vertex_normal, view.direction);\n"
+    "}\n"
+    "#else\n"
+    "layout(location = 0) in vec3 normal;\n"
+    "void main()\n"
+    "{\n"
+    "    color = scene_texture(normal.xy, scene_materials[0].texture_layer);\n"
+    "}\n"
+    "#endif\n";
+static const char tone_body[] =
+    "void main()\n"
+    "{\n"
+    "    display = result(ivec2(gl_FragCoord.xy)) * depth_sample(gl_FragCoord.xy);\n"
+    "}\n";
+
+static struct expr *expression(struct fixture *f, const char *text)
+{
+    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, f->diag);
+    assert_non_null(expr);
+    assert_true(expr_resolve(expr, &f->model.pipeline, f->diag));
+    return expr;
+}
+
+static struct access access_to(struct resource *resource, enum access_mode mode, unsigned kind,
+                               int binding)
+{
+    return (struct access){.name = resource->name,
+                           .mode = mode,
+                           .resource = resource,
+                           .builtin = -1,
+                           .kind = kind,
+                           .binding = binding,
+                           .attachment = -1};
+}
+
+static void set_body(struct fixture *f, int pass, const char *path, const char *text)
+{
+    f->body = (struct source){path, text, strlen(text)};
+    f->passes[pass].body = &f->body;
+    f->passes[pass].shader_loc = (struct loc){&f->body, 1, 1, 1};
+}
+
+static void fill_declarations(struct fixture *f)
+{
+    f->fields[0] = (struct field){.name = "position", .type = DT_TYPE_VEC3};
+    f->fields[1] = (struct field){.name = "kind", .type = DT_TYPE_UINT};
+    f->fields[2] = (struct field){.name = "normal", .type = DT_TYPE_VEC3};
+    f->fields[3] = (struct field){.name = "flux", .type = DT_TYPE_VEC3};
+    f->cell_fields[0] = f->fields[0];
+    f->cell_fields[1] = f->fields[2];
+    f->structs[0] =
+        (struct structure){.name = "Light2", .fields = f->fields, .field_count = 4, .stride = 48};
+    f->structs[1] = (struct structure){
+        .name = "Cell", .fields = f->cell_fields, .field_count = 2, .stride = 32};
+    f->params[0] =
+        (struct param){.name = "nearest", .type = DT_TYPE_INT, .components = 1, .value = {3}};
+    f->params[1] = (struct param){
+        .name = "exposure", .type = DT_TYPE_FLOAT, .components = 1, .value = {1}, .live = true};
+    f->params[2] =
+        (struct param){.name = "unused", .type = DT_TYPE_IVEC2, .components = 2, .value = {4, 4}};
+    f->resources[LIGHTS] = (struct resource){.name = "lights", .structure = &f->structs[0]};
+    f->resources[CELLS] = (struct resource){.name = "cells", .structure = &f->structs[1]};
+    f->resources[NORMALS] =
+        (struct resource){.name = "normals", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA16F};
+    f->resources[SHADOWS] =
+        (struct resource){.name = "shadows", .kind = DT_IMAGE, .format = DT_FORMAT_D32F};
+    f->resources[RESULT] =
+        (struct resource){.name = "result", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA32F};
+    f->resources[DEPTH] =
+        (struct resource){.name = "depth", .kind = DT_IMAGE, .format = DT_FORMAT_D32F};
+    f->resources[DISPLAY] =
+        (struct resource){.name = "display", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8_SRGB};
+    f->resources[COLOR] =
+        (struct resource){.name = "color", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA16F};
+    f->samplers[0] = (struct sampler){.name = "points", .map = MAP_CONCENTRIC_DISK};
+    f->samplers[1] =
+        (struct sampler){.name = "shadow", .kind = SAMPLER_FILTER, .linear = true, .compare = true};
+    f->metrics[0] = (struct metric){.name = "apart",
+                                    .position = 0.6,
+                                    .normal = 0.4,
+                                    .position_field = "position",
+                                    .normal_field = "normal",
+                                    .scale = "scene_radius"};
+    f->interleaves[0] = (struct interleave){.name = "tile", .tile = {4, 2}};
+}
+
+static void fill_passes(struct fixture *f)
+{
+    static struct sampler nearest = {.name = "nearest_filter", .kind = SAMPLER_FILTER};
+    f->shade_uses[0] = "points";
+    f->shade_uses[1] = "apart";
+    f->shade_uses[2] = "tile";
+    f->shade_accesses[0] = access_to(&f->resources[NORMALS], MODE_READ, ACCESS_STORAGE_READ, 0);
+    f->shade_accesses[1] = access_to(&f->resources[RESULT], MODE_WRITE, ACCESS_STORAGE_WRITE, 1);
+    f->shade_accesses[2] = access_to(&f->resources[LIGHTS], MODE_READ, ACCESS_STORAGE_READ, 2);
+    f->shade_accesses[3] =
+        access_to(&f->resources[CELLS], MODE_UPDATE, ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE, 3);
+    f->shade_accesses[4] = access_to(&f->resources[SHADOWS], MODE_READ, ACCESS_SAMPLED, 6);
+    f->shade_accesses[4].filter = &f->samplers[1];
+    f->ranges[0] = (struct range){.name = "subset",
+                                  .of = "lights",
+                                  .access = &f->shade_accesses[2],
+                                  .count_value = 5,
+                                  .first = "interleave_class() * 5",
+                                  .storage = STORAGE_SHARED,
+                                  .loop = LOOP_UNROLL,
+                                  .chunk = 2};
+    f->passes[SHADE] = (struct pass){.name = "shade",
+                                     .kind = PASS_DISPATCH,
+                                     .accesses = f->shade_accesses,
+                                     .access_count = 5,
+                                     .uses = f->shade_uses,
+                                     .use_count = 3,
+                                     .size = SIZE_INTERLEAVE,
+                                     .interleave = &f->interleaves[0],
+                                     .local = {8, 8, 1},
+                                     .ranges = f->ranges,
+                                     .range_count = 1,
+                                     .frame_binding = 4,
+                                     .live_binding = 5,
+                                     .textures_binding = -1,
+                                     .materials_binding = -1};
+    f->scene_accesses[0] = access_to(&f->resources[COLOR], MODE_WRITE, ACCESS_COLOR, -1);
+    f->scene_accesses[0].attachment = 0;
+    f->passes[SCENE] = (struct pass){.name = "scene",
+                                     .kind = PASS_SCENE,
+                                     .view = "light",
+                                     .accesses = f->scene_accesses,
+                                     .access_count = 1,
+                                     .clip_distances = 1,
+                                     .materials_binding = 0,
+                                     .frame_binding = 1,
+                                     .live_binding = 2,
+                                     .textures_binding = 3};
+    f->tone_accesses[0] = access_to(&f->resources[RESULT], MODE_READ, ACCESS_FETCH, 2);
+    f->tone_accesses[1] = access_to(&f->resources[DEPTH], MODE_READ, ACCESS_SAMPLED, 3);
+    f->tone_accesses[1].filter = &nearest;
+    f->tone_accesses[2] = access_to(&f->resources[DISPLAY], MODE_WRITE, ACCESS_COLOR, -1);
+    f->tone_accesses[2].attachment = 0;
+    f->passes[TONE] = (struct pass){.name = "tone",
+                                    .kind = PASS_FULLSCREEN,
+                                    .accesses = f->tone_accesses,
+                                    .access_count = 3,
+                                    .frame_binding = 0,
+                                    .live_binding = 1,
+                                    .textures_binding = -1,
+                                    .materials_binding = -1};
+}
+
+static int set_up(void **state)
+{
+    struct fixture *f = calloc(1, sizeof *f);
+    assert_non_null(f);
+    f->model.arena = arena_create();
+    f->model.templates_dir = "templates";
+    f->diag = diag_create();
+    fill_declarations(f);
+    f->model.pipeline = (struct pipeline){.name = "small",
+                                          .params = f->params,
+                                          .param_count = COUNT(f->params),
+                                          .constants = f->constants,
+                                          .structs = f->structs,
+                                          .struct_count = COUNT(f->structs),
+                                          .resources = f->resources,
+                                          .resource_count = COUNT(f->resources),
+                                          .samplers = f->samplers,
+                                          .sampler_count = COUNT(f->samplers),
+                                          .metrics = f->metrics,
+                                          .metric_count = 1,
+                                          .interleaves = f->interleaves,
+                                          .interleave_count = 1,
+                                          .passes = f->passes,
+                                          .pass_count = COUNT(f->passes)};
+    f->constants[0] =
+        (struct constant){.name = "half_width", .value = expression(f, "frame.width / 2")};
+    f->constants[1] = (struct constant){
+        .name = "folded", .value = expression(f, "nearest * 2"), .folds = true, .folded = 6};
+    f->model.pipeline.constant_count = 2;
+    f->resources[LIGHTS].count = expression(f, "40");
+    f->resources[CELLS].count = expression(f, "ceil_div(frame.width, 8)");
+    f->resources[SHADOWS].layers = expression(f, "4");
+    f->samplers[0].count = expression(f, "64");
+    fill_passes(f);
+    *state = f;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    struct fixture *f = *state;
+    arena_free(f->model.arena);
+    diag_free(f->diag);
+    free(f);
+    return 0;
+}
+
+/* Compares with the golden, or writes it. */
+static void assert_golden(const char *name, const char *text)
+{
+    char path[256], *golden;
+    snprintf(path, sizeof path, "tests/golden/%s", name);
+    FILE *file = fopen(path, getenv("DIPTYCH_UPDATE_GOLDENS") ? "w" : "r");
+    assert_non_null(file);
+    if (getenv("DIPTYCH_UPDATE_GOLDENS")) {
+        fputs(text, file);
+        fclose(file);
+        return;
+    }
+    assert_non_null(golden = calloc(1, 1 << 20));
+    assert_true(fread(golden, 1, (1 << 20) - 1, file) > 0);
+    fclose(file);
+    assert_string_equal(text, golden);
+    free(golden);
+}
+
+static struct shader build(struct fixture *f, int pass, enum backend backend, enum stage stage)
+{
+    struct shader shader = {0};
+    bool ok = emit_glsl(&f->model, &f->passes[pass], backend, stage, &shader, f->diag) &&
+              spirv_compile(&f->model, &f->passes[pass], backend, &shader, f->diag);
+    diag_flush(f->diag);
+    assert_true(ok);
+    assert_true(shader.word_count > 5 && shader.words[0] == SpvMagicNumber);
+    return shader;
+}
+
+static void shader_free(struct shader *shader)
+{
+    text_free(&shader->glsl);
+    free(shader->words);
+}
+
+static void test_goldens(void **state)
+{
+    static const struct {
+        int pass;
+        enum stage stage;
+        const char *name, *body_path, *body;
+    } cases[] = {{SHADE, STAGE_IS_COMPUTE, "shade.comp", "shade.glsl", shade_body},
+                 {SCENE, STAGE_IS_VERTEX, "scene.vert", "scene.glsl", scene_body},
+                 {SCENE, STAGE_IS_FRAGMENT, "scene.frag", "scene.glsl", scene_body},
+                 {TONE, STAGE_IS_VERTEX, "tone.vert", "tone.glsl", tone_body},
+                 {TONE, STAGE_IS_FRAGMENT, "tone.frag", "tone.glsl", tone_body}};
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < COUNT(cases); i++)
+        for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+            char name[64];
+            f->model.glsl_source_count = 0; /* each golden counts its files from 1 */
+            set_body(f, cases[i].pass, cases[i].body_path, cases[i].body);
+            struct shader shader = build(f, cases[i].pass, (enum backend)backend, cases[i].stage);
+            snprintf(name, sizeof name, "glsl_%s_%s", backend == BACKEND_GL ? "gl" : "vk",
+                     cases[i].name);
+            assert_golden(name, shader.glsl.data);
+            shader_free(&shader);
+        }
+}
+
+/* Every float operation of the module carries NoContraction in exact mode, and only then. */
+static void test_no_contraction(void **state)
+{
+    struct fixture *f = *state;
+    for (int fast = 0; fast < 2; fast++) {
+        f->model.pipeline.fast = fast;
+        set_body(f, TONE, "tone.glsl", "void main() { display = result(ivec2(0)) * 2.0 + 1.0; }\n");
+        struct shader shader = build(f, TONE, BACKEND_VK, STAGE_IS_FRAGMENT);
+        uint32_t decorated = 0, operations = 0;
+        for (size_t at = 5; at < shader.word_count; at += shader.words[at] >> 16) {
+            uint32_t opcode = shader.words[at] & 0xffff;
+            decorated +=
+                opcode == SpvOpDecorate && shader.words[at + 2] == SpvDecorationNoContraction;
+            operations += opcode == SpvOpFAdd || opcode == SpvOpVectorTimesScalar;
+        }
+        assert_int_equal(operations, 2);
+        assert_int_equal(decorated, fast ? 0 : 2);
+        shader_free(&shader);
+    }
+}
+
+static const char *emit_shade(struct fixture *f, const char *body, struct shader *shader)
+{
+    *shader = (struct shader){0};
+    set_body(f, SHADE, "shade.glsl", body);
+    bool ok =
+        emit_glsl(&f->model, &f->passes[SHADE], BACKEND_VK, STAGE_IS_COMPUTE, shader, f->diag);
+    return ok ? shader->glsl.data : NULL;
+}
+
+static uint32_t occurrences(const char *text, const char *what)
+{
+    uint32_t count = 0;
+    for (const char *at = text; (at = strstr(at, what)); at += strlen(what))
+        count++;
+    return count;
+}
+
+/* Shapes of a loop over five elements: how often the body is written and what it reads. */
+static void test_range_shapes(void **state)
+{
+    static const char body[] =
+        "void main() { for (Light2 v : subset) { result_store(ivec2(v.kind), vec4(0)); } }\n";
+    static const struct {
+        enum storage_class storage;
+        enum loop_shape loop;
+        uint32_t chunk, copies, barriers;
+    } cases[] = {{STORAGE_SHARED, LOOP_UNROLL, 5, 5, 2}, {STORAGE_SHARED, LOOP_UNROLL, 2, 3, 4},
+                 {STORAGE_SHARED, LOOP_ROLL, 5, 1, 2},   {STORAGE_SHARED, LOOP_ROLL, 2, 2, 4},
+                 {STORAGE_BUFFER, LOOP_ROLL, 2, 1, 0},   {STORAGE_BUFFER, LOOP_UNROLL, 8, 5, 0}};
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < COUNT(cases); i++) {
+        f->ranges[0].storage = cases[i].storage;
+        f->ranges[0].loop = cases[i].loop;
+        f->ranges[0].chunk = cases[i].chunk;
+        set_body(f, SHADE, "shade.glsl", body);
+        struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+        assert_int_equal(occurrences(shader.glsl.data, "result_store(ivec2(v.kind)"),
+                         cases[i].copies);
+        assert_int_equal(occurrences(shader.glsl.data, "barrier();"), cases[i].barriers);
+        bool caches = cases[i].storage == STORAGE_SHARED; /* of the one field that the body names */
+        assert_int_equal(occurrences(shader.glsl.data, "shared uint subset_kind["), caches);
+        assert_int_equal(occurrences(shader.glsl.data, "shared "), caches);
+        shader_free(&shader);
+    }
+}
+
+static void test_whole_element(void **state)
+{
+    struct fixture *f = *state;
+    set_body(f, SHADE, "shade.glsl",
+             "void take(Light2 l) { result_store(ivec2(0), vec4(l.flux, 1)); }\n"
+             "void main() { for (Light2 v : subset) { take(v); } }\n");
+    struct shader shader = build(f, SHADE, BACKEND_GL, STAGE_IS_COMPUTE);
+    assert_non_null(strstr(shader.glsl.data, "shared Light2 subset_cache[2];"));
+    shader_free(&shader);
+}
+
+/* What a body must not do with a range, each with the one error that it gives. */
+static void test_range_errors(void **state)
+{
+    static const char *const bodies[] = {
+        "void main() { for (Light2 v : subset) { if (v.kind > 0u) break; } }\n",
+        "void main() { for (Light2 v : subset) { if (v.kind > 0u) continue; } }\n",
+        "void main() { for (Light2 v : subset) { return; } }\n",
+        "void main() { if (true) { for (Light2 v : subset) { } } }\n",
+        "void f() { for (Light2 v : subset) { } } void main() { f(); }\n",
+        "void main() { for (Light2 v : subsett) { } }\n",
+        "void main() { for (Cell v : subset) { } }\n",
+        "void main() { for (Light2 v : subset) ; }\n",
+    };
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < COUNT(bodies); i++) {
+        struct shader shader;
+        unsigned before = diag_error_count(f->diag);
+        assert_null(emit_shade(f, bodies[i], &shader));
+        assert_int_equal(diag_error_count(f->diag), before + 1);
+    }
+}
+
+/* Errors of the GLSL compiler are told at the author's line and column. */
+static void test_compile_error_place(void **state)
+{
+    struct fixture *f = *state;
+    struct shader shader;
+    char *text = NULL;
+    size_t size = 0;
+    assert_non_null(emit_shade(
+        f, "#ifdef FRAGMENT\nnonsense\n#endif\nvoid main()\n{\n    int a = wrong;\n}\n", &shader));
+    assert_false(spirv_compile(&f->model, &f->passes[SHADE], BACKEND_VK, &shader, f->diag));
+    FILE *old = stderr, *memory = open_memstream(&text, &size);
+    stderr = memory;
+    diag_flush(f->diag);
+    stderr = old;
+    fclose(memory);
+    assert_non_null(strstr(text, "shade.glsl:6:13: error: 'wrong' : undeclared identifier"));
+    free(text);
+    shader_free(&shader);
+}
+
+static int start(void **state)
+{
+    (void)state;
+    return spirv_init() ? 0 : 1;
+}
+
+static int finish(void **state)
+{
+    (void)state;
+    spirv_finish();
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_goldens, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_no_contraction, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_whole_element, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_range_errors, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_compile_error_place, set_up, tear_down),
+    };
+    return cmocka_run_group_tests(tests, start, finish);
+}

@@ -1,0 +1,513 @@
+/* The plan's rules on hand-made models: std430 and std140 offsets by the OpenGL specification, the order of passes,
+ * bindings, barriers, lifetimes, and OpenGL's memory barrier bits. Run by ninja test. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "expr.h"
+#include "plan.h"
+#include "stages.h"
+
+/* ---- A model in a few words --------------------------------------------------------------------------------------- */
+
+enum { MAX_PASSES = 8, MAX_RESOURCES = 8, MAX_ACCESSES = 6 };
+
+struct fixture {
+    struct model model;
+    struct diag *diag;
+    struct resource resources[MAX_RESOURCES];
+    struct pass passes[MAX_PASSES];
+    struct access accesses[MAX_PASSES][MAX_ACCESSES];
+};
+
+static int setup(void **state)
+{
+    struct fixture *f = test_calloc(1, sizeof *f);
+
+    f->model.arena = arena_create();
+    f->diag = diag_create();
+    f->model.pipeline.name = "test";
+    f->model.pipeline.resources = f->resources;
+    f->model.pipeline.passes = f->passes;
+    *state = f;
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    struct fixture *f = *state;
+
+    diag_free(f->diag);
+    arena_free(f->model.arena);
+    test_free(f);
+    return 0;
+}
+
+static struct expr *number(struct fixture *f, const char *text)
+{
+    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, f->diag);
+
+    assert_non_null(expr);
+    assert_true(expr_resolve(expr, &f->model.pipeline, f->diag));
+    return expr;
+}
+
+static struct resource *buffer(struct fixture *f, const char *name, const char *count)
+{
+    struct resource *r = &f->resources[f->model.pipeline.resource_count++];
+
+    *r = (struct resource){.name = name,
+                           .kind = DT_BUFFER,
+                           .of = "uint",
+                           .type = DT_TYPE_UINT,
+                           .count = number(f, count)};
+    return r;
+}
+
+static struct resource *image(struct fixture *f, const char *name, enum dt_format format)
+{
+    struct resource *r = &f->resources[f->model.pipeline.resource_count++];
+
+    *r = (struct resource){.name = name,
+                           .kind = DT_IMAGE,
+                           .format = format,
+                           .width = number(f, "frame.width"),
+                           .height = number(f, "frame.height")};
+    return r;
+}
+
+static struct pass *pass(struct fixture *f, const char *name, enum pass_kind kind)
+{
+    uint32_t index = f->model.pipeline.pass_count++;
+    struct pass *p = &f->passes[index];
+
+    *p = (struct pass){
+        .name = name, .kind = kind, .accesses = f->accesses[index], .local = {64, 1, 1}};
+    return p;
+}
+
+static struct access *touch(struct pass *p, struct resource *r, enum access_mode mode)
+{
+    struct access *a = &p->accesses[p->access_count++];
+
+    *a = (struct access){.name = r->name, .resource = r, .mode = mode, .builtin = -1};
+    return a;
+}
+
+static bool plan(struct fixture *f)
+{
+    layout_model(&f->model);
+    return plan_model(&f->model, f->diag);
+}
+
+static const struct barrier *barrier_on(const struct pass *p, const struct resource *r)
+{
+    for (uint32_t i = 0; i < p->barrier_count; i++) {
+        if (p->barriers[i].resource == r) {
+            return &p->barriers[i];
+        }
+    }
+    return NULL;
+}
+
+/* ---- Layout ------------------------------------------------------------------------------------------------------- */
+
+/* OpenGL 4.6, 7.6.2.2: vec3 aligns to 16 but takes 12 bytes, arrays of vec3 stride by 16, arrays of float by 4. */
+static void test_std430(void **state)
+{
+    struct fixture *f = *state;
+    struct field fields[] = {
+        {.name = "a", .type = DT_TYPE_FLOAT},
+        {.name = "b", .type = DT_TYPE_VEC3},
+        {.name = "c", .type = DT_TYPE_UINT},
+        {.name = "d", .type = DT_TYPE_VEC2},
+        {.name = "e", .type = DT_TYPE_FLOAT, .array_count = 3},
+        {.name = "f", .type = DT_TYPE_VEC3, .array_count = 2},
+        {.name = "g", .type = DT_TYPE_MAT4},
+        {.name = "h", .type = DT_TYPE_INT},
+    };
+    static const uint32_t offsets[] = {0, 16, 28, 32, 40, 64, 96, 160};
+    struct structure s = {.name = "S", .fields = fields, .field_count = 8};
+
+    f->model.pipeline.structs = &s;
+    f->model.pipeline.struct_count = 1;
+    layout_model(&f->model);
+    for (int i = 0; i < 8; i++) {
+        assert_int_equal(fields[i].offset, offsets[i]);
+    }
+    assert_int_equal(fields[4].array_stride, 4);
+    assert_int_equal(fields[5].array_stride, 16);
+    assert_int_equal(s.align, 16);
+    assert_int_equal(s.stride, 176);
+}
+
+static void test_std140_live(void **state)
+{
+    struct fixture *f = *state;
+    struct param params[] = {
+        {.name = "a", .type = DT_TYPE_BOOL, .components = 1, .live = true},
+        {.name = "baked", .type = DT_TYPE_VEC4, .components = 4},
+        {.name = "b", .type = DT_TYPE_IVEC2, .components = 2, .live = true},
+        {.name = "c", .type = DT_TYPE_VEC3, .components = 3, .live = true},
+        {.name = "d", .type = DT_TYPE_FLOAT, .components = 1, .live = true},
+        {.name = "e", .type = DT_TYPE_UINT, .components = 1, .live = true},
+    };
+
+    layout_model(&f->model);
+    assert_int_equal(f->model.pipeline.live_size, 16);
+    f->model.pipeline.params = params;
+    f->model.pipeline.param_count = 6;
+    layout_model(&f->model);
+    assert_int_equal(params[0].offset, 0);
+    assert_int_equal(params[2].offset, 8);
+    assert_int_equal(params[3].offset, 16);
+    assert_int_equal(params[4].offset, 28);
+    assert_int_equal(params[5].offset, 32);
+    assert_int_equal(f->model.pipeline.live_size, 48);
+}
+
+/* ---- Order -------------------------------------------------------------------------------------------------------- */
+
+static void test_reader_runs_after_its_writer(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *b = buffer(f, "b", "8"), *c = buffer(f, "c", "8");
+    struct pass *reader = pass(f, "reader", PASS_DISPATCH),
+                *writer = pass(f, "writer", PASS_DISPATCH);
+
+    touch(reader, b, MODE_READ);
+    touch(reader, c, MODE_WRITE);
+    touch(writer, b, MODE_WRITE);
+    assert_true(plan(f));
+    assert_ptr_equal(f->model.pipeline.order[0], writer);
+    assert_int_equal(reader->index, 1);
+}
+
+static void test_history_is_read_before_it_is_written(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *b = buffer(f, "b", "8");
+    struct pass *reader = pass(f, "reader", PASS_DISPATCH),
+                *writer = pass(f, "writer", PASS_DISPATCH);
+
+    b->history = true;
+    touch(reader, b, MODE_READ);
+    touch(writer, b, MODE_WRITE);
+    assert_true(plan(f));
+    assert_ptr_equal(f->model.pipeline.order[0], reader);
+    /* The writer waits for the reader to be done, and for nothing to become available. */
+    assert_int_equal(barrier_on(writer, b)->from_stages, STAGE_COMPUTE);
+    assert_false(barrier_on(writer, b)->from_writes);
+}
+
+static void test_readers_between_modifiers(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *b = buffer(f, "b", "8");
+    struct pass *write = pass(f, "write", PASS_DISPATCH), *first = pass(f, "first", PASS_DISPATCH);
+    struct pass *update = pass(f, "update", PASS_DISPATCH),
+                *second = pass(f, "second", PASS_DISPATCH);
+
+    touch(write, b, MODE_WRITE);
+    touch(first, b, MODE_READ);
+    touch(update, b, MODE_UPDATE);
+    touch(second, b, MODE_READ);
+    assert_true(plan(f));
+    assert_int_equal(write->index, 0);
+    assert_int_equal(first->index, 1);
+    assert_int_equal(update->index, 2);
+    assert_int_equal(second->index, 3);
+    assert_true(barrier_on(first, b)->from_writes);
+    assert_false(barrier_on(update, b)->from_writes);
+    assert_true(barrier_on(second, b)->from_writes);
+}
+
+static void test_cycle_is_an_error(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "8"), *b = buffer(f, "b", "8");
+    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+
+    touch(p, a, MODE_READ);
+    touch(p, b, MODE_WRITE);
+    touch(q, b, MODE_READ);
+    touch(q, a, MODE_WRITE);
+    assert_false(plan(f));
+    assert_int_equal(diag_error_count(f->diag), 1);
+}
+
+static void test_two_writers_need_an_order(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "8");
+    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    const char *after[] = {"q"};
+
+    touch(p, a, MODE_WRITE);
+    touch(q, a, MODE_WRITE);
+    assert_false(plan(f));
+    assert_int_equal(diag_error_count(f->diag), 1);
+    p->after = after;
+    p->after_count = 1;
+    assert_true(plan(f));
+    assert_int_equal(q->index, 0);
+}
+
+static void test_read_before_write(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "8"), *b = buffer(f, "b", "8");
+    struct pass *p = pass(f, "p", PASS_DISPATCH);
+
+    touch(p, a, MODE_READ);
+    touch(p, b, MODE_UPDATE);
+    assert_false(plan(f));
+    assert_int_equal(diag_error_count(f->diag), 2);
+}
+
+/* ---- Kinds, bindings, ranges -------------------------------------------------------------------------------------- */
+
+static void test_kinds_and_bindings(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *color = image(f, "color", DT_FORMAT_RGBA16F),
+                    *depth = image(f, "depth", DT_FORMAT_D32F);
+    struct resource *out = image(f, "out", DT_FORMAT_RGBA16F), *list = buffer(f, "list", "8");
+    struct pass *draw = pass(f, "draw", PASS_SCENE), *shade = pass(f, "shade", PASS_DISPATCH);
+    struct access *c, *d, *o, *l;
+
+    touch(draw, color, MODE_WRITE);
+    touch(draw, depth, MODE_WRITE);
+    touch(draw, list, MODE_WRITE);
+    d = touch(shade, depth, MODE_READ);
+    l = touch(shade, list, MODE_READ);
+    c = touch(shade, color, MODE_READ);
+    o = touch(shade, out, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(d->kind, ACCESS_FETCH); /* depth has no imageLoad */
+    assert_int_equal(c->kind, ACCESS_STORAGE_READ);
+    assert_int_equal(c->binding, 0);
+    assert_int_equal(o->binding, 1);
+    assert_int_equal(l->binding, 2);
+    assert_int_equal(shade->frame_binding, 3);
+    assert_int_equal(shade->live_binding, 4);
+    assert_int_equal(d->binding, 5);
+    assert_int_equal(shade->textures_binding, -1);
+    assert_int_equal(draw->accesses[0].attachment, 0);
+    assert_int_equal(draw->accesses[0].binding, -1);
+    assert_int_equal(draw->accesses[2].binding, 1);
+    assert_int_equal(draw->materials_binding, 0);
+    assert_int_equal(draw->textures_binding, 4);
+}
+
+static void test_ranges(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "512");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct range range = {.name = "r", .count_value = 512};
+
+    touch(w, a, MODE_WRITE);
+    range.access = touch(p, a, MODE_READ);
+    p->ranges = &range;
+    p->range_count = 1;
+    assert_true(plan(f));
+    assert_int_equal(range.storage, STORAGE_SHARED);
+    assert_int_equal(range.loop, LOOP_UNROLL);
+    assert_int_equal(range.chunk, 32);
+    range.count_value = 75; /* 25 * 3 */
+    assert_true(plan(f));
+    assert_int_equal(range.chunk, 25);
+    range.count_value = 37; /* prime: a short last block */
+    assert_true(plan(f));
+    assert_int_equal(range.chunk, 32);
+    f->model.pipeline.gpu = true;
+    range.loop = LOOP_AUTO;
+    range.count_value = 512;
+    assert_true(plan(f));
+    assert_int_equal(range.loop, LOOP_ROLL);
+}
+
+/* ---- Barriers ----------------------------------------------------------------------------------------------------- */
+
+static void test_draw_then_load_then_load(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *color = image(f, "color", DT_FORMAT_RGBA16F);
+    struct resource *x = buffer(f, "x", "8"), *y = buffer(f, "y", "8");
+    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN), *first = pass(f, "first", PASS_DISPATCH);
+    struct pass *second = pass(f, "second", PASS_DISPATCH);
+    unsigned bits[3];
+
+    touch(draw, color, MODE_WRITE);
+    touch(first, color, MODE_READ);
+    touch(first, x, MODE_WRITE);
+    touch(second, color, MODE_READ);
+    touch(second, x, MODE_READ);
+    touch(second, y, MODE_WRITE);
+    assert_true(plan(f));
+    assert_true(barrier_on(draw, color)->discard);
+    assert_int_equal(barrier_on(draw, color)->from_stages, 0);
+    assert_int_equal(layout_of(barrier_on(draw, color)->to), LAYOUT_COLOR);
+    assert_int_equal(barrier_on(first, color)->from, ACCESS_COLOR);
+    assert_int_equal(barrier_on(first, color)->from_stages, STAGE_COLOR);
+    assert_true(barrier_on(first, color)->from_writes);
+    assert_int_equal(layout_of(barrier_on(first, color)->to), LAYOUT_GENERAL);
+    assert_null(barrier_on(second, color)); /* same layout, already visible to compute */
+    assert_int_equal(barrier_on(second, x)->from, ACCESS_STORAGE_WRITE);
+    plan_gl_bits(&f->model, bits);
+    assert_int_equal(bits[0], 0);                  /* nothing that a shader stored */
+    assert_int_equal(bits[2], GLB_SHADER_STORAGE); /* x */
+}
+
+static void test_conditional_dispatch_may_clear(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *out = image(f, "out", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
+    struct resource *c = buffer(f, "c", "8");
+    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    unsigned bits[2];
+
+    p->conditional = true;
+    touch(p, out, MODE_WRITE);
+    touch(p, b, MODE_WRITE);
+    touch(q, out, MODE_READ);
+    touch(q, b, MODE_READ);
+    touch(q, c, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(barrier_on(p, out)->to, ACCESS_STORAGE_WRITE | ACCESS_CLEAR);
+    assert_int_equal(barrier_on(p, out)->to_stages, STAGE_COMPUTE | STAGE_CLEAR);
+    assert_int_equal(layout_of(barrier_on(p, out)->to), LAYOUT_GENERAL);
+    assert_int_equal(barrier_on(q, b)->from, ACCESS_STORAGE_WRITE | ACCESS_CLEAR);
+    assert_int_equal(barrier_on(q, b)->from_stages, STAGE_COMPUTE | STAGE_CLEAR);
+    plan_gl_bits(&f->model, bits);
+    assert_int_equal(bits[1] & (GLB_SHADER_IMAGE_ACCESS | GLB_SHADER_STORAGE),
+                     GLB_SHADER_IMAGE_ACCESS | GLB_SHADER_STORAGE);
+}
+
+/* imageLoad in compute, then texelFetch in a draw: the layout changes, and waits for the readers only. */
+static void test_layout_changes_between_readers(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *out = image(f, "out", DT_FORMAT_RGBA8);
+    struct resource *b = buffer(f, "b", "8");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *load = pass(f, "load", PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN);
+
+    touch(w, a, MODE_WRITE);
+    touch(load, a, MODE_READ);
+    touch(load, b, MODE_WRITE);
+    touch(draw, a, MODE_READ);
+    touch(draw, b, MODE_READ);
+    touch(draw, out, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(barrier_on(draw, a)->from, ACCESS_STORAGE_READ);
+    assert_false(barrier_on(draw, a)->from_writes);
+    assert_int_equal(layout_of(barrier_on(draw, a)->to), LAYOUT_READ);
+    assert_int_equal(barrier_on(draw, a)->to_stages, STAGE_FRAGMENT);
+}
+
+static void test_indirect(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *args = buffer(f, "args", "3"), *out = buffer(f, "out", "8");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    unsigned bits[2];
+
+    touch(w, args, MODE_WRITE);
+    touch(p, out, MODE_WRITE);
+    p->size = SIZE_INDIRECT;
+    p->indirect_resource = args;
+    assert_true(plan(f));
+    assert_int_equal(barrier_on(p, args)->to, ACCESS_INDIRECT);
+    assert_int_equal(barrier_on(p, args)->to_stages, STAGE_INDIRECT);
+    plan_gl_bits(&f->model, bits);
+    assert_true(bits[1] & GLB_COMMAND);
+}
+
+/* ---- Memory ------------------------------------------------------------------------------------------------------- */
+
+/* A chain of full-size images needs two places: neighbours overlap, others do not. */
+static void test_chain_takes_two_slots(void **state)
+{
+    struct fixture *f = *state;
+    static const char *const names[] = {"i0", "i1", "i2", "i3", "i4"}, *const passes[] = {
+                                                                           "p0", "p1", "p2", "p3",
+                                                                           "p4"};
+    struct resource *last = NULL;
+
+    for (int i = 0; i < 5; i++) {
+        struct pass *p = pass(f, passes[i], PASS_DISPATCH);
+        struct resource *next = image(f, names[i], DT_FORMAT_RGBA16F);
+
+        touch(p, next, MODE_WRITE);
+        if (last) {
+            touch(p, last, MODE_READ);
+        }
+        last = next;
+    }
+    assert_true(plan(f));
+    assert_int_equal(f->model.pipeline.slot_count, 2);
+    assert_int_equal(f->model.pipeline.transient_bytes, 5ull * 1920 * 1080 * 8);
+    assert_int_equal(f->model.pipeline.aliased_bytes, 2ull * 1920 * 1080 * 8);
+    for (int i = 0; i < 5; i++) {
+        for (int j = 0; j < i; j++) {
+            const struct resource *a = &f->resources[i], *b = &f->resources[j];
+            bool share_slot = a->slot == b->slot;
+            bool share_texture = a->share == j || (a->share >= 0 && a->share == b->share);
+
+            assert_false((share_slot || share_texture) && a->first_pass <= b->last_pass &&
+                         b->first_pass <= a->last_pass);
+        }
+    }
+    assert_int_equal(f->resources[2].share, 0);
+    assert_ptr_equal(barrier_on(&f->passes[2], &f->resources[2])->alias, &f->resources[0]);
+    assert_int_equal(barrier_on(&f->passes[2], &f->resources[2])->from_stages, STAGE_COMPUTE);
+}
+
+static void test_history_and_output_keep_their_memory(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *h = image(f, "h", DT_FORMAT_RGBA16F),
+                    *out = image(f, "out", DT_FORMAT_RGBA16F);
+    struct resource *later = image(f, "later", DT_FORMAT_RGBA16F);
+    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+
+    h->history = true;
+    f->model.pipeline.linear_output = "out";
+    touch(p, out, MODE_WRITE);
+    touch(p, h, MODE_UPDATE);
+    touch(q, later, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(f->model.pipeline.slot_count, 3);
+    assert_int_equal(later->share, -1);
+    assert_false(barrier_on(p, h)->discard);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_std430, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_std140_live, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_reader_runs_after_its_writer, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_history_is_read_before_it_is_written, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_readers_between_modifiers, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_cycle_is_an_error, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_two_writers_need_an_order, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_read_before_write, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_kinds_and_bindings, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_ranges, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_draw_then_load_then_load, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_conditional_dispatch_may_clear, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_layout_changes_between_readers, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_indirect, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_chain_takes_two_slots, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_history_and_output_keep_their_memory, setup, teardown),
+    };
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
