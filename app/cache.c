@@ -1,0 +1,403 @@
+/* Builds pipelines and keeps them; see cache.h. The stamp is text: "name NAME", "version HASH", then "HASH PATH" for every
+ * file that the generator's and the compiler's depfiles name. */
+#include "cache.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "files.h"
+
+extern char **environ;
+
+/* ---- Child processes --------------------------------------------------------------------------------------------- */
+
+/* Runs argv[0] and waits. Signals are unblocked in the child; its stderr is ours, its stdout would get
+ * between our own output and whoever reads that. */
+static bool run_tool(char *const argv[], const char *what, const struct dt_log *log)
+{
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    pid_t child;
+    int error = posix_spawnp(&child, argv[0], &actions, &attributes, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    if (error) {
+        report_error(log, "%s: cannot be started: %s", argv[0], strerror(error));
+        return false;
+    }
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0) {
+        if (errno != EINTR) {
+            report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
+            return false;
+        }
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return true;
+    if (WIFSIGNALED(status))
+        report_error(log, "%s was ended by signal %d", what, WTERMSIG(status));
+    else
+        report_error(log, "%s failed with exit status %d; its messages stand above", what,
+                     WEXITSTATUS(status));
+    return false;
+}
+
+static bool generate(const struct build_request *request, const char *folder,
+                     const struct dt_log *log)
+{
+    char *tool = format_string("%s/diptych-gen", request->tools);
+    char *depfile = format_string("%s/gen.d", folder);
+    char **argv = calloc(request->set_count * 2 + 7, sizeof *argv);
+    bool good = false;
+    if (tool && depfile && argv) {
+        size_t n = 0;
+        argv[n++] = tool;
+        argv[n++] = (char *)request->spec;
+        argv[n++] = (char *)"-o";
+        argv[n++] = (char *)folder;
+        argv[n++] = (char *)"--depfile";
+        argv[n++] = depfile;
+        for (uint32_t i = 0; i < request->set_count; i++) {
+            argv[n++] = (char *)"--set";
+            argv[n++] = (char *)request->sets[i];
+        }
+        good = run_tool(argv, "generating the pipeline", log);
+    } else {
+        report_error(log, "out of memory");
+    }
+    free(argv);
+    free(depfile);
+    free(tool);
+    return good;
+}
+
+/* Reflection and both panels into one shared object; the runtimes' symbols come from the executable
+ * when it is loaded. */
+static bool compile(const struct build_request *request, const char *folder, const char *name,
+                    const struct dt_log *log)
+{
+    const char *compiler = getenv("CC");
+    char *parts[] = {
+        format_string("-I%s", request->project),
+        format_string("-I%s/templates/c", request->project),
+        format_string("-I%s/glad/include", request->tools),
+        format_string("%s/%s.c", folder, name),
+        format_string("%s/%s_gl.c", folder, name),
+        format_string("%s/%s_vk.c", folder, name),
+        format_string("%s/panels.so", folder),
+        format_string("%s/cc.d", folder),
+    };
+    bool good = true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
+        good = good && parts[i];
+    char *argv[] = {(char *)(compiler && *compiler ? compiler : "cc"),
+                    (char *)"-std=c11",
+                    (char *)"-O1",
+                    (char *)"-fPIC",
+                    (char *)"-shared",
+                    (char *)"-MMD",
+                    (char *)"-MF",
+                    parts[7],
+                    parts[0],
+                    parts[1],
+                    parts[2],
+                    (char *)"-o",
+                    parts[6],
+                    parts[3],
+                    parts[4],
+                    parts[5],
+                    NULL};
+    if (good)
+        good = run_tool(argv, "compiling the generated C", log);
+    else
+        report_error(log, "out of memory");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
+        free(parts[i]);
+    return good;
+}
+
+/* The generator names its files after the pipeline: the stem of the one *_gl.c. */
+static char *find_name(const char *folder, const struct dt_log *log)
+{
+    static const char tail[] = "_gl.c";
+    char *name = NULL;
+    DIR *listing = opendir(folder);
+    for (struct dirent *entry = listing ? readdir(listing) : NULL; entry && !name;
+         entry = readdir(listing)) {
+        size_t length = strlen(entry->d_name);
+        if (length >= sizeof tail && strcmp(entry->d_name + length - (sizeof tail - 1), tail) == 0)
+            name = strndup(entry->d_name, length - (sizeof tail - 1));
+    }
+    if (listing)
+        closedir(listing);
+    if (!name)
+        report_error(log, "%s: the generator left no *_gl.c there", folder);
+    return name;
+}
+
+/* ---- The stamp --------------------------------------------------------------------------------------------------- */
+
+static uint64_t content_hash(const char *path, bool *good)
+{
+    uint64_t hash = FILE_HASH_START;
+    *good = hash_file(&hash, path);
+    return hash;
+}
+
+/* Takes the next word of a depfile out of *at, in place: blanks end it, "\ " is a blank, "$$" a dollar,
+ * "\<newline>" nothing. */
+static char *next_word(char **at, bool *target)
+{
+    char *from = *at;
+    while (*from == ' ' || *from == '\n' || (from[0] == '\\' && from[1] == '\n'))
+        from += *from == '\\' ? 2 : 1;
+    if (!*from)
+        return NULL;
+    char *word = from;
+    char *to = from;
+    while (*from && *from != ' ' && *from != '\n' && !(from[0] == '\\' && from[1] == '\n')) {
+        if ((*from == '\\' && from[1]) || (from[0] == '$' && from[1] == '$'))
+            from++;
+        *to++ = *from++;
+    }
+    *at = *from ? from + 1 : from;
+    *to = 0;
+    *target = to > word && to[-1] == ':';
+    return word;
+}
+
+/* Adds "HASH PATH" to the stamp for every prerequisite outside `folder`, which is about to be renamed. */
+static bool stamp_depfile(FILE *stamp, const char *depfile, const char *folder,
+                          const struct dt_log *log)
+{
+    size_t size;
+    char *text = file_read(depfile, &size, log);
+    if (!text)
+        return false;
+    bool good = true;
+    bool target = false;
+    char *at = text;
+    for (char *word = next_word(&at, &target); word && good; word = next_word(&at, &target)) {
+        char *path = target ? NULL : realpath(word, NULL);
+        if (path && strncmp(path, folder, strlen(folder)) != 0) {
+            uint64_t hash = content_hash(path, &good);
+            fprintf(stamp, "%016" PRIx64 " %s\n", hash, path);
+        }
+        if (!target && !path)
+            good = false;
+        if (!good)
+            report_error(log, "%s: names %s, which cannot be read", depfile, word);
+        free(path);
+    }
+    free(text);
+    return good;
+}
+
+/* The stamp of what was built in `folder`, as text; the version is the hash of its lines. */
+static char *make_stamp(const char *folder, const char *name, char version[17],
+                        const struct dt_log *log)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *stamp = open_memstream(&text, &size);
+    char *generated = format_string("%s/gen.d", folder);
+    char *compiled = format_string("%s/cc.d", folder);
+    bool good = stamp && generated && compiled;
+    good = good && stamp_depfile(stamp, generated, folder, log) &&
+           stamp_depfile(stamp, compiled, folder, log);
+    if (stamp && fclose(stamp) != 0)
+        good = false;
+    char *whole = NULL;
+    if (good) {
+        uint64_t hash = FILE_HASH_START;
+        hash_bytes(&hash, text, size);
+        snprintf(version, 17, "%016" PRIx64, hash);
+        whole = format_string("name %s\nversion %s\n%s", name, version, text);
+    }
+    free(generated);
+    free(compiled);
+    free(text);
+    return whole;
+}
+
+static bool line_is_fresh(const char *line)
+{
+    char *rest = NULL;
+    uint64_t wanted = strtoull(line, &rest, 16);
+    bool good = false;
+    return rest && *rest == ' ' && content_hash(rest + 1, &good) == wanted && good;
+}
+
+/* Reads the stamp in `folder`; false when there is none or a file has changed since. */
+static bool read_stamp(struct cache_entry *entry, const char *folder)
+{
+    char *path = format_string("%s/stamp", folder);
+    FILE *stamp = path ? fopen(path, "r") : NULL;
+    free(path);
+    if (!stamp)
+        return false;
+    char *line = NULL;
+    size_t capacity = 0;
+    bool fresh = true;
+    for (ssize_t length; fresh && (length = getline(&line, &capacity, stamp)) > 0;) {
+        if (line[length - 1] == '\n')
+            line[length - 1] = 0;
+        if (strncmp(line, "name ", 5) == 0 && !entry->name)
+            entry->name = strdup(line + 5);
+        else if (strncmp(line, "version ", 8) == 0 && !entry->object)
+            entry->object = format_string("%s/%s/panels.so", folder, line + 8);
+        else
+            fresh = line_is_fresh(line);
+    }
+    free(line);
+    fclose(stamp);
+    if (fresh && entry->name && entry->object && file_exists(entry->object))
+        return true;
+    cache_entry_free(entry);
+    return false;
+}
+
+/* ---- Find or build ----------------------------------------------------------------------------------------------- */
+
+/* The real path, since depfiles are compared with it. */
+static char *usable_folder(char *folder, const struct dt_log *log)
+{
+    bool usable = folder && file_make_folders(folder, log) && access(folder, W_OK) == 0;
+    char *real = usable ? realpath(folder, NULL) : NULL;
+    free(folder);
+    return real;
+}
+
+static void ignore_message(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    (void)level;
+    (void)message;
+}
+
+/* build/cache where that can be written, else the user's own cache folder. */
+static char *cache_folder(const struct build_request *request, const struct dt_log *log)
+{
+    const struct dt_log silent = {.message = ignore_message};
+    char *folder = usable_folder(format_string("%s/cache", request->tools), &silent);
+    const char *base = getenv("XDG_CACHE_HOME");
+    const char *home = getenv("HOME");
+    if (!folder && base && *base == '/')
+        folder = usable_folder(format_string("%s/diptych", base), &silent);
+    if (!folder && home)
+        folder = usable_folder(format_string("%s/.cache/diptych", home), &silent);
+    if (!folder)
+        report_error(log, "%s/cache cannot be written; set XDG_CACHE_HOME to a folder that can",
+                     request->tools);
+    return folder;
+}
+
+static bool request_key(const struct build_request *request, uint64_t *key,
+                        const struct dt_log *log)
+{
+    *key = FILE_HASH_START;
+    hash_bytes(key, request->spec, strlen(request->spec) + 1);
+    for (uint32_t i = 0; i < request->set_count; i++)
+        hash_bytes(key, request->sets[i], strlen(request->sets[i]) + 1);
+    char *generator = format_string("%s/diptych-gen", request->tools);
+    bool good = generator && hash_file(key, generator);
+    if (!good)
+        report_error(log, "%s/diptych-gen: cannot be read; build the project with ninja",
+                     request->tools);
+    free(generator);
+    return good;
+}
+
+/* Puts the finished temporary folder in its place and lets the stamp name it. */
+static bool publish(const char *folder, const char *temporary, const char *version,
+                    const char *stamp, const struct dt_log *log)
+{
+    char *final = format_string("%s/%s", folder, version);
+    char *path = format_string("%s/stamp", folder);
+    bool good = final && path;
+    /* another process may have published the same version first; its content is as good as ours */
+    if (good && rename(temporary, final) != 0 && errno != ENOTEMPTY && errno != EEXIST) {
+        report_error(log, "%s: cannot be renamed to %s: %s", temporary, final, strerror(errno));
+        good = false;
+    }
+    good = good && file_write(path, stamp, strlen(stamp), log);
+    free(final);
+    free(path);
+    return good;
+}
+
+static bool build(struct console *console, const struct build_request *request, const char *folder,
+                  const char *temporary)
+{
+    char version[17];
+    console_status(console, "generating %s", request->spec);
+    if (!generate(request, temporary, &console->log))
+        return false;
+    char *name = find_name(temporary, &console->log);
+    console_status(console, "compiling %s", name ? name : "");
+    bool good = name && compile(request, temporary, name, &console->log);
+    char *stamp = good ? make_stamp(temporary, name, version, &console->log) : NULL;
+    good = stamp && publish(folder, temporary, version, stamp, &console->log);
+    free(stamp);
+    free(name);
+    return good;
+}
+
+static bool build_in_folder(struct cache_entry *entry, const struct build_request *request,
+                            const char *folder, struct console *console)
+{
+    char *temporary = format_string("%s/tmp-%d", folder, (int)getpid());
+    bool good = temporary && file_make_folders(temporary, &console->log);
+    if (good) {
+        console_temporary(console, temporary);
+        good = build(console, request, folder, temporary);
+        file_remove_tree(temporary);
+        console_forget(console, temporary);
+    }
+    free(temporary);
+    if (!good)
+        return false;
+    if (read_stamp(entry, folder))
+        return true;
+    report_error(&console->log, "%s: changed while it was compiled; run the command again",
+                 request->spec);
+    return false;
+}
+
+bool cache_get(struct cache_entry *entry, const struct build_request *request,
+               struct console *console)
+{
+    *entry = (struct cache_entry){0};
+    uint64_t key;
+    char *base =
+        request_key(request, &key, &console->log) ? cache_folder(request, &console->log) : NULL;
+    char *folder = base ? format_string("%s/%016" PRIx64, base, key) : NULL;
+    bool good = folder && file_make_folders(folder, &console->log);
+    good = good && (read_stamp(entry, folder) || build_in_folder(entry, request, folder, console));
+    free(folder);
+    free(base);
+    return good;
+}
+
+void cache_entry_free(struct cache_entry *entry)
+{
+    free(entry->object);
+    free(entry->name);
+    *entry = (struct cache_entry){0};
+}

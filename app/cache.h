@@ -1,0 +1,28 @@
+/* The cache of compiled pipelines. One folder per spec, overrides and generator; in it a stamp that names the current
+ * version and the hash of every file that it was made from, and one folder per version. Made in a temporary folder and
+ * renamed, so several processes may share it. Called by pipeline.c. */
+#ifndef DIPTYCH_CACHE_H
+#define DIPTYCH_CACHE_H
+
+#include "console.h"
+
+struct build_request {
+    const char *project; /* folder that holds templates/ and the runtimes' headers */
+    const char *tools;   /* folder that holds diptych-gen and glad/, the executable's own */
+    const char *spec;    /* real path */
+    const char **sets;   /* sorted */
+    uint32_t set_count;
+};
+
+/* What was found or built; strings are owned, free with cache_entry_free. */
+struct cache_entry {
+    char *object; /* path of the shared object */
+    char *name;   /* of the pipeline: prefix of its two symbols */
+};
+
+/* Finds a version whose inputs are all unchanged, or builds it. */
+bool cache_get(struct cache_entry *entry, const struct build_request *request,
+               struct console *console);
+void cache_entry_free(struct cache_entry *entry);
+
+#endif

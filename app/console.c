@@ -1,0 +1,190 @@
+/* Log lines, progress and signals; see console.h. Signals are taken by a thread of their own with sigtimedwait, so there
+ * is no handler and no global state, and the clean-up may use any function. */
+#include "console.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "files.h"
+
+enum { TICK_NS = 200000000, PROGRESS_AFTER_S = 2 };
+
+static void clear_line(struct console *console)
+{
+    if (console->shown)
+        fputs("\r\033[K", stderr);
+    console->shown = false;
+}
+
+static void print_message(void *user, enum dt_level level, const char *message)
+{
+    static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
+    struct console *console = user;
+    if (level == DT_ERROR)
+        atomic_fetch_add(&console->errors, 1);
+    pthread_mutex_lock(&console->lock);
+    clear_line(console);
+    fprintf(stderr, "diptych: %s%s\n", labels[level], message);
+    pthread_mutex_unlock(&console->lock);
+}
+
+static void show_progress(struct console *console)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    long elapsed = (long)(now.tv_sec - console->start.tv_sec);
+    pthread_mutex_lock(&console->lock);
+    if (elapsed >= PROGRESS_AFTER_S && console->status[0]) {
+        fprintf(stderr, "\r\033[K[%ld s] %s", elapsed, console->status);
+        console->shown = true;
+    }
+    pthread_mutex_unlock(&console->lock);
+}
+
+static _Noreturn void end_by_signal(struct console *console, int signal)
+{
+    pthread_mutex_lock(&console->writing); /* never released: nothing else may begin to write */
+    pthread_mutex_lock(&console->lock);
+    clear_line(console);
+    for (int i = 0; i < CONSOLE_TEMPORARIES; i++) {
+        /* another thread or a child may still put a file there: try again for a moment */
+        for (int attempt = 0; console->temporaries[i] && attempt < 20; attempt++) {
+            if (file_remove_tree(console->temporaries[i]))
+                break;
+            nanosleep(&(struct timespec){.tv_nsec = TICK_NS / 20}, NULL);
+        }
+    }
+    fprintf(stderr, "diptych: interrupted, nothing half-written is left\n");
+    _exit(128 + signal);
+}
+
+static sigset_t watched_signals(void)
+{
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGINT);
+    sigaddset(&set, SIGTERM);
+    sigaddset(&set, SIGHUP);
+    return set;
+}
+
+static void *watch(void *user)
+{
+    struct console *console = user;
+    sigset_t set = watched_signals();
+    while (!atomic_load(&console->done)) {
+        int signal = sigtimedwait(&set, NULL, &(struct timespec){.tv_nsec = TICK_NS});
+        if (signal > 0 && !atomic_load(&console->done))
+            end_by_signal(console, signal);
+        if (signal < 0 && errno == EAGAIN && console->terminal)
+            show_progress(console);
+    }
+    return NULL;
+}
+
+bool console_open(struct console *console)
+{
+    *console = (struct console){.terminal = isatty(STDERR_FILENO)};
+    console->log = (struct dt_log){.message = print_message, .user = console};
+    pthread_mutex_init(&console->lock, NULL);
+    pthread_mutex_init(&console->writing, NULL);
+    clock_gettime(CLOCK_MONOTONIC, &console->start);
+    sigset_t set = watched_signals();
+    int error = pthread_sigmask(SIG_BLOCK, &set, NULL);
+    if (!error)
+        error = pthread_create(&console->watcher, NULL, watch, console);
+    if (error) {
+        report_error(&console->log, "cannot start the thread that waits for signals: %s",
+                     strerror(error));
+        return false;
+    }
+    console->watching = true;
+    return true;
+}
+
+void console_close(struct console *console)
+{
+    atomic_store(&console->done, true);
+    if (console->watching) {
+        pthread_kill(console->watcher, SIGHUP); /* ends the wait at once; the thread sees `done` */
+        pthread_join(console->watcher, NULL);
+    }
+    pthread_mutex_lock(&console->lock);
+    clear_line(console);
+    for (int i = 0; i < CONSOLE_TEMPORARIES; i++)
+        free(console->temporaries[i]);
+    pthread_mutex_unlock(&console->lock);
+    pthread_mutex_destroy(&console->lock);
+    pthread_mutex_destroy(&console->writing);
+}
+
+void report_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    log->message(log->user, level, length < 0 ? format : text);
+    if (length >= 0)
+        free(text);
+}
+
+static void message_from(void *user, enum dt_level level, const char *message)
+{
+    const struct log_source *source = user;
+    report_message(source->log, level, "%s: %s", source->name, message);
+}
+
+struct dt_log log_from(struct log_source *source)
+{
+    return (struct dt_log){.message = message_from, .user = source};
+}
+
+void console_status(struct console *console, const char *format, ...)
+{
+    pthread_mutex_lock(&console->lock);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(console->status, sizeof console->status, format, arguments);
+    va_end(arguments);
+    pthread_mutex_unlock(&console->lock);
+}
+
+void console_temporary(struct console *console, const char *path)
+{
+    pthread_mutex_lock(&console->lock);
+    for (int i = 0; i < CONSOLE_TEMPORARIES; i++) {
+        if (!console->temporaries[i]) {
+            console->temporaries[i] = strdup(path);
+            break;
+        }
+    }
+    pthread_mutex_unlock(&console->lock);
+}
+
+void console_forget(struct console *console, const char *path)
+{
+    pthread_mutex_lock(&console->lock);
+    for (int i = 0; i < CONSOLE_TEMPORARIES; i++) {
+        if (console->temporaries[i] && strcmp(console->temporaries[i], path) == 0) {
+            free(console->temporaries[i]);
+            console->temporaries[i] = NULL;
+        }
+    }
+    pthread_mutex_unlock(&console->lock);
+}
+
+void console_hold(struct console *console)
+{
+    pthread_mutex_lock(&console->writing);
+}
+
+void console_release(struct console *console)
+{
+    pthread_mutex_unlock(&console->writing);
+}

@@ -1,0 +1,61 @@
+/* What the command line says and how it ends: log lines and progress on stderr, and the tidy end on SIGINT. One console
+ * per process, made by main and handed to every verb. */
+#ifndef DIPTYCH_CONSOLE_H
+#define DIPTYCH_CONSOLE_H
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <time.h>
+
+#include "diptych.h"
+
+/* Exit statuses that scripts rely on. `compare` gives EXIT_DIFFER. */
+enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+
+enum { CONSOLE_TEMPORARIES = 4 };
+
+struct console {
+    struct dt_log log;
+    atomic_uint errors; /* DT_ERROR messages so far, from any thread */
+    pthread_mutex_t lock;
+    pthread_mutex_t writing; /* held around every short write that has to end whole */
+    pthread_t watcher;
+    atomic_bool done;
+    bool watching;
+    bool terminal;         /* stderr is one: show progress */
+    bool shown;            /* a progress line stands on the screen */
+    struct timespec start; /* of the verb */
+    char status[128];
+    char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
+};
+
+/* Blocks SIGINT, SIGTERM and SIGHUP in this and all later threads, and starts the thread that waits for them: it lets a
+ * write in progress finish, removes the temporaries and ends the process with 128 + signal. */
+bool console_open(struct console *console);
+void console_close(struct console *console);
+
+/* Logs through the console's log: printf without the trailing newline. */
+void report_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+#define report_error(log, ...) report_message(log, DT_ERROR, __VA_ARGS__)
+
+/* A log that puts "NAME: " before each message and hands it on. `source` must outlive what it is given to. */
+struct log_source {
+    const struct dt_log *log;
+    const char *name;
+};
+struct dt_log log_from(struct log_source *source);
+
+/* What is being done, shown with the elapsed time once the verb takes longer than two seconds. */
+void console_status(struct console *console, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* A file or folder to remove should a signal end the process; forget it once it is renamed or removed. */
+void console_temporary(struct console *console, const char *path);
+void console_forget(struct console *console, const char *path);
+
+/* Brackets a short write that a signal must not cut in half. */
+void console_hold(struct console *console);
+void console_release(struct console *console);
+
+#endif

@@ -1,0 +1,33 @@
+/* --dump: what every pass produced, as raw little-endian files and a manifest.json. Called by render, from its observer. */
+#ifndef DIPTYCH_DUMP_H
+#define DIPTYCH_DUMP_H
+
+#include <cjson/cJSON.h>
+
+#include "console.h"
+
+/* A dump being written into a temporary folder beside its place. */
+struct dump {
+    struct console *console;
+    const struct dt_pipeline *pipeline;
+    char *folder;    /* its place */
+    char *temporary; /* NULL when there is nothing to clean up */
+    cJSON *manifest;
+    cJSON *entries; /* of the manifest */
+};
+
+struct dump_info {
+    const char *folder;
+    const char *backend;
+    const char *scene;
+    uint32_t frame; /* index of the frame that is dumped */
+};
+
+/* Refuses a folder that exists and is not an earlier dump. On false the error is logged; dump_end either way. */
+bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
+                const struct dump_info *info);
+bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, const struct dt_bytes *bytes);
+/* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed dump. */
+bool dump_end(struct dump *dump, bool keep);
+
+#endif

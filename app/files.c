@@ -1,0 +1,151 @@
+/* Files whole or not at all; see files.h. */
+#include "files.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <ftw.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "console.h"
+
+char *format_string(const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    return length < 0 ? NULL : text;
+}
+
+static char *read_stream(FILE *stream, size_t *size)
+{
+    size_t capacity = 65536;
+    char *data = malloc(capacity);
+    *size = 0;
+    while (data) {
+        *size += fread(data + *size, 1, capacity - *size - 1, stream);
+        if (feof(stream) || ferror(stream))
+            break;
+        capacity *= 2;
+        char *grown = realloc(data, capacity);
+        if (!grown)
+            free(data);
+        data = grown;
+    }
+    if (data && ferror(stream)) {
+        free(data);
+        return NULL;
+    }
+    if (data)
+        data[*size] = 0;
+    return data;
+}
+
+char *file_read(const char *path, size_t *size, const struct dt_log *log)
+{
+    FILE *stream = fopen(path, "rb");
+    char *data = stream ? read_stream(stream, size) : NULL;
+    if (!data)
+        report_error(log, "%s: cannot be read: %s", path, strerror(errno));
+    if (stream)
+        fclose(stream);
+    return data;
+}
+
+static bool write_and_close(int descriptor, const char *data, size_t size)
+{
+    bool good = true;
+    while (good && size) {
+        ssize_t written = write(descriptor, data, size);
+        good = written > 0 || (written < 0 && errno == EINTR);
+        if (written > 0) {
+            data += written;
+            size -= (size_t)written;
+        }
+    }
+    int error = errno;
+    if (close(descriptor) != 0)
+        return false;
+    errno = error;
+    return good;
+}
+
+bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log)
+{
+    char *temporary = format_string("%s.tmp-%d", path, (int)getpid());
+    int descriptor =
+        temporary ? open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
+    bool good =
+        descriptor >= 0 && write_and_close(descriptor, data, size) && rename(temporary, path) == 0;
+    if (!good)
+        report_error(log, "%s: cannot be written: %s", path, strerror(errno));
+    if (!good && descriptor >= 0)
+        unlink(temporary);
+    free(temporary);
+    return good;
+}
+
+bool file_exists(const char *path)
+{
+    return access(path, F_OK) == 0;
+}
+
+bool file_make_folders(const char *path, const struct dt_log *log)
+{
+    char *copy = strdup(path);
+    bool good = copy;
+    for (char *slash = copy ? copy + 1 : NULL; good; slash++) {
+        slash = strchrnul(slash, '/');
+        char end = *slash;
+        *slash = 0;
+        good = mkdir(copy, 0777) == 0 || errno == EEXIST;
+        *slash = end;
+        if (!end)
+            break;
+    }
+    if (!good)
+        report_error(log, "%s: the folder cannot be made: %s", path, strerror(errno));
+    free(copy);
+    return good;
+}
+
+static int remove_entry(const char *path, const struct stat *info, int type, struct FTW *place)
+{
+    (void)info;
+    (void)type;
+    (void)place;
+    return remove(path);
+}
+
+bool file_remove_tree(const char *path)
+{
+    if (nftw(path, remove_entry, 8, FTW_DEPTH | FTW_PHYS) == 0)
+        return true;
+    return errno == ENOENT;
+}
+
+void hash_bytes(uint64_t *hash, const void *data, size_t size)
+{
+    const uint8_t *bytes = data;
+    for (size_t i = 0; i < size; i++)
+        *hash = (*hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+}
+
+bool hash_file(uint64_t *hash, const char *path)
+{
+    FILE *stream = fopen(path, "rb");
+    if (!stream)
+        return false;
+    uint8_t block[65536];
+    size_t got;
+    while ((got = fread(block, 1, sizeof block, stream)) > 0)
+        hash_bytes(hash, block, got);
+    bool good = !ferror(stream);
+    fclose(stream);
+    return good;
+}

@@ -1,0 +1,81 @@
+/* The `diptych` command: finds the verb, reads its options, runs it. Each verb lives in a file of its own. */
+#include <stdio.h>
+#include <string.h>
+
+#include "options.h"
+
+static const struct verb verbs[] = {
+    {"render", VERB_RENDER, "render a scene with one backend into a picture",
+     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.", verb_render},
+    {"compare", VERB_COMPARE, "run both backends and compare every resource after every pass",
+     "Prints a table; its last line names the first pass whose results break their contract.\n"
+     "Exit status: 0 the backends agree, 1 they differ, 2 it could not run.",
+     verb_compare},
+};
+
+static void help(FILE *stream)
+{
+    fprintf(stream, "diptych: one description of a GPU pipeline, run by OpenGL and by Vulkan\n\n"
+                    "usage: diptych VERB [options]\n\n");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
+        fprintf(stream, "  %-10s%s\n", verbs[i].name, verbs[i].summary);
+    fprintf(stream, "\ndiptych VERB --help lists the verb's options.\n");
+}
+
+static int unknown_verb(const struct console *console, const char *word)
+{
+    const char *names[DT_ARRAY_COUNT(verbs)];
+    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
+        names[i] = verbs[i].name;
+    const char *hint = closest_name(word, names, DT_ARRAY_COUNT(verbs));
+    if (hint)
+        report_error(&console->log, "unknown verb \"%s\"; did you mean \"%s\"?", word, hint);
+    else
+        report_error(&console->log, "unknown verb \"%s\"; see diptych --help", word);
+    return EXIT_USAGE;
+}
+
+static int run_verb(struct console *console, const struct verb *verb, int argc, char **argv)
+{
+    struct options options;
+    int status = EXIT_USAGE;
+    if (options_parse(&options, verb, argc, argv, &console->log)) {
+        if (options.help) {
+            options_help(verb);
+            status = EXIT_FINE;
+        } else {
+            status = verb->run(console, &options);
+        }
+    }
+    options_free(&options);
+    return status;
+}
+
+static int run(struct console *console, int argc, char **argv)
+{
+    if (argc < 2) {
+        help(stderr);
+        return EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        help(stdout);
+        return EXIT_FINE;
+    }
+    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++) {
+        if (strcmp(argv[1], verbs[i].name) == 0)
+            return run_verb(console, &verbs[i], argc - 2, argv + 2);
+    }
+    return unknown_verb(console, argv[1]);
+}
+
+int main(int argc, char **argv)
+{
+    struct console console;
+    int status = console_open(&console) ? run(&console, argc, argv) : EXIT_FAILED;
+    console_close(&console);
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        fprintf(stderr, "diptych: error: standard output cannot be written\n");
+        return EXIT_USAGE;
+    }
+    return status;
+}

@@ -1,0 +1,285 @@
+/* The option table and its parser; see options.h. */
+#include "options.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum option_kind {
+    OPTION_FLAG,
+    OPTION_STRING,
+    OPTION_CHOICE,
+    OPTION_COUNT,
+    OPTION_SIZE,
+    OPTION_LIST
+};
+
+struct option_row {
+    const char *name;
+    enum option_kind kind;
+    size_t offset;        /* into struct options */
+    unsigned verbs;       /* that take it */
+    unsigned required;    /* verbs that cannot do without */
+    const char *argument; /* as --help shows it; a choice lists its values with | between */
+    const char *help;
+};
+
+#define ALL       (VERB_RENDER | VERB_COMPARE)
+#define AT(field) offsetof(struct options, field)
+
+static const struct option_row rows[] = {
+    {"--scene", OPTION_STRING, AT(scene), ALL, ALL, "FILE",
+     "scene file (YAML): mesh, camera, light"},
+    {"--backend", OPTION_CHOICE, AT(backend), VERB_RENDER, VERB_RENDER, "gl|vk",
+     "OpenGL 4.6 or Vulkan 1.3"},
+    {"-o", OPTION_STRING, AT(output), VERB_RENDER, VERB_RENDER, "FILE",
+     "picture: .exr linear, .png tone-mapped"},
+    {"--spec", OPTION_STRING, AT(spec), ALL, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
+    {"--set", OPTION_LIST, AT(sets), ALL, 0, "PATH=VALUE",
+     "override a parameter by name or any value by its dotted path; may be repeated"},
+    {"--size", OPTION_SIZE, AT(size), ALL, 0, "WxH", "frame size in pixels (default: 1920x1080)"},
+    {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
+     "frames to run, the last one is kept (default: 1)"},
+    {"--dump", OPTION_STRING, AT(dump), VERB_RENDER, 0, "DIR",
+     "write what every pass of the last frame produced: manifest.json and raw files"},
+    {"--timings", OPTION_STRING, AT(timings), VERB_RENDER, 0, "FILE.json",
+     "write milliseconds per pass"},
+    {"--show", OPTION_STRING, AT(show), VERB_RENDER, 0, "RESOURCE",
+     "make the picture of this image instead"},
+    {"--json", OPTION_STRING, AT(json), VERB_COMPARE, 0, "FILE", "write the table as JSON, too"},
+    {"--scenes", OPTION_STRING, AT(scenes), ALL, 0, "DIR",
+     "where meshes are found (default: DIPTYCH_SCENES)"},
+    {"--device", OPTION_STRING, AT(device), ALL, 0, "NAME|INDEX",
+     "Vulkan device by part of its name or by index"},
+    {"--context", OPTION_CHOICE, AT(context), ALL, 0, "egl|osmesa|window",
+     "OpenGL context (default: egl)"},
+    {"--glsl", OPTION_FLAG, AT(glsl), ALL, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
+    {"--debug", OPTION_FLAG, AT(debug), ALL, 0, NULL,
+     "validation and KHR_debug; any message fails the run"},
+    {"--help", OPTION_FLAG, AT(help), ALL, 0, NULL, "show this"},
+};
+
+enum { ROWS = DT_ARRAY_COUNT(rows), MAX_FRAMES = 1000000, MAX_SIZE = 65536 };
+
+static unsigned smallest(unsigned a, unsigned b, unsigned c)
+{
+    unsigned least = a < b ? a : b;
+    return least < c ? least : c;
+}
+
+static unsigned edit_distance(const char *a, const char *b)
+{
+    unsigned row[64];
+    size_t width = strlen(b);
+    if (width >= DT_ARRAY_COUNT(row))
+        return UINT32_MAX;
+    for (unsigned j = 0; j <= width; j++)
+        row[j] = j;
+    for (unsigned i = 1; *a; a++, i++) {
+        unsigned diagonal = row[0];
+        row[0] = i;
+        for (unsigned j = 1; j <= width; j++) {
+            unsigned replaced = diagonal + (*a != b[j - 1]);
+            diagonal = row[j];
+            row[j] = smallest(row[j] + 1, row[j - 1] + 1, replaced);
+        }
+    }
+    return row[width];
+}
+
+const char *closest_name(const char *word, const char *const *names, uint32_t count)
+{
+    const char *best = NULL;
+    unsigned limit = 2 + (unsigned)strlen(word) / 3; /* slips, not other words */
+    for (uint32_t i = 0; i < count; i++) {
+        unsigned distance = edit_distance(word, names[i]);
+        if (distance < limit) {
+            limit = distance;
+            best = names[i];
+        }
+    }
+    return best;
+}
+
+static const struct option_row *find_row(const struct verb *verb, const char *name, size_t length)
+{
+    for (size_t i = 0; i < ROWS; i++) {
+        if (!(rows[i].verbs & verb->id))
+            continue;
+        if (strlen(rows[i].name) == length && strncmp(rows[i].name, name, length) == 0)
+            return &rows[i];
+    }
+    if (length == 2 && strncmp(name, "-h", 2) == 0)
+        return find_row(verb, "--help", 6);
+    return NULL;
+}
+
+static bool unknown_option(const struct verb *verb, const char *argument, size_t length,
+                           const struct dt_log *log)
+{
+    const char *names[ROWS];
+    uint32_t count = 0;
+    for (size_t i = 0; i < ROWS; i++) {
+        if (rows[i].verbs & verb->id)
+            names[count++] = rows[i].name;
+    }
+    char *word = strndup(argument, length);
+    const char *hint = word ? closest_name(word, names, count) : NULL;
+    if (argument[0] != '-')
+        report_error(log, "%s: unexpected argument \"%s\"; see diptych %s --help", verb->name,
+                     argument, verb->name);
+    else if (hint)
+        report_error(log, "%s: unknown option \"%s\"; did you mean \"%s\"?", verb->name, word,
+                     hint);
+    else
+        report_error(log, "%s: unknown option \"%s\"; see diptych %s --help", verb->name, word,
+                     verb->name);
+    free(word);
+    return false;
+}
+
+/* A whole number from 1 to max, ended by `end`; returns what follows it, or NULL. */
+static const char *read_count(const char *text, char end, uint32_t max, uint32_t *value)
+{
+    if (*text < '0' || *text > '9')
+        return NULL;
+    char *rest = NULL;
+    errno = 0;
+    unsigned long number = strtoul(text, &rest, 10);
+    if (errno || *rest != end || number < 1 || number > max)
+        return NULL;
+    *value = (uint32_t)number;
+    return end ? rest + 1 : rest;
+}
+
+static bool is_choice(const char *choices, const char *value)
+{
+    size_t length = strlen(value);
+    for (const char *at = choices; at; at = strchr(at, '|') ? strchr(at, '|') + 1 : NULL) {
+        if (strcspn(at, "|") == length && strncmp(at, value, length) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool append_set(struct options *options, const char *value)
+{
+    const char **grown = realloc(options->sets, (options->set_count + 1) * sizeof *grown);
+    if (!grown)
+        return false;
+    options->sets = grown;
+    options->sets[options->set_count++] = value;
+    return true;
+}
+
+static bool store(struct options *options, const struct option_row *row, const char *value,
+                  const struct dt_log *log)
+{
+    char *place = (char *)options + row->offset;
+    uint32_t *numbers = (uint32_t *)(void *)place;
+    switch (row->kind) {
+    case OPTION_FLAG:
+        *(bool *)place = true;
+        return true;
+    case OPTION_STRING:
+        *(const char **)(void *)place = value;
+        return true;
+    case OPTION_CHOICE:
+        *(const char **)(void *)place = value;
+        if (is_choice(row->argument, value))
+            return true;
+        report_error(log, "%s %s: must be one of %s", row->name, value, row->argument);
+        return false;
+    case OPTION_COUNT:
+        if (read_count(value, 0, MAX_FRAMES, numbers))
+            return true;
+        report_error(log, "%s %s: must be a whole number from 1 to %d", row->name, value,
+                     MAX_FRAMES);
+        return false;
+    case OPTION_SIZE: {
+        const char *height = read_count(value, 'x', MAX_SIZE, &numbers[0]);
+        if (height && read_count(height, 0, MAX_SIZE, &numbers[1]))
+            return true;
+        report_error(log, "%s %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080",
+                     row->name, value, MAX_SIZE);
+        return false;
+    }
+    case OPTION_LIST:
+        if (!strchr(value, '=') || value[0] == '=') {
+            report_error(log, "%s %s: must be PATH=VALUE, like clusters=16", row->name, value);
+            return false;
+        }
+        if (append_set(options, value))
+            return true;
+        report_error(log, "out of memory");
+        return false;
+    }
+    return false;
+}
+
+static bool check_required(const struct options *options, const struct verb *verb,
+                           const struct dt_log *log)
+{
+    for (size_t i = 0; i < ROWS; i++) {
+        if (!(rows[i].required & verb->id))
+            continue;
+        if (*(const char *const *)(const void *)((const char *)options + rows[i].offset))
+            continue;
+        report_error(log, "%s: %s %s is missing; see diptych %s --help", verb->name, rows[i].name,
+                     rows[i].argument, verb->name);
+        return false;
+    }
+    return true;
+}
+
+bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
+                   const struct dt_log *log)
+{
+    *options = (struct options){.size = {1920, 1080}, .frames = 1};
+    for (int i = 0; i < argc; i++) {
+        size_t length = argv[i][0] == '-' ? strcspn(argv[i], "=") : strlen(argv[i]);
+        const struct option_row *row = find_row(verb, argv[i], length);
+        if (!row)
+            return unknown_option(verb, argv[i], length, log);
+        const char *value = argv[i][length] ? argv[i] + length + 1 : NULL;
+        if (row->kind == OPTION_FLAG && value) {
+            report_error(log, "%s: takes no value", row->name);
+            return false;
+        }
+        if (row->kind != OPTION_FLAG && !value) {
+            if (i + 1 == argc) {
+                report_error(log, "%s: %s is missing", row->name, row->argument);
+                return false;
+            }
+            value = argv[++i];
+        }
+        if (!store(options, row, value, log))
+            return false;
+    }
+    return options->help || check_required(options, verb, log);
+}
+
+void options_free(struct options *options)
+{
+    free(options->sets);
+    options->sets = NULL;
+    options->set_count = 0;
+}
+
+void options_help(const struct verb *verb)
+{
+    printf("diptych %s: %s\n\nusage: diptych %s", verb->name, verb->summary, verb->name);
+    for (size_t i = 0; i < ROWS; i++) {
+        if (rows[i].required & verb->id)
+            printf(" %s %s", rows[i].name, rows[i].argument);
+    }
+    printf(" [options]\n\n");
+    for (size_t i = 0; i < ROWS; i++) {
+        if (!(rows[i].verbs & verb->id))
+            continue;
+        int used = printf("  %s %s", rows[i].name, rows[i].argument ? rows[i].argument : "");
+        printf("%*s%s\n", used < 30 ? 30 - used : 1, "", rows[i].help);
+    }
+    printf("\n%s\n", verb->details);
+}

@@ -1,0 +1,54 @@
+/* The options of all verbs in one table, and the one parser that reads it. Called by main, which hands the result to the
+ * verb. */
+#ifndef DIPTYCH_OPTIONS_H
+#define DIPTYCH_OPTIONS_H
+
+#include "console.h"
+
+/* A verb's bit in the option table. */
+enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2 };
+
+/* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at the default. Strings
+ * point into argv. */
+struct options {
+    const char *scene;
+    const char *backend; /* "gl" or "vk" */
+    const char *output;
+    const char *spec; /* NULL: the project's own */
+    const char **sets;
+    uint32_t set_count; /* NAME=VALUE each */
+    uint32_t size[2];
+    uint32_t frames;
+    const char *dump;
+    const char *timings;
+    const char *show;
+    const char *scenes; /* NULL: DIPTYCH_SCENES or none */
+    const char *device;
+    const char *context;
+    const char *json;
+    bool glsl;
+    bool debug;
+    bool help;
+};
+
+struct verb {
+    const char *name;
+    enum verb_id id;
+    const char *summary; /* one line */
+    const char *details; /* for --help: what it writes, what it exits with */
+    int (*run)(struct console *console, const struct options *options);
+};
+
+int verb_render(struct console *console, const struct options *options);
+int verb_compare(struct console *console, const struct options *options);
+
+/* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either way. */
+bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
+                   const struct dt_log *log);
+void options_free(struct options *options);
+void options_help(const struct verb *verb); /* on stdout */
+
+/* Of names[0..count), the one that `word` is most likely a slip of, or NULL. */
+const char *closest_name(const char *word, const char *const *names, uint32_t count);
+
+#endif

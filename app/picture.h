@@ -1,0 +1,26 @@
+/* Pictures of image resources: what -o and --show write. Called by render. */
+#ifndef DIPTYCH_PICTURE_H
+#define DIPTYCH_PICTURE_H
+
+#include "diptych.h"
+
+/* Three channels, row 0 at the top; one of the two arrays is given, and owned. */
+struct picture {
+    uint32_t width, height;
+    uint8_t *codes;
+    float *linear;
+};
+
+/* 8 bit for looking at. 8-bit formats are shown as they are; numbers with negatives (normals, positions) as v/2 + 1/2 of
+ * their largest magnitude, at least 1; depth stretched; HDR by Reinhard; labels in colours; NaN and Inf in magenta.
+ * Layers are laid out as a contact sheet. `bytes` is what the runtime's read gave. */
+bool picture_codes(struct picture *picture, const struct dt_resource *resource,
+                   const struct dt_bytes *bytes, const struct dt_log *log);
+
+/* The numbers as they are, for EXR. */
+bool picture_linear(struct picture *picture, const struct dt_resource *resource,
+                    const struct dt_bytes *bytes, const struct dt_log *log);
+
+void picture_free(struct picture *picture);
+
+#endif

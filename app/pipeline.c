@@ -1,0 +1,288 @@
+/* Loads pipelines and sets their live parameters; see pipeline.h. */
+#include "pipeline.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "cache.h"
+#include "files.h"
+#include "texels.h"
+
+/* The folder of the executable: diptych-gen, glad and the cache stand beside it. */
+static char *tools_folder(const struct dt_log *log)
+{
+    char *path = realpath("/proc/self/exe", NULL);
+    char *slash = path ? strrchr(path, '/') : NULL;
+    if (!slash || slash == path) {
+        report_error(log, "the executable's own folder cannot be found: %s", strerror(errno));
+        free(path);
+        return NULL;
+    }
+    *slash = 0;
+    return path;
+}
+
+char *project_folder(const struct dt_log *log)
+{
+    char *path = tools_folder(log);
+    char *slash = path ? strrchr(path, '/') : NULL;
+    if (slash)
+        *(slash == path ? slash + 1 : slash) = 0;
+    return path;
+}
+
+static char *spec_path(const char *spec, const char *project, const struct dt_log *log)
+{
+    char *own = spec ? NULL : format_string("%s/templates/ssvp.yaml", project);
+    const char *wanted = spec ? spec : own;
+    char *path = wanted ? realpath(wanted, NULL) : NULL;
+    if (!path)
+        report_error(log, "%s: the spec cannot be read: %s", wanted ? wanted : "spec",
+                     strerror(errno));
+    free(own);
+    return path;
+}
+
+static int compare_strings(const void *a, const void *b)
+{
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static const struct dt_panel *find_panel(void *object, const char *name, const char *backend,
+                                         const struct dt_log *log)
+{
+    char *symbol = format_string("%s_%s", name, backend);
+    const struct dt_panel *panel = symbol ? dlsym(object, symbol) : NULL;
+    if (!panel)
+        report_error(log, "the generated pipeline has no symbol %s", symbol ? symbol : backend);
+    free(symbol);
+    return panel;
+}
+
+/* One generation: the pipeline with exactly these overrides, live block at its defaults. Unload it in
+ * any case. */
+static bool load_with(struct pipeline *pipeline, struct console *console,
+                      const struct build_request *request)
+{
+    *pipeline = (struct pipeline){0};
+    struct cache_entry entry;
+    if (!cache_get(&entry, request, console))
+        return false;
+    pipeline->object = dlopen(entry.object, RTLD_NOW | RTLD_LOCAL);
+    if (!pipeline->object) {
+        report_error(&console->log, "the compiled pipeline cannot be loaded: %s", dlerror());
+    } else {
+        pipeline->gl = find_panel(pipeline->object, entry.name, "gl", &console->log);
+        pipeline->vk = find_panel(pipeline->object, entry.name, "vk", &console->log);
+    }
+    cache_entry_free(&entry);
+    if (pipeline->gl && pipeline->vk) {
+        pipeline->info = pipeline->gl->pipeline;
+        pipeline->live = malloc(pipeline->info->live_size);
+        if (pipeline->live) {
+            memcpy(pipeline->live, pipeline->info->live_defaults, pipeline->info->live_size);
+            return true;
+        }
+        report_error(&console->log, "out of memory");
+    }
+    return false;
+}
+
+void pipeline_unload(struct pipeline *pipeline)
+{
+    free(pipeline->live);
+    if (pipeline->object)
+        dlclose(pipeline->object);
+    *pipeline = (struct pipeline){0};
+}
+
+/* ---- Overrides --------------------------------------------------------------------------------------------------- */
+
+const struct dt_param *pipeline_param(const struct dt_pipeline *info, const char *name)
+{
+    for (uint32_t i = 0; i < info->param_count; i++) {
+        if (strcmp(info->params[i].name, name) == 0)
+            return &info->params[i];
+    }
+    return NULL;
+}
+
+static bool unknown_param(const struct dt_pipeline *info, const char *name,
+                          const struct dt_log *log)
+{
+    const char **names = calloc(info->param_count + 1, sizeof *names);
+    for (uint32_t i = 0; names && i < info->param_count; i++)
+        names[i] = info->params[i].name;
+    const char *hint = names ? closest_name(name, names, info->param_count) : NULL;
+    if (hint)
+        report_error(log, "--set %s: %s has no such parameter; did you mean \"%s\"?", name,
+                     info->name, hint);
+    else
+        report_error(log, "--set %s: %s has no such parameter; its header lists them", name,
+                     info->name);
+    free(names);
+    return false;
+}
+
+/* Reads "1.5", "true" or "[1, 2]" into values; false unless it is exactly `count` of them. */
+static bool read_values(const char *text, uint32_t count, double *values)
+{
+    bool list = *text == '[';
+    const char *at = list ? text + 1 : text;
+    for (uint32_t i = 0; i < count; i++) {
+        at += strspn(at, " ");
+        char *end = NULL;
+        values[i] = strtod(at, &end);
+        if (end == at && strncmp(at, "true", 4) == 0) {
+            values[i] = 1;
+            end += 4;
+        } else if (end == at && strncmp(at, "false", 5) == 0) {
+            values[i] = 0;
+            end += 5;
+        }
+        if (end == at || !isfinite(values[i]))
+            return false;
+        at = end + strspn(end, " ");
+        if (i + 1 < count && *at++ != ',')
+            return false;
+    }
+    if (list && *at++ != ']')
+        return false;
+    return *at == 0 && (list || count == 1);
+}
+
+static bool fits(const struct dt_param *param, enum dt_type scalar, double value)
+{
+    if (value < param->min || value > param->max)
+        return false;
+    if (scalar == DT_TYPE_INT)
+        return value == floor(value) && value >= INT32_MIN && value <= INT32_MAX;
+    if (scalar == DT_TYPE_UINT)
+        return value == floor(value) && value >= 0 && value <= UINT32_MAX;
+    return scalar != DT_TYPE_BOOL || value == 0 || value == 1;
+}
+
+static void write_scalar(uint8_t *place, enum dt_type scalar, double value)
+{
+    float number = (float)value;
+    int32_t whole = scalar == DT_TYPE_INT ? (int32_t)value : 0;
+    uint32_t natural = scalar == DT_TYPE_UINT || scalar == DT_TYPE_BOOL ? (uint32_t)value : 0;
+    if (scalar == DT_TYPE_FLOAT)
+        memcpy(place, &number, sizeof number);
+    else if (scalar == DT_TYPE_INT)
+        memcpy(place, &whole, sizeof whole);
+    else
+        memcpy(place, &natural, sizeof natural);
+}
+
+bool pipeline_set_live(struct pipeline *pipeline, const struct dt_param *param, const char *value,
+                       const struct dt_log *log)
+{
+    enum dt_type scalar = type_scalar(param->type);
+    uint32_t count = type_components(param->type);
+    double values[16];
+    if (count > 4 || param->offset + count * 4 > pipeline->info->live_size ||
+        !read_values(value, count, values)) {
+        report_error(log, "--set %s=%s: must be %s%s", param->name, value,
+                     count > 1 ? "a list like [1, 2] for " : "a ", type_name(param->type));
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        if (!fits(param, scalar, values[i])) {
+            report_error(log, "--set %s=%s: must be a %s from %g to %g", param->name, value,
+                         type_name(param->type), param->min, param->max);
+            return false;
+        }
+    }
+    for (uint32_t i = 0; i < count; i++)
+        write_scalar((uint8_t *)pipeline->live + param->offset + i * 4, scalar, values[i]);
+    return true;
+}
+
+/* A bare name is a parameter, everything else (dots, brackets) a path in the spec. */
+static bool is_bare(const char *set)
+{
+    return strcspn(set, ".[") > strcspn(set, "=");
+}
+
+/* Sorts the bare overrides into baked ones, appended to request->sets, and live ones, which stay for later. */
+static bool take_baked(const struct pipeline *pipeline, const struct options *options,
+                       struct build_request *request, const struct dt_log *log)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < options->set_count && good; i++) {
+        if (!is_bare(options->sets[i]))
+            continue;
+        char *name = strndup(options->sets[i], strcspn(options->sets[i], "="));
+        const struct dt_param *param = name ? pipeline_param(pipeline->info, name) : NULL;
+        if (!param)
+            good = unknown_param(pipeline->info, name ? name : options->sets[i], log);
+        else if (!param->live)
+            request->sets[request->set_count++] = options->sets[i];
+        free(name);
+    }
+    return good;
+}
+
+static bool set_live_ones(struct pipeline *pipeline, const struct options *options,
+                          const struct dt_log *log)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < options->set_count && good; i++) {
+        const char *value = strchr(options->sets[i], '=') + 1;
+        char *name = strndup(options->sets[i], (size_t)(value - 1 - options->sets[i]));
+        const struct dt_param *param = name ? pipeline_param(pipeline->info, name) : NULL;
+        if (param && param->live && is_bare(options->sets[i]))
+            good = pipeline_set_live(pipeline, param, value, log);
+        free(name);
+    }
+    return good;
+}
+
+/* Which parameters are live is known only from a generated pipeline: the first one is made with the overrides that cannot
+ * be live, and only a baked parameter among the rest asks for a second. */
+static bool load_request(struct pipeline *pipeline, struct console *console,
+                         const struct options *options, struct build_request *request)
+{
+    for (uint32_t i = 0; i < options->set_count; i++) {
+        if (!is_bare(options->sets[i]))
+            request->sets[request->set_count++] = options->sets[i];
+    }
+    uint32_t dotted = request->set_count;
+    qsort(request->sets, dotted, sizeof *request->sets, compare_strings);
+    struct pipeline first;
+    bool good =
+        load_with(&first, console, request) && take_baked(&first, options, request, &console->log);
+    if (good && request->set_count == dotted) {
+        *pipeline = first;
+    } else {
+        pipeline_unload(&first);
+        qsort(request->sets, request->set_count, sizeof *request->sets, compare_strings);
+        good = good && load_with(pipeline, console, request);
+    }
+    return good && set_live_ones(pipeline, options, &console->log);
+}
+
+bool pipeline_load(struct pipeline *pipeline, struct console *console,
+                   const struct options *options)
+{
+    *pipeline = (struct pipeline){0};
+    char *tools = tools_folder(&console->log);
+    char *project = tools ? project_folder(&console->log) : NULL;
+    char *spec = project ? spec_path(options->spec, project, &console->log) : NULL;
+    const char **sets = calloc(options->set_count + 1, sizeof *sets);
+    struct build_request request = {.project = project, .tools = tools, .spec = spec, .sets = sets};
+    bool good = spec && sets && load_request(pipeline, console, options, &request);
+    if (!good)
+        pipeline_unload(pipeline);
+    free(sets);
+    free(spec);
+    free(project);
+    free(tools);
+    return good;
+}

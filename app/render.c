@@ -1,0 +1,218 @@
+/* `diptych render`: one scene, one backend, one picture; on request a dump and timings. */
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "dump.h"
+#include "options.h"
+#include "picture.h"
+#include "scenes/image.h"
+#include "session.h"
+#include "texels.h"
+#include "timings.h"
+
+struct render {
+    struct console *console;
+    const struct options *options;
+    struct pipeline pipeline;
+    struct scene scene;
+    struct session session;
+    struct timings timings; /* of frames without an observer, when there are any */
+    struct dump dump;
+    bool exr;
+    uint32_t shown; /* resource that becomes the picture */
+    uint32_t
+        shown_pass; /* the last that writes it: resources may share memory, so it is read right then */
+    struct dt_bytes picture; /* its bytes */
+};
+
+static bool ends_with(const char *text, const char *tail)
+{
+    size_t length = strlen(text);
+    size_t size = strlen(tail);
+    return length >= size && strcasecmp(text + length - size, tail) == 0;
+}
+
+static bool check_output(struct render *render)
+{
+    const char *path = render->options->output;
+    render->exr = ends_with(path, ".exr");
+    if (render->exr || ends_with(path, ".png"))
+        return true;
+    report_error(&render->console->log, "-o %s: must end in .exr (linear) or .png (tone-mapped)",
+                 path);
+    return false;
+}
+
+static bool find_shown_by_name(struct render *render)
+{
+    const struct dt_pipeline *info = render->pipeline.info;
+    const struct dt_log *log = &render->console->log;
+    const char *wanted = render->options->show;
+    const char **names = calloc(info->resource_count + 1, sizeof *names);
+    for (uint32_t i = 0; i < info->resource_count; i++) {
+        if (strcmp(info->resources[i].name, wanted) == 0) {
+            render->shown = i;
+            free(names);
+            return true;
+        }
+        if (names)
+            names[i] = info->resources[i].name;
+    }
+    const char *hint = names ? closest_name(wanted, names, info->resource_count) : NULL;
+    if (hint)
+        report_error(log, "--show %s: %s has no such resource; did you mean \"%s\"?", wanted,
+                     info->name, hint);
+    else
+        report_error(log, "--show %s: %s has no such resource", wanted, info->name);
+    free(names);
+    return false;
+}
+
+static bool find_shown(struct render *render)
+{
+    const struct dt_pipeline *info = render->pipeline.info;
+    const struct dt_log *log = &render->console->log;
+    int output = render->exr ? info->linear_output : info->display_output;
+    if (render->options->show) {
+        if (!find_shown_by_name(render))
+            return false;
+    } else if (output < 0) {
+        report_error(log, "%s names no %s output; pick a resource with --show", info->name,
+                     render->exr ? "linear" : "display");
+        return false;
+    } else {
+        render->shown = (uint32_t)output;
+    }
+    const struct dt_resource *resource = &info->resources[render->shown];
+    if (resource->kind != DT_IMAGE) {
+        report_error(
+            log, "%s is a buffer; a picture can only be made of an image (--dump writes buffers)",
+            resource->name);
+        return false;
+    }
+    for (uint32_t i = info->pass_count; i-- > 0;) {
+        for (uint32_t j = 0; j < info->passes[i].write_count; j++) {
+            if (info->passes[i].writes[j] == render->shown) {
+                render->shown_pass = i;
+                return true;
+            }
+        }
+    }
+    report_error(log, "%s is written by no pass of %s", resource->name, info->name);
+    return false;
+}
+
+/* In the last frame only: reads what is dumped and what is shown. */
+static bool after_pass(void *user, uint32_t pass)
+{
+    struct render *render = user;
+    const struct session *session = &render->session;
+    const struct dt_pass *info = &render->pipeline.info->passes[pass];
+    console_status(render->console, "%s: pass %s", session->info.backend, info->name);
+    for (uint32_t i = 0; i < info->write_count; i++) {
+        uint32_t resource = info->writes[i];
+        bool show = resource == render->shown && pass == render->shown_pass;
+        if (!show && !render->dump.entries)
+            continue;
+        struct dt_bytes bytes = {0};
+        bool good = session->runtime->read(session->handle, resource, &bytes);
+        if (good && render->dump.entries)
+            good = dump_add(&render->dump, pass, resource, &bytes);
+        if (good && show) {
+            render->picture = bytes;
+            bytes.data = NULL;
+        }
+        free(bytes.data);
+        if (!good)
+            return false;
+    }
+    return true;
+}
+
+static bool run_frames(struct render *render)
+{
+    const struct options *options = render->options;
+    const struct dt_observer observer = {.after_pass = after_pass, .user = render};
+    for (uint32_t i = 0; i < options->frames; i++) {
+        bool last = i + 1 == options->frames;
+        double start = milliseconds_now();
+        if (!session_frame(&render->session, last ? &observer : NULL))
+            return false;
+        /* the observer makes every pass wait, so the last frame is timed only when it is the first, too */
+        if (options->timings && (!last || i == 0) &&
+            !timings_take(&render->timings, &render->session, milliseconds_now() - start))
+            return false;
+    }
+    if (!session_is_silent(&render->session))
+        return false;
+    if (render->picture.data)
+        return true;
+    report_error(&render->console->log, "the runtime finished the frame without reporting pass %s",
+                 render->pipeline.info->passes[render->shown_pass].name);
+    return false;
+}
+
+static bool write_picture(const struct render *render)
+{
+    const struct dt_resource *resource = &render->pipeline.info->resources[render->shown];
+    const struct dt_log *log = &render->console->log;
+    const char *path = render->options->output;
+    struct picture picture = {0};
+    console_status(render->console, "writing %s", path);
+    bool good = render->exr ? picture_linear(&picture, resource, &render->picture, log)
+                            : picture_codes(&picture, resource, &render->picture, log);
+    if (good) {
+        console_hold(render->console);
+        good = render->exr
+                   ? image_write_exr(path, picture.width, picture.height, 3, picture.linear, log)
+                   : image_write_png(path, picture.width, picture.height, 3, picture.codes, log);
+        console_release(render->console);
+    }
+    picture_free(&picture);
+    return good;
+}
+
+static bool prepare(struct render *render)
+{
+    const struct options *options = render->options;
+    const struct dt_log *log = &render->console->log;
+    if (!check_output(render) || !pipeline_load(&render->pipeline, render->console, options))
+        return false;
+    if (!find_shown(render) || !session_load_scene(&render->scene, render->console, options))
+        return false;
+    if (options->timings &&
+        !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
+        return false;
+    if (options->dump && !dump_begin(&render->dump, render->console, render->pipeline.info,
+                                     &(struct dump_info){.folder = options->dump,
+                                                         .backend = options->backend,
+                                                         .scene = options->scene,
+                                                         .frame = options->frames - 1}))
+        return false;
+    const struct session_info info = {.backend = options->backend,
+                                      .console = render->console,
+                                      .options = options,
+                                      .pipeline = &render->pipeline,
+                                      .scene = &render->scene,
+                                      .timing = options->timings};
+    return session_open(&render->session, &info) && session_prepare(&render->session);
+}
+
+int verb_render(struct console *console, const struct options *options)
+{
+    struct render render = {.console = console, .options = options};
+    bool good = prepare(&render) && run_frames(&render);
+    if (good && options->timings)
+        good = timings_write(&render.timings, &render.session, options->timings);
+    session_close(&render.session);
+    good = good && atomic_load(&console->errors) ==
+                       0; /* messages while the device was torn down count, too */
+    good = good && write_picture(&render);
+    good = dump_end(&render.dump, good) && good;
+    free(render.picture.data);
+    timings_free(&render.timings);
+    scene_free(&render.scene);
+    pipeline_unload(&render.pipeline);
+    return good ? EXIT_FINE : EXIT_FAILED;
+}

@@ -1,0 +1,82 @@
+/* Drives one runtime through its verbs; see session.h. */
+#include "session.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "runtime_gl/runtime.h"
+#include "runtime_vk/runtime.h"
+
+static const struct dt_runtime *find_runtime(const char *backend)
+{
+    return strcmp(backend, runtime_gl.name) == 0 ? &runtime_gl : &runtime_vk;
+}
+
+bool session_open(struct session *session, const struct session_info *info)
+{
+    const struct options *options = info->options;
+    *session = (struct session){.info = *info, .runtime = find_runtime(info->backend)};
+    session->source = (struct log_source){.log = &info->console->log, .name = info->backend};
+    session->log = info->name_in_log ? log_from(&session->source) : info->console->log;
+    console_status(info->console, "%s: opening the device", info->backend);
+    session->handle = session->runtime->open(&(struct dt_runtime_options){
+        .log = session->log,
+        .device = options->device,
+        .context = options->context,
+        .debug = options->debug,
+        .glsl = options->glsl,
+        .timing = info->timing,
+        .poison = info->poison,
+    });
+    return session->handle;
+}
+
+bool session_prepare(struct session *session)
+{
+    const struct session_info *info = &session->info;
+    const struct dt_panel *panel =
+        session->runtime == &runtime_gl ? info->pipeline->gl : info->pipeline->vk;
+    const uint32_t *size = info->options->size;
+    console_status(info->console, "%s: uploading the scene", info->backend);
+    if (!session->runtime->set_scene(session->handle, &info->scene->data))
+        return false;
+    console_status(info->console, "%s: creating the programs", info->backend);
+    return session->runtime->create(session->handle, panel) &&
+           session->runtime->resize(session->handle, size[0], size[1]);
+}
+
+bool session_frame(struct session *session, const struct dt_observer *observer)
+{
+    const struct session_info *info = &session->info;
+    struct dt_frame frame;
+    memset(&frame, 0, sizeof frame);
+    scene_frame(info->scene, info->options->size[0], info->options->size[1], &frame);
+    frame.index = session->frame++;
+    console_status(info->console, "%s: frame %u of %u", info->backend, session->frame,
+                   info->options->frames);
+    return session->runtime->render(session->handle, &frame, info->pipeline->live, observer);
+}
+
+bool session_is_silent(const struct session *session)
+{
+    uint32_t count = session->runtime->messages(session->handle);
+    if (count)
+        report_error(&session->log,
+                     "%u debug or validation messages, see above: the run does not count", count);
+    return count == 0;
+}
+
+void session_close(struct session *session)
+{
+    if (session->runtime)
+        session->runtime->close(session->handle);
+    session->handle = NULL;
+}
+
+bool session_load_scene(struct scene *scene, struct console *console, const struct options *options)
+{
+    const char *folder = options->scenes ? options->scenes : getenv("DIPTYCH_SCENES");
+    console_status(console, "loading %s", options->scene);
+    *scene = (struct scene){0};
+    return scene_load(scene, options->scene, folder, &console->log);
+}

@@ -1,0 +1,34 @@
+/* What lies in the bytes of a resource: names, sizes and numbers of types and formats. Called by dump, picture, compare and
+ * pipeline. */
+#ifndef DIPTYCH_TEXELS_H
+#define DIPTYCH_TEXELS_H
+
+#include "diptych.h"
+
+const char *type_name(enum dt_type type);        /* as in the spec: "vec3" */
+uint32_t type_components(enum dt_type type);     /* 1 to 4; 16 for mat4 */
+enum dt_type type_scalar(enum dt_type type);     /* DT_TYPE_FLOAT, _INT, _UINT or _BOOL */
+const char *format_name(enum dt_format format);  /* as in the spec: "rgba16f" */
+uint32_t format_channels(enum dt_format format); /* 1, 2 or 4 */
+uint32_t format_size(enum dt_format format);     /* bytes per texel */
+
+enum number_kind { NUMBER_UNORM8, NUMBER_HALF, NUMBER_FLOAT, NUMBER_UINT, NUMBER_INT };
+enum number_kind format_number(enum dt_format format);
+
+uint32_t number_size(enum number_kind kind);                       /* bytes */
+uint32_t number_bits(enum number_kind kind, const uint8_t *place); /* as they lie */
+double number_value(enum number_kind kind, const uint8_t *place);  /* exact; unorm8: code / 255 */
+
+/* One number in each element of a resource. */
+struct component {
+    char name[72]; /* "flux.y", "r", or empty for a plain scalar */
+    enum number_kind kind;
+    uint32_t offset; /* bytes from the start of the element */
+};
+
+uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
+
+/* All declared numbers of an element, padding left out; *list is malloc'ed. Returns their count, 0 when out of memory. */
+uint32_t resource_components(const struct dt_resource *resource, struct component **list);
+
+#endif

@@ -1,0 +1,118 @@
+/* Takes and writes timings; see timings.h. */
+#include "timings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "files.h"
+
+double milliseconds_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+bool timings_create(struct timings *timings, uint32_t passes, uint32_t max_frames,
+                    const struct dt_log *log)
+{
+    *timings = (struct timings){.passes = passes};
+    timings->pass_ms = calloc((size_t)passes * max_frames + 1, sizeof *timings->pass_ms);
+    timings->frame_ms = calloc(max_frames, sizeof *timings->frame_ms);
+    if (timings->pass_ms && timings->frame_ms)
+        return true;
+    report_error(log, "out of memory for the timings of %u frames", max_frames);
+    timings_free(timings);
+    return false;
+}
+
+bool timings_take(struct timings *timings, const struct session *session, double frame_ms)
+{
+    if (!session->runtime->timings(session->handle,
+                                   timings->pass_ms + (size_t)timings->frames * timings->passes))
+        return false;
+    timings->frame_ms[timings->frames++] = frame_ms;
+    return true;
+}
+
+void timings_free(struct timings *timings)
+{
+    free(timings->pass_ms);
+    free(timings->frame_ms);
+    *timings = (struct timings){0};
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    double left = *(const double *)a;
+    double right = *(const double *)b;
+    return (left > right) - (left < right);
+}
+
+/* Of values[0], values[step], ..., leaving out NAN; NAN when none is left. */
+static double median(const double *values, uint32_t count, uint32_t step)
+{
+    double *sorted = calloc(count + 1, sizeof *sorted);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; sorted && i < count; i++) {
+        if (!isnan(values[(size_t)i * step]))
+            sorted[kept++] = values[(size_t)i * step];
+    }
+    double result = NAN;
+    if (kept) {
+        qsort(sorted, kept, sizeof *sorted, compare_numbers);
+        result = (sorted[(kept - 1) / 2] + sorted[kept / 2]) / 2;
+    }
+    free(sorted);
+    return result;
+}
+
+static void add_passes(cJSON *root, const struct timings *timings,
+                       const struct dt_pipeline *pipeline)
+{
+    double sum = 0;
+    cJSON *passes = cJSON_CreateArray();
+    for (uint32_t i = 0; i < timings->passes; i++) {
+        double ms = median(timings->pass_ms + i, timings->frames, timings->passes);
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "pass", pipeline->passes[i].name);
+        if (isnan(ms))
+            cJSON_AddNullToObject(item, "ms");
+        else
+            cJSON_AddNumberToObject(item, "ms", ms);
+        cJSON_AddItemToArray(passes, item);
+        sum += isnan(ms) ? 0 : ms;
+    }
+    cJSON_AddNumberToObject(root, "sum_ms", sum);
+    cJSON_AddItemToObject(root, "passes", passes);
+}
+
+bool timings_write(const struct timings *timings, const struct session *session, const char *path)
+{
+    const struct options *options = session->info.options;
+    const struct dt_pipeline *pipeline = session->info.pipeline->info;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "backend", session->info.backend);
+    cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
+    cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
+    cJSON_AddStringToObject(root, "pipeline", pipeline->name);
+    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON_AddNumberToObject(root, "width", options->size[0]);
+    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    cJSON_AddNumberToObject(root, "frames", timings->frames);
+    cJSON_AddNumberToObject(root, "frame_ms", median(timings->frame_ms, timings->frames, 1));
+    add_passes(root, timings, pipeline);
+    char *text = cJSON_Print(root);
+    bool good = false;
+    if (text) {
+        console_hold(session->info.console);
+        good = file_write(path, text, strlen(text), &session->log);
+        console_release(session->info.console);
+    } else {
+        report_error(&session->log, "%s: out of memory", path);
+    }
+    cJSON_free(text);
+    cJSON_Delete(root);
+    return good;
+}

@@ -1,0 +1,467 @@
+/* The parts of the command line that need no device: options, files, numbers in resources, differences under a contract,
+ * live parameters, pictures, dumps. Expected values come from IEEE 754, sRGB and the contracts' definitions. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "app/difference.h"
+#include "app/dump.h"
+#include "app/files.h"
+#include "app/options.h"
+#include "app/picture.h"
+#include "app/pipeline.h"
+#include "app/texels.h"
+
+/* ---- What was said ----------------------------------------------------------------------------- */
+
+struct ear {
+    char last[512];
+    int errors;
+};
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    struct ear *ear = user;
+    ear->errors += level == DT_ERROR;
+    snprintf(ear->last, sizeof ear->last, "%s", message);
+}
+
+static struct dt_log log_to(struct ear *ear)
+{
+    *ear = (struct ear){.errors = 0};
+    return (struct dt_log){.message = hear, .user = ear};
+}
+
+/* ---- Options ----------------------------------------------------------------------------------- */
+
+static const struct verb render = {.name = "render", .id = VERB_RENDER};
+
+static bool parse(struct options *options, struct ear *ear, int count, const char *const *words)
+{
+    const struct dt_log log = log_to(ear);
+    return options_parse(options, &render, count, (char **)words, &log);
+}
+
+static void options_are_read(void **state)
+{
+    (void)state;
+    const char *words[] = {"--scene", "a.yaml",     "--backend=vk", "-o",  "x.png",
+                           "--size",  "640x480",    "--set",        "a=1", "--set",
+                           "b=x=y",   "--frames=7", "--debug"};
+    struct options options;
+    struct ear ear;
+    assert_true(parse(&options, &ear, DT_ARRAY_COUNT(words), words));
+    assert_string_equal(options.scene, "a.yaml");
+    assert_string_equal(options.backend, "vk");
+    assert_int_equal(options.size[0], 640);
+    assert_int_equal(options.size[1], 480);
+    assert_int_equal(options.set_count, 2);
+    assert_string_equal(options.sets[1], "b=x=y");
+    assert_int_equal(options.frames, 7);
+    assert_true(options.debug);
+    assert_false(options.glsl);
+    options_free(&options);
+}
+
+static void wrong_options_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *words[4];
+        const char *said;
+    } cases[] = {
+        {{"--sceen", "x"}, "did you mean \"--scene\"?"},
+        {{"--json", "x"}, "unknown option \"--json\""}, /* of another verb */
+        {{"--size", "0x4"}, "--size 0x4"},
+        {{"--size", "4x4x"}, "--size 4x4x"},
+        {{"--size", "-4x4"}, "--size -4x4"},
+        {{"--frames", "1e3"}, "--frames 1e3"},
+        {{"--frames", "99999999999999999999"}, "--frames"},
+        {{"--backend", "g"}, "must be one of gl|vk"},
+        {{"--set", "novalue"}, "PATH=VALUE"},
+        {{"--set", "=1"}, "PATH=VALUE"},
+        {{"--debug=yes", NULL}, "takes no value"},
+        {{"--spec", NULL}, "is missing"},
+        {{"stray", NULL}, "unexpected argument \"stray\""},
+        {{"--scene", "x", "--backend", "gl"}, "-o FILE is missing"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        int count = 0;
+        while (count < 4 && cases[i].words[count])
+            count++;
+        struct options options;
+        struct ear ear;
+        assert_false(parse(&options, &ear, count, cases[i].words));
+        assert_int_equal(ear.errors, 1);
+        if (!strstr(ear.last, cases[i].said))
+            fail_msg("\"%s\" does not say \"%s\"", ear.last, cases[i].said);
+        options_free(&options);
+    }
+}
+
+static void names_are_guessed(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"clusters", "bounces", "tile"};
+    assert_string_equal(closest_name("cluster", names, 3), "clusters");
+    assert_string_equal(closest_name("bonuces", names, 3), "bounces");
+    assert_null(closest_name("exposure", names, 3));
+}
+
+/* ---- Files ------------------------------------------------------------------------------------- */
+
+static void hash_is_fnv1a(void **state)
+{
+    (void)state;
+    uint64_t hash = FILE_HASH_START; /* the published test vectors of FNV-1a, 64 bit */
+    hash_bytes(&hash, "a", 1);
+    assert_true(hash == UINT64_C(0xaf63dc4c8601ec8c));
+    hash = FILE_HASH_START;
+    hash_bytes(&hash, "foobar", 6);
+    assert_true(hash == UINT64_C(0x85944171f73967e8));
+}
+
+static void files_appear_whole(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/diptych-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    char *deep = format_string("%s/a/b/c", folder);
+    char *path = format_string("%s/file", deep);
+    assert_false(file_write(path, "x", 1, &log));
+    assert_int_equal(ear.errors, 1);
+    assert_true(file_make_folders(deep, &log));
+    assert_true(file_write(path, "one", 3, &log));
+    assert_true(file_write(path, "three", 5, &log));
+    size_t size;
+    char *text = file_read(path, &size, &log);
+    assert_int_equal(size, 5);
+    assert_string_equal(text, "three");
+    assert_true(file_remove_tree(folder));
+    assert_false(file_exists(folder));
+    assert_true(file_remove_tree(folder));
+    free(text);
+    free(path);
+    free(deep);
+}
+
+/* ---- Numbers ----------------------------------------------------------------------------------- */
+
+static void halves_are_ieee(void **state)
+{
+    (void)state;
+    static const struct {
+        uint16_t bits;
+        double value;
+    } cases[] = {{0x0000, 0},       {0x3c00, 1},         {0xc000, -2},
+                 {0x7bff, 65504},   {0x0001, 0x1p-24},   {0x03ff, 1023 * 0x1p-24},
+                 {0x0400, 0x1p-14}, {0x3555, 0x1.554p-2}};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++)
+        assert_true(number_value(NUMBER_HALF, (const uint8_t *)&cases[i].bits) == cases[i].value);
+    const uint16_t infinite = 0xfc00;
+    const uint16_t nan = 0x7e00;
+    assert_true(number_value(NUMBER_HALF, (const uint8_t *)&infinite) == -INFINITY);
+    assert_true(isnan(number_value(NUMBER_HALF, (const uint8_t *)&nan)));
+}
+
+static void components_are_named(void **state)
+{
+    (void)state;
+    static const struct dt_field fields[] = {{"flux", DT_TYPE_VEC3, 0, 0, 0},
+                                             {"cluster", DT_TYPE_UINT, 12, 0, 0},
+                                             {"table", DT_TYPE_VEC2, 16, 2, 8}};
+    const struct dt_resource resource = {
+        .name = "r", .kind = DT_BUFFER, .fields = fields, .field_count = 3, .stride = 32};
+    struct component *list;
+    assert_int_equal(resource_components(&resource, &list), 8);
+    assert_string_equal(list[1].name, "flux.y");
+    assert_string_equal(list[3].name, "cluster");
+    assert_int_equal(list[3].kind, NUMBER_UINT);
+    assert_string_equal(list[7].name, "table[1].y");
+    assert_int_equal(list[7].offset, 28);
+    free(list);
+}
+
+/* ---- Differences ------------------------------------------------------------------------------- */
+
+enum { ELEMENTS = 3 };
+
+/* A vec3 and 4 bytes of padding. */
+static const struct dt_field one_vector[] = {{"v", DT_TYPE_VEC3, 0, 0, 0}};
+
+static struct difference compare(struct dt_contract contract, float left[ELEMENTS][4],
+                                 float right[ELEMENTS][4])
+{
+    const struct dt_resource resource = {.name = "r",
+                                         .kind = DT_BUFFER,
+                                         .contract = contract,
+                                         .fields = one_vector,
+                                         .field_count = 1,
+                                         .stride = 16};
+    const struct dt_bytes copies[2] = {
+        {.data = (uint8_t *)left, .size = ELEMENTS * 16, .extent = {ELEMENTS}},
+        {.data = (uint8_t *)right, .size = ELEMENTS * 16, .extent = {ELEMENTS}}};
+    struct difference difference = {0};
+    assert_true(difference_add(&difference, &resource, 4, copies));
+    return difference;
+}
+
+static void padding_is_nobodys(void **state)
+{
+    (void)state;
+    float left[ELEMENTS][4] = {{1, 2, 3, 4}};
+    float right[ELEMENTS][4] = {{1, 2, 3, 5}};
+    struct difference difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, left, right);
+    assert_int_equal(difference_verdict(&difference), VERDICT_EQUAL);
+    assert_int_equal(difference.elements, ELEMENTS);
+}
+
+static void exact_sees_the_last_bit(void **state)
+{
+    (void)state;
+    float left[ELEMENTS][4] = {{1, 2, 3}, {1, 1, 1}, {0, 0, 0}};
+    float right[ELEMENTS][4] = {{1, 2, 3}, {1, nextafterf(1, 2), 1}, {0, 0, -0.0f}};
+    struct difference difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, left, right);
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+    assert_int_equal(difference.differing, 2);
+    assert_int_equal(difference.worst.element, 1);
+    assert_int_equal(difference.worst.frame, 4);
+    assert_string_equal(difference.worst.component.name, "v.y");
+    assert_true(difference.worst.error == 0x1p-23);
+    assert_int_equal(difference.worst.bits[1], 0x3f800001);
+}
+
+static void tolerances_are_kept(void **state)
+{
+    (void)state;
+    float left[ELEMENTS][4] = {{100, 0, 0}};
+    float right[ELEMENTS][4] = {{101, 0, 0}};
+    float near[ELEMENTS][4] = {{nextafterf(nextafterf(100, 200), 200), 0, 0}};
+    static const struct {
+        struct dt_contract contract;
+        enum verdict verdict;
+    } cases[] = {{{DT_CONTRACT_ABS, 1}, VERDICT_WITHIN},
+                 {{DT_CONTRACT_ABS, 0.99}, VERDICT_DIFFERS},
+                 {{DT_CONTRACT_REL, 0.01}, VERDICT_WITHIN},
+                 {{DT_CONTRACT_REL, 0.0099}, VERDICT_DIFFERS},
+                 {{DT_CONTRACT_ULP, 4}, VERDICT_DIFFERS}};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        struct difference difference = compare(cases[i].contract, left, right);
+        assert_int_equal(difference_verdict(&difference), cases[i].verdict);
+    }
+    struct difference difference = compare((struct dt_contract){DT_CONTRACT_ULP, 2}, left, near);
+    assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
+    assert_true(difference.worst.error == 2);
+    difference = compare((struct dt_contract){DT_CONTRACT_ULP, 1}, left, near);
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+}
+
+static void ulps_go_through_zero(void **state)
+{
+    (void)state;
+    float left[ELEMENTS][4] = {{0x1p-149f, 0, 0}};
+    float right[ELEMENTS][4] = {{-0x1p-149f, -0.0f, 0}};
+    struct difference difference = compare((struct dt_contract){DT_CONTRACT_ULP, 2}, left, right);
+    assert_true(difference.worst.error == 2);
+    assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
+}
+
+static void nan_passes_exactly_or_not_at_all(void **state)
+{
+    (void)state;
+    float both[ELEMENTS][4] = {{NAN, INFINITY, 0}};
+    float one[ELEMENTS][4] = {{0, INFINITY, 0}};
+    struct difference difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, both, both);
+    assert_int_equal(difference_verdict(&difference), VERDICT_EQUAL);
+    assert_int_equal(difference.not_finite, 2);
+    difference = compare((struct dt_contract){DT_CONTRACT_ABS, 1e30}, both, both);
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+    difference = compare((struct dt_contract){DT_CONTRACT_ABS, INFINITY}, both, one);
+    assert_int_equal(difference.not_finite, 2);
+    difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, both, one);
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+}
+
+static void sizes_must_match(void **state)
+{
+    (void)state;
+    static uint8_t bytes[16];
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
+    const struct dt_bytes copies[2] = {{.data = bytes, .size = 16, .extent = {4, 1, 1}},
+                                       {.data = bytes, .size = 16, .extent = {2, 2, 1}}};
+    struct difference difference = {0};
+    assert_true(difference_add(&difference, &resource, 0, copies));
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+}
+
+/* ---- Live parameters --------------------------------------------------------------------------- */
+
+static void live_parameters_are_checked(void **state)
+{
+    (void)state;
+    static const struct dt_param params[] = {
+        {.name = "bounces", .type = DT_TYPE_UINT, .live = true, .offset = 4, .min = 0, .max = 2},
+        {.name = "tint", .type = DT_TYPE_VEC2, .live = true, .offset = 8, .min = -1, .max = 1},
+        {.name = "on",
+         .type = DT_TYPE_BOOL,
+         .live = true,
+         .offset = 0,
+         .min = -INFINITY,
+         .max = INFINITY},
+    };
+    static const struct dt_pipeline info = {
+        .name = "p", .params = params, .param_count = 3, .live_size = 16};
+    uint32_t live[4] = {0};
+    struct pipeline pipeline = {.info = &info, .live = live};
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    assert_true(pipeline_set_live(&pipeline, pipeline_param(&info, "bounces"), "2", &log));
+    assert_true(pipeline_set_live(&pipeline, pipeline_param(&info, "tint"), "[0.5, -1]", &log));
+    assert_true(pipeline_set_live(&pipeline, pipeline_param(&info, "on"), "true", &log));
+    const uint32_t expected[4] = {1, 2, 0x3f000000, 0xbf800000};
+    assert_memory_equal(live, expected, sizeof live);
+    static const char *const wrong[] = {"3",  "1.5", "-1", "",    "x",
+                                        "2x", "nan", "[1", "1,2", "[1, 2]"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(wrong); i++)
+        assert_false(pipeline_set_live(&pipeline, &params[0], wrong[i], &log));
+    assert_false(pipeline_set_live(&pipeline, &params[1], "1", &log));
+    assert_false(pipeline_set_live(&pipeline, &params[2], "2", &log));
+    assert_int_equal(ear.errors, (int)DT_ARRAY_COUNT(wrong) + 2);
+    assert_memory_equal(live, expected, sizeof live);
+    assert_null(pipeline_param(&info, "absent"));
+}
+
+/* ---- Pictures ---------------------------------------------------------------------------------- */
+
+static void pictures_are_upright(void **state)
+{
+    (void)state;
+    uint8_t texels[2][2][4] = {{{1, 2, 3, 4}, {5, 6, 7, 8}}, {{9, 10, 11, 12}, {13, 14, 15, 16}}};
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
+    const struct dt_bytes bytes = {.data = &texels[0][0][0], .size = 16, .extent = {2, 2, 1}};
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    struct picture picture;
+    assert_true(picture_codes(&picture, &resource, &bytes, &log));
+    const uint8_t expected[] = {9, 10, 11, 13, 14, 15, 1, 2, 3, 5, 6, 7};
+    assert_int_equal(picture.width, 2);
+    assert_memory_equal(picture.codes, expected, sizeof expected);
+    picture_free(&picture);
+}
+
+static void normals_become_colours(void **state)
+{
+    (void)state;
+    float texels[2][4] = {{-1, 0, 1, 0}, {NAN, 0, 0, 0}};
+    const struct dt_resource resource = {
+        .name = "n", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA32F};
+    const struct dt_bytes bytes = {
+        .data = (uint8_t *)texels, .size = sizeof texels, .extent = {2, 1, 1}};
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    struct picture picture;
+    assert_true(picture_codes(&picture, &resource, &bytes, &log));
+    const uint8_t expected[] = {0, 128, 255, 255, 0, 255};
+    assert_memory_equal(picture.codes, expected, sizeof expected);
+    picture_free(&picture);
+}
+
+static void layers_make_a_sheet(void **state)
+{
+    (void)state;
+    float texels[5] = {1, 2, 3, 4, 5};
+    const struct dt_resource resource = {
+        .name = "l", .kind = DT_IMAGE, .format = DT_FORMAT_R32F, .layered = true};
+    const struct dt_bytes bytes = {
+        .data = (uint8_t *)texels, .size = sizeof texels, .extent = {1, 1, 5}};
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    struct picture picture;
+    assert_true(picture_linear(&picture, &resource, &bytes, &log));
+    assert_int_equal(picture.width, 3);
+    assert_int_equal(picture.height, 2);
+    assert_true(picture.linear[4 * 3] == 5);
+    assert_true(picture.linear[5 * 3] == 0);
+    picture_free(&picture);
+    const struct dt_resource buffer = {.name = "b", .kind = DT_BUFFER};
+    assert_false(picture_linear(&picture, &buffer, &bytes, &log));
+    assert_non_null(strstr(ear.last, "b is a buffer"));
+}
+
+/* ---- Dumps ------------------------------------------------------------------------------------- */
+
+static void dumps_replace_only_dumps(void **state)
+{
+    (void)state;
+    static const uint16_t writes[] = {0};
+    static const struct dt_resource resource = {
+        .name = "r", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
+    static const struct dt_pass pass = {.name = "p", .writes = writes, .write_count = 1};
+    const struct dt_pipeline info = {
+        .name = "x", .resources = &resource, .resource_count = 1, .passes = &pass, .pass_count = 1};
+    char folder[] = "/tmp/diptych-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *place = format_string("%s/dump", folder);
+    char *raw = format_string("%s/00.p.r.raw", place);
+    char *theirs = format_string("%s/letter", folder);
+    struct ear ear;
+    struct console console = {.log = log_to(&ear)};
+    pthread_mutex_init(&console.lock, NULL);
+    pthread_mutex_init(&console.writing, NULL);
+    const struct dump_info where = {.folder = place, .backend = "gl", .scene = "s"};
+    float number = 1;
+    const struct dt_bytes bytes = {.data = (uint8_t *)&number, .size = 4, .extent = {1, 1, 1}};
+    for (int i = 0; i < 3; i++) { /* the first is thrown away, the third replaces the second */
+        struct dump dump;
+        assert_true(dump_begin(&dump, &console, &info, &where));
+        assert_true(dump_add(&dump, 0, 0, &bytes));
+        assert_true(dump_end(&dump, i > 0));
+        assert_int_equal(file_exists(raw), i > 0);
+    }
+    assert_true(file_write(theirs, "dear", 4, &console.log));
+    const struct dump_info wrong = {.folder = folder, .backend = "gl", .scene = "s"};
+    struct dump dump;
+    assert_false(dump_begin(&dump, &console, &info, &wrong));
+    dump_end(&dump, false);
+    assert_int_equal(ear.errors, 1);
+    assert_true(file_exists(theirs));
+    file_remove_tree(folder);
+    free(theirs);
+    free(raw);
+    free(place);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(options_are_read),
+        cmocka_unit_test(wrong_options_are_refused),
+        cmocka_unit_test(names_are_guessed),
+        cmocka_unit_test(hash_is_fnv1a),
+        cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(halves_are_ieee),
+        cmocka_unit_test(components_are_named),
+        cmocka_unit_test(padding_is_nobodys),
+        cmocka_unit_test(exact_sees_the_last_bit),
+        cmocka_unit_test(tolerances_are_kept),
+        cmocka_unit_test(ulps_go_through_zero),
+        cmocka_unit_test(nan_passes_exactly_or_not_at_all),
+        cmocka_unit_test(sizes_must_match),
+        cmocka_unit_test(live_parameters_are_checked),
+        cmocka_unit_test(pictures_are_upright),
+        cmocka_unit_test(normals_become_colours),
+        cmocka_unit_test(layers_make_a_sheet),
+        cmocka_unit_test(dumps_replace_only_dumps),
+    };
+    return cmocka_run_group_tests_name("app", tests, NULL, NULL);
+}

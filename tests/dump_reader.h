@@ -1,0 +1,46 @@
+/* Reads what `diptych render --dump` wrote: the tests' independent eye on a frame. Fails the running cmocka test on
+ * anything that it cannot read, so callers need no checks. */
+#ifndef DIPTYCH_TESTS_DUMP_READER_H
+#define DIPTYCH_TESTS_DUMP_READER_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct cJSON;
+
+struct dump {
+    char directory[512];
+    struct cJSON *manifest;
+    int temporary;
+};
+
+struct dump_entry { /* one resource after one pass */
+    uint8_t *data;  /* owner; dump_entry_free */
+    size_t size;
+    size_t stride; /* buffers: bytes from element to element; images: bytes of a texel */
+    size_t count;  /* buffers: elements */
+    size_t width, height, layers;    /* images */
+    const struct cJSON *description; /* the manifest's entry */
+};
+
+void dump_open(struct dump *dump, const char *directory);
+/* Runs `diptych render --dump` with these further arguments in a temporary directory, and opens the dump. The program is
+ * $DIPTYCH_BUILD/diptych, build/diptych without it; the working directory is the project's root. */
+void dump_render(struct dump *dump, const char *arguments);
+void dump_close(struct dump *dump); /* removes what dump_render made */
+
+/* pass NULL: the last pass that wrote the resource. */
+struct dump_entry dump_read(const struct dump *dump, const char *pass, const char *resource);
+void dump_entry_free(struct dump_entry *entry);
+
+/* Address of a field (buffers) in element `index`. */
+const void *dump_field(const struct dump_entry *entry, size_t index, const char *field);
+/* Channels of a texel (images) as float; row 0 is NDC y = -1. Reads rgba32f, rgba16f, r32f, rgba8, d32f, r32ui. */
+void dump_texel(const struct dump_entry *entry, size_t x, size_t y, size_t layer, float out[4]);
+
+/* Number of entries in the manifest, and the names in the i-th. */
+size_t dump_entry_count(const struct dump *dump);
+const char *dump_entry_pass(const struct dump *dump, size_t i);
+const char *dump_entry_resource(const struct dump *dump, size_t i);
+
+#endif

@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# A pipeline that nobody here renders with runs on both backends without a line of C: tests/specs/features.yaml uses every
+# feature of the language. And compare can fail: a pass that is broken in one backend is found and named.
+. "$(dirname "$0")/tap.sh"
+specs=$root/tests/specs
+scene=$root/scenes/cornell.yaml
+
+for size in 40x24 17x9 1x1; do
+    check "features agree at $size, validation silent" \
+        "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size $size --frames 3 --debug
+done
+check "features agree with the conditional pass skipped" \
+    "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --set blur=false --debug
+check "features agree with OpenGL fed GLSL text" \
+    "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --glsl
+check "features agree with OpenGL from OSMesa" \
+    "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --context osmesa
+
+# Faults of one backend: in a compute pass, in a draw, in the last bit of one element, in one texel.
+for fault in count scene mark compose; do
+    mkdir -p "$work/$fault"
+    cp "$specs"/features* "$work/$fault/"
+done
+cd "$work" || exit 1
+sed -i 's/histogram\[bin\].count = n;/histogram[bin].count = n;\n#ifdef VULKAN\n    histogram[bin].count += bin == 3 ? 1u : 0u;\n#endif/' count/features_count.glsl
+sed -i 's/    label = uvec4/#ifdef OPENGL\n    if (ivec2(gl_FragCoord.xy) == ivec2(8, 4)) color.r = 1.0 - color.r;\n#endif\n    label = uvec4/' scene/features_scene.glsl
+sed -i 's/marks\[i\] = /marks[i] = 1u * /; s/+ uint(i);/+ uint(i)\n#ifdef VULKAN\n    * (i == 5 ? 2u : 1u)\n#endif\n    ;/' mark/features_mark.glsl
+sed -i 's/+ trail(p));/+ trail(p)\n#ifdef OPENGL\n    * (p == ivec2(3, 3) ? -1.0 : 1.0) + (p == ivec2(3, 3) ? 1.0 : 0.0)\n#endif\n    );/' compose/features_compose.glsl
+for fault in count scene mark compose; do
+    check_status 1 "a fault in pass $fault is found" \
+        "$diptych" compare --scene "$scene" --spec "$work/$fault/features.yaml" --size 17x9
+    cp "$work/output" "$work/table"
+    check "... and pass $fault is named on the last line" \
+        bash -c "tail -n 1 '$work/table' | grep -qw '$fault' || { cat '$work/table'; false; }"
+done
+check_status 2 "a compare that cannot run says so by its status" \
+    "$diptych" compare --scene "$work/absent.yaml" --spec "$specs/features.yaml" --size 17x9
+finish

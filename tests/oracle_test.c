@@ -1,0 +1,479 @@
+/* Stages of templates/ssvp.yaml against what they should compute, in double precision in C, on dumped resources of both
+ * backends: sampling patterns, VPLs, clusters, second-bounce flux, interleaving, shading, tone mapping. Shares no code with the
+ * shaders; formulas and names of quantities are the papers'. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "dump_reader.h"
+
+#define RSM_SIZE        128
+#define PARABOLOID_SIZE 64
+#define FIRST_VPLS      256
+#define SECOND_VPLS     256
+#define CLUSTERS        8
+static const double pi = 3.14159265358979323846;
+
+/* The smallest sizes that leave the stages their shape, a metric scale that the test knows, one frame. */
+#define COMMON                                                                                     \
+    " --spec templates/ssvp.yaml --size 50x38 --set rsm_size=128 --set paraboloid_size=64"         \
+    " --set metrics.vpl_distance.scale=0.5 "
+static const char *const backends[] = {"gl", "vk"};
+
+static void render(struct dump *dump, const char *scene, const char *backend, const char *more)
+{
+    char arguments[1024];
+    snprintf(arguments, sizeof arguments, "--scene tests/specs/%s.yaml --backend %s" COMMON "%s",
+             scene, backend, more);
+    dump_render(dump, arguments);
+}
+
+static const float *vec(const struct dump_entry *buffer, size_t index, const char *field)
+{
+    return dump_field(buffer, index, field);
+}
+
+static double dot3(const float *a, const float *b)
+{
+    return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+}
+
+static double distance3(const float *a, const float *b)
+{
+    float d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return sqrt(dot3(d, d));
+}
+
+static void expect_near(double value, double expected, double relative, double absolute)
+{
+    if (!(fabs(value - expected) <= absolute + relative * fabs(expected)))
+        fail_msg("%.9g, expected %.9g", value, expected);
+}
+
+static void expect_same(const float *a, const float *b, int n)
+{
+    assert_memory_equal(a, b, (size_t)n * sizeof *a);
+}
+
+/* van der Corput radical inverse in base 2, digit by digit. */
+static double radical_inverse(unsigned k)
+{
+    double inverse = 0.0, digit = 0.5;
+    for (; k; k >>= 1, digit *= 0.5)
+        inverse += (double)(k & 1) * digit;
+    return inverse;
+}
+
+/* Shirley, Chiu 1997, by the four triangles of the square. */
+static void concentric(double u, double v, double out[2])
+{
+    double a = 2 * u - 1, b = 2 * v - 1, r = 0, phi = 0;
+    if (a > -b && a > b) {
+        r = a;
+        phi = pi / 4 * (b / a);
+    } else if (a > -b) {
+        r = b;
+        phi = pi / 4 * (2 - a / b);
+    } else if (a < b) {
+        r = -a;
+        phi = pi / 4 * (4 + b / a);
+    } else if (b != 0) {
+        r = -b;
+        phi = pi / 4 * (6 - a / b);
+    }
+    out[0] = r * cos(phi);
+    out[1] = r * sin(phi);
+}
+
+static void sampling_patterns_and_metric_follow_their_formulas(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        char arguments[256];
+        snprintf(arguments, sizeof arguments,
+                 "--scene tests/specs/spot.yaml --spec tests/specs/features.yaml --size 9x7 --set "
+                 "bins=37 --backend %s",
+                 backends[b]);
+        dump_render(&dump, arguments);
+        struct dump_entry points = dump_read(&dump, "count", "histogram");
+        assert_int_equal(points.count, 37);
+        for (unsigned k = 0; k < 37; ++k) {
+            const float *square = vec(&points, k, "square"), *polar = vec(&points, k, "polar");
+            const float *disk = vec(&points, k, "concentric");
+            double u = k / 37.0, v = radical_inverse(k), c[2];
+            expect_near(square[0], u, 0, 1e-7);
+            assert_true((double)square[1] == v); /* a dyadic fraction: exact */
+            expect_near(polar[0], sqrt(u) * cos(2 * pi * v), 0, 1e-6);
+            expect_near(polar[1], sqrt(u) * sin(2 * pi * v), 0, 1e-6);
+            concentric(u, v, c);
+            expect_near(disk[0], c[0], 0, 2e-6);
+            expect_near(disk[1], c[1], 0, 2e-6);
+            double apart = sqrt((u - 0.25) * (u - 0.25) + (v - 0.5) * (v - 0.5) + 0.75 * 0.75);
+            expect_near(*vec(&points, k, "apart"), 0.6 * apart / 2.0 + 0.4 * (1 - 0.8), 0, 1e-6);
+        }
+        dump_entry_free(&points);
+        dump_close(&dump);
+    }
+}
+
+static void hammersley_texel(unsigned k, unsigned n, size_t size, size_t texel[2])
+{
+    texel[0] = (size_t)((double)k / n * (double)size);
+    texel[1] = (size_t)(radical_inverse(k) * (double)size);
+}
+
+/* Solid angle and falloff by hand: a sample is (2 tan outer)^2 / N of the image plane at distance 1. */
+static double spot_share(const float *x)
+{
+    const float light[3] = {0.15f, 0.5f, 0.2f}, target[3] = {0.556f, 0.3f, 0.35f};
+    float axis[3], to[3];
+    for (int i = 0; i < 3; ++i) {
+        axis[i] = target[i] - light[i];
+        to[i] = x[i] - light[i];
+    }
+    double cosine = dot3(axis, to) / sqrt(dot3(axis, axis) * dot3(to, to));
+    double inner = cos(20 * pi / 180), outer = cos(40 * pi / 180);
+    double t = fmin(fmax((cosine - outer) / (inner - outer), 0), 1);
+    double side = 2 * tan(40 * pi / 180);
+    return t * t * (3 - 2 * t) * side * side / FIRST_VPLS * cosine * cosine * cosine;
+}
+
+static void first_vpls_are_texels_of_the_map(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        render(&dump, "spot", backends[b], "");
+        struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
+                          position = dump_read(&dump, NULL, "rsm_position");
+        struct dump_entry normal = dump_read(&dump, NULL, "rsm_normal"),
+                          albedo = dump_read(&dump, NULL, "rsm_albedo");
+        assert_int_equal(vpls.count, FIRST_VPLS);
+        int lit = 0;
+        for (unsigned k = 0; k < FIRST_VPLS; ++k) {
+            size_t t[2];
+            float x[4], n[4], rho[4];
+            hammersley_texel(k, FIRST_VPLS, RSM_SIZE, t);
+            dump_texel(&position, t[0], t[1], 0, x);
+            dump_texel(&normal, t[0], t[1], 0, n);
+            dump_texel(&albedo, t[0], t[1], 0, rho);
+            expect_same(vec(&vpls, k, "position"), x, 3);
+            expect_same(vec(&vpls, k, "normal"), n, 3);
+            const float *flux = vec(&vpls, k, "flux");
+            for (int c = 0; c < 3; ++c)
+                expect_near(flux[c], x[3] > 0 ? (2.0 + c) * rho[c] * spot_share(x) : 0, 1e-4, 1e-9);
+            lit += flux[0] > 0;
+        }
+        assert_in_range(lit, FIRST_VPLS / 2, FIRST_VPLS);
+        dump_entry_free(&vpls);
+        dump_entry_free(&position);
+        dump_entry_free(&normal);
+        dump_entry_free(&albedo);
+        dump_close(&dump);
+    }
+}
+
+/* All flux that parallel light brings onto the box's roof: irradiance times the roof's area. */
+static void directional_flux_is_irradiance_times_area(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        render(&dump, "directional", backends[b], "");
+        struct dump_entry vpls = dump_read(&dump, NULL, "vpls");
+        const double rho[3] = {0.725, 0.71, 0.68}, irradiance[3] = {5, 6, 7};
+        for (int c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (unsigned k = 0; k < FIRST_VPLS; ++k)
+                sum += vec(&vpls, k, "flux")[c];
+            expect_near(sum, irradiance[c] * rho[c] * 0.556 * 0.5592, 0.03, 0);
+        }
+        dump_entry_free(&vpls);
+        dump_close(&dump);
+    }
+}
+
+static double metric(const float *pa, const float *na, const float *pb, const float *nb)
+{
+    return 0.6 * distance3(pa, pb) / 0.5 + 0.4 * (1 - fmax(dot3(na, nb), 0));
+}
+
+/* Each label is the argmin over the centres, each mean the mean of its members; frame 3 starts from frame 2's means. */
+static void clusters_are_those_of_kmeans(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        render(&dump, "spot", backends[b], "--frames 3");
+        struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
+                          labels = dump_read(&dump, NULL, "labels");
+        struct dump_entry centres = dump_read(&dump, NULL, "centres");
+        assert_int_equal(centres.count, CLUSTERS);
+        double mean[CLUSTERS][3] = {{0}}, normal[CLUSTERS][3] = {{0}};
+        int members[CLUSTERS] = {0};
+        for (unsigned k = 0; k < FIRST_VPLS; ++k) {
+            int label;
+            memcpy(&label, dump_field(&labels, k, ""), sizeof label);
+            const float *x = vec(&vpls, k, "position"), *n = vec(&vpls, k, "normal");
+            if (dot3(vec(&vpls, k, "flux"), (const float[]){1, 1, 1}) == 0) {
+                assert_int_equal(label, -1);
+                continue;
+            }
+            assert_in_range(label, 0, CLUSTERS - 1);
+            double own = metric(x, n, vec(&centres, (size_t)label, "position"),
+                                vec(&centres, (size_t)label, "normal"));
+            for (size_t c = 0; c < CLUSTERS; ++c)
+                assert_true(own <=
+                            metric(x, n, vec(&centres, c, "position"), vec(&centres, c, "normal")) +
+                                1e-6);
+            members[label]++;
+            for (int i = 0; i < 3; ++i) {
+                mean[label][i] += x[i];
+                normal[label][i] += n[i];
+            }
+        }
+        for (size_t c = 0; c < CLUSTERS; ++c) {
+            int count;
+            memcpy(&count, dump_field(&centres, c, "members"), sizeof count);
+            assert_int_equal(count, members[c]);
+            if (count == 0)
+                continue;
+            double length = sqrt(normal[c][0] * normal[c][0] + normal[c][1] * normal[c][1] +
+                                 normal[c][2] * normal[c][2]);
+            for (int i = 0; i < 3; ++i) {
+                expect_near(vec(&centres, c, "mean")[i], mean[c][i] / count, 1e-5, 1e-6);
+                if (length > 0.02 * count)
+                    expect_near(vec(&centres, c, "mean_normal")[i], normal[c][i] / length, 1e-4,
+                                1e-5);
+            }
+        }
+        dump_entry_free(&vpls);
+        dump_entry_free(&labels);
+        dump_entry_free(&centres);
+        dump_close(&dump);
+    }
+}
+
+/* Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), from the texel that the disk point falls on; Phi_C the members' sum. */
+static void second_bounce_flux_is_as_derived(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        render(&dump, "spot", backends[b], "");
+        struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
+                          labels = dump_read(&dump, NULL, "labels");
+        struct dump_entry second = dump_read(&dump, NULL, "second_vpl");
+        struct dump_entry position = dump_read(&dump, NULL, "paraboloid_position");
+        struct dump_entry albedo = dump_read(&dump, NULL, "paraboloid_albedo");
+        assert_int_equal(second.count, SECOND_VPLS);
+        assert_int_equal(position.width, PARABOLOID_SIZE);
+        double cluster_flux[CLUSTERS][3] = {{0}}, first_sum = 0, second_sum = 0;
+        for (unsigned k = 0; k < FIRST_VPLS; ++k) {
+            int label;
+            memcpy(&label, dump_field(&labels, k, ""), sizeof label);
+            for (int c = 0; c < 3; ++c) {
+                first_sum += vec(&vpls, k, "flux")[c];
+                if (label >= 0)
+                    cluster_flux[label][c] += vec(&vpls, k, "flux")[c];
+            }
+        }
+        const unsigned n = SECOND_VPLS / CLUSTERS;
+        double weights = 0;
+        for (unsigned k = 0; k < SECOND_VPLS; ++k) {
+            double p[2];
+            concentric((double)(k % n) / n, radical_inverse(k % n), p);
+            double s = fmin(p[0] * p[0] + p[1] * p[1], 1),
+                   weight = 4 * (1 - s) / (pow(1 + s, 3) * n);
+            weights += weight / CLUSTERS;
+            float x[4], rho[4];
+            size_t tx =
+                (size_t)fmin(fmax((p[0] * 0.5 + 0.5) * PARABOLOID_SIZE, 0), PARABOLOID_SIZE - 1);
+            size_t ty =
+                (size_t)fmin(fmax((p[1] * 0.5 + 0.5) * PARABOLOID_SIZE, 0), PARABOLOID_SIZE - 1);
+            dump_texel(&position, tx, ty, k / n, x);
+            dump_texel(&albedo, tx, ty, k / n, rho);
+            if (memcmp(vec(&second, k, "position"), x, 3 * sizeof *x) != 0)
+                continue; /* the point lies on the border of two texels, where float and double may part */
+            for (int c = 0; c < 3; ++c) {
+                double flux = x[3] > 0 ? rho[c] * cluster_flux[k / n][c] * weight : 0;
+                expect_near(vec(&second, k, "flux")[c], flux, 1e-3, 1e-9);
+                second_sum += vec(&second, k, "flux")[c];
+            }
+        }
+        expect_near(weights, 1.0, 0.02, 0); /* integral over the disk: 1 */
+        assert_true(second_sum > 0.1 * first_sum && second_sum < first_sum);
+        dump_entry_free(&vpls);
+        dump_entry_free(&labels);
+        dump_entry_free(&second);
+        dump_entry_free(&position);
+        dump_entry_free(&albedo);
+        dump_close(&dump);
+    }
+}
+
+/* Segovia et al. 2006 for any size: class columns start where the wider ones before them end. */
+static size_t split_axis(size_t p, size_t size, size_t n)
+{
+    size_t start = 0;
+    for (size_t c = 0; c < p % n; ++c)
+        start += (size - c + n - 1) / n;
+    return start + p / n;
+}
+
+/* 50x38 with tiles of 4x4 and 3x5, none of which divide it. */
+static void split_then_gather_is_the_identity(void **state)
+{
+    (void)state;
+    const size_t tiles[2][2] = {{4, 4}, {3, 5}};
+    for (int b = 0; b < 2; ++b)
+        for (int i = 0; i < 2; ++i) {
+            struct dump dump, strided;
+            char sets[128];
+            snprintf(sets, sizeof sets, "--set tile=[%zu,%zu]", tiles[i][0], tiles[i][1]);
+            render(&strided, "spot", backends[b], sets);
+            snprintf(sets, sizeof sets, "--set split=1 --set tile=[%zu,%zu]", tiles[i][0],
+                     tiles[i][1]);
+            render(&dump, "spot", backends[b], sets);
+            struct dump_entry whole = dump_read(&dump, NULL, "gbuffer_position");
+            struct dump_entry split = dump_read(&dump, NULL, "split_position");
+            struct dump_entry shaded = dump_read(&dump, NULL, "split_irradiance");
+            struct dump_entry gathered = dump_read(&dump, NULL, "irradiance");
+            struct dump_entry direct = dump_read(&strided, NULL, "irradiance");
+            for (size_t y = 0; y < whole.height; ++y)
+                for (size_t x = 0; x < whole.width; ++x) {
+                    size_t u = split_axis(x, whole.width, tiles[i][0]),
+                           v = split_axis(y, whole.height, tiles[i][1]);
+                    float a[4], c[4];
+                    dump_texel(&whole, x, y, 0, a);
+                    dump_texel(&split, u, v, 0, c);
+                    expect_same(a, c, 4);
+                    dump_texel(&gathered, x, y, 0, a);
+                    dump_texel(&shaded, u, v, 0, c);
+                    expect_same(a, c, 4);
+                }
+            assert_int_equal(direct.size, gathered.size);
+            assert_memory_equal(direct.data, gathered.data,
+                                direct.size); /* shading does not know how it was fed */
+            dump_entry_free(&whole);
+            dump_entry_free(&split);
+            dump_entry_free(&shaded);
+            dump_entry_free(&gathered);
+            dump_entry_free(&direct);
+            dump_close(&dump);
+            dump_close(&strided);
+        }
+}
+
+/* What the second bounce adds to a pixel is the sum over its class of (Phi/pi) cos cos / d^2, times the classes. */
+static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump one, two;
+        render(&one, "spot", backends[b], "--set bounces=1 --set geometry_clamp=100000");
+        render(&two, "spot", backends[b], "--set bounces=2 --set geometry_clamp=100000");
+        struct dump_entry first = dump_read(&one, NULL, "irradiance"),
+                          both = dump_read(&two, NULL, "irradiance");
+        struct dump_entry position = dump_read(&two, NULL, "gbuffer_position");
+        struct dump_entry normal = dump_read(&two, NULL, "gbuffer_normal");
+        struct dump_entry vpls = dump_read(&two, NULL, "shading_second");
+        size_t per_class = vpls.count / 16;
+        int checked = 0;
+        for (size_t y = 0; y < position.height; ++y)
+            for (size_t x = 0; x < position.width; ++x) {
+                float p[4], n[4], e1[4], e2[4];
+                dump_texel(&position, x, y, 0, p);
+                dump_texel(&normal, x, y, 0, n);
+                dump_texel(&first, x, y, 0, e1);
+                dump_texel(&both, x, y, 0, e2);
+                if (p[3] == 0)
+                    continue;
+                double sum = 0, nearest = 1;
+                for (size_t k = 0; k < per_class; ++k) {
+                    size_t v = (x % 4 + 4 * (y % 4)) * per_class + k;
+                    const float *q = vec(&vpls, v, "position");
+                    float w[3] = {p[0] - q[0], p[1] - q[1], p[2] - q[2]};
+                    double square = dot3(w, w);
+                    double cosines =
+                        fmax(dot3(vec(&vpls, v, "normal"), w), 0) * fmax(-dot3(n, w), 0);
+                    nearest = fmin(nearest, square);
+                    if (square > 0)
+                        sum += vec(&vpls, v, "flux")[1] / pi * cosines / (square * square);
+                }
+                if (nearest < 1e-4)
+                    continue; /* there the clamp works */
+                expect_near(e2[1] - e1[1], 16 * sum, 2e-3, 2e-3 * (e1[1] + e2[1]) + 1e-5);
+                checked++;
+            }
+        assert_true(checked > 1000);
+        dump_entry_free(&first);
+        dump_entry_free(&both);
+        dump_entry_free(&position);
+        dump_entry_free(&normal);
+        dump_entry_free(&vpls);
+        dump_close(&one);
+        dump_close(&two);
+    }
+}
+
+/* Reinhard et al. 2002, Equations 1, 2 and 4 on luminance, IEC 61966-2-1, with the defaults a = 0.18, white = 4. */
+static void display_is_reinhards_curve_of_radiance(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        render(&dump, "spot", backends[b], "");
+        struct dump_entry radiance = dump_read(&dump, NULL, "radiance"),
+                          display = dump_read(&dump, NULL, "display");
+        double logs = 0;
+        int surfaces = 0;
+        for (int pass = 0; pass < 2; ++pass)
+            for (size_t y = 0; y < radiance.height; ++y)
+                for (size_t x = 0; x < radiance.width; ++x) {
+                    float l[4], d[4];
+                    dump_texel(&radiance, x, y, 0, l);
+                    dump_texel(&display, x, y, 0, d);
+                    double luminance = 0.2126 * l[0] + 0.7152 * l[1] + 0.0722 * l[2];
+                    if (pass == 0) {
+                        surfaces += l[3] > 0;
+                        logs += l[3] > 0 ? log(0.001 + luminance) : 0;
+                        continue;
+                    }
+                    double scale = 0.18 / exp(logs / surfaces), s = luminance * scale;
+                    double curve = scale * (1 + s / 16) / (1 + s);
+                    for (int c = 0; c < 3; ++c) {
+                        double v = fmin(l[c] * curve, 1);
+                        v = v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+                        expect_near(d[c] * 255, v * 255, 0, 0.51);
+                    }
+                }
+        assert_true(surfaces > 1000);
+        dump_entry_free(&radiance);
+        dump_entry_free(&display);
+        dump_close(&dump);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sampling_patterns_and_metric_follow_their_formulas),
+        cmocka_unit_test(first_vpls_are_texels_of_the_map),
+        cmocka_unit_test(directional_flux_is_irradiance_times_area),
+        cmocka_unit_test(clusters_are_those_of_kmeans),
+        cmocka_unit_test(second_bounce_flux_is_as_derived),
+        cmocka_unit_test(split_then_gather_is_the_identity),
+        cmocka_unit_test(second_bounce_irradiance_is_the_sum_of_its_class),
+        cmocka_unit_test(display_is_reinhards_curve_of_radiance),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
