@@ -127,6 +127,8 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
                 largest = resource;
             }
         }
+        if (!largest)
+            break;
         if (!largest->history) {
             uint32_t slots = pipeline->slot_count;
 

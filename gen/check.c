@@ -7,12 +7,12 @@
 
 #include "stages.h"
 
-#define FIND(c, array, number, name)                          \
-    do {                                                      \
-        for (uint32_t i = 0; i < (c)->pipeline->number; i++) \
-            if (!strcmp((c)->pipeline->array[i].name, name)) \
-                return &(c)->pipeline->array[i];             \
-        return NULL;                                          \
+#define FIND(c, array, number, name)                                                               \
+    do {                                                                                           \
+        for (uint32_t i = 0; i < (c)->pipeline->number; i++)                                       \
+            if (!strcmp((c)->pipeline->array[i].name, name))                                       \
+                return &(c)->pipeline->array[i];                                                   \
+        return NULL;                                                                               \
     } while (0)
 
 struct resource *find_resource(const struct checker *c, const char *name)
@@ -45,8 +45,8 @@ struct pass *find_pass(const struct checker *c, const char *name)
     FIND(c, passes, pass_count, name);
 }
 
-void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name, const char *const *names,
-                    size_t count)
+void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
+                    const char *const *names, size_t count)
 {
     const char *nearest = diag_nearest(name, names, count);
     if (nearest)
@@ -85,13 +85,15 @@ static void drop_passes(struct checker *c)
             pipeline->passes[kept++] = *pass;
     }
     if (!kept)
-        diag_error(c->diag, pipeline->loc, "no pass of `%s` ever runs: every `when` is 0", pipeline->name);
+        diag_error(c->diag, pipeline->loc, "no pass of `%s` ever runs: every `when` is 0",
+                   pipeline->name);
     pipeline->pass_count = kept;
 }
 
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag)
 {
-    struct checker c = {.model = model, .pipeline = &model->pipeline, .diag = diag, .templates_dir = templates_dir};
+    struct checker c = {
+        .model = model, .pipeline = &model->pipeline, .diag = diag, .templates_dir = templates_dir};
     c.bodies = calloc(model->pipeline.pass_count + 1, sizeof *c.bodies);
     c.out_of_memory = !c.bodies;
     check_names(&c);

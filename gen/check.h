@@ -9,7 +9,8 @@ struct token {
     const char *text;
     int length;
     struct loc loc;
-    char before, after; /* the nearest characters around it that are no space; 'a' for a word before, 0 for none */
+    char before,
+        after; /* the nearest characters around it that are no space; 'a' for a word before, 0 for none */
 };
 
 struct body { /* the tokens of a pass's shader and of what it includes */
@@ -22,7 +23,8 @@ struct checker {
     struct pipeline *pipeline;
     struct diag *diag;
     const char *templates_dir;
-    const struct expr **exprs; /* every expression of the spec, for the search for unused names; the last of them may be NULL */
+    const struct expr **
+        exprs; /* every expression of the spec, for the search for unused names; the last of them may be NULL */
     size_t expr_count, expr_capacity;
     struct body *bodies; /* one per pass */
     bool out_of_memory;
@@ -36,8 +38,8 @@ struct metric *find_metric(const struct checker *c, const char *name);
 struct interleave *find_interleave(const struct checker *c, const char *name);
 struct pass *find_pass(const struct checker *c, const char *name);
 /* "no WHAT `name`", with a suggestion among names. */
-void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name, const char *const *names,
-                    size_t count);
+void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
+                    const char *const *names, size_t count);
 
 /* check_values.c. What an expression may depend on is a mask of enum expr_reach; where it counts. */
 struct limits {
@@ -48,18 +50,23 @@ struct limits {
 };
 /* Resolves, then evaluates at several frame sizes and values of live parameters; reports at most one error. */
 bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits);
-void check_constants(struct checker *c); /* circles; folds; wrong ones lose their value and count as 1 */
+void check_constants(
+    struct checker *c); /* circles; folds; wrong ones lose their value and count as 1 */
 void check_params(struct checker *c);
-void check_sizes(struct checker *c); /* of buffers, images, samplers, interleaves; a wrong resource loses its size */
+void check_sizes(
+    struct checker
+        *c); /* of buffers, images, samplers, interleaves; a wrong resource loses its size */
 void check_asserts(struct checker *c);
 enum { FRAME_SIZES = 3 };
 extern const int frame_sizes[FRAME_SIZES][2];
 /* Width, height and layers of an image's mip level; false for a size that is wrong. */
-bool image_extent(const struct resource *image, uint32_t mip, const int frame[2], int64_t extent[3]);
+bool image_extent(const struct resource *image, uint32_t mip, const int frame[2],
+                  int64_t extent[3]);
 
 /* check_names.c */
-void check_names(struct checker *c);      /* duplicates, reserved words */
-void check_references(struct checker *c); /* resolves names: element types, accesses, uses, after, outputs */
+void check_names(struct checker *c); /* duplicates, reserved words */
+void check_references(
+    struct checker *c); /* resolves names: element types, accesses, uses, after, outputs */
 bool is_reserved(const char *name);
 
 /* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */

@@ -13,21 +13,24 @@ enum { DEEPEST_INCLUDE = 16 };
 static char *beside(struct checker *c, const char *path, const char *name, int length)
 {
     const char *slash = strrchr(path, '/');
-    return arena_printf(c->model->arena, "%.*s%.*s", slash ? (int)(slash - path + 1) : 0, path, length, name);
+    return arena_printf(c->model->arena, "%.*s%.*s", slash ? (int)(slash - path + 1) : 0, path,
+                        length, name);
 }
 
 static const struct source *read_shader(struct checker *c, const struct pass *pass)
 {
     int length = (int)strlen(pass->shader);
     const char *near = beside(c, pass->shader_loc.source->path, pass->shader, length);
-    if (!strcmp(pass->shader_loc.source->path, "--set")) /* a name from the command line is still looked up by the spec */
+    if (!strcmp(pass->shader_loc.source->path,
+                "--set")) /* a name from the command line is still looked up by the spec */
         near = beside(c, c->pipeline->loc.source->path, pass->shader, length);
     const char *below = arena_printf(c->model->arena, "%s/%s", c->templates_dir, pass->shader);
     const struct source *source = near ? source_read(c->model, near) : NULL;
     if (!source && below)
         source = source_read(c->model, below);
     if (!source)
-        diag_error(c->diag, pass->shader_loc, "cannot read the shader `%s`; looked for `%s` and `%s`", pass->shader,
+        diag_error(c->diag, pass->shader_loc,
+                   "cannot read the shader `%s`; looked for `%s` and `%s`", pass->shader,
                    near ? near : "?", below ? below : "?");
     return source;
 }
@@ -43,7 +46,8 @@ struct scan {
     char before;
 };
 
-static void scan_source(struct checker *c, struct body *body, const struct source *source, int depth);
+static void scan_source(struct checker *c, struct body *body, const struct source *source,
+                        int depth);
 
 static void add_token(struct scan *s, const char *text, int length)
 {
@@ -102,7 +106,8 @@ static bool take_include(struct scan *s, int depth)
         return true;
     int length = (int)(close - open - 1);
     const char *near = beside(s->c, s->source->path, open + 1, length);
-    const char *library = arena_printf(s->c->model->arena, "%s/glsl/%.*s", s->c->templates_dir, length, open + 1);
+    const char *library =
+        arena_printf(s->c->model->arena, "%s/glsl/%.*s", s->c->templates_dir, length, open + 1);
     const struct source *source = near ? source_read(s->c->model, near) : NULL;
     if (!source && library)
         source = source_read(s->c->model, library);
@@ -111,9 +116,11 @@ static bool take_include(struct scan *s, int depth)
     return true;
 }
 
-static void scan_source(struct checker *c, struct body *body, const struct source *source, int depth)
+static void scan_source(struct checker *c, struct body *body, const struct source *source,
+                        int depth)
 {
-    struct scan s = {c, body, source, source->text, source->text + source->length, source->text, 1, 0};
+    struct scan s = {c, body, source, source->text, source->text + source->length, source->text,
+                     1, 0};
     while (s.at < s.end) {
         unsigned char first = (unsigned char)*s.at;
         if (skip_comment(&s) || (first == '#' && take_include(&s, depth)))
@@ -144,7 +151,8 @@ static void scan_source(struct checker *c, struct body *body, const struct sourc
 
 static bool token_is(const struct token *token, const char *name)
 {
-    return (size_t)token->length == strlen(name) && !memcmp(token->text, name, (size_t)token->length);
+    return (size_t)token->length == strlen(name) &&
+           !memcmp(token->text, name, (size_t)token->length);
 }
 
 /* A keyword before a name does not make it a declaration. */
@@ -161,18 +169,21 @@ static bool is_keyword(const struct token *token)
 static bool declares(const struct body *body, const char *name)
 {
     for (size_t i = 1; i < body->count; i++)
-        if (body->tokens[i].before == 'a' && token_is(&body->tokens[i], name) && !is_keyword(&body->tokens[i - 1]))
+        if (body->tokens[i].before == 'a' && token_is(&body->tokens[i], name) &&
+            !is_keyword(&body->tokens[i - 1]))
             return true;
     return false;
 }
 
 /* The first place where the body uses a name, or one of the words made from it; NULL: none. `suffixes` ends with NULL. */
-static const struct token *find_use(const struct body *body, const char *name, const char *const *suffixes)
+static const struct token *find_use(const struct body *body, const char *name,
+                                    const char *const *suffixes)
 {
     size_t length = strlen(name);
     for (size_t i = 0; i < body->count; i++) {
         const struct token *token = &body->tokens[i];
-        if (token->before == '.' || (size_t)token->length < length || memcmp(token->text, name, length))
+        if (token->before == '.' || (size_t)token->length < length ||
+            memcmp(token->text, name, length))
             continue;
         if ((size_t)token->length == length) {
             /* in a list of variables, `vec3 a, name;`, it is a declaration too */
@@ -200,8 +211,10 @@ static bool mentions(const struct body *body, const char *name)
 /* ---- Names against lists ------------------------------------------------------------------------------------------ */
 
 static const char *const buffer_words[] = {"_count", NULL};
-static const char *const image_words[] = {"_size", "_store", "_sample", "_sample_lod", "_compare", NULL};
-static const char *const interleave_words[] = {"_tile", "_classes", "_class", "_split", "_gather", "_class_size", NULL};
+static const char *const image_words[] = {"_size",       "_store",   "_sample",
+                                          "_sample_lod", "_compare", NULL};
+static const char *const interleave_words[] = {"_tile",   "_classes",    "_class", "_split",
+                                               "_gather", "_class_size", NULL};
 static const char *const no_words[] = {NULL};
 
 static const char *const *resource_words(const struct resource *resource)
@@ -212,7 +225,8 @@ static const char *const *resource_words(const struct resource *resource)
 static bool lists(const struct pass *pass, const char *name, bool writing)
 {
     for (uint32_t i = 0; i < pass->access_count; i++)
-        if (!strcmp(pass->accesses[i].name, name) && (!writing || pass->accesses[i].mode != MODE_READ))
+        if (!strcmp(pass->accesses[i].name, name) &&
+            (!writing || pass->accesses[i].mode != MODE_READ))
             return true;
     return false;
 }
@@ -225,31 +239,34 @@ static void check_resource_use(struct checker *c, const struct pass *pass, const
         const struct token *token = declares(body, resource->name)
                                         ? NULL
                                         : find_use(body, resource->name, resource_words(resource));
-        bool stores = token && (size_t)token->length == strlen(resource->name) + 6 && token->text[token->length - 1] == 'e' &&
-                      image && strncmp(token->text + token->length - 6, "_store", 6) == 0;
+        bool stores = token && (size_t)token->length == strlen(resource->name) + 6 &&
+                      token->text[token->length - 1] == 'e' && image &&
+                      strncmp(token->text + token->length - 6, "_store", 6) == 0;
         if (token)
-            diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in %s", pass->name, resource->name,
-                       stores ? "writes" : "reads");
+            diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in %s",
+                       pass->name, resource->name, stores ? "writes" : "reads");
         return;
     }
     const char *word = image ? arena_printf(c->model->arena, "%s_store", resource->name) : NULL;
     for (size_t i = 0; word && !lists(pass, resource->name, true) && i < body->count; i++)
         if (token_is(&body->tokens[i], word)) {
-            diag_error(c->diag, body->tokens[i].loc, "the pass `%s` stores to `%s` but lists it only in reads", pass->name,
+            diag_error(c->diag, body->tokens[i].loc,
+                       "the pass `%s` stores to `%s` but lists it only in reads", pass->name,
                        resource->name);
             break;
         }
 }
 
-static void check_tool_use(struct checker *c, const struct pass *pass, const struct body *body, const char *name,
-                           const char *const *words)
+static void check_tool_use(struct checker *c, const struct pass *pass, const struct body *body,
+                           const char *name, const char *const *words)
 {
     for (uint32_t i = 0; i < pass->use_count; i++)
         if (!strcmp(pass->uses[i], name))
             return;
     const struct token *token = declares(body, name) ? NULL : find_use(body, name, words);
     if (token)
-        diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in uses", pass->name, name);
+        diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in uses",
+                   pass->name, name);
 }
 
 /* The words of a GLSL expression in the spec, as far as one name goes. */
@@ -267,7 +284,8 @@ static bool text_mentions(const char *text, const char *name)
 static bool reads_by_range(const struct pass *pass, const struct body *body, const char *name)
 {
     for (uint32_t i = 0; i < pass->range_count; i++)
-        if ((pass->ranges[i].of && !strcmp(pass->ranges[i].of, name) && mentions(body, pass->ranges[i].name)) ||
+        if ((pass->ranges[i].of && !strcmp(pass->ranges[i].of, name) &&
+             mentions(body, pass->ranges[i].name)) ||
             text_mentions(pass->ranges[i].first, name))
             return true;
     return false;
@@ -277,7 +295,8 @@ static bool reads_by_range(const struct pass *pass, const struct body *body, con
 static bool is_tool(const struct checker *c, const char *name)
 {
     const struct sampler *sampler = find_sampler(c, name);
-    return (sampler && sampler->kind == SAMPLER_HAMMERSLEY) || find_metric(c, name) || find_interleave(c, name);
+    return (sampler && sampler->kind == SAMPLER_HAMMERSLEY) || find_metric(c, name) ||
+           find_interleave(c, name);
 }
 
 /* What is listed but never named. A depth target and the arguments of a draw need no word in the body. */
@@ -287,23 +306,28 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
         const struct resource *resource = access->resource;
-        bool silent = resource && ((resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F &&
-                                    access->mode != MODE_READ) ||
-                                   resource == pass->indirect_resource || resource == pass->index_resource);
+        bool silent =
+            resource && ((resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F &&
+                          access->mode != MODE_READ) ||
+                         resource == pass->indirect_resource || resource == pass->index_resource);
         if (!resource || silent || find_use(body, access->name, resource_words(resource)) ||
             mentions(body, access->name) || reads_by_range(pass, body, access->name))
             continue;
-        diag_warning(c->diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it", pass->name, access->name,
-                     lists_of[access->mode]);
+        diag_warning(c->diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it",
+                     pass->name, access->name, lists_of[access->mode]);
     }
     for (uint32_t i = 0; i < pass->range_count; i++)
         if (!mentions(body, pass->ranges[i].name))
-            diag_warning(c->diag, pass->ranges[i].loc, "the pass `%s` does not iterate over its range `%s`", pass->name,
+            diag_warning(c->diag, pass->ranges[i].loc,
+                         "the pass `%s` does not iterate over its range `%s`", pass->name,
                          pass->ranges[i].name);
     for (uint32_t i = 0; i < pass->use_count; i++)
-        if (is_tool(c, pass->uses[i]) && !find_use(body, pass->uses[i], find_interleave(c, pass->uses[i]) ? interleave_words : buffer_words) &&
+        if (is_tool(c, pass->uses[i]) &&
+            !find_use(body, pass->uses[i],
+                      find_interleave(c, pass->uses[i]) ? interleave_words : buffer_words) &&
             (!pass->interleave_name || strcmp(pass->interleave_name, pass->uses[i])))
-            diag_warning(c->diag, pass->use_locs[i], "the pass `%s` lists `%s` in uses but does not use it", pass->name,
+            diag_warning(c->diag, pass->use_locs[i],
+                         "the pass `%s` lists `%s` in uses but does not use it", pass->name,
                          pass->uses[i]);
 }
 
@@ -360,7 +384,8 @@ static bool accessed(const struct checker *c, const struct resource *resource)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const struct pass *pass = &c->pipeline->passes[i];
-        if (lists(pass, resource->name, false) || pass->indirect_resource == resource || pass->index_resource == resource)
+        if (lists(pass, resource->name, false) || pass->indirect_resource == resource ||
+            pass->index_resource == resource)
             return true;
     }
     return false;
@@ -380,7 +405,8 @@ static bool used_in_passes(const struct checker *c, const char *name)
     return false;
 }
 
-static void warn_unused(struct checker *c, bool used, const char *kind, const char *name, struct loc loc)
+static void warn_unused(struct checker *c, bool used, const char *kind, const char *name,
+                        struct loc loc)
 {
     if (!used)
         diag_warning(c->diag, loc, "the %s `%s` is not used", kind, name);
@@ -403,7 +429,8 @@ static void check_metric_fields(struct checker *c, const struct metric *metric)
             for (uint32_t f = 0; f < c->pipeline->structs[s].field_count; f++)
                 found |= !strcmp(c->pipeline->structs[s].fields[f].name, names[i]);
         if (!found)
-            diag_warning(c->diag, metric->loc, "no struct has the field `%s` that the metric `%s` looks for", names[i],
+            diag_warning(c->diag, metric->loc,
+                         "no struct has the field `%s` that the metric `%s` looks for", names[i],
                          metric->name);
     }
 }
@@ -412,23 +439,28 @@ void check_unused(struct checker *c)
 {
     const struct pipeline *p = c->pipeline;
     for (uint32_t i = 0; i < p->param_count; i++)
-        warn_unused(c, in_expressions(c, p->params[i].name) || in_bodies(c, p->params[i].name), "parameter",
-                    p->params[i].name, p->params[i].loc);
+        warn_unused(c, in_expressions(c, p->params[i].name) || in_bodies(c, p->params[i].name),
+                    "parameter", p->params[i].name, p->params[i].loc);
     for (uint32_t i = 0; i < p->constant_count; i++)
-        warn_unused(c, in_expressions(c, p->constants[i].name) || in_bodies(c, p->constants[i].name), "constant",
-                    p->constants[i].name, p->constants[i].loc);
+        warn_unused(c,
+                    in_expressions(c, p->constants[i].name) || in_bodies(c, p->constants[i].name),
+                    "constant", p->constants[i].name, p->constants[i].loc);
     for (uint32_t i = 0; i < p->struct_count; i++)
-        warn_unused(c, struct_used(c, &p->structs[i]), "struct", p->structs[i].name, p->structs[i].loc);
+        warn_unused(c, struct_used(c, &p->structs[i]), "struct", p->structs[i].name,
+                    p->structs[i].loc);
     for (uint32_t i = 0; i < p->resource_count; i++)
-        warn_unused(c, accessed(c, &p->resources[i]), p->resources[i].kind == DT_IMAGE ? "image" : "buffer",
-                    p->resources[i].name, p->resources[i].loc);
+        warn_unused(c, accessed(c, &p->resources[i]),
+                    p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].name,
+                    p->resources[i].loc);
     for (uint32_t i = 0; i < p->sampler_count; i++)
-        warn_unused(c, used_in_passes(c, p->samplers[i].name), "sampler", p->samplers[i].name, p->samplers[i].loc);
+        warn_unused(c, used_in_passes(c, p->samplers[i].name), "sampler", p->samplers[i].name,
+                    p->samplers[i].loc);
     for (uint32_t i = 0; i < p->metric_count; i++) {
-        warn_unused(c, used_in_passes(c, p->metrics[i].name), "metric", p->metrics[i].name, p->metrics[i].loc);
+        warn_unused(c, used_in_passes(c, p->metrics[i].name), "metric", p->metrics[i].name,
+                    p->metrics[i].loc);
         check_metric_fields(c, &p->metrics[i]);
     }
     for (uint32_t i = 0; i < p->interleave_count; i++)
-        warn_unused(c, used_in_passes(c, p->interleaves[i].name), "interleave", p->interleaves[i].name,
-                    p->interleaves[i].loc);
+        warn_unused(c, used_in_passes(c, p->interleaves[i].name), "interleave",
+                    p->interleaves[i].name, p->interleaves[i].loc);
 }

@@ -10,26 +10,40 @@
 
 static const char *const reserved_words =
     /* GLSL 4.60, sections 3.6 and 3.7, and C11 */
-    " active asm atomic_uint attribute auto bool break buffer bvec2 bvec3 bvec4 case cast centroid char class coherent common"
-    " const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum extern external false filter"
-    " fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if image1D image2D image2DArray image3D in"
-    " inline inout input int interface invariant isampler2D ivec2 ivec3 ivec4 layout long lowp mat2 mat3 mat4 mediump"
-    " namespace noinline noperspective out output partition patch precise precision public readonly register resource"
-    " restrict return sample sampler sampler2D sampler2DArray sampler2DShadow sampler3D samplerCube shared short signed"
-    " sizeof smooth static struct subroutine superp switch template texture1D texture2D this true typedef uint uimage2D union"
-    " uniform unsigned using usampler2D uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while writeonly"
+    " active asm atomic_uint attribute auto bool break buffer bvec2 bvec3 bvec4 case cast centroid "
+    "char class coherent common"
+    " const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum "
+    "extern external false filter"
+    " fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if image1D image2D "
+    "image2DArray image3D in"
+    " inline inout input int interface invariant isampler2D ivec2 ivec3 ivec4 layout long lowp "
+    "mat2 mat3 mat4 mediump"
+    " namespace noinline noperspective out output partition patch precise precision public "
+    "readonly register resource"
+    " restrict return sample sampler sampler2D sampler2DArray sampler2DShadow sampler3D "
+    "samplerCube shared short signed"
+    " sizeof smooth static struct subroutine superp switch template texture1D texture2D this true "
+    "typedef uint uimage2D union"
+    " uniform unsigned using usampler2D uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile "
+    "while writeonly"
     " int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t NULL main ";
 
 static const char *const taken_words =
     /* functions of GLSL that a declaration would hide */
-    " abs acos all any asin atan barrier ceil ceil_div clamp cos cross degrees determinant distance dot equal exp exp2 floor"
-    " fma fract imageLoad imageSize imageStore inverse inversesqrt isinf isnan ldexp length lerp log log2 max min mix mod modf"
-    " normalize not pow radians reflect refract round roundEven sign sin sqrt step smoothstep tan texelFetch texture"
+    " abs acos all any asin atan barrier ceil ceil_div clamp cos cross degrees determinant "
+    "distance dot equal exp exp2 floor"
+    " fma fract imageLoad imageSize imageStore inverse inversesqrt isinf isnan ldexp length lerp "
+    "log log2 max min mix mod modf"
+    " normalize not pow radians reflect refract round roundEven sign sin sqrt step smoothstep tan "
+    "texelFetch texture"
     " textureLod transpose trunc"
     /* what the generator declares in every body */
-    " frame camera light light_view view scene_center scene_radius scene_materials scene_texture scene_textures"
-    " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material dispatch_size invocation"
-    " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL VULKAN View Light Frame Live"
+    " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
+    "scene_textures"
+    " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material "
+    "dispatch_size invocation"
+    " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL "
+    "VULKAN View Light Frame Live"
     " SceneMaterial SceneVertex ";
 
 static bool in_words(const char *words, const char *name)
@@ -51,7 +65,8 @@ static void check_word(struct checker *c, const char *name, struct loc loc, bool
     if (!strncmp(name, "gl_", 3))
         diag_error(c->diag, loc, "`%s`: names that start with gl_ belong to GLSL", name);
     else if (strstr(name, "__"))
-        diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL", name);
+        diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL",
+                   name);
     else if (in_words(reserved_words, name))
         diag_error(c->diag, loc, "`%s` is a reserved word of GLSL or C", name);
     else if (!scoped && in_words(taken_words, name))
@@ -65,7 +80,8 @@ struct declaration {
     struct loc loc;
 };
 
-static void declare(struct declaration *list, size_t *count, const char *name, const char *kind, struct loc loc)
+static void declare(struct declaration *list, size_t *count, const char *name, const char *kind,
+                    struct loc loc)
 {
     list[(*count)++] = (struct declaration){name, kind, loc};
 }
@@ -81,8 +97,8 @@ static size_t collect(const struct pipeline *p, struct declaration *list)
     for (uint32_t i = 0; i < p->struct_count; i++)
         declare(list, &count, p->structs[i].name, "struct", p->structs[i].loc);
     for (uint32_t i = 0; i < p->resource_count; i++)
-        declare(list, &count, p->resources[i].name, p->resources[i].kind == DT_IMAGE ? "image" : "buffer",
-                p->resources[i].loc);
+        declare(list, &count, p->resources[i].name,
+                p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].loc);
     for (uint32_t i = 0; i < p->sampler_count; i++)
         declare(list, &count, p->samplers[i].name, "sampler", p->samplers[i].loc);
     for (uint32_t i = 0; i < p->metric_count; i++)
@@ -97,20 +113,26 @@ static bool comes_before(struct loc a, struct loc b)
     return a.line < b.line || (a.line == b.line && a.column < b.column);
 }
 
-static void report_twice(struct checker *c, const struct declaration *a, const struct declaration *b)
+static void report_twice(struct checker *c, const struct declaration *a,
+                         const struct declaration *b)
 {
-    const struct declaration *first = comes_before(a->loc, b->loc) ? a : b, *second = first == a ? b : a;
-    diag_error(c->diag, second->loc, "the %s `%s` has the name of a %s", second->kind, second->name, first->kind);
+    const struct declaration *first = comes_before(a->loc, b->loc) ? a : b,
+                             *second = first == a ? b : a;
+    diag_error(c->diag, second->loc, "the %s `%s` has the name of a %s", second->kind, second->name,
+               first->kind);
     diag_note(c->diag, first->loc, "first here");
 }
 
 /* Words that the generator makes from a declared name must not be declared by themselves. */
-static void check_derived(struct checker *c, const struct declaration *list, size_t count, const struct declaration *of)
+static void check_derived(struct checker *c, const struct declaration *list, size_t count,
+                          const struct declaration *of)
 {
-    static const char *const suffixes[] = {"_count", "_size", "_store", "_sample", "_sample_lod", "_compare", "_tile",
-                                           "_classes", "_class", "_split", "_gather", "_class_size", "_index"};
+    static const char *const suffixes[] = {
+        "_count",   "_size",  "_store", "_sample", "_sample_lod", "_compare", "_tile",
+        "_classes", "_class", "_split", "_gather", "_class_size", "_index"};
     size_t length = strlen(of->name);
-    bool plain = !strcmp(of->kind, "parameter") || !strcmp(of->kind, "constant") || !strcmp(of->kind, "struct");
+    bool plain = !strcmp(of->kind, "parameter") || !strcmp(of->kind, "constant") ||
+                 !strcmp(of->kind, "struct");
     for (size_t i = 0; !plain && i < count; i++) {
         const char *name = list[i].name;
         if (strncmp(name, of->name, length))
@@ -118,9 +140,13 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
         bool buffer = !strcmp(of->kind, "buffer"), image = !strcmp(of->kind, "image"),
              sampler = !strcmp(of->kind, "sampler"), interleave = !strcmp(of->kind, "interleave");
         for (size_t k = 0; k < sizeof suffixes / sizeof *suffixes; k++) {
-            bool applies = k == 0 ? buffer || sampler : k <= 5 ? image : k <= 11 ? interleave : false;
+            bool applies = k == 0    ? buffer || sampler
+                           : k <= 5  ? image
+                           : k <= 11 ? interleave
+                                     : false;
             if (applies && !strcmp(name + length, suffixes[k]))
-                diag_error(c->diag, list[i].loc, "`%s` is taken: the %s `%s` brings it into pass bodies", name, of->kind,
+                diag_error(c->diag, list[i].loc,
+                           "`%s` is taken: the %s `%s` brings it into pass bodies", name, of->kind,
                            of->name);
         }
     }
@@ -139,7 +165,8 @@ static void check_pass_names(struct checker *c)
         check_word(c, p->passes[i].name, p->passes[i].loc, true);
         for (uint32_t k = 0; k < i; k++)
             if (!strcmp(p->passes[k].name, p->passes[i].name) && strcmp(p->passes[i].name, "?")) {
-                diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`", p->passes[i].name);
+                diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
+                           p->passes[i].name);
                 diag_note(c->diag, p->passes[k].loc, "first here");
                 break;
             }
@@ -149,8 +176,8 @@ static void check_pass_names(struct checker *c)
 void check_names(struct checker *c)
 {
     const struct pipeline *p = c->pipeline;
-    size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count + p->sampler_count +
-                  p->metric_count + p->interleave_count;
+    size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count +
+                  p->sampler_count + p->metric_count + p->interleave_count;
     struct declaration *list = calloc(most + 1, sizeof *list);
     if (!list) {
         c->out_of_memory = true;
@@ -176,20 +203,23 @@ void check_names(struct checker *c)
 
 /* ---- References --------------------------------------------------------------------------------------------------- */
 
-static const char *const builtin_names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices", "scene_materials",
-                                                         "scene_textures"};
+static const char *const builtin_names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices",
+                                                         "scene_materials", "scene_textures"};
 
-static void report_unknown_resource(struct checker *c, struct loc loc, const char *what, const char *name, int kind)
+static void report_unknown_resource(struct checker *c, struct loc loc, const char *what,
+                                    const char *name, int kind)
 {
     const struct pipeline *p = c->pipeline;
-    const char **names = arena_alloc(c->model->arena, (p->resource_count + BUILTIN_COUNT + 1) * sizeof *names);
+    const char **names =
+        arena_alloc(c->model->arena, (p->resource_count + BUILTIN_COUNT + 1) * sizeof *names);
     size_t count = 0;
     if (find_sampler(c, name) || find_metric(c, name) || find_interleave(c, name)) {
         diag_error(c->diag, loc, "`%s` is no buffer or image; list it in `uses`", name);
         return;
     }
     if (kind >= 0 && find_resource(c, name)) {
-        diag_error(c->diag, loc, "`%s` is %s, not %s", name, kind == DT_IMAGE ? "a buffer" : "an image",
+        diag_error(c->diag, loc, "`%s` is %s, not %s", name,
+                   kind == DT_IMAGE ? "a buffer" : "an image",
                    kind == DT_IMAGE ? "an image" : "a buffer");
         return;
     }
@@ -214,8 +244,10 @@ static void resolve_element(struct checker *c, struct resource *buffer)
         buffer->type = (enum dt_type)type;
         return;
     }
-    const char **names = arena_alloc(c->model->arena, (c->pipeline->struct_count + 16) * sizeof *names);
-    static const char *const words[] = {"float", "vec2", "vec3", "vec4", "int", "ivec2", "ivec3", "ivec4", "uint", "uvec2",
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->struct_count + 16) * sizeof *names);
+    static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
+                                        "ivec2", "ivec3", "ivec4", "uint", "uvec2",
                                         "uvec3", "uvec4", "mat4"};
     size_t count = 0;
     for (uint32_t i = 0; names && i < c->pipeline->struct_count; i++)
@@ -231,12 +263,14 @@ static void resolve_filter(struct checker *c, struct access *access)
     if (access->filter) {
         if (access->filter->kind == SAMPLER_FILTER)
             return;
-        diag_error(c->diag, access->sampler_loc, "`%s` is a point set; an image is read through a sampler of kind filter",
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` is a point set; an image is read through a sampler of kind filter",
                    access->sampler);
         access->filter = NULL;
         return;
     }
-    const char **names = arena_alloc(c->model->arena, (c->pipeline->sampler_count + 1) * sizeof *names);
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->sampler_count + 1) * sizeof *names);
     size_t count = 0;
     for (uint32_t i = 0; names && i < c->pipeline->sampler_count; i++)
         if (c->pipeline->samplers[i].kind == SAMPLER_FILTER)
@@ -253,7 +287,8 @@ static void resolve_access(struct checker *c, struct access *access)
     if (!access->resource && access->builtin < 0)
         report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
     if (access->builtin >= 0 && access->mode != MODE_READ)
-        diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read", access->name);
+        diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read",
+                   access->name);
     if (access->sampler)
         resolve_filter(c, access);
 }
@@ -264,20 +299,22 @@ static void resolve_use(struct checker *c, struct pass *pass, uint32_t index)
     const char *name = pass->uses[index];
     struct sampler *sampler = find_sampler(c, name);
     if (sampler && sampler->kind == SAMPLER_FILTER) {
-        diag_error(c->diag, pass->use_locs[index], "`%s` filters images: name it in `reads`, {name: IMAGE, sampler: %s}",
-                   name, name);
+        diag_error(c->diag, pass->use_locs[index],
+                   "`%s` filters images: name it in `reads`, {name: IMAGE, sampler: %s}", name,
+                   name);
         return;
     }
     if (sampler || find_metric(c, name) || find_interleave(c, name))
         return;
     if (find_resource(c, name)) {
-        diag_error(c->diag, pass->use_locs[index], "`%s` is a buffer or image; list it in `reads`, `writes` or `updates`",
-                   name);
+        diag_error(c->diag, pass->use_locs[index],
+                   "`%s` is a buffer or image; list it in `reads`, `writes` or `updates`", name);
         return;
     }
     size_t count = 0;
-    const char **names = arena_alloc(c->model->arena, (p->sampler_count + p->metric_count + p->interleave_count + 1) *
-                                                          sizeof *names);
+    const char **names =
+        arena_alloc(c->model->arena,
+                    (p->sampler_count + p->metric_count + p->interleave_count + 1) * sizeof *names);
     for (uint32_t i = 0; names && i < p->sampler_count; i++)
         names[count++] = p->samplers[i].name;
     for (uint32_t i = 0; names && i < p->metric_count; i++)
@@ -317,7 +354,8 @@ static void resolve_interleave(struct checker *c, struct pass *pass)
         add_use(c, pass, pass->interleave_name);
         return;
     }
-    const char **names = arena_alloc(c->model->arena, (c->pipeline->interleave_count + 1) * sizeof *names);
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->interleave_count + 1) * sizeof *names);
     for (uint32_t i = 0; names && i < c->pipeline->interleave_count; i++)
         names[i] = c->pipeline->interleaves[i].name;
     report_missing(c, pass->interleave_loc, "interleave", pass->interleave_name, names,
@@ -333,10 +371,12 @@ static void resolve_after(struct checker *c, const struct pass *pass, uint32_t i
     }
     if (find_pass(c, name))
         return;
-    const char **names = arena_alloc(c->model->arena, (c->pipeline->pass_count + 1) * sizeof *names);
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->pass_count + 1) * sizeof *names);
     for (uint32_t i = 0; names && i < c->pipeline->pass_count; i++)
         names[i] = c->pipeline->passes[i].name;
-    report_missing(c, pass->after_locs[index], "pass", name, names, names ? c->pipeline->pass_count : 0);
+    report_missing(c, pass->after_locs[index], "pass", name, names,
+                   names ? c->pipeline->pass_count : 0);
 }
 
 static struct resource *resolve_buffer(struct checker *c, const char *name, struct loc loc)
@@ -358,7 +398,8 @@ static void resolve_ranges(struct checker *c, struct pass *pass)
             if (pass->accesses[k].mode == MODE_READ && !strcmp(pass->accesses[k].name, range->of))
                 range->access = &pass->accesses[k];
         if (!range->access)
-            diag_error(c->diag, range->of_loc, "the range `%s` runs over `%s`, which the pass `%s` does not list in reads",
+            diag_error(c->diag, range->of_loc,
+                       "the range `%s` runs over `%s`, which the pass `%s` does not list in reads",
                        range->name, range->of, pass->name);
     }
 }

@@ -37,7 +37,8 @@ static void check_mip(struct checker *c, const struct pass *pass, struct access 
     if (!access->mip || !access->resource)
         return;
     if (access->resource->kind != DT_IMAGE) {
-        diag_error(c->diag, expr_loc(access->mip), "`%s` is a buffer and has no mips", access->name);
+        diag_error(c->diag, expr_loc(access->mip), "`%s` is a buffer and has no mips",
+                   access->name);
         return;
     }
     if (!check_expr(c, access->mip, &limits) || expr_eval(access->mip, 1, 1, &mip) != EXPR_OK)
@@ -46,8 +47,9 @@ static void check_mip(struct checker *c, const struct pass *pass, struct access 
     if (access->resource->mips && expr_eval(access->resource->mips, 1, 1, &mips) != EXPR_OK)
         return;
     if (mip >= mips) {
-        diag_error(c->diag, expr_loc(access->mip), "mip %" PRId64 " of `%s`, which has %" PRId64 " (pass `%s`)", mip,
-                   access->name, mips, pass->name);
+        diag_error(c->diag, expr_loc(access->mip),
+                   "mip %" PRId64 " of `%s`, which has %" PRId64 " (pass `%s`)", mip, access->name,
+                   mips, pass->name);
         note_declared(c, access->resource);
     }
 }
@@ -59,29 +61,38 @@ static void check_filter(struct checker *c, const struct access *access)
     if (!filter || !image)
         return;
     if (image->kind != DT_IMAGE)
-        diag_error(c->diag, access->sampler_loc, "`%s` is a buffer and cannot be sampled", access->name);
+        diag_error(c->diag, access->sampler_loc, "`%s` is a buffer and cannot be sampled",
+                   access->name);
     else if (filter->compare && !is_depth(image))
-        diag_error(c->diag, access->sampler_loc, "`%s` compares depths, but `%s` is no image of format d32f", filter->name,
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` compares depths, but `%s` is no image of format d32f", filter->name,
                    access->name);
     else if (is_depth(image) && (filter->linear || filter->linear_mip) && !filter->compare)
-        diag_error(c->diag, access->sampler_loc, "`%s` filters linearly, which d32f (`%s`) allows only with compare: true",
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` filters linearly, which d32f (`%s`) allows only with compare: true",
                    filter->name, access->name);
-    else if (is_integer(image->format) && (filter->linear || filter->linear_mip || filter->anisotropy > 1))
-        diag_error(c->diag, access->sampler_loc, "`%s` filters linearly, but `%s` has an integer format", filter->name,
+    else if (is_integer(image->format) &&
+             (filter->linear || filter->linear_mip || filter->anisotropy > 1))
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` filters linearly, but `%s` has an integer format", filter->name,
                    access->name);
 }
 
 static void check_storage(struct checker *c, const struct pass *pass, const struct access *access)
 {
     const struct resource *image = access->resource;
-    if (pass->kind != PASS_DISPATCH || access->mode == MODE_READ || !image || image->kind != DT_IMAGE)
+    if (pass->kind != PASS_DISPATCH || access->mode == MODE_READ || !image ||
+        image->kind != DT_IMAGE)
         return;
     if (is_depth(image))
-        diag_error(c->diag, access->loc, "`%s` has the format d32f, which a dispatch cannot write; use r32f, or a draw",
+        diag_error(c->diag, access->loc,
+                   "`%s` has the format d32f, which a dispatch cannot write; use r32f, or a draw",
                    access->name);
     else if (image->format == DT_FORMAT_RGBA8_SRGB)
-        diag_error(c->diag, access->loc, "`%s` has the format rgba8_srgb, which a dispatch cannot write; use rgba8, or a draw",
-                   access->name);
+        diag_error(
+            c->diag, access->loc,
+            "`%s` has the format rgba8_srgb, which a dispatch cannot write; use rgba8, or a draw",
+            access->name);
     else
         return;
     note_declared(c, image);
@@ -89,13 +100,15 @@ static void check_storage(struct checker *c, const struct pass *pass, const stru
 
 /* ---- Pairs of accesses -------------------------------------------------------------------------------------------- */
 
-static bool both(const struct access *a, const struct access *b, enum access_mode x, enum access_mode y)
+static bool both(const struct access *a, const struct access *b, enum access_mode x,
+                 enum access_mode y)
 {
     return (a->mode == x && b->mode == y) || (a->mode == y && b->mode == x);
 }
 
 /* Two accesses to one resource. Mips apart are apart; an image may be read by texel and through a sampler. */
-static void check_pair(struct checker *c, const struct pass *pass, const struct access *a, const struct access *b)
+static void check_pair(struct checker *c, const struct pass *pass, const struct access *a,
+                       const struct access *b)
 {
     static const char *const keys[] = {"reads", "writes", "updates"};
     if (strcmp(a->name, b->name))
@@ -109,14 +122,18 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
         if (image && !a->sampler != !b->sampler)
             return;
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` twice in reads", pass->name, b->name);
-    } else if (image && pass->kind != PASS_DISPATCH && (a->mode == MODE_READ || b->mode == MODE_READ)) {
-        diag_error(c->diag, b->loc, "the pass `%s` reads `%s` while it is a target of the same draw", pass->name, b->name);
-    } else if (both(a, b, MODE_READ, MODE_WRITE)) {
-        diag_error(c->diag, b->loc, "the pass `%s` both reads and writes `%s`; list it in `updates` alone", pass->name,
+    } else if (image && pass->kind != PASS_DISPATCH &&
+               (a->mode == MODE_READ || b->mode == MODE_READ)) {
+        diag_error(c->diag, b->loc,
+                   "the pass `%s` reads `%s` while it is a target of the same draw", pass->name,
                    b->name);
+    } else if (both(a, b, MODE_READ, MODE_WRITE)) {
+        diag_error(c->diag, b->loc,
+                   "the pass `%s` both reads and writes `%s`; list it in `updates` alone",
+                   pass->name, b->name);
     } else {
-        diag_error(c->diag, b->loc, "the pass `%s` lists `%s` in %s and %s", pass->name, b->name, keys[a->mode],
-                   a->mode == b->mode ? "again" : keys[b->mode]);
+        diag_error(c->diag, b->loc, "the pass `%s` lists `%s` in %s and %s", pass->name, b->name,
+                   keys[a->mode], a->mode == b->mode ? "again" : keys[b->mode]);
     }
     diag_note(c->diag, a->loc, "first here");
 }
@@ -128,22 +145,27 @@ static void check_arguments(struct checker *c, const struct pass *pass)
     static const char *const what[2] = {"its indirect arguments", "its indices"};
     for (int i = 0; i < 2; i++) {
         for (uint32_t k = 0; used[i] && k < pass->access_count; k++)
-            if (pass->accesses[k].mode != MODE_READ && !strcmp(pass->accesses[k].name, used[i]->name))
-                diag_error(c->diag, pass->accesses[k].loc, "the pass `%s` changes `%s`, which holds %s", pass->name,
-                           used[i]->name, what[i]);
+            if (pass->accesses[k].mode != MODE_READ &&
+                !strcmp(pass->accesses[k].name, used[i]->name))
+                diag_error(c->diag, pass->accesses[k].loc,
+                           "the pass `%s` changes `%s`, which holds %s", pass->name, used[i]->name,
+                           what[i]);
         if (used[i] && !used[i]->structure && used[i]->of && used[i]->type != DT_TYPE_UINT)
-            diag_error(c->diag, locs[i], "`%s` must be a buffer of uint%s", used[i]->name, i ? "" : ", or of a struct of uint");
+            diag_error(c->diag, locs[i], "`%s` must be a buffer of uint%s", used[i]->name,
+                       i ? "" : ", or of a struct of uint");
     }
     int64_t least = pass->kind == PASS_DISPATCH ? 3 : 5, count = least;
-    if (used[0] && !used[0]->structure && expr_eval(used[0]->count, 1, 1, &count) == EXPR_OK && count < least)
-        diag_error(c->diag, pass->indirect_loc, "`%s` has %" PRId64 " elements; the arguments of a %s are %" PRId64,
+    if (used[0] && !used[0]->structure && expr_eval(used[0]->count, 1, 1, &count) == EXPR_OK &&
+        count < least)
+        diag_error(c->diag, pass->indirect_loc,
+                   "`%s` has %" PRId64 " elements; the arguments of a %s are %" PRId64,
                    used[0]->name, count, pass->kind == PASS_DISPATCH ? "dispatch" : "draw", least);
 }
 
 /* ---- Targets ------------------------------------------------------------------------------------------------------ */
 
-static void check_target_sizes(struct checker *c, const struct pass *pass, const struct access *first,
-                               const struct access *other)
+static void check_target_sizes(struct checker *c, const struct pass *pass,
+                               const struct access *first, const struct access *other)
 {
     for (int i = 0; i < FRAME_SIZES; i++) {
         int64_t a[3], b[3];
@@ -152,27 +174,32 @@ static void check_target_sizes(struct checker *c, const struct pass *pass, const
             (a[0] == b[0] && a[1] == b[1]))
             continue;
         diag_error(c->diag, other->loc,
-                   "the targets of the pass `%s` differ in size: `%s` has %" PRId64 "x%" PRId64 ", `%s` has %" PRId64 "x%" PRId64
-                   " at a frame of %dx%d",
-                   pass->name, first->name, a[0], a[1], other->name, b[0], b[1], frame_sizes[i][0], frame_sizes[i][1]);
+                   "the targets of the pass `%s` differ in size: `%s` has %" PRId64 "x%" PRId64
+                   ", `%s` has %" PRId64 "x%" PRId64 " at a frame of %dx%d",
+                   pass->name, first->name, a[0], a[1], other->name, b[0], b[1], frame_sizes[i][0],
+                   frame_sizes[i][1]);
         return;
     }
 }
 
-static void check_target_layers(struct checker *c, const struct pass *pass, const struct access *target)
+static void check_target_layers(struct checker *c, const struct pass *pass,
+                                const struct access *target)
 {
     const struct resource *image = target->resource;
     if (!pass->layers && image->layers)
-        diag_error(c->diag, target->loc, "`%s` is an array, but the pass `%s` has no `layers`", target->name, pass->name);
+        diag_error(c->diag, target->loc, "`%s` is an array, but the pass `%s` has no `layers`",
+                   target->name, pass->name);
     else if (pass->layers && !image->layers)
-        diag_error(c->diag, target->loc, "the pass `%s` is layered, but `%s` is no array", pass->name, target->name);
+        diag_error(c->diag, target->loc, "the pass `%s` is layered, but `%s` is no array",
+                   pass->name, target->name);
     for (int i = 0; pass->layers && image->layers && i < FRAME_SIZES; i++) {
         int64_t layers, extent[3];
         if (expr_eval(pass->layers, frame_sizes[i][0], frame_sizes[i][1], &layers) != EXPR_OK ||
             !image_extent(image, 0, frame_sizes[i], extent) || layers == extent[2])
             continue;
-        diag_error(c->diag, target->loc, "the pass `%s` draws %" PRId64 " layers, but `%s` has %" PRId64, pass->name, layers,
-                   target->name, extent[2]);
+        diag_error(c->diag, target->loc,
+                   "the pass `%s` draws %" PRId64 " layers, but `%s` has %" PRId64, pass->name,
+                   layers, target->name, extent[2]);
         return;
     }
 }
@@ -186,15 +213,18 @@ static void check_targets(struct checker *c, const struct pass *pass)
         if (!is_target(pass, target))
             continue;
         if (is_depth(target->resource) && depth)
-            diag_error(c->diag, target->loc, "a second depth target in the pass `%s`; `%s` is the first", pass->name,
+            diag_error(c->diag, target->loc,
+                       "a second depth target in the pass `%s`; `%s` is the first", pass->name,
                        depth->name);
         if (is_depth(target->resource))
             depth = target;
         else if (++colors > MOST_TARGETS)
-            diag_error(c->diag, target->loc, "the pass `%s` has more than %d colour targets", pass->name, MOST_TARGETS);
+            diag_error(c->diag, target->loc, "the pass `%s` has more than %d colour targets",
+                       pass->name, MOST_TARGETS);
         if (!is_depth(target->resource) && pass->blend_add && is_integer(target->resource->format))
-            diag_error(c->diag, target->loc, "`%s` has an integer format, which cannot be blended (pass `%s`)", target->name,
-                       pass->name);
+            diag_error(c->diag, target->loc,
+                       "`%s` has an integer format, which cannot be blended (pass `%s`)",
+                       target->name, pass->name);
         check_target_layers(c, pass, target);
         if (first)
             check_target_sizes(c, pass, first, target);
@@ -205,7 +235,9 @@ static void check_targets(struct checker *c, const struct pass *pass)
     for (uint32_t i = 0; i < pass->access_count; i++)
         unresolved |= pass->accesses[i].mode != MODE_READ && !pass->accesses[i].resource;
     if (!first && !unresolved)
-        diag_error(c->diag, pass->loc, "the pass `%s` is a draw without a target; list an image in `writes`", pass->name);
+        diag_error(c->diag, pass->loc,
+                   "the pass `%s` is a draw without a target; list an image in `writes`",
+                   pass->name);
 }
 
 /* ---- Sizes and ranges --------------------------------------------------------------------------------------------- */
@@ -220,14 +252,16 @@ static void check_local(struct checker *c, struct pass *pass)
         int64_t value = 1;
         if (!pass->local_size[i])
             continue;
-        if (check_expr(c, pass->local_size[i], &limits) && expr_eval(pass->local_size[i], 1, 1, &value) == EXPR_OK)
+        if (check_expr(c, pass->local_size[i], &limits) &&
+            expr_eval(pass->local_size[i], 1, 1, &value) == EXPR_OK)
             pass->local[i] = (uint32_t)value;
     }
     for (int i = 0; i < 3; i++)
         total *= pass->local[i];
     if (total > 1024)
-        diag_error(c->diag, expr_loc(pass->local_size[0]), "a workgroup of %" PRIu64 " invocations (pass `%s`); at most 1024",
-                   total, pass->name);
+        diag_error(c->diag, expr_loc(pass->local_size[0]),
+                   "a workgroup of %" PRIu64 " invocations (pass `%s`); at most 1024", total,
+                   pass->name);
 }
 
 static void check_dispatch(struct checker *c, struct pass *pass)
@@ -236,11 +270,15 @@ static void check_dispatch(struct checker *c, struct pass *pass)
                                        "the depth of the dispatch"};
     check_local(c, pass);
     for (int i = 0; i < 3; i++) {
-        int64_t most = pass->size == SIZE_GROUPS ? MOST_GROUPS : (int64_t)MOST_GROUPS * pass->local[i];
+        int64_t most =
+            pass->size == SIZE_GROUPS ? MOST_GROUPS : (int64_t)MOST_GROUPS * pass->local[i];
         struct limits limits = {what[i], pass->name, EXPR_FRAME | EXPR_LIVE, 1, most};
         if (!pass->dispatch[i])
             continue;
-        limits.least = expr_resolve(pass->dispatch[i], c->pipeline, c->diag) && expr_reach(pass->dispatch[i]) ? 0 : 1;
+        limits.least =
+            expr_resolve(pass->dispatch[i], c->pipeline, c->diag) && expr_reach(pass->dispatch[i])
+                ? 0
+                : 1;
         check_expr(c, pass->dispatch[i], &limits);
     }
 }
@@ -248,7 +286,8 @@ static void check_dispatch(struct checker *c, struct pass *pass)
 static void check_range(struct checker *c, const struct pass *pass, struct range *range)
 {
     struct limits limits = {"the count", range->name, EXPR_BAKED, 1, 1 << 20};
-    if (!check_expr(c, range->count, &limits) || expr_eval(range->count, 1, 1, &range->count_value) != EXPR_OK)
+    if (!check_expr(c, range->count, &limits) ||
+        expr_eval(range->count, 1, 1, &range->count_value) != EXPR_OK)
         return;
     const struct resource *buffer = range->access ? range->access->resource : NULL;
     for (int i = 0; buffer && buffer->count && i < FRAME_SIZES; i++) {
@@ -256,8 +295,10 @@ static void check_range(struct checker *c, const struct pass *pass, struct range
         if (expr_eval(buffer->count, frame_sizes[i][0], frame_sizes[i][1], &count) != EXPR_OK ||
             count >= range->count_value)
             continue;
-        diag_error(c->diag, expr_loc(range->count), "the range `%s` of the pass `%s` has %" PRId64 " elements, but `%s` has %"
-                   PRId64, range->name, pass->name, range->count_value, buffer->name, count);
+        diag_error(c->diag, expr_loc(range->count),
+                   "the range `%s` of the pass `%s` has %" PRId64
+                   " elements, but `%s` has %" PRId64,
+                   range->name, pass->name, range->count_value, buffer->name, count);
         note_declared(c, buffer);
         return;
     }
@@ -272,7 +313,8 @@ static void check_pass(struct checker *c, struct pass *pass)
         for (uint32_t k = 0; k < i; k++)
             check_pair(c, pass, &pass->accesses[k], &pass->accesses[i]);
     }
-    struct limits when = {"the condition", pass->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN, INT64_MAX};
+    struct limits when = {"the condition", pass->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN,
+                          INT64_MAX};
     struct limits layers = {"the number of layers", pass->name, EXPR_BAKED, 1, 2048};
     if (pass->when && check_expr(c, pass->when, &when))
         pass->conditional = expr_reach(pass->when) != EXPR_BAKED;

@@ -33,46 +33,51 @@ static bool check_reach(struct checker *c, const struct expr *expr, const struct
 {
     unsigned excess = expr_reach(expr) & ~limits->reach;
     if (excess & EXPR_LIVE)
-        diag_error(c->diag, expr_loc(expr), "%s of `%s` cannot depend on a live parameter", limits->what, limits->of);
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` cannot depend on a live parameter",
+                   limits->what, limits->of);
     else if (excess & EXPR_FRAME)
-        diag_error(c->diag, expr_loc(expr), "%s of `%s` cannot depend on the size of the frame", limits->what, limits->of);
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` cannot depend on the size of the frame",
+                   limits->what, limits->of);
     return !excess;
 }
 
 /* Where an expression was evaluated, as text for the message. */
-static const char *situation(struct checker *c, const struct expr *expr, const int frame[2], const char *live)
+static const char *situation(struct checker *c, const struct expr *expr, const int frame[2],
+                             const char *live)
 {
     const char *text = "";
     unsigned reach = expr_reach(expr);
     if (reach & EXPR_FRAME)
         text = arena_printf(c->model->arena, " at a frame of %dx%d", frame[0], frame[1]);
     if ((reach & EXPR_LIVE) && *live)
-        text = arena_printf(c->model->arena, "%s with live parameters at their %s", text ? text : "", live);
+        text = arena_printf(c->model->arena, "%s with live parameters at their %s",
+                            text ? text : "", live);
     return text ? text : "";
 }
 
-static bool check_value(struct checker *c, const struct expr *expr, const struct limits *limits, const int frame[2],
-                        const char *live)
+static bool check_value(struct checker *c, const struct expr *expr, const struct limits *limits,
+                        const int frame[2], const char *live)
 {
     int64_t value;
     const char *where = situation(c, expr, frame, live);
     switch (expr_eval(expr, frame[0], frame[1], &value)) {
     case EXPR_DIVIDES_BY_ZERO:
-        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]), "%s of `%s` divides by zero%s", limits->what,
-                   limits->of, where);
+        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]),
+                   "%s of `%s` divides by zero%s", limits->what, limits->of, where);
         return false;
     case EXPR_OVERFLOWS:
-        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]), "%s of `%s` overflows 64 bits%s", limits->what,
-                   limits->of, where);
+        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]),
+                   "%s of `%s` overflows 64 bits%s", limits->what, limits->of, where);
         return false;
-    case EXPR_OK: break;
+    case EXPR_OK:
+        break;
     }
     if (value < limits->least)
-        diag_error(c->diag, expr_loc(expr), "%s of `%s` is %" PRId64 "%s; at least %" PRId64, limits->what, limits->of,
-                   value, where, limits->least);
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` is %" PRId64 "%s; at least %" PRId64,
+                   limits->what, limits->of, value, where, limits->least);
     else if (value > limits->most)
-        diag_error(c->diag, expr_loc(expr), "%s of `%s` is %" PRId64 "%s; at most %" PRId64, limits->what, limits->of,
-                   value, where, limits->most);
+        diag_error(c->diag, expr_loc(expr), "%s of `%s` is %" PRId64 "%s; at most %" PRId64,
+                   limits->what, limits->of, value, where, limits->most);
     return value >= limits->least && value <= limits->most;
 }
 
@@ -130,18 +135,19 @@ bool check_expr(struct checker *c, struct expr *expr, const struct limits *limit
 static void check_param(struct checker *c, const struct param *param)
 {
     if (param->min > param->max) {
-        diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name, param->min, param->max);
+        diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name, param->min,
+                   param->max);
         return;
     }
     for (uint32_t i = 0; i < param->components; i++) {
         if (param->value[i] < param->min) {
-            diag_error(c->diag, param->value_loc, "`%s` is %.9g, below its min of %.9g", param->name, param->value[i],
-                       param->min);
+            diag_error(c->diag, param->value_loc, "`%s` is %.9g, below its min of %.9g",
+                       param->name, param->value[i], param->min);
             return;
         }
         if (param->value[i] > param->max) {
-            diag_error(c->diag, param->value_loc, "`%s` is %.9g, above its max of %.9g", param->name, param->value[i],
-                       param->max);
+            diag_error(c->diag, param->value_loc, "`%s` is %.9g, above its max of %.9g",
+                       param->name, param->value[i], param->max);
             return;
         }
     }
@@ -166,7 +172,8 @@ static bool is_ready(const struct checker *c, const struct constant *constant, c
 
 static void settle(struct checker *c, struct constant *constant)
 {
-    struct limits limits = {"the value", constant->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN, INT64_MAX};
+    struct limits limits = {"the value", constant->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN,
+                            INT64_MAX};
     if (!check_expr(c, constant->value, &limits)) {
         constant->value = NULL;
         constant->folded = 1;
@@ -246,7 +253,8 @@ static void check_interleave(struct checker *c, struct interleave *interleave)
 {
     struct expr *sides[2] = {interleave->x, interleave->y};
     for (int i = 0; i < 2; i++) {
-        struct limits limits = {i ? "the height" : "the width", interleave->name, EXPR_BAKED, 1, 64};
+        struct limits limits = {i ? "the height" : "the width", interleave->name, EXPR_BAKED, 1,
+                                64};
         int64_t value = 1;
         if (check_expr(c, sides[i], &limits) && expr_eval(sides[i], 1, 1, &value) == EXPR_OK)
             interleave->tile[i] = (uint32_t)value;
@@ -267,7 +275,8 @@ void check_sizes(struct checker *c)
     for (uint32_t i = 0; i < pipeline->sampler_count; i++) {
         struct sampler *sampler = &pipeline->samplers[i];
         struct limits count = {"the count", sampler->name, EXPR_BAKED, 1, 1 << 24};
-        if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->count && !check_expr(c, sampler->count, &count))
+        if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->count &&
+            !check_expr(c, sampler->count, &count))
             sampler->count = NULL;
     }
     for (uint32_t i = 0; i < pipeline->interleave_count; i++)
@@ -309,7 +318,8 @@ static bool add_placeholder(struct checker *c, const char *name, struct text *te
     for (uint32_t i = 0; i < c->pipeline->constant_count; i++) {
         const struct constant *constant = &c->pipeline->constants[i];
         int64_t value;
-        if (strcmp(constant->name, name) || expr_eval(constant->value, 1920, 1080, &value) != EXPR_OK)
+        if (strcmp(constant->name, name) ||
+            expr_eval(constant->value, 1920, 1080, &value) != EXPR_OK)
             continue;
         text_add(text, "%" PRId64, value);
         return true;
@@ -317,16 +327,19 @@ static bool add_placeholder(struct checker *c, const char *name, struct text *te
     return false;
 }
 
-static void report_placeholder(struct checker *c, const struct assertion *assertion, const char *name)
+static void report_placeholder(struct checker *c, const struct assertion *assertion,
+                               const char *name)
 {
     size_t count = 0;
-    const char **names = arena_alloc(
-        c->model->arena, (c->pipeline->param_count + c->pipeline->constant_count + 1) * sizeof *names);
+    const char **names =
+        arena_alloc(c->model->arena,
+                    (c->pipeline->param_count + c->pipeline->constant_count + 1) * sizeof *names);
     for (uint32_t i = 0; names && i < c->pipeline->param_count; i++)
         names[count++] = c->pipeline->params[i].name;
     for (uint32_t i = 0; names && i < c->pipeline->constant_count; i++)
         names[count++] = c->pipeline->constants[i].name;
-    report_missing(c, assertion->loc, "parameter or constant for the message's placeholder", name, names, count);
+    report_missing(c, assertion->loc, "parameter or constant for the message's placeholder", name,
+                   names, count);
 }
 
 /* The message with its placeholders filled. */
@@ -351,14 +364,15 @@ static bool fill_message(struct checker *c, const struct assertion *assertion, s
 
 static void check_assert(struct checker *c, const struct assertion *assertion)
 {
-    struct limits limits = {"the condition", "asserts", EXPR_FRAME | EXPR_LIVE, INT64_MIN, INT64_MAX};
+    struct limits limits = {"the condition", "asserts", EXPR_FRAME | EXPR_LIVE, INT64_MIN,
+                            INT64_MAX};
     struct text message = {0};
     int64_t holds = 1;
     bool good = check_expr(c, assertion->that, &limits);
     if (!assertion->message)
         return;
-    if (fill_message(c, assertion, &message) && good && expr_eval(assertion->that, 1920, 1080, &holds) == EXPR_OK &&
-        !holds) {
+    if (fill_message(c, assertion, &message) && good &&
+        expr_eval(assertion->that, 1920, 1080, &holds) == EXPR_OK && !holds) {
         const char *text = message.data ? message.data : "assertion failed";
         if (assertion->warning)
             diag_warning(c->diag, assertion->loc, "%s", text);

@@ -51,7 +51,8 @@ static bool list_input(struct model *model, const char *path)
     for (uint32_t i = 0; i < model->input_count; i++)
         if (!strcmp(model->inputs[i], path))
             return true;
-    if (!(model->input_count & (model->input_count - 1)) || !model->inputs) { /* full at powers of two */
+    if (!(model->input_count & (model->input_count - 1)) ||
+        !model->inputs) { /* full at powers of two */
         uint32_t capacity = model->input_count ? 2 * model->input_count : 1;
         const char **inputs = arena_alloc(model->arena, capacity * sizeof *inputs);
         if (!inputs)
@@ -123,8 +124,8 @@ static bool is_duplicate(const struct diag *diag, const struct message *message)
     return false;
 }
 
-static void add_message(struct diag *diag, enum severity severity, struct loc loc, const char *format,
-                        va_list arguments)
+static void add_message(struct diag *diag, enum severity severity, struct loc loc,
+                        const char *format, va_list arguments)
 {
     if (severity == SEVERITY_ERROR)
         diag->errors++;
@@ -138,7 +139,8 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
         diag->messages = messages;
         diag->capacity = capacity;
     }
-    struct message message = {.severity = severity, .loc = loc, .file = file_number(diag, loc.source)};
+    struct message message = {
+        .severity = severity, .loc = loc, .file = file_number(diag, loc.source)};
     if (vasprintf(&message.text, format, arguments) < 0) {
         diag->failed = true;
         return;
@@ -149,7 +151,7 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
     }
     message.order = diag->count;
     message.head = severity == SEVERITY_NOTE && diag->count ? diag->messages[diag->count - 1].head
-                                                             : diag->count;
+                                                            : diag->count;
     diag->messages[diag->count++] = message;
 }
 
@@ -272,7 +274,8 @@ void diag_flush(struct diag *diag)
             print_message(&sorted[i]);
     }
     if (!sorted || diag->failed)
-        fputs("diptych-gen: error: out of memory while reporting; some messages are missing\n", stderr);
+        fputs("diptych-gen: error: out of memory while reporting; some messages are missing\n",
+              stderr);
     free(sorted);
     for (unsigned i = 0; i < diag->count; i++)
         free(diag->messages[i].text);
@@ -300,7 +303,8 @@ static unsigned edit_distance(const char *a, const char *b)
                 best = last[j] + 1;
             if (now[j - 1] + 1 < best)
                 best = now[j - 1] + 1;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] && before[j - 2] + 1 < best)
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
+                before[j - 2] + 1 < best)
                 best = before[j - 2] + 1;
             now[j] = best;
         }
@@ -318,7 +322,8 @@ const char *diag_nearest(const char *word, const char *const *candidates, size_t
     for (size_t i = 0; i < count; i++) {
         if (!candidates[i] || strlen(candidates[i]) > LONGEST_WORD || !strcmp(word, candidates[i]))
             continue;
-        unsigned distance = strcasecmp(word, candidates[i]) ? edit_distance(word, candidates[i]) : 0;
+        unsigned distance =
+            strcasecmp(word, candidates[i]) ? edit_distance(word, candidates[i]) : 0;
         if (distance < best && distance < length) {
             best = distance;
             nearest = candidates[i];

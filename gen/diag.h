@@ -6,9 +6,12 @@
 #include "model.h"
 
 struct arena; /* one allocator for everything that lives as long as the model */
-void *arena_alloc(struct arena *arena, size_t size); /* zeroed, aligned to 16; exits never: NULL only after out of memory,
+void *
+arena_alloc(struct arena *arena,
+            size_t size); /* zeroed, aligned to 16; exits never: NULL only after out of memory,
                                                         which main reports and ends with status 2 */
-char *arena_printf(struct arena *arena, const char *format, ...) __attribute__((format(printf, 2, 3)));
+char *arena_printf(struct arena *arena, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 char *arena_strndup(struct arena *arena, const char *text, size_t length);
 struct arena *arena_create(void);
 void arena_free(struct arena *arena);
@@ -24,9 +27,12 @@ const struct source *source_read(struct model *model, const char *path);
 struct diag; /* collects; owns nothing of the model */
 struct diag *diag_create(void);
 void diag_free(struct diag *diag);
-void diag_error(struct diag *diag, struct loc loc, const char *format, ...) __attribute__((format(printf, 3, 4)));
-void diag_warning(struct diag *diag, struct loc loc, const char *format, ...) __attribute__((format(printf, 3, 4)));
-void diag_note(struct diag *diag, struct loc loc, const char *format, ...) __attribute__((format(printf, 3, 4)));
+void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 /* Belongs to the message before it. */
 unsigned diag_error_count(const struct diag *diag);
 void diag_flush(struct diag *diag); /* to stderr, in order of place; duplicates once */

@@ -314,7 +314,7 @@ static void add_dispatch_size(struct glsl *glsl)
     text_add(out, "ivec3 dispatch_size()\n{\n    return ");
     if (pass->size == SIZE_INDIRECT) {
         text_add(out, "ivec3(gl_NumWorkGroups * gl_WorkGroupSize)");
-    } else if (pass->size == SIZE_INTERLEAVE) {
+    } else if (pass->size == SIZE_INTERLEAVE && pass->interleave) {
         const uint32_t *tile = pass->interleave->tile;
         text_add(out, "ivec3((int(frame.width) + %u) / %u, (int(frame.height) + %u) / %u, %u)",
                  tile[0] - 1, tile[0], tile[1] - 1, tile[1], tile[0] * tile[1]);
@@ -418,9 +418,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
         if (glsl_uses(glsl, "%s", inputs[i][1]))
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
-        text_add(out,
-                 "out gl_PerVertex {\n    vec4 gl_Position;\n    float gl_ClipDistance[%u];\n};\n",
-                 glsl->pass->clip_distances);
+        text_add(out, "out float gl_ClipDistance[%u];\n", glsl->pass->clip_distances);
 }
 
 static void add_head(struct glsl *glsl)

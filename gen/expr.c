@@ -8,12 +8,29 @@
 #include <string.h>
 
 enum operation {
-    OP_NUMBER, OP_FRAME_WIDTH, OP_FRAME_HEIGHT, OP_NAME, /* leaves */
-    OP_NEGATE, OP_NOT,
-    OP_MULTIPLY, OP_DIVIDE, OP_REMAINDER, OP_ADD, OP_SUBTRACT,
-    OP_LESS, OP_LESS_EQUAL, OP_GREATER, OP_GREATER_EQUAL, OP_EQUAL, OP_NOT_EQUAL,
-    OP_AND, OP_OR, OP_CHOOSE,
-    OP_MIN, OP_MAX, OP_CEIL_DIV
+    OP_NUMBER,
+    OP_FRAME_WIDTH,
+    OP_FRAME_HEIGHT,
+    OP_NAME, /* leaves */
+    OP_NEGATE,
+    OP_NOT,
+    OP_MULTIPLY,
+    OP_DIVIDE,
+    OP_REMAINDER,
+    OP_ADD,
+    OP_SUBTRACT,
+    OP_LESS,
+    OP_LESS_EQUAL,
+    OP_GREATER,
+    OP_GREATER_EQUAL,
+    OP_EQUAL,
+    OP_NOT_EQUAL,
+    OP_AND,
+    OP_OR,
+    OP_CHOOSE,
+    OP_MIN,
+    OP_MAX,
+    OP_CEIL_DIV
 };
 
 struct expr {
@@ -98,7 +115,8 @@ static struct expr *parse_number(struct parser *p)
                     __builtin_add_overflow(value, (uint64_t)(p->text[p->at] - '0'), &value);
     char next = p->text[p->at];
     if (next == '.' || isalpha((unsigned char)next) || next == '_') {
-        while (isalnum((unsigned char)p->text[p->at]) || strchr("._", p->text[p->at] ? p->text[p->at] : ' '))
+        while (isalnum((unsigned char)p->text[p->at]) ||
+               strchr("._", p->text[p->at] ? p->text[p->at] : ' '))
             p->at++;
         return fail(p, from, p->at, "a number that is no integer");
     }
@@ -238,9 +256,10 @@ struct binary {
     int level;
 };
 static const struct binary binaries[] = {
-    {"||", OP_OR, 0},       {"&&", OP_AND, 1},     {"==", OP_EQUAL, 2},   {"!=", OP_NOT_EQUAL, 2},
-    {"<=", OP_LESS_EQUAL, 3}, {">=", OP_GREATER_EQUAL, 3}, {"<", OP_LESS, 3}, {">", OP_GREATER, 3},
-    {"+", OP_ADD, 4},       {"-", OP_SUBTRACT, 4}, {"*", OP_MULTIPLY, 5}, {"/", OP_DIVIDE, 5},
+    {"||", OP_OR, 0},        {"&&", OP_AND, 1},        {"==", OP_EQUAL, 2},
+    {"!=", OP_NOT_EQUAL, 2}, {"<=", OP_LESS_EQUAL, 3}, {">=", OP_GREATER_EQUAL, 3},
+    {"<", OP_LESS, 3},       {">", OP_GREATER, 3},     {"+", OP_ADD, 4},
+    {"-", OP_SUBTRACT, 4},   {"*", OP_MULTIPLY, 5},    {"/", OP_DIVIDE, 5},
     {"%", OP_REMAINDER, 5},
 };
 enum { BINARY_LEVELS = 6, BINARY_COUNT = sizeof binaries / sizeof *binaries };
@@ -313,7 +332,8 @@ struct loc expr_loc(const struct expr *expr)
 
 /* ---- Resolving ---------------------------------------------------------------------------------------------------- */
 
-static void report_unknown(const struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
+static void report_unknown(const struct expr *expr, const struct pipeline *pipeline,
+                           struct diag *diag)
 {
     size_t count = 0, total = pipeline->param_count + pipeline->constant_count + 2;
     const char **names = calloc(total, sizeof *names);
@@ -327,8 +347,10 @@ static void report_unknown(const struct expr *expr, const struct pipeline *pipel
     if (nearest)
         diag_error(diag, expr->loc, "unknown name `%s`; did you mean `%s`?", expr->name, nearest);
     else
-        diag_error(diag, expr->loc, "unknown name `%s`; expressions know parameters, constants, frame.width and "
-                                    "frame.height", expr->name);
+        diag_error(diag, expr->loc,
+                   "unknown name `%s`; expressions know parameters, constants, frame.width and "
+                   "frame.height",
+                   expr->name);
     free(names);
 }
 
@@ -338,12 +360,13 @@ static bool resolve_param(struct expr *expr, const struct param *param, struct d
     bool is_float = param->type <= DT_TYPE_VEC4 || param->type == DT_TYPE_MAT4;
     expr->param = param;
     if (is_float) {
-        diag_error(diag, expr->loc, "`%s` is a float parameter, but expressions are over integers", param->name);
+        diag_error(diag, expr->loc, "`%s` is a float parameter, but expressions are over integers",
+                   param->name);
         return false;
     }
     if (param->components > 1 && expr->component < 0) {
-        diag_error(diag, expr->loc, "`%s` is a vector; write `%s.x` for one of its components", param->name,
-                   param->name);
+        diag_error(diag, expr->loc, "`%s` is a vector; write `%s.x` for one of its components",
+                   param->name, param->name);
         return false;
     }
     if (param->components == 1 && expr->component >= 0) {
@@ -352,8 +375,8 @@ static bool resolve_param(struct expr *expr, const struct param *param, struct d
         return false;
     }
     if (expr->component >= (int)param->components) {
-        diag_error(diag, expr->loc, "`%s` has %u components and no `.%c`", param->name, param->components,
-                   letters[expr->component]);
+        diag_error(diag, expr->loc, "`%s` has %u components and no `.%c`", param->name,
+                   param->components, letters[expr->component]);
         return false;
     }
     return true;
@@ -404,7 +427,8 @@ bool expr_mentions(const struct expr *expr, const char *name)
 static bool decides(const struct expr *expr, bool truth)
 {
     int64_t value;
-    return expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK && (value != 0) == truth;
+    return expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK &&
+           (value != 0) == truth;
 }
 
 static unsigned reach_of_operands(const struct expr *expr)
@@ -446,14 +470,16 @@ struct evaluation {
 
 static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, int64_t *value);
 
-static enum expr_result fault(const struct expr *expr, struct evaluation *e, enum expr_result result)
+static enum expr_result fault(const struct expr *expr, struct evaluation *e,
+                              enum expr_result result)
 {
     if (!e->fault)
         e->fault = expr;
     return result;
 }
 
-static enum expr_result divide(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b, int64_t *value)
+static enum expr_result divide(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b,
+                               int64_t *value)
 {
     if (b == 0)
         return fault(expr, e, EXPR_DIVIDES_BY_ZERO);
@@ -468,42 +494,75 @@ static enum expr_result divide(const struct expr *expr, struct evaluation *e, in
     return EXPR_OK;
 }
 
-static enum expr_result combine(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b, int64_t *value)
+static enum expr_result combine(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b,
+                                int64_t *value)
 {
     bool overflow = false;
     switch (expr->operation) {
-    case OP_MULTIPLY: overflow = __builtin_mul_overflow(a, b, value); break;
-    case OP_ADD: overflow = __builtin_add_overflow(a, b, value); break;
-    case OP_SUBTRACT: overflow = __builtin_sub_overflow(a, b, value); break;
+    case OP_MULTIPLY:
+        overflow = __builtin_mul_overflow(a, b, value);
+        break;
+    case OP_ADD:
+        overflow = __builtin_add_overflow(a, b, value);
+        break;
+    case OP_SUBTRACT:
+        overflow = __builtin_sub_overflow(a, b, value);
+        break;
     case OP_DIVIDE:
     case OP_REMAINDER:
-    case OP_CEIL_DIV: return divide(expr, e, a, b, value);
-    case OP_LESS: *value = a < b; break;
-    case OP_LESS_EQUAL: *value = a <= b; break;
-    case OP_GREATER: *value = a > b; break;
-    case OP_GREATER_EQUAL: *value = a >= b; break;
-    case OP_EQUAL: *value = a == b; break;
-    case OP_NOT_EQUAL: *value = a != b; break;
-    case OP_MIN: *value = a < b ? a : b; break;
-    default: *value = a > b ? a : b; break; /* OP_MAX */
+    case OP_CEIL_DIV:
+        return divide(expr, e, a, b, value);
+    case OP_LESS:
+        *value = a < b;
+        break;
+    case OP_LESS_EQUAL:
+        *value = a <= b;
+        break;
+    case OP_GREATER:
+        *value = a > b;
+        break;
+    case OP_GREATER_EQUAL:
+        *value = a >= b;
+        break;
+    case OP_EQUAL:
+        *value = a == b;
+        break;
+    case OP_NOT_EQUAL:
+        *value = a != b;
+        break;
+    case OP_MIN:
+        *value = a < b ? a : b;
+        break;
+    default:
+        *value = a > b ? a : b;
+        break; /* OP_MAX */
     }
     return overflow ? fault(expr, e, EXPR_OVERFLOWS) : EXPR_OK;
 }
 
 /* Leaves and unary operators. */
-static enum expr_result evaluate_simple(const struct expr *expr, struct evaluation *e, int64_t *value)
+static enum expr_result evaluate_simple(const struct expr *expr, struct evaluation *e,
+                                        int64_t *value)
 {
     enum expr_result result;
     switch (expr->operation) {
-    case OP_NUMBER: *value = expr->number; return EXPR_OK;
-    case OP_FRAME_WIDTH: *value = e->width; return EXPR_OK;
-    case OP_FRAME_HEIGHT: *value = e->height; return EXPR_OK;
+    case OP_NUMBER:
+        *value = expr->number;
+        return EXPR_OK;
+    case OP_FRAME_WIDTH:
+        *value = e->width;
+        return EXPR_OK;
+    case OP_FRAME_HEIGHT:
+        *value = e->height;
+        return EXPR_OK;
     case OP_NAME:
         if (expr->constant) {
             result = evaluate(expr->constant->value, e, value);
             return result == EXPR_OK ? result : (e->fault = expr, result);
         }
-        *value = expr->param ? (int64_t)expr->param->value[expr->component > 0 ? expr->component : 0] : 1;
+        *value = expr->param
+                     ? (int64_t)expr->param->value[expr->component > 0 ? expr->component : 0]
+                     : 1;
         return EXPR_OK;
     case OP_NOT:
         result = evaluate(expr->operand[0], e, value);
@@ -545,7 +604,8 @@ static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, 
     return combine(expr, e, a, b, value);
 }
 
-enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height, int64_t *value)
+enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height,
+                           int64_t *value)
 {
     struct evaluation e = {.width = frame_width, .height = frame_height};
     return evaluate(expr, &e, value);
@@ -584,7 +644,9 @@ static void emit_param(const struct expr *expr, enum language language, struct t
     bool vector = param->components > 1;
     int component = expr->component > 0 ? expr->component : 0;
     if (language == LANGUAGE_GLSL) {
-        text_add(out, param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4) ? "%s" : "int(%s",
+        text_add(out,
+                 param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4) ? "%s"
+                                                                                        : "int(%s",
                  param->name);
         if (vector)
             text_add(out, ".%c", "xyzw"[component]);
@@ -593,7 +655,8 @@ static void emit_param(const struct expr *expr, enum language language, struct t
     } else if (vector) {
         text_add(out, "(int64_t)live->%s[%d]", param->name, component);
     } else {
-        text_add(out, param->type == DT_TYPE_BOOL ? "(live->%s != 0)" : "(int64_t)live->%s", param->name);
+        text_add(out, param->type == DT_TYPE_BOOL ? "(live->%s != 0)" : "(int64_t)live->%s",
+                 param->name);
     }
 }
 

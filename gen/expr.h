@@ -12,12 +12,17 @@ struct expr *expr_parse(struct model *model, const char *text, struct loc loc, s
 /* Resolves names against params and constants; reports unknown ones with a suggestion. Booleans count as 0 and 1. */
 bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag);
 
-enum expr_reach { EXPR_BAKED = 0, EXPR_FRAME = 1, EXPR_LIVE = 2 }; /* mask: what the value depends on; `0 && live` on nothing */
+enum expr_reach {
+    EXPR_BAKED = 0,
+    EXPR_FRAME = 1,
+    EXPR_LIVE = 2
+}; /* mask: what the value depends on; `0 && live` on nothing */
 unsigned expr_reach(const struct expr *expr);
 
 enum expr_result { EXPR_OK, EXPR_DIVIDES_BY_ZERO, EXPR_OVERFLOWS };
 /* Live parameters count with their default. */
-enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height, int64_t *value);
+enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height,
+                           int64_t *value);
 /* For "is 0 when second_vpls = 0"-like messages. */
 struct loc expr_loc(const struct expr *expr);
 /* The part that expr_eval fails at, to underline it; the whole expression when it does not fail. */

@@ -28,11 +28,13 @@ struct option_name {
 };
 static const struct option_name option_names[] = {
     {"-o", "DIR", "folder for the generated files; made when it is missing"},
-    {"--set", "PATH=VALUE", "override a value of the spec: a.b.c=VALUE, or PARAMETER=VALUE; may be repeated"},
+    {"--set", "PATH=VALUE",
+     "override a value of the spec: a.b.c=VALUE, or PARAMETER=VALUE; may be repeated"},
     {"--check", NULL, "check only, write nothing"},
     {"--graph", "FILE.dot", "also write the pass graph to this file"},
     {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
-    {"--templates", "DIR", "folder with glsl/ and c/; default: templates here, else beside the program's folder"},
+    {"--templates", "DIR",
+     "folder with glsl/ and c/; default: templates here, else beside the program's folder"},
     {"--schema", NULL, "print a JSON Schema of the spec language"},
     {"--reference", NULL, "print the reference of the spec language, Markdown"},
     {"--help", NULL, "this text"},
@@ -42,10 +44,12 @@ enum { OPTION_COUNT = sizeof option_names / sizeof *option_names };
 
 static void print_help(void)
 {
-    printf("usage: diptych-gen SPEC -o DIR [options]\n\nGenerates GLSL, SPIR-V and C for both runtimes from a pipeline spec.\n\n");
+    printf("usage: diptych-gen SPEC -o DIR [options]\n\nGenerates GLSL, SPIR-V and C for both "
+           "runtimes from a pipeline spec.\n\n");
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         const struct option_name *option = &option_names[i];
-        int width = printf("  %s%s%s", option->name, option->value ? " " : "", option->value ? option->value : "");
+        int width = printf("  %s%s%s", option->name, option->value ? " " : "",
+                           option->value ? option->value : "");
         printf("%*s%s\n", width < 24 ? 24 - width : 1, "", option->doc);
     }
 }
@@ -96,12 +100,14 @@ static void take_option(struct options *options, const char *name, const char *v
 }
 
 /* `word` is NAME, or NAME=VALUE for an option that takes a value. */
-static bool parse_option(struct options *options, const char *word, const char *next, bool *took_next)
+static bool parse_option(struct options *options, const char *word, const char *next,
+                         bool *took_next)
 {
     for (size_t i = 0; i < OPTION_COUNT; i++) {
         const struct option_name *option = &option_names[i];
         size_t length = strlen(option->name);
-        if (strncmp(word, option->name, length) || (word[length] && (word[length] != '=' || !option->value)))
+        if (strncmp(word, option->name, length) ||
+            (word[length] && (word[length] != '=' || !option->value)))
             continue;
         const char *value = word[length] ? word + length + 1 : next;
         *took_next = option->value && !word[length];
@@ -216,7 +222,8 @@ static void add_shaders(struct generation *g)
                 if (!shader->word_count || !name || !binary)
                     continue;
                 struct text words = {0};
-                text_add_bytes(&words, (const char *)shader->words, shader->word_count * sizeof *shader->words);
+                text_add_bytes(&words, (const char *)shader->words,
+                               shader->word_count * sizeof *shader->words);
                 output_add(g->output, g->options->out, name, &shader->glsl);
                 output_add(g->output, g->options->out, binary, &words);
             }
@@ -233,10 +240,11 @@ static void add_depfile_path(struct text *text, const char *path)
 
 static void add_depfile(struct generation *g)
 {
-    const char *out = g->options->out;
+    const char *out = g->options->out ? g->options->out : ".";
     struct text text = {0};
-    const char *slash = out[strlen(out) - 1] == '/' ? "" : "/";
-    const char *target = arena_printf(g->model.arena, "%s%s%s.h", out, slash, g->model.pipeline.name);
+    const char *slash = *out && out[strlen(out) - 1] == '/' ? "" : "/";
+    const char *target =
+        arena_printf(g->model.arena, "%s%s%s.h", out, slash, g->model.pipeline.name);
     add_depfile_path(&text, target ? target : "");
     text_add(&text, ":");
     for (uint32_t i = 0; i < g->model.input_count; i++) {
@@ -290,9 +298,10 @@ static enum status write_files(struct generation *g)
 static void print_summary(const struct pipeline *pipeline)
 {
     const double mebi = 1024.0 * 1024.0;
-    double whole = (double)pipeline->transient_bytes / mebi, aliased = (double)pipeline->aliased_bytes / mebi;
-    printf("%s: %u passes, %u resources; transients at 1920x1080: %.1f MiB, with aliasing %.1f MiB", pipeline->name,
-           pipeline->pass_count, pipeline->resource_count, whole, aliased);
+    double whole = (double)pipeline->transient_bytes / mebi,
+           aliased = (double)pipeline->aliased_bytes / mebi;
+    printf("%s: %u passes, %u resources; transients at 1920x1080: %.1f MiB, with aliasing %.1f MiB",
+           pipeline->name, pipeline->pass_count, pipeline->resource_count, whole, aliased);
     if (whole > 0)
         printf(" (%.0f %% saved)", 100 * (1 - aliased / whole));
     printf("\n");
@@ -346,7 +355,8 @@ static const char *find_templates(struct arena *arena, const char *given)
 
 static enum status run(const struct options *options)
 {
-    struct generation g = {.options = options, .diag = diag_create(), .model.arena = arena_create()};
+    struct generation g = {
+        .options = options, .diag = diag_create(), .model.arena = arena_create()};
     enum status status = STATUS_FAILED;
     if (g.diag && g.model.arena) {
         g.model.templates_dir = find_templates(g.model.arena, options->templates);
@@ -368,10 +378,12 @@ static enum status print_text(void (*emit)(struct text *out))
 {
     struct text text = {0};
     emit(&text);
-    bool good = !text.failed && (!text.length || fwrite(text.data, 1, text.length, stdout) == text.length);
+    bool good =
+        !text.failed && (!text.length || fwrite(text.data, 1, text.length, stdout) == text.length);
     good = !fflush(stdout) && good;
     if (!good)
-        fprintf(stderr, "diptych-gen: error: cannot write to the standard output: %s\n", strerror(errno));
+        fprintf(stderr, "diptych-gen: error: cannot write to the standard output: %s\n",
+                strerror(errno));
     text_free(&text);
     return good ? STATUS_DONE : STATUS_FAILED;
 }

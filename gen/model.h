@@ -20,14 +20,16 @@ struct loc {
     int length;       /* characters to underline, at least 1 */
 };
 
-struct expr; /* integer expression over parameters, constants and frame.width, frame.height (expr.h) */
+struct
+    expr; /* integer expression over parameters, constants and frame.width, frame.height (expr.h) */
 
 /* ---- Declarations ------------------------------------------------------------------------------------------------- */
 
 struct param {
     const char *name, *doc;
     struct loc loc, value_loc;
-    enum dt_type type; /* FLOAT, INT, UINT, BOOL or a vector of them; from `type`, else from the value */
+    enum dt_type
+        type; /* FLOAT, INT, UINT, BOOL or a vector of them; from `type`, else from the value */
     uint32_t components;
     double value[4];
     double min, max; /* each component; +-INFINITY when absent */
@@ -48,7 +50,7 @@ struct field {
     const char *name;
     struct loc loc;
     enum dt_type type;
-    uint32_t array_count; /* 0: no array */
+    uint32_t array_count;          /* 0: no array */
     uint32_t offset, array_stride; /* layout, std430 */
 };
 
@@ -90,14 +92,14 @@ struct resource {
     /* images */
     enum dt_format format;
     struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */
-    double clear[4]; /* `clear`, default 0; depth: 1 */
+    double clear[4];                             /* `clear`, default 0; depth: 1 */
     /* plan */
-    uint32_t index;       /* in pipeline->resources */
-    unsigned usage;       /* mask of enum access_kind over all passes */
+    uint32_t index;            /* in pipeline->resources */
+    unsigned usage;            /* mask of enum access_kind over all passes */
     int first_pass, last_pass; /* in execution order; -1: unused. History spans the frame. */
-    uint32_t slot;        /* Vulkan memory slot */
-    int share;            /* OpenGL: resource whose texture it takes; -1: an own one */
-    uint64_t bytes;       /* at the reference frame size 1920x1080 */
+    uint32_t slot;             /* Vulkan memory slot */
+    int share;                 /* OpenGL: resource whose texture it takes; -1: an own one */
+    uint64_t bytes;            /* at the reference frame size 1920x1080 */
 };
 
 enum sampler_kind { SAMPLER_HAMMERSLEY, SAMPLER_FILTER };
@@ -114,11 +116,14 @@ struct sampler {
     double anisotropy; /* 1 */
 };
 
-enum normal_term { TERM_ONE_MINUS_DOT, TERM_DOT }; /* w2 (1 - (a.b)+), and Equation 2 as printed: w2 (a.b)+ */
+enum normal_term {
+    TERM_ONE_MINUS_DOT,
+    TERM_DOT
+}; /* w2 (1 - (a.b)+), and Equation 2 as printed: w2 (a.b)+ */
 struct metric {
     const char *name, *doc;
     struct loc loc;
-    double position, normal;                  /* weights */
+    double position, normal;                   /* weights */
     const char *position_field, *normal_field; /* default "position", "normal" */
     enum normal_term normal_term;
     const char *scale; /* "scene_radius", or a number as text: lengths are divided by it */
@@ -138,19 +143,25 @@ struct access {
     const char *name; /* of the resource; "scene_vertices" etc. are builtins: see builtin */
     struct loc loc;
     enum access_mode mode;
-    struct expr *mip;     /* NULL: mip 0 for storage and targets, all mips for sampling */
-    const char *sampler;  /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
+    struct expr *mip;    /* NULL: mip 0 for storage and targets, all mips for sampling */
+    const char *sampler; /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
     struct loc sampler_loc;
     struct resource *resource; /* check; NULL for a builtin */
     int builtin;               /* enum builtin, or -1 */
     struct sampler *filter;    /* check */
     uint32_t mip_value;        /* check */
     unsigned kind;             /* plan: mask of enum access_kind */
-    int binding;               /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
-    int attachment;            /* plan: colour attachment number; -1 */
+    int binding;    /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
+    int attachment; /* plan: colour attachment number; -1 */
 };
 
-enum builtin { BUILTIN_VERTICES, BUILTIN_INDICES, BUILTIN_MATERIALS, BUILTIN_TEXTURES, BUILTIN_COUNT };
+enum builtin {
+    BUILTIN_VERTICES,
+    BUILTIN_INDICES,
+    BUILTIN_MATERIALS,
+    BUILTIN_TEXTURES,
+    BUILTIN_COUNT
+};
 /* names in specs: scene_vertices scene_indices scene_materials scene_textures */
 
 enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };
@@ -161,7 +172,7 @@ enum loop_shape { LOOP_AUTO, LOOP_UNROLL, LOOP_ROLL };
 struct range {
     const char *name;
     struct loc loc, of_loc;
-    const char *of; /* buffer, among the pass's reads */
+    const char *of;        /* buffer, among the pass's reads */
     struct access *access; /* check */
     const char *first;     /* GLSL int expression, uniform over the workgroup; default "0" */
     struct expr *count;    /* folds at generation */
@@ -174,27 +185,44 @@ struct range {
 enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_DISPATCH };
 enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
 enum pass_cull { CULL_NONE, CULL_BACK, CULL_FRONT };
-enum pass_compare { COMPARE_OFF, COMPARE_LESS, COMPARE_LESS_EQUAL, COMPARE_GREATER, COMPARE_ALWAYS };
+enum pass_compare {
+    COMPARE_OFF,
+    COMPARE_LESS,
+    COMPARE_LESS_EQUAL,
+    COMPARE_GREATER,
+    COMPARE_ALWAYS
+};
 
 struct barrier { /* before the pass: what `resource` waits for */
     struct resource *resource;
-    unsigned from;       /* mask of access_kind of the earlier passes (0: first touch in the frame) */
+    unsigned from; /* mask of access_kind of the earlier passes (0: first touch in the frame) */
     unsigned from_stages; /* enum stage_bit of those accesses */
-    bool from_writes;    /* the earlier accesses wrote: memory dependency, not only execution */
+    bool from_writes;     /* the earlier accesses wrote: memory dependency, not only execution */
     unsigned to, to_stages;
     bool to_writes;
-    bool discard;        /* first touch of a transient: content undefined */
-    const struct resource *alias; /* first touch of a slot that another resource used before, else NULL */
+    bool discard; /* first touch of a transient: content undefined */
+    const struct resource
+        *alias; /* first touch of a slot that another resource used before, else NULL */
 };
-enum stage_bit { STAGE_COMPUTE = 1, STAGE_VERTEX = 2, STAGE_FRAGMENT = 4, STAGE_COLOR = 8, STAGE_DEPTH = 16,
-                 STAGE_INDIRECT = 32, STAGE_INDEX = 64, STAGE_CLEAR = 128 };
+enum stage_bit {
+    STAGE_COMPUTE = 1,
+    STAGE_VERTEX = 2,
+    STAGE_FRAGMENT = 4,
+    STAGE_COLOR = 8,
+    STAGE_DEPTH = 16,
+    STAGE_INDIRECT = 32,
+    STAGE_INDEX = 64,
+    STAGE_CLEAR = 128
+};
 
 struct pass {
     const char *name, *doc;
     struct loc loc;
     enum pass_kind kind;
-    const char *view;  /* draws of the scene: "camera" or "light": names the View that `view` means in the body */
-    struct expr *layers; /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
+    const char *
+        view; /* draws of the scene: "camera" or "light": names the View that `view` means in the body */
+    struct expr
+        *layers; /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
     struct access *accesses; /* reads, writes, updates in the order of the spec */
     uint32_t access_count;
     const char **uses; /* names of hammersley samplers, metrics, interleaves */
@@ -203,20 +231,21 @@ struct pass {
     const char *shader; /* path as written */
     struct loc shader_loc;
     const struct source *body; /* check: the file, read once */
-    struct expr *when;  /* NULL: always */
-    const char **after; /* explicit order */
+    struct expr *when;         /* NULL: always */
+    const char **after;        /* explicit order */
     struct loc *after_locs;
     uint32_t after_count;
     /* dispatch */
     enum pass_size size;
-    struct expr *dispatch[3];  /* invocations or groups */
-    const char *dispatch_image; /* SIZE_IMAGE: one invocation per texel of this image */
+    struct expr *dispatch[3];       /* invocations or groups */
+    const char *dispatch_image;     /* SIZE_IMAGE: one invocation per texel of this image */
     struct resource *size_resource; /* check; also the indirect buffer's, for SIZE_INDIRECT */
-    const char *interleave_name; /* `interleave: tile`: one z per class, x and y over the class's pixels */
+    const char
+        *interleave_name; /* `interleave: tile`: one z per class, x and y over the class's pixels */
     struct interleave *interleave; /* check */
-    const char *indirect;      /* buffer of arguments, for dispatches and scene draws */
+    const char *indirect;          /* buffer of arguments, for dispatches and scene draws */
     struct resource *indirect_resource;
-    const char *indices;       /* scene draws: index buffer made by a pass */
+    const char *indices; /* scene draws: index buffer made by a pass */
     struct resource *index_resource;
     uint32_t local[3]; /* check folds local_size into it; defaults by the kind stand in it before */
     struct expr *local_size[3]; /* as written; NULL: not given */
@@ -229,12 +258,12 @@ struct pass {
     uint32_t clip_distances;
     /* check and plan */
     struct loc when_loc, size_loc, indirect_loc, indices_loc, interleave_loc;
-    bool conditional;  /* `when` depends on live parameters */
+    bool conditional; /* `when` depends on live parameters */
     struct barrier *barriers;
     uint32_t barrier_count;
-    int frame_binding, live_binding; /* uniform blocks; every pass has both */
+    int frame_binding, live_binding;         /* uniform blocks; every pass has both */
     int textures_binding, materials_binding; /* scene draws; -1: none */
-    uint32_t index;    /* in order of execution */
+    uint32_t index;                          /* in order of execution */
 };
 
 struct assertion {
@@ -248,16 +277,26 @@ struct pipeline {
     const char *name, *doc;
     struct loc loc;
     bool fast; /* exactness: fast; default exact */
-    bool gpu;  /* target: gpu; default software: what the storage class and the loop shape are chosen for */
-    struct param *params;           uint32_t param_count;
-    struct constant *constants;     uint32_t constant_count;
-    struct structure *structs;      uint32_t struct_count;
-    struct resource *resources;     uint32_t resource_count; /* buffers, then images, in the order of the spec */
-    struct sampler *samplers;       uint32_t sampler_count;
-    struct metric *metrics;         uint32_t metric_count;
-    struct interleave *interleaves; uint32_t interleave_count;
-    struct pass *passes;            uint32_t pass_count; /* spec order; without passes whose `when` folds to false */
-    struct assertion *assertions;   uint32_t assertion_count;
+    bool
+        gpu; /* target: gpu; default software: what the storage class and the loop shape are chosen for */
+    struct param *params;
+    uint32_t param_count;
+    struct constant *constants;
+    uint32_t constant_count;
+    struct structure *structs;
+    uint32_t struct_count;
+    struct resource *resources;
+    uint32_t resource_count; /* buffers, then images, in the order of the spec */
+    struct sampler *samplers;
+    uint32_t sampler_count;
+    struct metric *metrics;
+    uint32_t metric_count;
+    struct interleave *interleaves;
+    uint32_t interleave_count;
+    struct pass *passes;
+    uint32_t pass_count; /* spec order; without passes whose `when` folds to false */
+    struct assertion *assertions;
+    uint32_t assertion_count;
     const char *linear_output, *display_output; /* names, or NULL */
     struct loc linear_loc, display_loc;
     /* plan */
@@ -273,8 +312,10 @@ struct model {
     struct pipeline pipeline;
     const char **inputs; /* every file that was read, for the depfile */
     uint32_t input_count;
-    const char *templates_dir; /* holds glsl/, where library pieces and included files are looked for */
-    const struct source **glsl_sources; /* emit_glsl: source-string number of #line minus 1 -> file */
+    const char
+        *templates_dir; /* holds glsl/, where library pieces and included files are looked for */
+    const struct source *
+        *glsl_sources; /* emit_glsl: source-string number of #line minus 1 -> file */
     uint32_t glsl_source_count;
 };
 

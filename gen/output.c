@@ -110,7 +110,8 @@ static bool write_temporary(struct output_file *file)
     file->temporary = path;
     mode_t mask = umask(0);
     umask(mask);
-    bool good = write_all(descriptor, file->text.data, file->text.length) && !fchmod(descriptor, 0666 & ~mask);
+    bool good = write_all(descriptor, file->text.data, file->text.length) &&
+                !fchmod(descriptor, 0666 & ~mask);
     if (!good)
         fail("write", file->path);
     if (close(descriptor) && good)

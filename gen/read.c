@@ -12,8 +12,8 @@ static void read_asserts(struct reader *reader, const struct fields *top)
     void *iterator = NULL;
     if (!list)
         return;
-    pipeline->assertions =
-        reader_alloc(reader, (size_t)fy_node_sequence_item_count(list), sizeof *pipeline->assertions);
+    pipeline->assertions = reader_alloc(reader, (size_t)fy_node_sequence_item_count(list),
+                                        sizeof *pipeline->assertions);
     while (pipeline->assertions && (item = fy_node_sequence_iterate(list, &iterator))) {
         struct fields fields;
         if (!fields_read(reader, item, SECTION_ASSERT, node_loc(reader, item), &fields))
@@ -31,7 +31,8 @@ static void read_output(struct reader *reader, const struct fields *top)
     struct pipeline *pipeline = &reader->model->pipeline;
     struct fields fields;
     struct fy_node *map = field_node(top, "output");
-    if (!map || !fields_read(reader, map, SECTION_OUTPUT, field_loc(reader, top, "output"), &fields))
+    if (!map ||
+        !fields_read(reader, map, SECTION_OUTPUT, field_loc(reader, top, "output"), &fields))
         return;
     pipeline->linear_output = field_text(reader, &fields, "linear");
     pipeline->linear_loc = field_loc(reader, &fields, "linear");
@@ -64,7 +65,8 @@ static void read_sections(struct reader *reader)
     read_output(reader, &top);
 }
 
-bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count, struct diag *diag)
+bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,
+               struct diag *diag)
 {
     struct reader reader = {.model = model, .diag = diag};
     reader.source = source_read(model, path);
@@ -77,7 +79,8 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
         read_sections(&reader);
     if (reader.out_of_memory)
         diag_error(diag, (struct loc){0}, "out of memory while reading `%s`", path);
-    for (size_t i = 0; i < reader.override_count; i++) /* those that found no place belong to nobody */
+    for (size_t i = 0; i < reader.override_count;
+         i++) /* those that found no place belong to nobody */
         if (!fy_node_is_attached(reader.overrides[i].node))
             fy_node_free(reader.overrides[i].node);
     free(reader.overrides);

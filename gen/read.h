@@ -12,8 +12,8 @@
 struct override {
     struct fy_node *node;
     const struct source *source;
-    int column;      /* 1-based, of the node's text within the option */
-    int type;        /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float a
+    int column; /* 1-based, of the node's text within the option */
+    int type; /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float a
                         float; -1: no former value */
 };
 
@@ -59,22 +59,26 @@ bool is_identifier(const char *text);
 bool text_number(const char *text, double *value);
 
 /* read_fields.c: false when the node is no map; `loc` is the place for missing keys. */
-bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc, struct fields *fields);
+bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
+                 struct fields *fields);
 struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key);
 struct fy_node *field_node(const struct fields *fields, const char *key);
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
 bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback);
-double field_number(struct reader *reader, const struct fields *fields, const char *key, double fallback);
+double field_number(struct reader *reader, const struct fields *fields, const char *key,
+                    double fallback);
 int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback);
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
 struct expr *node_expr(struct reader *reader, struct fy_node *node);
 void *reader_alloc(struct reader *reader, size_t count, size_t size); /* at least one element */
 /* The document's value must be what the key says; reports otherwise. */
-bool value_check(struct reader *reader, const struct key *key, struct fy_node *node, struct loc loc);
+bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
+                 struct loc loc);
 
 /* read_params.c */
-bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components, enum dt_type *type);
+bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components,
+                 enum dt_type *type);
 void read_params(struct reader *reader, const struct fields *top);
 void read_constants(struct reader *reader, const struct fields *top);
 /* read_resources.c */

@@ -93,19 +93,20 @@ struct setting {
 
 static struct loc setting_loc(const struct setting *setting, int column, size_t length)
 {
-    return (struct loc){.source = setting->source, .line = 1, .column = column, .length = length ? (int)length : 1};
+    return (struct loc){
+        .source = setting->source, .line = 1, .column = column, .length = length ? (int)length : 1};
 }
 
 static bool next_segment(struct setting *setting)
 {
     const char *end = strpbrk(setting->path, ".=");
-    size_t length = end ? (size_t)(end - setting->path) : strlen(setting->path);
+    size_t length = end ? (size_t)(end - setting->path) : 0;
     if (!length || length >= sizeof setting->segment)
         return false;
     setting->column = (int)(setting->path - setting->source->text) + 1;
     memcpy(setting->segment, setting->path, length);
     setting->segment[length] = '\0';
-    setting->path = end && *end == '.' ? end + 1 : end;
+    setting->path = *end == '.' ? end + 1 : end;
     return true;
 }
 
@@ -114,13 +115,13 @@ static bool is_last(const struct setting *setting)
     return *setting->path == '=';
 }
 
-static struct fy_node *build_node(struct reader *reader, const struct setting *setting, const char *text, int column,
-                                  size_t length)
+static struct fy_node *build_node(struct reader *reader, const struct setting *setting,
+                                  const char *text, int column, size_t length)
 {
     struct fy_node *node = *text ? fy_node_build_from_string(reader->document, text, length) : NULL;
     if (!node) {
-        diag_error(reader->diag, setting_loc(setting, column, length), "`--set %s`: `%s` is no YAML value",
-                   setting->source->text, text);
+        diag_error(reader->diag, setting_loc(setting, column, length),
+                   "`--set %s`: `%s` is no YAML value", setting->source->text, text);
         return NULL;
     }
     size_t count = reader->override_count;
@@ -141,7 +142,8 @@ static int former_type(struct reader *reader, const struct key *key, struct fy_n
     double value[4];
     uint32_t components;
     enum dt_type type;
-    bool is_param = key->section == SECTION_PARAMS || (key->section == SECTION_PARAM && !strcmp(key->name, "value"));
+    bool is_param = key->section == SECTION_PARAMS ||
+                    (key->section == SECTION_PARAM && !strcmp(key->name, "value"));
     if (!is_param)
         return -1;
     for (size_t i = 0; i < reader->override_count; i++) /* a second --set of the same */
@@ -164,7 +166,8 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
     }
     int type = former_type(reader, key, old);
     int column = (int)(setting->value - setting->source->text) + 1;
-    struct fy_node *node = build_node(reader, setting, setting->value, column, strlen(setting->value));
+    struct fy_node *node =
+        build_node(reader, setting, setting->value, column, strlen(setting->value));
     if (!node)
         return;
     reader->overrides[reader->override_count - 1].type = type;
@@ -185,21 +188,22 @@ static void add_value(struct reader *reader, struct setting *setting, struct fy_
         reader->out_of_memory = true;
 }
 
-static void report_path(struct reader *reader, const struct setting *setting, const char *where, const char *const *names,
-                        size_t count)
+static void report_path(struct reader *reader, const struct setting *setting, const char *where,
+                        const char *const *names, size_t count)
 {
     const char *nearest = diag_nearest(setting->segment, names, count);
     struct loc loc = setting_loc(setting, setting->column, strlen(setting->segment));
     if (nearest)
-        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s; did you mean `%s`?", setting->source->text,
-                   setting->segment, where, nearest);
+        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s; did you mean `%s`?",
+                   setting->source->text, setting->segment, where, nearest);
     else
-        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s", setting->source->text, setting->segment, where);
+        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s", setting->source->text,
+                   setting->segment, where);
 }
 
 /* Names that stand in a map, and, for a section of fixed keys, those that may. */
-static void report_unknown_key(struct reader *reader, const struct setting *setting, struct fy_node *map,
-                               enum section section)
+static void report_unknown_key(struct reader *reader, const struct setting *setting,
+                               struct fy_node *map, enum section section)
 {
     const char *names[256];
     size_t count = 0;
@@ -214,7 +218,8 @@ static void report_unknown_key(struct reader *reader, const struct setting *sett
 }
 
 /* The element of a list of maps with this `name`, or with this number. */
-static struct fy_node *find_element(struct reader *reader, const struct setting *setting, struct fy_node *list)
+static struct fy_node *find_element(struct reader *reader, const struct setting *setting,
+                                    struct fy_node *list)
 {
     const char *names[256];
     size_t count = 0;
@@ -238,9 +243,11 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
     return NULL;
 }
 
-static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map, enum section section);
+static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map,
+                         enum section section);
 
-static void apply_below(struct reader *reader, struct setting *setting, const struct key *key, struct fy_node *value)
+static void apply_below(struct reader *reader, struct setting *setting, const struct key *key,
+                        struct fy_node *value)
 {
     enum section section = key->child;
     if (value && key->type == KEY_LIST && fy_node_get_type(value) == FYNT_SEQUENCE) {
@@ -250,9 +257,10 @@ static void apply_below(struct reader *reader, struct setting *setting, const st
         if (!value)
             return;
         if (is_last(setting)) {
-            diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
-                       "`--set %s`: `%s` is %s; name one of its keys", setting->source->text, setting->segment,
-                       table_sections[section].title);
+            diag_error(reader->diag,
+                       setting_loc(setting, setting->column, strlen(setting->segment)),
+                       "`--set %s`: `%s` is %s; name one of its keys", setting->source->text,
+                       setting->segment, table_sections[section].title);
             return;
         }
     }
@@ -265,7 +273,8 @@ static void apply_below(struct reader *reader, struct setting *setting, const st
                "`--set %s`: `%s` has no keys below it", setting->source->text, setting->segment);
 }
 
-static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map, enum section section)
+static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map,
+                         enum section section)
 {
     const struct key *key = table_find(section, setting->segment);
     struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, setting->segment, FY_NT);
@@ -292,7 +301,8 @@ static void apply_bare(struct reader *reader, struct setting *setting, struct fy
     struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
     if (params && fy_node_get_type(params) != FYNT_MAPPING)
         params = NULL;
-    bool is_param = params && fy_node_mapping_lookup_pair_by_string(params, setting->segment, FY_NT);
+    bool is_param =
+        params && fy_node_mapping_lookup_pair_by_string(params, setting->segment, FY_NT);
     if (!is_param && is_scalar_key(setting->segment))
         apply_in_map(reader, setting, root, SECTION_TOP);
     else if (is_param)
@@ -313,12 +323,14 @@ static void apply_set(struct reader *reader, const char *text, struct fy_node *r
     for (const char *at = text; well_formed && at < equals - 1; at++)
         well_formed = at[0] != '.' || at[1] != '.';
     if (!well_formed) {
-        diag_error(reader->diag, setting_loc(&setting, 1, strlen(text)), "`--set %s`: expected PATH=VALUE", text);
+        diag_error(reader->diag, setting_loc(&setting, 1, strlen(text)),
+                   "`--set %s`: expected PATH=VALUE", text);
         return;
     }
     setting.value = equals + 1;
     if (!next_segment(&setting))
-        diag_error(reader->diag, setting_loc(&setting, 1, 1), "`--set %s`: the path is too long", text);
+        diag_error(reader->diag, setting_loc(&setting, 1, 1), "`--set %s`: the path is too long",
+                   text);
     else if (is_last(&setting))
         apply_bare(reader, &setting, root);
     else
@@ -337,7 +349,8 @@ static void report_syntax(struct reader *reader, struct fy_diag *messages)
         diag_error(reader->diag, loc, "YAML: %s", error->msg);
     }
     if (diag_error_count(reader->diag) == before)
-        diag_error(reader->diag, (struct loc){.source = reader->source}, "YAML: the document cannot be read");
+        diag_error(reader->diag, (struct loc){.source = reader->source},
+                   "YAML: the document cannot be read");
 }
 
 /* Reports keys that stand twice in one map, and takes the later ones out. */
@@ -361,7 +374,8 @@ static void drop_duplicates(struct reader *reader, struct fy_node *node)
             const char *other = node_text(reader, fy_node_pair_key(pair));
             if (!other || strcmp(name, other))
                 continue;
-            diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)), "the key `%s` stands twice", name);
+            diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
+                       "the key `%s` stands twice", name);
             diag_note(reader->diag, node_loc(reader, key), "first here");
             fy_node_mapping_remove(node, pair);
             j--;
@@ -373,7 +387,8 @@ static struct fy_document *parse(struct reader *reader, struct fy_diag *messages
 {
     struct fy_parse_cfg config = {
         .flags = FYPCF_QUIET | FYPCF_COLLECT_DIAG | FYPCF_ALLOW_DUPLICATE_KEYS, .diag = messages};
-    reader->document = fy_document_build_from_string(&config, reader->source->text, reader->source->length);
+    reader->document =
+        fy_document_build_from_string(&config, reader->source->text, reader->source->length);
     if (!reader->document)
         return NULL;
     drop_duplicates(reader, fy_document_root(reader->document));

@@ -69,29 +69,43 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     bool scalar = text && *text;
     double number;
     switch (key->type) {
-    case KEY_NAME: return scalar && is_identifier(text);
+    case KEY_NAME:
+        return scalar && is_identifier(text);
     case KEY_TEXT:
     case KEY_EXPR:
     case KEY_CHOICE:
-    case KEY_TYPE: return scalar;
-    case KEY_BOOL: return scalar && (!strcmp(text, "true") || !strcmp(text, "false"));
-    case KEY_NUMBER: return scalar && text_number(text, &number);
-    case KEY_INTEGER: return scalar && is_natural(text);
-    case KEY_EXPRS: return scalar || is_scalar_list(node, 1, 3);
-    case KEY_SIZE: return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 2);
+    case KEY_TYPE:
+        return scalar;
+    case KEY_BOOL:
+        return scalar && (!strcmp(text, "true") || !strcmp(text, "false"));
+    case KEY_NUMBER:
+        return scalar && text_number(text, &number);
+    case KEY_INTEGER:
+        return scalar && is_natural(text);
+    case KEY_EXPRS:
+        return scalar || is_scalar_list(node, 1, 3);
+    case KEY_SIZE:
+        return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 2);
     case KEY_VALUE:
-        return scalar ? !strcmp(text, "true") || !strcmp(text, "false") || text_number(text, &number)
-                      : is_number_list(reader, node, 2, 4);
-    case KEY_NUMBERS: return scalar ? text_number(text, &number) : is_number_list(reader, node, 1, 4);
-    case KEY_LENGTH: return scalar && (!strcmp(text, "scene_radius") || (text_number(text, &number) && number > 0));
+        return scalar
+                   ? !strcmp(text, "true") || !strcmp(text, "false") || text_number(text, &number)
+                   : is_number_list(reader, node, 2, 4);
+    case KEY_NUMBERS:
+        return scalar ? text_number(text, &number) : is_number_list(reader, node, 1, 4);
+    case KEY_LENGTH:
+        return scalar &&
+               (!strcmp(text, "scene_radius") || (text_number(text, &number) && number > 0));
     case KEY_NAMES:
-    case KEY_LIST: return fy_node_get_type(node) == FYNT_SEQUENCE;
-    case KEY_MAP: return fy_node_get_type(node) == FYNT_MAPPING;
+    case KEY_LIST:
+        return fy_node_get_type(node) == FYNT_SEQUENCE;
+    case KEY_MAP:
+        return fy_node_get_type(node) == FYNT_MAPPING;
     }
     return false;
 }
 
-static bool choice_check(struct reader *reader, const struct key *key, const char *text, struct loc loc)
+static bool choice_check(struct reader *reader, const struct key *key, const char *text,
+                         struct loc loc)
 {
     if (table_choice(key->choices, text) >= 0)
         return true;
@@ -111,8 +125,8 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
     if (nearest)
         diag_error(reader->diag, loc, "`%s` is no %s; did you mean `%s`?", text, label, nearest);
     else
-        diag_error(reader->diag, loc, "`%s` is no %s; %s %s", text, label, count > 1 ? "one of" : "expected",
-                   list.data ? list.data : "");
+        diag_error(reader->diag, loc, "`%s` is no %s; %s %s", text, label,
+                   count > 1 ? "one of" : "expected", list.data ? list.data : "");
     text_free(&list);
     return false;
 }
@@ -126,8 +140,8 @@ bool value_check(struct reader *reader, const struct key *key, struct fy_node *n
     if (!node || !fits(reader, key, node)) {
         const char *label = strcmp(key->name, "*") ? key->name : table_sections[key->child].title;
         bool quote = label == key->name;
-        diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label, quote ? "`" : "",
-                   table_type_text(key->type), describe(reader, node));
+        diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
+                   quote ? "`" : "", table_type_text(key->type), describe(reader, node));
         return false;
     }
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
@@ -135,7 +149,8 @@ bool value_check(struct reader *reader, const struct key *key, struct fy_node *n
 
 /* ---- Maps --------------------------------------------------------------------------------------------------------- */
 
-static void report_unknown_key(struct reader *reader, enum section section, const char *name, struct loc loc)
+static void report_unknown_key(struct reader *reader, enum section section, const char *name,
+                               struct loc loc)
 {
     const char *names[MOST_KEYS];
     size_t count = 0;
@@ -151,8 +166,8 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
         diag_error(reader->diag, loc, "unknown key `%s` in %s; did you mean `%s`?", name,
                    table_sections[section].title, nearest);
     else
-        diag_error(reader->diag, loc, "unknown key `%s` in %s; known are %s", name, table_sections[section].title,
-                   list.data ? list.data : "none");
+        diag_error(reader->diag, loc, "unknown key `%s` in %s; known are %s", name,
+                   table_sections[section].title, list.data ? list.data : "none");
     text_free(&list);
 }
 
@@ -171,15 +186,18 @@ static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct f
         return;
     }
     struct field_value *field = &fields->values[fields->count++];
-    *field = (struct field_value){key, name_node, value_check(reader, key, value, loc) ? value : NULL};
+    *field =
+        (struct field_value){key, name_node, value_check(reader, key, value, loc) ? value : NULL};
 }
 
-bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc, struct fields *fields)
+bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
+                 struct fields *fields)
 {
     *fields = (struct fields){.section = section, .loc = loc};
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
         diag_error(reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
-                   "%s must be a map, not %s", table_sections[section].title, describe(reader, node));
+                   "%s must be a map, not %s", table_sections[section].title,
+                   describe(reader, node));
         return false;
     }
     void *iterator = NULL;
@@ -192,7 +210,8 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
         for (size_t k = 0; !there && k < fields->count; k++)
             there = fields->values[k].key == key;
         if (!there)
-            diag_error(reader->diag, loc, "%s needs the key `%s`", table_sections[section].title, key->name);
+            diag_error(reader->diag, loc, "%s needs the key `%s`", table_sections[section].title,
+                       key->name);
     }
     return true;
 }
@@ -212,7 +231,8 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
         struct loc loc = node_loc(reader, fy_node_pair_key(pair));
         if (!name || !is_identifier(name)) {
             diag_error(reader->diag, loc, "a name in %s must be letters, digits and `_`, not %s",
-                       table_sections[entry->child].title, describe(reader, fy_node_pair_key(pair)));
+                       table_sections[entry->child].title,
+                       describe(reader, fy_node_pair_key(pair)));
             continue;
         }
         const struct key *child = table_find(entry->child, name);
@@ -255,7 +275,8 @@ bool field_bool(struct reader *reader, const struct fields *fields, const char *
     return text ? !strcmp(text, "true") : fallback;
 }
 
-double field_number(struct reader *reader, const struct fields *fields, const char *key, double fallback)
+double field_number(struct reader *reader, const struct fields *fields, const char *key,
+                    double fallback)
 {
     const char *text = field_text(reader, fields, key);
     double value;

@@ -19,7 +19,8 @@ static bool scalar_value(const char *text, double *value, enum dt_type *type)
 }
 
 /* Reads a value and the type that it has by itself; false when it is none. Reports nothing. */
-bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components, enum dt_type *type)
+bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components,
+                 enum dt_type *type)
 {
     const char *text = node_text(reader, node);
     *components = 1;
@@ -51,12 +52,13 @@ static uint32_t type_components(enum dt_type type)
 static const char *type_name(struct reader *reader, enum dt_type type)
 {
     const char *at = table_find(SECTION_PARAM, "type")->choices;
-    for (int i = 0; i < (int)type && at; i++)
-        at = strchr(at, '|') + 1;
+    for (int i = 0; i < (int)type; i++)
+        at += strcspn(at, "|") + 1;
     return arena_strndup(reader->model->arena, at, strcspn(at, "|"));
 }
 
-static bool fits_type(const struct param *param, uint32_t components, enum dt_type own, double value)
+static bool fits_type(const struct param *param, uint32_t components, enum dt_type own,
+                      double value)
 {
     if (components != param->components || (own == DT_TYPE_BOOL) != (param->type == DT_TYPE_BOOL))
         return false;
@@ -76,7 +78,8 @@ static int former_type(const struct reader *reader, struct fy_node *node)
 }
 
 /* A value that stands where another type stood: an integer for a real is fine, as is a real integer for an integer. */
-static enum dt_type inferred_type(const struct reader *reader, struct fy_node *node, enum dt_type own)
+static enum dt_type inferred_type(const struct reader *reader, struct fy_node *node,
+                                  enum dt_type own)
 {
     int former = former_type(reader, node);
     return former >= 0 ? (enum dt_type)former : own;
@@ -103,13 +106,14 @@ static void set_value(struct reader *reader, struct param *param, struct fy_node
     for (uint32_t i = 0; i < components; i++)
         fits &= fits_type(param, components, own, param->value[i]);
     if (!fits)
-        diag_error(reader->diag, param->value_loc, "`%s` is %s, which this value is not", param->name,
-                   type_name(reader, param->type));
+        diag_error(reader->diag, param->value_loc, "`%s` is %s, which this value is not",
+                   param->name, type_name(reader, param->type));
 }
 
 static void read_param(struct reader *reader, const struct named *named, struct param *param)
 {
-    *param = (struct param){.name = named->name, .loc = named->loc, .min = -INFINITY, .max = INFINITY};
+    *param =
+        (struct param){.name = named->name, .loc = named->loc, .min = -INFINITY, .max = INFINITY};
     if (fy_node_get_type(named->value) != FYNT_MAPPING) {
         set_value(reader, param, named->value, -1);
         return;

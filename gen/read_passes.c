@@ -12,7 +12,8 @@ static int list_count(struct fy_node *list)
 }
 
 /* A list of names; those that are none are reported and left out. */
-static uint32_t read_names(struct reader *reader, struct fy_node *list, const char ***names, struct loc **locs)
+static uint32_t read_names(struct reader *reader, struct fy_node *list, const char ***names,
+                           struct loc **locs)
 {
     uint32_t count = 0;
     *names = reader_alloc(reader, (size_t)list_count(list), sizeof **names);
@@ -30,14 +31,20 @@ static uint32_t read_names(struct reader *reader, struct fy_node *list, const ch
     return count;
 }
 
-static bool read_access(struct reader *reader, struct fy_node *node, enum access_mode mode, struct access *access)
+static bool read_access(struct reader *reader, struct fy_node *node, enum access_mode mode,
+                        struct access *access)
 {
-    *access = (struct access){.mode = mode, .builtin = -1, .binding = -1, .attachment = -1, .loc = node_loc(reader, node)};
+    *access = (struct access){.mode = mode,
+                              .builtin = -1,
+                              .binding = -1,
+                              .attachment = -1,
+                              .loc = node_loc(reader, node)};
     access->name = node_text(reader, node);
     if (access->name && is_identifier(access->name))
         return true;
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
-        diag_error(reader->diag, access->loc, "expected a resource's name, or a map such as {name: NAME, sampler: NAME}");
+        diag_error(reader->diag, access->loc,
+                   "expected a resource's name, or a map such as {name: NAME, sampler: NAME}");
         return false;
     }
     struct fields fields;
@@ -138,7 +145,8 @@ static int read_dispatch(struct reader *reader, const struct fields *fields, str
     return read_exprs(reader, node, pass->dispatch);
 }
 
-static void read_local(struct reader *reader, const struct fields *fields, struct pass *pass, int dimensions)
+static void read_local(struct reader *reader, const struct fields *fields, struct pass *pass,
+                       int dimensions)
 {
     struct fy_node *node = field_node(fields, "local");
     pass->local[0] = node ? 1 : dimensions == 1 ? 64 : 8;
@@ -149,20 +157,24 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
 }
 
 /* Keys that mean nothing for this kind of pass. */
-static void refuse_keys(struct reader *reader, const struct fields *fields, const char *what, const char *const *keys)
+static void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
+                        const char *const *keys)
 {
     for (; *keys; keys++)
         if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what, *keys);
+            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what,
+                       *keys);
 }
 
-static void refuse_others(struct reader *reader, const struct fields *fields, const struct pass *pass)
+static void refuse_others(struct reader *reader, const struct fields *fields,
+                          const struct pass *pass)
 {
     static const char *const scene[] = {"local", "ranges", NULL};
-    static const char *const fullscreen[] = {"local", "ranges", "indirect", "view", "layers", "indices", "cull",
-                                             "clip_distances", NULL};
-    static const char *const dispatch[] = {"view", "layers", "indices", "cull", "depth", "depth_write", "blend",
-                                           "clip_distances", NULL};
+    static const char *const fullscreen[] = {
+        "local", "ranges", "indirect", "view", "layers", "indices", "cull", "clip_distances", NULL};
+    static const char *const dispatch[] = {"view",  "layers",         "indices",
+                                           "cull",  "depth",          "depth_write",
+                                           "blend", "clip_distances", NULL};
     if (pass->kind == PASS_SCENE)
         refuse_keys(reader, fields, "a draw", scene);
     else if (pass->kind == PASS_FULLSCREEN)
@@ -180,8 +192,10 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
         if (!field_node(fields, keys[i]))
             continue;
         if (found)
-            diag_error(reader->diag, field_loc(reader, fields, keys[i]), "`%s` beside `%s`; a pass has exactly one of "
-                       "`draw`, `dispatch`, `groups`, `interleave`", keys[i], found);
+            diag_error(reader->diag, field_loc(reader, fields, keys[i]),
+                       "`%s` beside `%s`; a pass has exactly one of "
+                       "`draw`, `dispatch`, `groups`, `interleave`",
+                       keys[i], found);
         else
             found = keys[i];
     }
@@ -201,12 +215,14 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
         for (size_t i = 0; i < fields->count; i++)
             given |= !fields->values[i].value;
         if (!given)
-            diag_error(reader->diag, pass->loc, "the pass `%s` needs one of `draw`, `dispatch`, `groups`, `interleave`, "
-                       "`indirect`", pass->name);
+            diag_error(reader->diag, pass->loc,
+                       "the pass `%s` needs one of `draw`, `dispatch`, `groups`, `interleave`, "
+                       "`indirect`",
+                       pass->name);
     }
     if (pass->indirect && found && pass->kind == PASS_DISPATCH)
-        diag_error(reader->diag, pass->indirect_loc, "`indirect` beside `%s`; the buffer alone says how much is dispatched",
-                   found);
+        diag_error(reader->diag, pass->indirect_loc,
+                   "`indirect` beside `%s`; the buffer alone says how much is dispatched", found);
     if (pass->kind == PASS_DISPATCH)
         read_local(reader, fields, pass, dimensions);
     refuse_others(reader, fields, pass);
@@ -220,7 +236,8 @@ static bool has_depth_target(const struct pipeline *pipeline, const struct pass 
         for (uint32_t k = 0; k < pipeline->resource_count; k++) {
             const struct resource *resource = &pipeline->resources[k];
             if (pass->accesses[i].mode != MODE_READ && resource->kind == DT_IMAGE &&
-                resource->format == DT_FORMAT_D32F && !strcmp(resource->name, pass->accesses[i].name))
+                resource->format == DT_FORMAT_D32F &&
+                !strcmp(resource->name, pass->accesses[i].name))
                 return true;
         }
     return false;
@@ -234,23 +251,27 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
     pass->view = field_choice(reader, fields, "view", 0) ? "light" : "camera";
     pass->layers = field_expr(reader, fields, "layers");
     pass->cull = (enum pass_cull)field_choice(reader, fields, "cull", CULL_NONE);
-    pass->depth_compare =
-        (enum pass_compare)field_choice(reader, fields, "depth", depth ? COMPARE_LESS : COMPARE_OFF);
+    pass->depth_compare = (enum pass_compare)field_choice(reader, fields, "depth",
+                                                          depth ? COMPARE_LESS : COMPARE_OFF);
     pass->depth_write = field_bool(reader, fields, "depth_write", true);
     pass->blend_add = field_choice(reader, fields, "blend", 0) == 1;
     double distances = field_number(reader, fields, "clip_distances", 0);
     if (distances > 8)
-        diag_error(reader->diag, field_loc(reader, fields, "clip_distances"), "at most 8 clip distances");
+        diag_error(reader->diag, field_loc(reader, fields, "clip_distances"),
+                   "at most 8 clip distances");
     else
         pass->clip_distances = (uint32_t)distances;
     if (pass->depth_compare != COMPARE_OFF && !depth)
-        diag_error(reader->diag, field_loc(reader, fields, "depth"), "a depth test, but the pass `%s` writes no image of "
-                   "format d32f", pass->name);
+        diag_error(reader->diag, field_loc(reader, fields, "depth"),
+                   "a depth test, but the pass `%s` writes no image of "
+                   "format d32f",
+                   pass->name);
 }
 
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
-    *pass = (struct pass){.frame_binding = -1, .live_binding = -1, .textures_binding = -1, .materials_binding = -1};
+    *pass = (struct pass){
+        .frame_binding = -1, .live_binding = -1, .textures_binding = -1, .materials_binding = -1};
     pass->name = field_text(reader, fields, "name");
     pass->loc = field_loc(reader, fields, "name");
     if (!pass->name)
@@ -267,7 +288,8 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     pass->when = field_expr(reader, fields, "when");
     pass->when_loc = field_loc(reader, fields, "when");
     pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
-    pass->after_count = read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);
+    pass->after_count =
+        read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);
     read_accesses(reader, fields, pass);
     read_kind(reader, fields, pass);
     read_ranges(reader, fields, pass);
@@ -286,5 +308,6 @@ void read_passes(struct reader *reader, const struct fields *top)
             read_pass(reader, &fields, &pipeline->passes[pipeline->pass_count++]);
     }
     if (list && !list_count(list))
-        diag_error(reader->diag, field_loc(reader, top, "passes"), "a pipeline has at least one pass");
+        diag_error(reader->diag, field_loc(reader, top, "passes"),
+                   "a pipeline has at least one pass");
 }

@@ -11,7 +11,8 @@ static void set_type(struct reader *reader, struct field *field, const char *tex
 {
     const struct key *key = table_find(SECTION_FIELD, "type");
     const char *bracket = strchr(text, '[');
-    const char *word = arena_strndup(reader->model->arena, text, bracket ? (size_t)(bracket - text) : strlen(text));
+    const char *word = arena_strndup(reader->model->arena, text,
+                                     bracket ? (size_t)(bracket - text) : strlen(text));
     if (!word)
         return;
     int type = table_choice(key->choices, word);
@@ -19,18 +20,22 @@ static void set_type(struct reader *reader, struct field *field, const char *tex
         char *end;
         unsigned long count = strtoul(bracket + 1, &end, 10);
         if (end == bracket + 1 || strcmp(end, "]") || !count || count > 65536)
-            diag_error(reader->diag, loc, "`%s` is no type; an array is written TYPE[N], N from 1 to 65536", text);
+            diag_error(reader->diag, loc,
+                       "`%s` is no type; an array is written TYPE[N], N from 1 to 65536", text);
         else
             field->array_count = (uint32_t)count;
     }
     if (type == DT_TYPE_BOOL) {
         diag_error(reader->diag, loc, "bool has no layout in a buffer; use uint");
     } else if (type < 0) {
-        static const char *const words[] = {"float", "vec2", "vec3", "vec4", "int", "ivec2", "ivec3", "ivec4", "uint",
-                                            "uvec2", "uvec3", "uvec4", "mat4"};
+        static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
+                                            "ivec2", "ivec3", "ivec4", "uint", "uvec2",
+                                            "uvec3", "uvec4", "mat4"};
         const char *nearest = diag_nearest(word, words, sizeof words / sizeof *words);
-        diag_error(reader->diag, loc, nearest ? "unknown type `%s`; did you mean `%s`?"
-                                              : "unknown type `%s`; a field is float, int, uint, a vector of them or mat4",
+        diag_error(reader->diag, loc,
+                   nearest
+                       ? "unknown type `%s`; did you mean `%s`?"
+                       : "unknown type `%s`; a field is float, int, uint, a vector of them or mat4",
                    word, nearest);
     } else {
         field->type = (enum dt_type)type;
@@ -49,17 +54,20 @@ static void read_field(struct reader *reader, const struct named *named, struct 
             set_type(reader, field, type, field_loc(reader, &fields, "type"));
         double count = field_number(reader, &fields, "count", 0);
         if (field_node(&fields, "count") && (count < 1 || count > 65536))
-            diag_error(reader->diag, field_loc(reader, &fields, "count"), "an array has 1 to 65536 elements");
+            diag_error(reader->diag, field_loc(reader, &fields, "count"),
+                       "an array has 1 to 65536 elements");
         else if (count > 0)
             field->array_count = (uint32_t)count;
     }
 }
 
 /* A struct is a section of free names whose parent is a section of free names: it is wrapped to be read like one. */
-static void read_struct(struct reader *reader, const struct named *named, struct structure *structure)
+static void read_struct(struct reader *reader, const struct named *named,
+                        struct structure *structure)
 {
     struct field_value entry = {table_find(SECTION_STRUCTS, "*"), NULL, named->value};
-    struct fields wrapper = {.section = SECTION_STRUCTS, .loc = named->loc, .values = {entry}, .count = 1};
+    struct fields wrapper = {
+        .section = SECTION_STRUCTS, .loc = named->loc, .values = {entry}, .count = 1};
     *structure = (struct structure){.name = named->name, .loc = named->loc};
     struct named_list list = fields_named(reader, &wrapper, "*");
     structure->fields = reader_alloc(reader, list.count, sizeof *structure->fields);
@@ -83,7 +91,8 @@ void read_structs(struct reader *reader, const struct fields *top)
 static void read_buffer(struct reader *reader, const struct named *named, struct resource *buffer)
 {
     struct fields fields;
-    *buffer = (struct resource){.name = named->name, .loc = named->loc, .kind = DT_BUFFER, .share = -1};
+    *buffer =
+        (struct resource){.name = named->name, .loc = named->loc, .kind = DT_BUFFER, .share = -1};
     if (!fields_read(reader, named->value, SECTION_BUFFER, named->loc, &fields))
         return;
     buffer->doc = field_text(reader, &fields, "doc");
@@ -104,14 +113,16 @@ static void read_clear(struct reader *reader, struct fy_node *node, struct resou
             text_number(text, &image->clear[i]);
     } else if (node) {
         for (int i = 0; i < fy_node_sequence_item_count(node); i++)
-            text_number(node_text(reader, fy_node_sequence_get_by_index(node, i)), &image->clear[i]);
+            text_number(node_text(reader, fy_node_sequence_get_by_index(node, i)),
+                        &image->clear[i]);
     }
 }
 
 static void read_image(struct reader *reader, const struct named *named, struct resource *image)
 {
     struct fields fields;
-    *image = (struct resource){.name = named->name, .loc = named->loc, .kind = DT_IMAGE, .share = -1};
+    *image =
+        (struct resource){.name = named->name, .loc = named->loc, .kind = DT_IMAGE, .share = -1};
     image->format = DT_FORMAT_RGBA8;
     if (!fields_read(reader, named->value, SECTION_IMAGE, named->loc, &fields))
         return;
@@ -135,8 +146,10 @@ static void read_image(struct reader *reader, const struct named *named, struct 
 void read_resources(struct reader *reader, const struct fields *top)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list buffers = fields_named(reader, top, "buffers"), images = fields_named(reader, top, "images");
-    pipeline->resources = reader_alloc(reader, buffers.count + images.count, sizeof *pipeline->resources);
+    struct named_list buffers = fields_named(reader, top, "buffers"),
+                      images = fields_named(reader, top, "images");
+    pipeline->resources =
+        reader_alloc(reader, buffers.count + images.count, sizeof *pipeline->resources);
     if (!pipeline->resources)
         return;
     for (uint32_t i = 0; i < buffers.count; i++)
@@ -150,17 +163,20 @@ void read_resources(struct reader *reader, const struct fields *top)
 /* ---- Samplers, metrics, interleaves ------------------------------------------------------------------------------- */
 
 /* Keys of the other kind say nothing here; better told than ignored. */
-static void refuse_keys(struct reader *reader, const struct fields *fields, const char *kind, const char *const *keys)
+static void refuse_keys(struct reader *reader, const struct fields *fields, const char *kind,
+                        const char *const *keys)
 {
     for (; *keys; keys++)
         if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys), "a sampler of kind %s has no `%s`", kind, *keys);
+            diag_error(reader->diag, field_loc(reader, fields, *keys),
+                       "a sampler of kind %s has no `%s`", kind, *keys);
 }
 
 static void read_sampler(struct reader *reader, const struct named *named, struct sampler *sampler)
 {
     static const char *const points[] = {"count", "map", NULL};
-    static const char *const filters[] = {"filter", "mip_filter", "wrap", "compare", "anisotropy", NULL};
+    static const char *const filters[] = {"filter",  "mip_filter", "wrap",
+                                          "compare", "anisotropy", NULL};
     struct fields fields;
     *sampler = (struct sampler){.name = named->name, .loc = named->loc, .anisotropy = 1};
     if (!fields_read(reader, named->value, SECTION_SAMPLER, named->loc, &fields))
@@ -174,7 +190,8 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
         sampler->count = field_expr(reader, &fields, "count");
         sampler->map = (enum sampler_map)field_choice(reader, &fields, "map", MAP_SQUARE);
         if (!field_node(&fields, "count"))
-            diag_error(reader->diag, named->loc, "a sampler of kind hammersley needs the key `count`");
+            diag_error(reader->diag, named->loc,
+                       "a sampler of kind hammersley needs the key `count`");
         return;
     }
     refuse_keys(reader, &fields, "filter", points);
@@ -199,8 +216,11 @@ void read_samplers(struct reader *reader, const struct fields *top)
 static void read_metric(struct reader *reader, const struct named *named, struct metric *metric)
 {
     struct fields fields;
-    *metric = (struct metric){.name = named->name, .loc = named->loc, .position_field = "position",
-                              .normal_field = "normal", .scale = "scene_radius"};
+    *metric = (struct metric){.name = named->name,
+                              .loc = named->loc,
+                              .position_field = "position",
+                              .normal_field = "normal",
+                              .scale = "scene_radius"};
     if (!fields_read(reader, named->value, SECTION_METRIC, named->loc, &fields))
         return;
     metric->doc = field_text(reader, &fields, "doc");
@@ -212,11 +232,13 @@ static void read_metric(struct reader *reader, const struct named *named, struct
         metric->normal_field = field_text(reader, &fields, "normal_field");
     if (field_node(&fields, "scale"))
         metric->scale = field_text(reader, &fields, "scale");
-    metric->normal_term = (enum normal_term)field_choice(reader, &fields, "normal_term", TERM_ONE_MINUS_DOT);
+    metric->normal_term =
+        (enum normal_term)field_choice(reader, &fields, "normal_term", TERM_ONE_MINUS_DOT);
     static const char *const weights[] = {"position", "normal"};
     for (int i = 0; i < 2; i++)
         if (field_number(reader, &fields, weights[i], 0) < 0)
-            diag_error(reader->diag, field_loc(reader, &fields, weights[i]), "a weight cannot be negative");
+            diag_error(reader->diag, field_loc(reader, &fields, weights[i]),
+                       "a weight cannot be negative");
 }
 
 void read_metrics(struct reader *reader, const struct fields *top)
@@ -262,7 +284,8 @@ static struct dt_contract read_contract(struct reader *reader, const struct name
         contract.kind = (enum dt_contract_kind)(DT_CONTRACT_ULP + i);
         contract.tolerance = field_number(reader, &fields, kinds[i], 0);
         if (contract.tolerance < 0)
-            diag_error(reader->diag, field_loc(reader, &fields, kinds[i]), "a tolerance cannot be negative");
+            diag_error(reader->diag, field_loc(reader, &fields, kinds[i]),
+                       "a tolerance cannot be negative");
     }
     if (fields.count != 1)
         diag_error(reader->diag, named->loc, "a contract has exactly one of `ulp`, `abs`, `rel`");
@@ -285,7 +308,8 @@ static void report_unknown(struct reader *reader, const struct named *named)
         names[i] = pipeline->resources[i].name;
     const char *nearest = names ? diag_nearest(named->name, names, pipeline->resource_count) : NULL;
     if (nearest)
-        diag_error(reader->diag, named->loc, "no buffer or image `%s`; did you mean `%s`?", named->name, nearest);
+        diag_error(reader->diag, named->loc, "no buffer or image `%s`; did you mean `%s`?",
+                   named->name, nearest);
     else
         diag_error(reader->diag, named->loc, "no buffer or image `%s`", named->name);
 }

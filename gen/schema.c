@@ -61,15 +61,20 @@ static void add_scalar_type(struct text *out, const struct key *key)
         [KEY_NUMBER] = "{\"type\": \"number\"}",
         [KEY_INTEGER] = "{\"type\": \"integer\", \"minimum\": 0}",
         [KEY_EXPR] = "{\"$ref\": \"#/$defs/EXPR\"}",
-        [KEY_EXPRS] = "{\"anyOf\": [{\"$ref\": \"#/$defs/EXPR\"}, {\"type\": \"array\", \"items\": {\"$ref\": "
+        [KEY_EXPRS] = "{\"anyOf\": [{\"$ref\": \"#/$defs/EXPR\"}, {\"type\": \"array\", \"items\": "
+                      "{\"$ref\": "
                       "\"#/$defs/EXPR\"}, \"minItems\": 1, \"maxItems\": 3}]}",
-        [KEY_SIZE] = "{\"anyOf\": [{\"const\": \"frame\"}, {\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/EXPR\"}, "
+        [KEY_SIZE] = "{\"anyOf\": [{\"const\": \"frame\"}, {\"type\": \"array\", \"items\": "
+                     "{\"$ref\": \"#/$defs/EXPR\"}, "
                      "\"minItems\": 2, \"maxItems\": 2}]}",
-        [KEY_VALUE] = "{\"anyOf\": [{\"type\": [\"number\", \"boolean\"]}, {\"type\": \"array\", \"items\": {\"type\": "
+        [KEY_VALUE] = "{\"anyOf\": [{\"type\": [\"number\", \"boolean\"]}, {\"type\": \"array\", "
+                      "\"items\": {\"type\": "
                       "\"number\"}, \"minItems\": 2, \"maxItems\": 4}]}",
-        [KEY_NUMBERS] = "{\"anyOf\": [{\"type\": \"number\"}, {\"type\": \"array\", \"items\": {\"type\": \"number\"}, "
+        [KEY_NUMBERS] = "{\"anyOf\": [{\"type\": \"number\"}, {\"type\": \"array\", \"items\": "
+                        "{\"type\": \"number\"}, "
                         "\"minItems\": 1, \"maxItems\": 4}]}",
-        [KEY_LENGTH] = "{\"anyOf\": [{\"const\": \"scene_radius\"}, {\"type\": \"number\", \"exclusiveMinimum\": 0}]}",
+        [KEY_LENGTH] = "{\"anyOf\": [{\"const\": \"scene_radius\"}, {\"type\": \"number\", "
+                       "\"exclusiveMinimum\": 0}]}",
     };
     if (key->type == KEY_CHOICE) {
         add_choices(out, key->choices, NULL);
@@ -115,7 +120,8 @@ static void add_section(struct text *out, enum section section)
 {
     const struct key *any = NULL;
     const char *separator = "";
-    text_add(out, "    \"%s\": {\n      \"type\": \"object\",\n      \"description\": ", table_sections[section].anchor);
+    text_add(out, "    \"%s\": {\n      \"type\": \"object\",\n      \"description\": ",
+             table_sections[section].anchor);
     add_string(out, table_sections[section].doc);
     text_add(out, ",\n");
     add_required(out, section);
@@ -137,7 +143,8 @@ static void add_section(struct text *out, enum section section)
     }
     text_add(out, "\n      },\n");
     if (any) {
-        text_add(out, "      \"propertyNames\": {\"$ref\": \"#/$defs/NAME\"},\n      \"additionalProperties\": ");
+        text_add(out, "      \"propertyNames\": {\"$ref\": \"#/$defs/NAME\"},\n      "
+                      "\"additionalProperties\": ");
         add_type(out, any);
     } else {
         text_add(out, "      \"additionalProperties\": false");
@@ -147,11 +154,14 @@ static void add_section(struct text *out, enum section section)
 
 void emit_schema(struct text *out)
 {
-    text_add(out, "{\n  \"$schema\": \"https://json-schema.org/draft/2020-12/schema\",\n"
-                  "  \"title\": \"diptych pipeline spec\",\n  \"$ref\": \"#/$defs/%s\",\n  \"$defs\": {\n",
-             table_sections[SECTION_TOP].anchor);
-    text_add(out, "    \"NAME\": {\"type\": \"string\", \"pattern\": \"^[A-Za-z_][A-Za-z0-9_]*$\"},\n"
-                  "    \"EXPR\": {\"type\": [\"integer\", \"string\", \"boolean\"]}");
+    text_add(
+        out,
+        "{\n  \"$schema\": \"https://json-schema.org/draft/2020-12/schema\",\n"
+        "  \"title\": \"diptych pipeline spec\",\n  \"$ref\": \"#/$defs/%s\",\n  \"$defs\": {\n",
+        table_sections[SECTION_TOP].anchor);
+    text_add(out,
+             "    \"NAME\": {\"type\": \"string\", \"pattern\": \"^[A-Za-z_][A-Za-z0-9_]*$\"},\n"
+             "    \"EXPR\": {\"type\": [\"integer\", \"string\", \"boolean\"]}");
     for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++) {
         text_add(out, ",\n");
         add_section(out, section);

@@ -134,7 +134,7 @@ static bool is_declaration(uint32_t opcode)
 }
 
 /* The header has it as an inline function, whose one definition is here. */
-extern void SpvHasResultAndType(SpvOp opcode, bool *has_result, bool *has_type);
+extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultType);
 
 /* Type of every result, by id; 0: none. calloc'ed, as many as the module's bound. */
 static uint32_t *result_types(const uint32_t *words, size_t count)

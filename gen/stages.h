@@ -7,7 +7,8 @@
 #include "text.h"
 
 /* read.c: YAML -> model. sets: "PATH=VALUE" strings that override scalars of the document before it is read. */
-bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count, struct diag *diag);
+bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,
+               struct diag *diag);
 /* check.c: resolves names and expressions, verifies everything that needs no plan. templates_dir: where shader bodies
  * are looked for after the spec's own folder. */
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag);
@@ -22,8 +23,8 @@ enum stage { STAGE_IS_COMPUTE, STAGE_IS_VERTEX, STAGE_IS_FRAGMENT };
 
 struct shader { /* one compiled stage of one pass for one backend */
     enum stage stage;
-    struct text glsl;    /* complete, readable source */
-    uint32_t *words;     /* SPIR-V; free() */
+    struct text glsl; /* complete, readable source */
+    uint32_t *words;  /* SPIR-V; free() */
     size_t word_count;
 };
 /* emit_glsl.c: the complete GLSL of one stage: declarations, library pieces (model->templates_dir/glsl), the body with
@@ -33,27 +34,32 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast, spirv-val (SPIRV-Tools).
  * glslang's errors come back as diagnostics at the line of the body file. */
 bool spirv_init(void);
-bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend, struct shader *shader,
-                   struct diag *diag);
+bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
+                   struct shader *shader, struct diag *diag);
 void spirv_finish(void);
 
 /* The C outputs. shaders: per pass in order of execution, [backend][pass][stage as in enum, absent: word_count 0]. */
 struct pass_shaders {
     struct shader stage[3];
 };
-void emit_header(const struct model *model, struct text *out);                                       /* NAME.h */
-void emit_c_pipeline(const struct model *model, struct text *out);                                   /* NAME.c: reflection */
-void emit_c_gl(const struct model *model, const struct pass_shaders *shaders, struct text *out);     /* NAME_gl.c */
-void emit_c_vk(const struct model *model, const struct pass_shaders *shaders, struct text *out);     /* NAME_vk.c */
-void emit_graph(const struct model *model, struct text *out);                                        /* NAME.dot */
-void emit_schema(struct text *out);                                                                  /* schema.c */
-void emit_reference(struct text *out);                                                               /* reference.c: Markdown */
+void emit_header(const struct model *model, struct text *out);     /* NAME.h */
+void emit_c_pipeline(const struct model *model, struct text *out); /* NAME.c: reflection */
+void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
+               struct text *out); /* NAME_gl.c */
+void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,
+               struct text *out);                             /* NAME_vk.c */
+void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
+void emit_schema(struct text *out);                           /* schema.c */
+void emit_reference(struct text *out);                        /* reference.c: Markdown */
 
 /* output.c: a set of files that appears whole or not at all. */
 struct output;
 struct output *output_create(void);
-void output_add(struct output *output, const char *dir, const char *name, struct text *text); /* takes the text */
-bool output_commit(struct output *output); /* temporary files, then renames; unchanged files keep their time stamp; reports */
+void output_add(struct output *output, const char *dir, const char *name,
+                struct text *text); /* takes the text */
+bool output_commit(
+    struct output *
+        output); /* temporary files, then renames; unchanged files keep their time stamp; reports */
 void output_free(struct output *output);
 
 #endif

@@ -8,17 +8,33 @@
 
 /* A section is a map: the document, one parameter, one pass... Sections of free names have one key "*". */
 enum section {
-    SECTION_NONE, SECTION_TOP,
-    SECTION_PARAMS, SECTION_PARAM,
-    SECTION_CONSTANTS, SECTION_CONSTANT,
-    SECTION_STRUCTS, SECTION_STRUCT, SECTION_FIELD,
-    SECTION_BUFFERS, SECTION_BUFFER,
-    SECTION_IMAGES, SECTION_IMAGE,
-    SECTION_SAMPLERS, SECTION_SAMPLER,
-    SECTION_METRICS, SECTION_METRIC,
-    SECTION_INTERLEAVES, SECTION_INTERLEAVE,
-    SECTION_PASS, SECTION_ACCESS, SECTION_RANGES, SECTION_RANGE,
-    SECTION_ASSERT, SECTION_CONTRACTS, SECTION_CONTRACT, SECTION_OUTPUT,
+    SECTION_NONE,
+    SECTION_TOP,
+    SECTION_PARAMS,
+    SECTION_PARAM,
+    SECTION_CONSTANTS,
+    SECTION_CONSTANT,
+    SECTION_STRUCTS,
+    SECTION_STRUCT,
+    SECTION_FIELD,
+    SECTION_BUFFERS,
+    SECTION_BUFFER,
+    SECTION_IMAGES,
+    SECTION_IMAGE,
+    SECTION_SAMPLERS,
+    SECTION_SAMPLER,
+    SECTION_METRICS,
+    SECTION_METRIC,
+    SECTION_INTERLEAVES,
+    SECTION_INTERLEAVE,
+    SECTION_PASS,
+    SECTION_ACCESS,
+    SECTION_RANGES,
+    SECTION_RANGE,
+    SECTION_ASSERT,
+    SECTION_CONTRACTS,
+    SECTION_CONTRACT,
+    SECTION_OUTPUT,
     SECTION_COUNT
 };
 
@@ -48,7 +64,7 @@ struct key {
     const char *name; /* "*": any identifier, the name of what is declared */
     enum key_type type;
     enum section child;
-    const char *choices;  /* words joined by `|`, in the order of the enum that they stand for */
+    const char *choices; /* words joined by `|`, in the order of the enum that they stand for */
     bool required;
     const char *fallback; /* the default, as text; NULL: none */
     const char *doc;
@@ -56,10 +72,11 @@ struct key {
 };
 
 struct section_info {
-    const char *title;  /* "a pass": for messages */
-    const char *path;   /* "passes[]": for the reference */
-    const char *anchor;  /* for links in the reference, and the name of the definition in the schema */
-    const char *doc;     /* one paragraph */
+    const char *title; /* "a pass": for messages */
+    const char *path;  /* "passes[]": for the reference */
+    const char
+        *anchor;     /* for links in the reference, and the name of the definition in the schema */
+    const char *doc; /* one paragraph */
     const char *example; /* YAML of the whole section, or NULL */
 };
 

@@ -89,10 +89,14 @@ static void faults(void **state)
         const char *text;
         enum expr_result result;
     } cases[] = {
-        {"1 / (n - 8)", EXPR_DIVIDES_BY_ZERO},          {"1 % 0", EXPR_DIVIDES_BY_ZERO},
-        {"ceil_div(1, 0)", EXPR_DIVIDES_BY_ZERO},       {"9223372036854775807 + 1", EXPR_OVERFLOWS},
-        {"-9223372036854775807 - 2", EXPR_OVERFLOWS},   {"4294967296 * 4294967296", EXPR_OVERFLOWS},
-        {"-(-9223372036854775807 - 1)", EXPR_OVERFLOWS}, {"(-9223372036854775807 - 1) / -1", EXPR_OVERFLOWS},
+        {"1 / (n - 8)", EXPR_DIVIDES_BY_ZERO},
+        {"1 % 0", EXPR_DIVIDES_BY_ZERO},
+        {"ceil_div(1, 0)", EXPR_DIVIDES_BY_ZERO},
+        {"9223372036854775807 + 1", EXPR_OVERFLOWS},
+        {"-9223372036854775807 - 2", EXPR_OVERFLOWS},
+        {"4294967296 * 4294967296", EXPR_OVERFLOWS},
+        {"-(-9223372036854775807 - 1)", EXPR_OVERFLOWS},
+        {"(-9223372036854775807 - 1) / -1", EXPR_OVERFLOWS},
     };
     struct fixture *f = *state;
     int64_t value;
@@ -105,8 +109,11 @@ static void faults(void **state)
 
 static void refusals(void **state)
 {
-    static const char *const cases[] = {"", "1 +", "(1", "1 2", "x", "n.x", "tile", "tile.z", "ratio", "0.5", "1e3", "min(1)",
-                                        "frame", "frame.depth", "99999999999999999999", "a b", "$", "n.", "1 ? 2"};
+    static const char *const cases[] = {
+        "",    "1 +",    "(1",     "1 2",         "x",
+        "n.x", "tile",   "tile.z", "ratio",       "0.5",
+        "1e3", "min(1)", "frame",  "frame.depth", "99999999999999999999",
+        "a b", "$",      "n.",     "1 ? 2"};
     struct fixture *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         unsigned before = diag_error_count(f->diag);
@@ -132,8 +139,10 @@ static void reach_and_text(void **state)
         {"0 && live > 1", EXPR_BAKED, "0", "0"},
         {"n == 8 || live > 1", EXPR_BAKED, "1", "1"},
         {"n == 8 ? 3 : live", EXPR_BAKED, "3", "3"},
-        {"min(live, 3)", EXPR_LIVE, "((int64_t)live->live < 3 ? (int64_t)live->live : 3)", "min(live, 3)"},
-        {"live && frame.height", EXPR_LIVE | EXPR_FRAME, "(((int64_t)live->live != 0) && ((int64_t)height != 0))",
+        {"min(live, 3)", EXPR_LIVE, "((int64_t)live->live < 3 ? (int64_t)live->live : 3)",
+         "min(live, 3)"},
+        {"live && frame.height", EXPR_LIVE | EXPR_FRAME,
+         "(((int64_t)live->live != 0) && ((int64_t)height != 0))",
          "int((live != 0) && (int(frame.height) != 0))"},
     };
     struct fixture *f = *state;

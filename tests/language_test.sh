@@ -2,33 +2,11 @@
 # The language's table, its schema and its reference say the same: shipped specs are valid by the schema, every key of the
 # schema stands in the reference, every example in the reference is YAML that the schema accepts. And the command line's
 # errors, overrides and untouched outputs. TAP.
-set -u
-root=$(cd "$(dirname "$0")/.." && pwd)
-gen=$(realpath "${DIPTYCH_BUILD:-$root/build}")/diptych-gen
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+. "$(dirname "$0")/tap.sh"
+gen=$build/diptych-gen
 cd "$root" || exit 1
 
-count=0
-failed=0
-check() { # description command...
-    local description=$1
-    shift
-    count=$((count + 1))
-    if "$@" >"$work/output" 2>&1; then
-        echo "ok $count - $description"
-    else
-        echo "not ok $count - $description"
-        sed 's/^/# /' "$work/output"
-        failed=1
-    fi
-}
-status_is() { # status command...
-    local status=$1
-    shift
-    "$@"
-    [ $? = "$status" ]
-}
+# shellcheck disable=SC2317 # called through check
 says() { # text command...
     local text=$1
     shift
@@ -39,28 +17,28 @@ check "--schema prints" bash -c "'$gen' --schema >'$work/schema.json'"
 check "--reference prints" bash -c "'$gen' --reference >'$work/LANGUAGE.md'"
 python=/usr/bin/python3
 if $python -c 'import jsonschema, yaml' 2>/dev/null; then
-    for spec in $(grep -l "^pipeline:" templates/*.yaml tests/specs/*.yaml); do
+    for spec in templates/*.yaml tests/specs/*.yaml; do
+        grep -q "^pipeline:" "$spec" || continue
         check "$spec is valid by the schema" $python tests/language.py spec "$work/schema.json" "$spec"
     done
     check "keys and examples of the reference fit the schema" \
         $python tests/language.py reference "$work/schema.json" "$work/LANGUAGE.md"
 else
-    count=$((count + 1))
-    echo "ok $count - the schema accepts the shipped specs # SKIP python3-jsonschema or python3-yaml is missing"
+    skip "the schema accepts the shipped specs" "python3-jsonschema or python3-yaml is missing"
 fi
 
-check "an unknown option: status 2" status_is 2 "$gen" --chek
+check_status 2 "an unknown option" "$gen" --chek
 check "... with a hint" says "did you mean \`--check\`?" "$gen" --chek
-check "no spec: status 2" status_is 2 "$gen"
-check "no -o: status 2" status_is 2 "$gen" templates/rsm.yaml
-check "a missing spec: status 1" status_is 1 "$gen" --check "$work/absent.yaml"
+check_status 2 "no spec" "$gen"
+check_status 2 "no -o" "$gen" templates/rsm.yaml
+check_status 1 "a missing spec" "$gen" --check "$work/absent.yaml"
 check "--help" says "usage: diptych-gen" "$gen" --help
 check "--version" says "diptych-gen" "$gen" --version
 
 spec=tests/bad/warn_unused.yaml
 check "--set of a parameter" says "7 is not above" "$gen" --check $spec --set busy=7 --set 'asserts.0.that=busy > 9' \
     --set 'asserts.0.message="{busy} is not above 9"'
-check "--set below an unknown name: status 1" status_is 1 "$gen" --check $spec --set bussy=7
+check_status 1 "--set below an unknown name" "$gen" --check $spec --set bussy=7
 check "... names the --set" says "\`--set bussy=7\`: no \`bussy\` in \`params\`; did you mean \`busy\`?" \
     "$gen" --check $spec --set bussy=7
 check "--set of a wrong type points into the option" says "--set:1:6: error: \`busy\` is int" \
@@ -78,6 +56,5 @@ check "... and touches nothing" bash -c "[ -z \"\$(find '$work/out' -type f -new
 check "no temporary file is left" bash -c "! find '$work/out' | grep -E '\.[A-Za-z0-9]{6}\$'"
 check "the depfile names spec and shader" grep -q "tests/bad/fill.glsl" "$work/out/gen.d"
 touch "$work/file"
-check "a folder that cannot be made: status 2" status_is 2 "$gen" $spec -o "$work/file/out"
-echo "1..$count"
-exit $failed
+check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
+finish

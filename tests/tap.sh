@@ -3,7 +3,7 @@
 # exit status; output is shown when the outcome is another. `finish` closes the file. Sourced by tests/*_test.sh.
 set -u
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-build=${DIPTYCH_BUILD:-$root/build}
+build=$(realpath "${DIPTYCH_BUILD:-$root/build}")
 diptych=$build/diptych
 tap_count=0
 tap_failed=0
