@@ -26,7 +26,8 @@ struct dump_info {
 /* Refuses a folder that exists and is not an earlier dump. On false the error is logged; dump_end either way. */
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
                 const struct dump_info *info);
-bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, const struct dt_bytes *bytes);
+/* Sets the padding between fields in bytes to zero. */
+bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, struct dt_bytes *bytes);
 /* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed dump. */
 bool dump_end(struct dump *dump, bool keep);
 

@@ -20,9 +20,9 @@ struct render {
     struct timings timings; /* of frames without an observer, when there are any */
     struct dump dump;
     bool exr;
-    uint32_t shown; /* resource that becomes the picture */
-    uint32_t
-        shown_pass; /* the last that writes it: resources may share memory, so it is read right then */
+    uint32_t shown;      /* resource that becomes the picture */
+    uint32_t shown_pass; /* the last that writes it: resources may share memory, so it is read then;
+                            pass_count without a picture */
     struct dt_bytes picture; /* its bytes */
 };
 
@@ -36,6 +36,12 @@ static bool ends_with(const char *text, const char *tail)
 static bool check_output(struct render *render)
 {
     const char *path = render->options->output;
+    if (!path) {
+        if (!render->options->show && (render->options->dump || render->options->timings))
+            return true;
+        report_error(&render->console->log, "-o FILE is missing: where the picture goes");
+        return false;
+    }
     render->exr = ends_with(path, ".exr");
     if (render->exr || ends_with(path, ".png"))
         return true;
@@ -74,6 +80,9 @@ static bool find_shown(struct render *render)
     const struct dt_pipeline *info = render->pipeline.info;
     const struct dt_log *log = &render->console->log;
     int output = render->exr ? info->linear_output : info->display_output;
+    render->shown_pass = info->pass_count;
+    if (!render->options->output)
+        return true;
     if (render->options->show) {
         if (!find_shown_by_name(render))
             return false;
@@ -146,7 +155,7 @@ static bool run_frames(struct render *render)
     }
     if (!session_is_silent(&render->session))
         return false;
-    if (render->picture.data)
+    if (render->picture.data || !options->output)
         return true;
     report_error(&render->console->log, "the runtime finished the frame without reporting pass %s",
                  render->pipeline.info->passes[render->shown_pass].name);
@@ -208,7 +217,8 @@ int verb_render(struct console *console, const struct options *options)
     session_close(&render.session);
     good = good && atomic_load(&console->errors) ==
                        0; /* messages while the device was torn down count, too */
-    good = good && write_picture(&render);
+    if (good && options->output)
+        good = write_picture(&render);
     good = dump_end(&render.dump, good) && good;
     free(render.picture.data);
     timings_free(&render.timings);

@@ -5,10 +5,7 @@
 #define EXACT
 layout(location = 0) in vec3 vertex_position;
 layout(location = 1) in vec3 vertex_normal;
-out gl_PerVertex {
-    vec4 gl_Position;
-    float gl_ClipDistance[1];
-};
+out float gl_ClipDistance[1];
 
 float exact_dot(float a, float b)
 {
