@@ -16,20 +16,21 @@ static void up_for(const float direction[3], vec3 up)
     glm_vec3_copy(vertical ? (vec3){0, 0, 1} : (vec3){0, 1, 0}, up);
 }
 
-static void corner_of(const struct scene *scene, int k, vec3 corner)
+/* The corners of a box, one a bit of k per axis. */
+static void corner_of(const float low[3], const float high[3], int k, vec3 corner)
 {
     for (int i = 0; i < 3; i++)
-        corner[i] = k >> i & 1 ? scene->bounds_max[i] : scene->bounds_min[i];
+        corner[i] = k >> i & 1 ? high[i] : low[i];
 }
 
-/* Bounding box of the scene's box in view space, where the camera looks along -z. */
-static void view_bounds(const struct scene *scene, mat4 view, vec3 box[2])
+/* Bounding box of a box in view space, where the camera looks along -z. */
+static void view_bounds(const float low[3], const float high[3], mat4 view, vec3 box[2])
 {
     glm_vec3_broadcast(INFINITY, box[0]);
     glm_vec3_broadcast(-INFINITY, box[1]);
     for (int k = 0; k < 8; k++) {
         vec3 corner;
-        corner_of(scene, k, corner);
+        corner_of(low, high, k, corner);
         glm_mat4_mulv3(view, corner, 1, corner);
         glm_vec3_minv(box[0], corner, box[0]);
         glm_vec3_maxv(box[1], corner, box[1]);
@@ -102,7 +103,7 @@ static void camera_view(const struct scene *scene, float aspect, struct dt_view 
     memcpy(target, scene->camera.target, sizeof target);
     memcpy(up, scene->camera.up, sizeof up);
     glm_lookat_rh(eye, target, up, view);
-    view_bounds(scene, view, box);
+    view_bounds(scene->bounds_min, scene->bounds_max, view, box);
     depth_range(scene, box, &out->near_plane, &out->far_plane);
     glm_perspective_rh_zo(scene->camera.fov_y, aspect, out->near_plane, out->far_plane, projection);
     complete_view(out, view, projection);
@@ -111,23 +112,46 @@ static void camera_view(const struct scene *scene, float aspect, struct dt_view 
     glm_vec3_normalize(out->direction);
 }
 
-/* Orthographic, as small as holds the scene. Returns the area that it covers. */
+/* Along the longest side of the scene that the light does not look along: then the map lies along the scene's walls, and
+ * little of it is empty. */
+static void up_along_walls(const struct scene *scene, const float direction[3], vec3 up)
+{
+    int best = -1;
+    for (int i = 0; i < 3; i++) {
+        float side = scene->bounds_max[i] - scene->bounds_min[i];
+        if (fabsf(direction[i]) < 0.8f &&
+            (best < 0 || side > scene->bounds_max[best] - scene->bounds_min[best]))
+            best = i;
+    }
+    glm_vec3_zero(up);
+    up[best < 0 ? 1 : best] = 1; /* of a unit vector, at most one component is 0.8 or more */
+}
+
+/* Orthographic, as small as holds what the light can reach: the scene, through the opening. Returns
+ * the area that it covers. */
 static float directional_view(const struct scene *scene, struct dt_view *out)
 {
-    vec3 eye, target, up, direction, box[2];
+    const struct scene_light *light = &scene->light;
+    vec3 eye, target, up, direction, box[2], opening[2];
+    float low[3], high[3];
     mat4 view, projection;
     memcpy(direction, scene->light.direction, sizeof direction);
     memcpy(target, scene->center, sizeof target);
     glm_vec3_scale(direction, -2 * scene->radius, eye);
     glm_vec3_add(target, eye, eye);
-    up_for(direction, up);
+    up_along_walls(scene, direction, up);
     glm_lookat_rh(eye, target, up, view);
-    view_bounds(scene, view, box);
+    view_bounds(scene->bounds_min, scene->bounds_max, view, box);
+    for (int i = 0; i < 3; i++) {
+        low[i] = fmaxf(light->opening_min[i], scene->bounds_min[i]);
+        high[i] = fminf(light->opening_max[i], scene->bounds_max[i]);
+    }
+    view_bounds(low, high, view, opening);
     /* Half a per cent of room keeps what lies in the box's sides inside the map; the area counts
      * it too. */
     float margin = scene->radius * 0.005f;
-    float left = box[0][0] - margin, right = box[1][0] + margin;
-    float bottom = box[0][1] - margin, top = box[1][1] + margin;
+    float left = opening[0][0] - margin, right = opening[1][0] + margin;
+    float bottom = opening[0][1] - margin, top = opening[1][1] + margin;
     out->near_plane = -box[1][2] - margin;
     out->far_plane = -box[0][2] + margin;
     glm_ortho_rh_zo(left, right, bottom, top, out->near_plane, out->far_plane, projection);
@@ -147,7 +171,7 @@ static float spot_view(const struct scene *scene, struct dt_view *out)
     memcpy(direction, scene->light.direction, sizeof direction);
     up_for(direction, up);
     glm_look_rh(eye, direction, up, view);
-    view_bounds(scene, view, box);
+    view_bounds(scene->bounds_min, scene->bounds_max, view, box);
     depth_range(scene, box, &out->near_plane, &out->far_plane);
     glm_perspective_rh_zo(2 * scene->light.cone[1], 1, out->near_plane, out->far_plane, projection);
     complete_view(out, view, projection);

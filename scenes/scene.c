@@ -6,12 +6,14 @@
  *   camera: {eye: [0, 1, 3], target: [0, 1, 0], up: [0, 1, 0], fov_y: 40}     up is optional
  *   light: {kind: spot, position: [0, 2, 0], target: [-1, 1, 0], cone: [25, 35],
  *           intensity: [10, 10, 10]}
- *   light: {kind: directional, direction: [0, -1, 0], irradiance: [8, 8, 8]}
+ *   light: {kind: directional, direction: [0, -1, 0], irradiance: [8, 8, 8],
+ *           opening_min: [-1, 3, -1], opening_max: [1, 3, 1]}
  *   subdivide: 0.0625         longest edge after it, in radii of the bounding sphere; 0: none
  *   texture_size: 512         of every layer, a power of two; else the largest's, up to 1024
  *
  * Angles in degrees: fov_y is the whole angle, cone the inner and outer half angle. A spot may
- * have `direction` instead of `target`. Irradiance is perpendicular to the rays (W/m2),
+ * have `direction` instead of `target`. Both ends of the opening are optional together: a box that
+ * all light must pass through, such as a hole in a roof; without it light comes from everywhere. Irradiance is perpendicular to the rays (W/m2),
  * intensity that on the axis (W/sr). */
 #include "scene.h"
 #include "mesh.h"
@@ -243,14 +245,23 @@ static void read_camera(struct reader *reader, const struct key *self, struct sc
 static void read_directional(struct reader *reader, const struct key *self,
                              struct scene_light *light)
 {
-    enum { KIND, DIRECTION, IRRADIANCE, COUNT };
+    enum { KIND, DIRECTION, IRRADIANCE, OPENING_MIN, OPENING_MAX, COUNT };
     struct key keys[COUNT] = {
         [KIND] = {.name = "kind", .type = KEY_TEXT, .required = true},
         [DIRECTION] = NUMBERS("direction", true, 3, -FAR, FAR, 0),
         [IRRADIANCE] = NUMBERS("irradiance", true, 3, 0, FAR, 0),
+        [OPENING_MIN] = NUMBERS("opening_min", false, 3, -FAR, FAR, -FAR, -FAR, -FAR),
+        [OPENING_MAX] = NUMBERS("opening_max", false, 3, -FAR, FAR, FAR, FAR, FAR),
     };
     read_mapping(reader, self->node, self->name_node, "a directional light", keys, COUNT);
     light->kind = DT_LIGHT_DIRECTIONAL;
+    const double *low = keys[OPENING_MIN].number, *high = keys[OPENING_MAX].number;
+    if (!keys[OPENING_MIN].node != !keys[OPENING_MAX].node)
+        report(reader, self->name_node, "`opening_min` and `opening_max` go together");
+    else if (low[0] > high[0] || low[1] > high[1] || low[2] > high[2])
+        report(reader, keys[OPENING_MIN].node, "`opening_min` must not lie above `opening_max`");
+    copy3(&keys[OPENING_MIN], light->opening_min);
+    copy3(&keys[OPENING_MAX], light->opening_max);
     copy3(&keys[IRRADIANCE], light->color);
     const double zero[3] = {0};
     if (keys[DIRECTION].node && fy_node_is_sequence(keys[DIRECTION].node) &&

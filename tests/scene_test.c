@@ -538,6 +538,24 @@ static void sun_view_holds_the_scene(void **state)
     scene_free(&scene);
 }
 
+/* Light that falls aslant through a hole of 1 x 0.5 shows it foreshortened: 0.5 times the cosine. */
+static void opening_bounds_the_sun_view(void **state)
+{
+    (void)state;
+    put("box.obj", box_obj);
+    put("hole.yaml", "mesh: box.obj\n" CAMERA
+                     "light: {kind: directional, direction: [1, -1, 0], irradiance: [1, 2, 3],\n"
+                     "  opening_min: [1, 0.5, 1], opening_max: [2, 0.5, 1.5]}\n");
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    struct dt_frame frame;
+    load(&scene, at("hole.yaml"), &heard);
+    scene_frame(&scene, 64, 64, &frame);
+    double margin = 2 * 0.005 * scene.radius;
+    assert_close(frame.light.area, (sqrt(0.5) + margin) * (0.5 + margin), 1e-4);
+    scene_free(&scene);
+}
+
 /* ---- Image files ----------------------------------------------------------------------------- */
 
 static void images_survive_the_round_trip(void **state)
@@ -655,6 +673,17 @@ static void wrong_scene_files_are_told_in_one_run(void **state)
                    several, DT_ARRAY_COUNT(several));
     static const char *const lamp[] = {"3:15: error: `kind` of a light is `directional` or `spot`"};
     assert_refused("mesh: box.obj\n" CAMERA "light: {kind: lamp}\n", lamp, 1);
+    static const char *const half[] = {"3:1: error: `opening_min` and `opening_max` go together"};
+    assert_refused("mesh: box.obj\n" CAMERA
+                   "light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1],\n"
+                   "  opening_min: [0, 0, 0]}\n",
+                   half, 1);
+    static const char *const upside_down[] = {
+        "4:16: error: `opening_min` must not lie above `opening_max`"};
+    assert_refused("mesh: box.obj\n" CAMERA
+                   "light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1],\n"
+                   "  opening_min: [0, 2, 0], opening_max: [1, 1, 1]}\n",
+                   upside_down, 1);
     static const char *const missing[] = {"1:1: error: the scene lacks the key `mesh`",
                                           "1:1: error: the scene lacks the key `light`"};
     assert_refused(CAMERA, missing, 2);
@@ -716,6 +745,7 @@ int main(void)
         cmocka_unit_test(camera_projects_known_points),
         cmocka_unit_test(spot_view_is_the_cone),
         cmocka_unit_test(sun_view_holds_the_scene),
+        cmocka_unit_test(opening_bounds_the_sun_view),
         cmocka_unit_test(images_survive_the_round_trip),
         cmocka_unit_test(same_picture_is_the_same_file),
         cmocka_unit_test(image_errors_name_the_file),

@@ -79,7 +79,7 @@ float light_visibility(vec3 x, vec3 n)
     bool inside;
     vec2 p = light_texel(x, inside);
     if (!inside)
-        return 1.0; /* the map covers all that the light reaches */
+        return 0.0; /* the map covers all that the light reaches */
     float along = max(dot(x - frame.light.position, frame.light.direction), 0.0);
     float depth = frame.light.kind == 0 ? 1.0 : along;
     float bias = shadow_bias * depth * sqrt(frame.light.area) / float(rsm_size);
