@@ -1,6 +1,7 @@
-/* Lifetimes of resources, and who may lie in whose memory: slots of device memory for Vulkan, shared textures for OpenGL.
- * Called by plan.c when the order of execution and the accesses are known. Resources with history live for ever and
- * share with nobody; outputs live to the end of the frame. */
+/* Lifetimes of resources, and who may lie in whose memory: slots of device memory for Vulkan,
+ * shared textures for OpenGL. Called by plan.c when the order of execution and the accesses are
+ * known. Resources with history live for ever and share with nobody; outputs live to the end of the
+ * frame. */
 #include <string.h>
 
 #include "expr.h"
@@ -78,7 +79,7 @@ bool resources_overlap(const struct resource *a, const struct resource *b)
     return a->first_pass <= b->last_pass && b->first_pass <= a->last_pass;
 }
 
-/* ---- Vulkan ------------------------------------------------------------------------------------------------------- */
+/* ---- Vulkan ---------------------------------------------------------------------------------- */
 
 static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint32_t slot,
                       const struct resource *resource)
@@ -93,8 +94,9 @@ static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint3
     return true;
 }
 
-/* The largest first, so that every slot that exists is large enough; among those that are free in the resource's
- * lifetime the smallest wastes least. Ties go to the order of the spec: the same spec gives the same slots. */
+/* The largest first, so that every slot that exists is large enough; among those that are free in
+ * the resource's lifetime the smallest wastes least. Ties go to the order of the spec: the same
+ * spec gives the same slots. */
 static void place(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
                   struct resource *resource)
 {
@@ -141,7 +143,7 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
     }
 }
 
-/* ---- OpenGL ------------------------------------------------------------------------------------------------------- */
+/* ---- OpenGL ---------------------------------------------------------------------------------- */
 
 /* Equal at every frame size: the same number, or the same expression when written as C. */
 static bool same_extent(const struct expr *a, const struct expr *b, uint32_t otherwise)
@@ -185,7 +187,8 @@ static bool can_borrow(const struct pipeline *pipeline, const struct resource *o
     return true;
 }
 
-/* An image borrows from an earlier one of the spec that has an own texture: no chains, and owners come first. */
+/* An image borrows from an earlier one of the spec that has an own texture: no chains, and owners
+ * come first. */
 static void plan_opengl_shares(struct pipeline *pipeline)
 {
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {

@@ -1,4 +1,5 @@
-/* The model's allocator: blocks that are freed together. Called by every stage that adds to the model. */
+/* The model's allocator: blocks that are freed together. Called by every stage that adds to the
+ * model. */
 #include "diag.h"
 
 #include <stdarg.h>

@@ -1,6 +1,7 @@
-/* What each pass waits for: Vulkan's barriers from the accesses of the frame so far, and OpenGL's memory barrier bits.
- * Called by plan.c (Vulkan) and emit_gl.c (OpenGL). Frames are separated by a wait for the device, which leaves all
- * earlier writes available: the first touch in a frame depends on nothing but the user of the same memory before it. */
+/* What each pass waits for: Vulkan's barriers from the accesses of the frame so far, and OpenGL's
+ * memory barrier bits. Called by plan.c (Vulkan) and emit_gl.c (OpenGL). Frames are separated by a
+ * wait for the device, which leaves all earlier writes available: the first touch in a frame
+ * depends on nothing but the user of the same memory before it. */
 #include "plan.h"
 
 enum { KIND_COUNT = 10 };
@@ -18,18 +19,19 @@ enum image_layout layout_of(unsigned kind)
     return kind & ACCESS_COLOR ? LAYOUT_COLOR : kind & ACCESS_DEPTH ? LAYOUT_DEPTH : LAYOUT_READ;
 }
 
-/* ---- Vulkan ------------------------------------------------------------------------------------------------------- */
+/* ---- Vulkan ---------------------------------------------------------------------------------- */
 
-/* What happened to one resource in the frame so far. Readers count since the last write or change of layout; both are
- * writes to the readers after them, but a change of layout leaves nothing to be made available. */
+/* What happened to one resource in the frame so far. Readers count since the last write or change
+ * of layout; both are writes to the readers after them, but a change of layout leaves nothing to be
+ * made available. */
 struct history {
     bool touched;
     bool changed_layout; /* after the last write */
     enum image_layout layout;
     unsigned write_kind, write_stages; /* the last write; 0: none in this frame */
     unsigned read_kind, read_stages;
-    unsigned
-        visible[KIND_COUNT]; /* per kind of access: stages to which the content was made visible */
+    /* per kind of access: stages to which the content was made visible */
+    unsigned visible[KIND_COUNT];
 };
 
 static bool sees(const struct history *past, const struct touch *touch)
@@ -42,8 +44,8 @@ static bool sees(const struct history *past, const struct touch *touch)
     return true;
 }
 
-/* Readers wait for the write themselves, so whoever waits for all readers waits for the write too, and finds it
- * available. */
+/* Readers wait for the write themselves, so whoever waits for all readers waits for the write too,
+ * and finds it available. */
 static void wait_for(struct barrier *barrier, const struct history *past)
 {
     if (past->read_stages) {
@@ -56,21 +58,45 @@ static void wait_for(struct barrier *barrier, const struct history *past)
     }
 }
 
+/* Whether `other` is done with the memory that `resource` is about to take. */
+static bool used_before(const struct resource *other, const struct resource *resource)
+{
+    return other != resource && other->slot == resource->slot && !other->history &&
+           !resource->history && other->first_pass >= 0 && other->last_pass < resource->first_pass;
+}
+
+/* The last user of the memory that `resource` is about to take, or NULL. */
 static const struct resource *alias_before(const struct pipeline *pipeline,
                                            const struct resource *resource)
 {
     const struct resource *before = NULL;
 
-    for (uint32_t i = 0; i < pipeline->resource_count && !resource->history; i++) {
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
 
-        if (other != resource && other->slot == resource->slot && !other->history &&
-            other->first_pass >= 0 && other->last_pass < resource->first_pass &&
-            (!before || other->last_pass > before->last_pass)) {
+        if (used_before(other, resource) && (!before || other->last_pass > before->last_pass)) {
             before = other;
         }
     }
     return before;
+}
+
+/* The last user of the memory waited for those before it, but made available only what lies in its
+ * own bytes: what others wrote beyond those, and nobody read, is still to be made available. */
+static void wait_for_unread(struct barrier *barrier, const struct pipeline *pipeline,
+                            const struct history *past)
+{
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        const struct resource *other = &pipeline->resources[i];
+        const struct history *own = &past[i];
+
+        if (other != barrier->alias && used_before(other, barrier->resource) && own->write_stages &&
+            !own->read_stages) {
+            barrier->from |= own->write_kind & write_kinds;
+            barrier->from_stages |= own->write_stages;
+            barrier->from_writes = true;
+        }
+    }
 }
 
 /* Returns whether the touch needs the barrier that it fills. */
@@ -84,6 +110,7 @@ static bool first_touch(const struct pipeline *pipeline, const struct history *p
     barrier->alias = alias;
     if (alias) {
         wait_for(barrier, &past[alias->index]);
+        wait_for_unread(barrier, pipeline, past);
     }
     return resource->kind == DT_IMAGE || resource->history || alias;
 }
@@ -171,10 +198,11 @@ void plan_barriers(struct model *model)
     }
 }
 
-/* ---- OpenGL ------------------------------------------------------------------------------------------------------- */
+/* ---- OpenGL ---------------------------------------------------------------------------------- */
 
-/* OpenGL orders everything by itself except what shaders store (OpenGL 4.6, 7.13.2): consumers of stores need their
- * kind's bit, and so do stores that must not overtake earlier accesses. Textures that several images share count once. */
+/* OpenGL orders everything by itself except what shaders store (OpenGL 4.6, 7.13.2): consumers of
+ * stores need their kind's bit, and so do stores that must not overtake earlier accesses. Textures
+ * that several images share count once. */
 struct coherence {
     bool stored, accessed;
     unsigned since_store, since_access; /* bits issued since then */
@@ -237,7 +265,7 @@ static unsigned pass_bits(const struct pipeline *pipeline, struct coherence *all
         if (touches[i].kind & ACCESS_STORAGE_WRITE) {
             state->stored = true;
             state->since_store = 0;
-        } else if (touches[i].writes && !touches[i].reads) {
+        } else if (touches[i].writes && !touches[i].reads && !touches[i].resource->mips) {
             state->stored = false; /* drawn anew: nothing that a shader stored is left */
         }
     }

@@ -1,5 +1,5 @@
-/* Everything that is verified before planning: called by main after read. All checks run, whatever the others found, so that a
- * wrong spec gets all its errors at once. */
+/* Everything that is verified before planning: called by main after read. All checks run, whatever
+ * the others found, so that a wrong spec gets all its errors at once. */
 #include "check.h"
 
 #include <stdlib.h>

@@ -9,8 +9,8 @@ struct token {
     const char *text;
     int length;
     struct loc loc;
-    char before,
-        after; /* the nearest characters around it that are no space; 'a' for a word before, 0 for none */
+    /* the nearest characters around it that are no space; 'a' for a word before, 0 for none */
+    char before, after;
 };
 
 struct body { /* the tokens of a pass's shader and of what it includes */
@@ -23,8 +23,9 @@ struct checker {
     struct pipeline *pipeline;
     struct diag *diag;
     const char *templates_dir;
-    const struct expr **
-        exprs; /* every expression of the spec, for the search for unused names; the last of them may be NULL */
+    /* every expression of the spec, for the search for unused names; the last of them may be
+     * NULL */
+    const struct expr **exprs;
     size_t expr_count, expr_capacity;
     struct body *bodies; /* one per pass */
     bool out_of_memory;
@@ -41,14 +42,16 @@ struct pass *find_pass(const struct checker *c, const char *name);
 void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
                     const char *const *names, size_t count);
 
-/* check_values.c. What an expression may depend on is a mask of enum expr_reach; where it counts. */
+/* check_values.c. What an expression may depend on is a mask of enum expr_reach; where it
+ * counts. */
 struct limits {
     const char *what; /* "the count" */
     const char *of;   /* name of the thing */
     unsigned reach;
     int64_t least, most;
 };
-/* Resolves, then evaluates at several frame sizes and values of live parameters; reports at most one error. */
+/* Resolves, then evaluates at several frame sizes and values of live parameters; reports at most
+ * one error. */
 bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits);
 void check_constants(
     struct checker *c); /* circles; folds; wrong ones lose their value and count as 1 */

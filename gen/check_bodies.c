@@ -1,5 +1,6 @@
-/* Pass bodies, as far as their identifiers go: the files are there, they name only what their pass lists, and what is listed
- * is named; then the warnings about things that nobody uses. Called by check.c. */
+/* Pass bodies, as far as their identifiers go: the files are there, they name only what their pass
+ * lists, and what is listed is named; then the warnings about things that nobody uses. Called by
+ * check.c. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 
 enum { DEEPEST_INCLUDE = 16 };
 
-/* ---- Files -------------------------------------------------------------------------------------------------------- */
+/* ---- Files ----------------------------------------------------------------------------------- */
 
 static char *beside(struct checker *c, const char *path, const char *name, int length)
 {
@@ -35,7 +36,7 @@ static const struct source *read_shader(struct checker *c, const struct pass *pa
     return source;
 }
 
-/* ---- Identifiers -------------------------------------------------------------------------------------------------- */
+/* ---- Identifiers ----------------------------------------------------------------------------- */
 
 struct scan {
     struct checker *c;
@@ -165,7 +166,8 @@ static bool is_keyword(const struct token *token)
     return false;
 }
 
-/* Whether the body declares this name itself: `vec3 irradiance`, `#define irradiance`. It then hides the resource. */
+/* Whether the body declares this name itself: `vec3 irradiance`, `#define irradiance`. It then
+ * hides the resource. */
 static bool declares(const struct body *body, const char *name)
 {
     for (size_t i = 1; i < body->count; i++)
@@ -175,7 +177,8 @@ static bool declares(const struct body *body, const char *name)
     return false;
 }
 
-/* The first place where the body uses a name, or one of the words made from it; NULL: none. `suffixes` ends with NULL. */
+/* The first place where the body uses a name, or one of the words made from it; NULL: none.
+ * `suffixes` ends with NULL. */
 static const struct token *find_use(const struct body *body, const char *name,
                                     const char *const *suffixes)
 {
@@ -208,7 +211,7 @@ static bool mentions(const struct body *body, const char *name)
     return false;
 }
 
-/* ---- Names against lists ------------------------------------------------------------------------------------------ */
+/* ---- Names against lists --------------------------------------------------------------------- */
 
 static const char *const buffer_words[] = {"_count", NULL};
 static const char *const image_words[] = {"_size",       "_store",   "_sample",
@@ -299,7 +302,8 @@ static bool is_tool(const struct checker *c, const char *name)
            find_interleave(c, name);
 }
 
-/* What is listed but never named. A depth target and the arguments of a draw need no word in the body. */
+/* What is listed but never named. A depth target and the arguments of a draw need no word in the
+ * body. */
 static void check_listed(struct checker *c, const struct pass *pass, const struct body *body)
 {
     static const char *const lists_of[] = {"reads", "writes", "updates"};
@@ -358,7 +362,7 @@ void check_bodies(struct checker *c)
         check_body(c, &c->pipeline->passes[i], &c->bodies[i]);
 }
 
-/* ---- Nobody uses it ----------------------------------------------------------------------------------------------- */
+/* ---- Nobody uses it -------------------------------------------------------------------------- */
 
 static bool in_bodies(const struct checker *c, const char *name)
 {

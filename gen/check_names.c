@@ -1,12 +1,13 @@
-/* Names: each declared once, none that GLSL, C or the generated code has taken, and every reference to one resolved. Called by
- * check.c. */
+/* Names: each declared once, none that GLSL, C or the generated code has taken, and every reference
+ * to one resolved. Called by check.c. */
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
 #include "table.h"
 
-/* ---- Reserved names ----------------------------------------------------------------------------------------------- */
+/* ---- Reserved names -------------------------------------------------------------------------- */
 
 static const char *const reserved_words =
     /* GLSL 4.60, sections 3.6 and 3.7, and C11 */
@@ -73,7 +74,7 @@ static void check_word(struct checker *c, const char *name, struct loc loc, bool
         diag_error(c->diag, loc, "`%s` is taken: pass bodies know it as something else", name);
 }
 
-/* ---- Declarations ------------------------------------------------------------------------------------------------- */
+/* ---- Declarations ---------------------------------------------------------------------------- */
 
 struct declaration {
     const char *name, *kind;
@@ -152,6 +153,97 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
     }
 }
 
+/* ---- Names in the generated C ---------------------------------------------------------------- */
+
+/* Parameters, constants, resources and passes become macros and enumerators in capitals, each kind
+ * with a prefix of its own; a parameter with components brings NAME_X, NAME_Y and so on. */
+struct capital {
+    const char *name;
+    char component; /* 0: none */
+    struct loc loc;
+};
+
+static char last_letter(const struct capital *capital)
+{
+    return capital->component ? capital->component : capital->name[strlen(capital->name) - 1];
+}
+
+/* Letter by letter, "_x" after the name where there is a component. */
+static bool same_capitals(const struct capital *a, const struct capital *b)
+{
+    size_t length_a = strlen(a->name), length_b = strlen(b->name);
+    size_t total = length_a + (a->component ? 2 : 0);
+    if (total != length_b + (b->component ? 2 : 0) || !total)
+        return false;
+    for (size_t i = 0; i + 1 < total; i++) {
+        int letter_a = i < length_a ? a->name[i] : '_', letter_b = i < length_b ? b->name[i] : '_';
+        if (toupper(letter_a) != toupper(letter_b))
+            return false;
+    }
+    return toupper(last_letter(a)) == toupper(last_letter(b));
+}
+
+/* Names that are the same to the letter are reported elsewhere. */
+static void check_capitals(struct checker *c, const struct capital *list, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < i; k++) {
+            const struct capital *first = &list[k], *second = &list[i];
+            if (!strcmp(first->name, second->name) || !same_capitals(first, second))
+                continue;
+            if (comes_before(second->loc, first->loc)) {
+                first = &list[i];
+                second = &list[k];
+            }
+            diag_error(c->diag, second->loc,
+                       "`%s` and `%s` become one name in the generated C, which writes them in "
+                       "capitals; rename one",
+                       second->name, first->name);
+            diag_note(c->diag, first->loc, "`%s` is declared here", first->name);
+            k = i; /* once for each name */
+        }
+}
+
+static void check_all_capitals(struct checker *c)
+{
+    const struct pipeline *p = c->pipeline;
+    size_t most = 4 * p->param_count + p->constant_count + p->resource_count + p->pass_count;
+    struct capital *list = arena_alloc(c->model->arena, (most + 1) * sizeof *list);
+    if (!list) {
+        c->out_of_memory = true;
+        return;
+    }
+    size_t count = 0;
+    for (uint32_t i = 0; i < p->param_count; i++)
+        for (uint32_t k = 0; k < p->params[i].components && k < 4; k++)
+            list[count++] = (struct capital){
+                p->params[i].name, p->params[i].components > 1 ? "xyzw"[k] : 0, p->params[i].loc};
+    check_capitals(c, list, count);
+    count = 0;
+    for (uint32_t i = 0; i < p->constant_count; i++)
+        list[count++] = (struct capital){p->constants[i].name, 0, p->constants[i].loc};
+    check_capitals(c, list, count);
+    count = 0;
+    for (uint32_t i = 0; i < p->resource_count; i++)
+        list[count++] = (struct capital){p->resources[i].name, 0, p->resources[i].loc};
+    check_capitals(c, list, count);
+    count = 0;
+    for (uint32_t i = 0; i < p->pass_count; i++)
+        list[count++] = (struct capital){p->passes[i].name, 0, p->passes[i].loc};
+    check_capitals(c, list, count);
+}
+
+/* Beside `struct NAME_Vpl` the generated C has a struct NAME_live, and one for the state of each
+ * panel. */
+static void check_tag(struct checker *c, const struct structure *structure)
+{
+    static const char *const tags[] = {"live", "gl_state", "vk_state"};
+    for (size_t i = 0; i < sizeof tags / sizeof *tags; i++)
+        if (!strcmp(structure->name, tags[i]))
+            diag_error(c->diag, structure->loc,
+                       "`%s` is taken: the generated C has a struct of that name", structure->name);
+}
+
 static void check_fields(struct checker *c, const struct structure *structure)
 {
     for (uint32_t i = 0; i < structure->field_count; i++)
@@ -195,13 +287,16 @@ void check_names(struct checker *c)
                 break;
             }
     }
-    for (uint32_t i = 0; i < p->struct_count; i++)
+    for (uint32_t i = 0; i < p->struct_count; i++) {
         check_fields(c, &p->structs[i]);
+        check_tag(c, &p->structs[i]);
+    }
     check_pass_names(c);
+    check_all_capitals(c);
     free(list);
 }
 
-/* ---- References --------------------------------------------------------------------------------------------------- */
+/* ---- References ------------------------------------------------------------------------------ */
 
 static const char *const builtin_names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices",
                                                          "scene_materials", "scene_textures"};

@@ -1,5 +1,6 @@
-/* Passes: what their accesses demand of formats, samplers and sizes, targets that fit together, conflicting accesses, ranges
- * and the sizes of dispatches. Called by check.c after names and sizes. */
+/* Passes: what their accesses demand of formats, samplers and sizes, targets that fit together,
+ * conflicting accesses, ranges and the sizes of dispatches. Called by check.c after names and
+ * sizes. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -28,7 +29,7 @@ static void note_declared(struct checker *c, const struct resource *resource)
     diag_note(c->diag, resource->loc, "`%s` is declared here", resource->name);
 }
 
-/* ---- One access --------------------------------------------------------------------------------------------------- */
+/* ---- One access ------------------------------------------------------------------------------ */
 
 static void check_mip(struct checker *c, const struct pass *pass, struct access *access)
 {
@@ -98,7 +99,7 @@ static void check_storage(struct checker *c, const struct pass *pass, const stru
     note_declared(c, image);
 }
 
-/* ---- Pairs of accesses -------------------------------------------------------------------------------------------- */
+/* ---- Pairs of accesses ----------------------------------------------------------------------- */
 
 static bool both(const struct access *a, const struct access *b, enum access_mode x,
                  enum access_mode y)
@@ -106,7 +107,19 @@ static bool both(const struct access *a, const struct access *b, enum access_mod
     return (a->mode == x && b->mode == y) || (a->mode == y && b->mode == x);
 }
 
-/* Two accesses to one resource. Mips apart are apart; an image may be read by texel and through a sampler. */
+/* A body names a texel read `image(p)`, a sampled one `image_sample(uv)`, a store `image_store(p,
+ * value)` and a target `image`, whichever mip it is. */
+static bool same_word(const struct pass *pass, const struct access *a, const struct access *b)
+{
+    bool texels_a = a->mode != MODE_WRITE && !a->sampler,
+         texels_b = b->mode != MODE_WRITE && !b->sampler;
+    bool target = is_target(pass, a) || is_target(pass, b);
+    return (texels_a && texels_b) || (a->sampler && b->sampler) ||
+           (a->mode != MODE_READ && b->mode != MODE_READ) || (target && (texels_a || texels_b));
+}
+
+/* Two accesses to one resource. Mips apart are apart; an image may be read by texel and through a
+ * sampler. */
 static void check_pair(struct checker *c, const struct pass *pass, const struct access *a,
                        const struct access *b)
 {
@@ -116,9 +129,14 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
     bool image = a->resource && a->resource->kind == DT_IMAGE;
     bool apart = image && (a->mip || b->mip) && a->mip_value != b->mip_value;
     bool sampled_whole = (a->sampler && !a->mip) || (b->sampler && !b->mip);
-    if (apart && !sampled_whole)
-        return;
-    if (a->mode == MODE_READ && b->mode == MODE_READ) {
+    if (apart && !sampled_whole) {
+        if (!same_word(pass, a, b))
+            return;
+        diag_error(c->diag, b->loc,
+                   "the body of the pass `%s` cannot tell two mips of `%s` apart; read one through "
+                   "a sampler, or use two passes",
+                   pass->name, b->name);
+    } else if (a->mode == MODE_READ && b->mode == MODE_READ) {
         if (image && !a->sampler != !b->sampler)
             return;
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` twice in reads", pass->name, b->name);
@@ -162,7 +180,7 @@ static void check_arguments(struct checker *c, const struct pass *pass)
                    used[0]->name, count, pass->kind == PASS_DISPATCH ? "dispatch" : "draw", least);
 }
 
-/* ---- Targets ------------------------------------------------------------------------------------------------------ */
+/* ---- Targets --------------------------------------------------------------------------------- */
 
 static void check_target_sizes(struct checker *c, const struct pass *pass,
                                const struct access *first, const struct access *other)
@@ -240,7 +258,7 @@ static void check_targets(struct checker *c, const struct pass *pass)
                    pass->name);
 }
 
-/* ---- Sizes and ranges --------------------------------------------------------------------------------------------- */
+/* ---- Sizes and ranges ------------------------------------------------------------------------ */
 
 static void check_local(struct checker *c, struct pass *pass)
 {

@@ -1,5 +1,5 @@
-/* Numbers: parameters within their ranges, constants without circles, sizes and counts at several frame sizes, assertions.
- * Called by check.c. */
+/* Numbers: parameters within their ranges, constants without circles, sizes and counts at several
+ * frame sizes, assertions. Called by check.c. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@ enum { LARGEST_SIDE = 16384, MOST_LAYERS = 2048, MOST_ELEMENTS = 1 << 28 };
 /* The smallest frame, the usual one, and one that no tile divides. */
 const int frame_sizes[FRAME_SIZES][2] = {{1, 1}, {1920, 1080}, {7, 5}};
 
-/* ---- Expressions -------------------------------------------------------------------------------------------------- */
+/* ---- Expressions ----------------------------------------------------------------------------- */
 
 static void remember(struct checker *c, const struct expr *expr)
 {
@@ -81,7 +81,8 @@ static bool check_value(struct checker *c, const struct expr *expr, const struct
     return value >= limits->least && value <= limits->most;
 }
 
-/* Sets every live parameter to its min (-1) or max (1) where it has one; keeps the values in `kept`. */
+/* Sets every live parameter to its min (-1) or max (1) where it has one; keeps the values in
+ * `kept`. */
 static void move_live(struct pipeline *pipeline, int side, double (*kept)[4])
 {
     for (uint32_t i = 0; i < pipeline->param_count; i++) {
@@ -130,7 +131,7 @@ bool check_expr(struct checker *c, struct expr *expr, const struct limits *limit
     return !(expr_reach(expr) & EXPR_LIVE) || check_live_ends(c, expr, limits);
 }
 
-/* ---- Parameters and constants ------------------------------------------------------------------------------------- */
+/* ---- Parameters and constants ---------------------------------------------------------------- */
 
 static void check_param(struct checker *c, const struct param *param)
 {
@@ -161,7 +162,8 @@ void check_params(struct checker *c)
         check_param(c, &c->pipeline->params[i]);
 }
 
-/* A constant is settled once all constants that it mentions are; those left over when nothing moves stand in a circle. */
+/* A constant is settled once all constants that it mentions are; those left over when nothing moves
+ * stand in a circle. */
 static bool is_ready(const struct checker *c, const struct constant *constant, const bool *settled)
 {
     for (uint32_t i = 0; i < c->pipeline->constant_count; i++)
@@ -212,7 +214,7 @@ void check_constants(struct checker *c)
     free(settled);
 }
 
-/* ---- Sizes -------------------------------------------------------------------------------------------------------- */
+/* ---- Sizes ----------------------------------------------------------------------------------- */
 
 bool image_extent(const struct resource *image, uint32_t mip, const int frame[2], int64_t extent[3])
 {
@@ -283,7 +285,7 @@ void check_sizes(struct checker *c)
         check_interleave(c, &pipeline->interleaves[i]);
 }
 
-/* ---- Assertions --------------------------------------------------------------------------------------------------- */
+/* ---- Assertions ------------------------------------------------------------------------------ */
 
 static void add_param(struct text *text, const struct param *param, int component)
 {

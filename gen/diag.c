@@ -25,7 +25,7 @@ struct diag {
     bool failed; /* out of memory: some message is lost */
 };
 
-/* ---- Sources ------------------------------------------------------------------------------------------------------ */
+/* ---- Sources --------------------------------------------------------------------------------- */
 
 static char *read_all(struct arena *arena, FILE *file, size_t *length)
 {
@@ -81,7 +81,7 @@ const struct source *source_read(struct model *model, const char *path)
     return source;
 }
 
-/* ---- Collecting --------------------------------------------------------------------------------------------------- */
+/* ---- Collecting ------------------------------------------------------------------------------ */
 
 struct diag *diag_create(void)
 {
@@ -184,7 +184,7 @@ unsigned diag_error_count(const struct diag *diag)
     return diag->errors;
 }
 
-/* ---- Printing ----------------------------------------------------------------------------------------------------- */
+/* ---- Printing -------------------------------------------------------------------------------- */
 
 /* Start and length in bytes of a line; false when the source has no such line. */
 static bool find_line(const struct source *source, int line, const char **start, int *length)
@@ -208,7 +208,8 @@ static bool find_line(const struct source *source, int line, const char **start,
     return true;
 }
 
-/* The caret line: one column per UTF-8 character, tabs kept so that the caret stands below its character. */
+/* The caret line: one column per UTF-8 character, tabs kept so that the caret stands below its
+ * character. */
 static void print_caret(const char *line, int bytes, int column, int length)
 {
     fputs("      | ", stderr);
@@ -283,11 +284,12 @@ void diag_flush(struct diag *diag)
     diag->failed = false;
 }
 
-/* ---- Suggestions -------------------------------------------------------------------------------------------------- */
+/* ---- Suggestions ----------------------------------------------------------------------------- */
 
 enum { LONGEST_WORD = 63 };
 
-/* Edits (insert, delete, replace, swap of neighbours) between two words, both at most LONGEST_WORD long. */
+/* Edits (insert, delete, replace, swap of neighbours) between two words, both at most LONGEST_WORD
+ * long. */
 static unsigned edit_distance(const char *a, const char *b)
 {
     size_t n = strlen(a), m = strlen(b);

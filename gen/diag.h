@@ -1,5 +1,6 @@
-/* Diagnostics: every stage reports through here, so that a wrong spec gets all its errors in one run, each as
- * `file:line:col: error: text`, the source line and a caret. Written to stderr in order of place, when flushed. */
+/* Diagnostics: every stage reports through here, so that a wrong spec gets all its errors in one
+ * run, each as `file:line:col: error: text`, the source line and a caret. Written to stderr in
+ * order of place, when flushed. */
 #ifndef DIPTYCH_GEN_DIAG_H
 #define DIPTYCH_GEN_DIAG_H
 
@@ -21,7 +22,8 @@ struct source {
     const char *text;
     size_t length;
 };
-/* Reads a whole file into the arena and lists it in model->inputs; NULL (nothing reported) when it cannot be read. */
+/* Reads a whole file into the arena and lists it in model->inputs; NULL (nothing reported) when it
+ * cannot be read. */
 const struct source *source_read(struct model *model, const char *path);
 
 struct diag; /* collects; owns nothing of the model */

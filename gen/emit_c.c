@@ -1,5 +1,5 @@
-/* The pieces that all emitted C has in common: literals, names, expressions, the filling of scaffolds. Called
- * by emit_header.c, emit_pipeline.c, emit_gl.c and emit_vk.c. */
+/* The pieces that all emitted C has in common: literals, names, expressions, the filling of
+ * scaffolds. Called by emit_header.c, emit_pipeline.c, emit_gl.c and emit_vk.c. */
 #include "emit_c.h"
 
 #include <ctype.h>
@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Literals and names ------------------------------------------------------------------------------------------- */
+/* ---- Literals and names ---------------------------------------------------------------------- */
 
 void c_upper(struct text *out, const char *name)
 {
@@ -127,11 +127,86 @@ void c_size_locals(struct text *out, const char *body, const char *from_width,
     }
 }
 
-/* ---- Passes and resources as C names them ------------------------------------------------------------------------- */
+/* ---- Passes and resources as C names them ---------------------------------------------------- */
 
 const char *c_group(const struct resource *resource)
 {
     return resource->kind == DT_BUFFER ? "buffers" : "images";
+}
+
+const char *c_kind(const struct resource *resource)
+{
+    return resource->kind == DT_BUFFER ? "buffer" : "image";
+}
+
+static const char *backend_prefix(const struct c_output *c)
+{
+    return c->backend == BACKEND_GL ? "gl" : "vk";
+}
+
+void c_resource_members(const struct c_output *c)
+{
+    for (enum dt_kind kind = DT_BUFFER; kind <= DT_IMAGE; kind++) {
+        const struct resource *any = NULL;
+
+        for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
+            const struct resource *resource = &c->pipeline->resources[i];
+
+            if (resource->kind == kind) {
+                text_add(c->out, any ? "" : "    struct {\n");
+                text_add(c->out, "        struct %s_%s %s;\n", backend_prefix(c), c_kind(resource),
+                         resource->name);
+                any = resource;
+            }
+        }
+        if (any) {
+            text_add(c->out, "    } %s;\n", c_group(any));
+        }
+    }
+}
+
+void c_sampler_members(const struct c_output *c, const char *type)
+{
+    bool any = false;
+
+    for (uint32_t i = 0; i < c->pipeline->sampler_count; i++) {
+        if (c->pipeline->samplers[i].kind == SAMPLER_FILTER) {
+            text_add(c->out, any ? "" : "    struct {\n");
+            text_add(c->out, "        %s %s;\n", type, c->pipeline->samplers[i].name);
+            any = true;
+        }
+    }
+    text_add(c->out, any ? "    } samplers;\n" : "");
+}
+
+void c_program_members(const struct c_output *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        text_add(c->out, i ? "" : "    struct {\n");
+        text_add(c->out, "        struct %s_program %s;\n", backend_prefix(c),
+                 c->pipeline->order[i]->name);
+    }
+    text_add(c->out, c->pipeline->pass_count ? "    } programs;\n" : "");
+}
+
+void c_create_head(const struct c_output *c, const struct resource *resource)
+{
+    const char *api = backend_prefix(c), *name = c->pipeline->name;
+
+    text_add(c->out,
+             "static bool create_%s_%s(struct %s_runtime *rt, struct %s_%s_state *state)\n{\n"
+             "    uint32_t extent[3];\n\n    %s_extent_%s(state->width, state->height, extent);\n",
+             c_kind(resource), resource->name, api, name, api, name, resource->name);
+}
+
+void c_create_resources(const struct c_output *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
+        const struct resource *resource = &c->pipeline->resources[i];
+
+        text_add(c->out, "    ok = ok && create_%s_%s(rt, state);\n", c_kind(resource),
+                 resource->name);
+    }
 }
 
 bool access_is_image(const struct access *access)
@@ -244,7 +319,8 @@ void c_groups(const struct c_output *c, const struct pass *pass, struct text *ou
     } else if (pass->size == SIZE_INTERLEAVE) {
         const uint32_t *tile = pass->interleave->tile;
 
-        /* A group covers local pixels of one class, and a class has every tile-th pixel of the frame. */
+        /* A group covers local pixels of one class, and a class has every tile-th pixel of the
+         * frame. */
         text_add(out, "%s_groups(width, %" PRIu32 "), %s_groups(height, %" PRIu32 "), %" PRIu32,
                  c->pipeline->name, tile[0] * pass->local[0], c->pipeline->name,
                  tile[1] * pass->local[1], tile[0] * tile[1]);
@@ -257,7 +333,7 @@ void c_groups(const struct c_output *c, const struct pass *pass, struct text *ou
     }
 }
 
-/* ---- Targets of draws ---------------------------------------------------------------------------------------------- */
+/* ---- Targets of draws ------------------------------------------------------------------------ */
 
 static void emit_target(const struct c_output *c, const struct access *access)
 {
@@ -302,7 +378,7 @@ static void emit_targets_body(const struct c_output *c, const struct pass *pass)
 
 void c_targets(const struct c_output *c)
 {
-    const char *api = c->backend == BACKEND_GL ? "gl" : "vk";
+    const char *api = backend_prefix(c);
 
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const struct pass *pass = c->pipeline->order[i];
@@ -325,7 +401,7 @@ void c_targets(const struct c_output *c)
     }
 }
 
-/* ---- Scaffolds ---------------------------------------------------------------------------------------------------- */
+/* ---- Scaffolds ------------------------------------------------------------------------------- */
 
 /* Several empty lines, as slots without content leave them, become one. */
 static void add_line(struct text *out, const char *line, size_t length)
@@ -351,7 +427,8 @@ static const struct c_slot *find_slot(const char *name, size_t length, const str
     return NULL;
 }
 
-/* One line of a scaffold into `line`; returns whether it was nothing but a slot that writes whole lines. */
+/* One line of a scaffold into `line`; returns whether it was nothing but a slot that writes whole
+ * lines. */
 static bool expand_line(const struct c_output *c, const char *text, size_t length,
                         const struct c_slot *slots, size_t slot_count, struct text *line)
 {

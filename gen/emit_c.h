@@ -1,5 +1,5 @@
-/* What the emitters of C share: names, literals, expressions, scaffolds. emit_c.c defines it, emit_header.c, emit_gl.c
- * and emit_vk.c use it. Emitters read the model and never change it. */
+/* What the emitters of C share: names, literals, expressions, scaffolds. emit_c.c defines it,
+ * emit_header.c, emit_gl.c and emit_vk.c use it. Emitters read the model and never change it. */
 #ifndef DIPTYCH_GEN_EMIT_C_H
 #define DIPTYCH_GEN_EMIT_C_H
 
@@ -7,7 +7,7 @@
 #include "plan.h"
 #include "stages.h"
 
-/* ---- Scaffolds: templates/c/panel_*.c.in, carried by the generator itself (scaffold.c) ----------------------------- */
+/* ---- Scaffolds: templates/c/panel_*.c.in, carried by the generator itself (scaffold.c) ------- */
 
 extern const char scaffold_panel_gl[], scaffold_panel_vk[];
 
@@ -35,7 +35,7 @@ void c_slot_record(const struct c_output *c); /* calls of record_NAME */
 bool c_pass_uses_live(
     const struct pass *pass); /* the pass's record function takes the live block */
 
-/* ---- Pieces of C -------------------------------------------------------------------------------------------------- */
+/* ---- Pieces of C ----------------------------------------------------------------------------- */
 
 void c_upper(struct text *out, const char *name);
 void c_enumerator(const struct c_output *c, const char *group,
@@ -47,7 +47,8 @@ void c_float(struct text *out, double value);       /* a float constant */
 void c_clear(struct text *out, const struct resource *resource); /* {0.0f, ...} of four */
 /* An int64_t expression: a literal when it is baked. */
 void c_expr(struct text *out, const struct expr *expr, int64_t otherwise);
-/* Declares `width` and `height` from `from_width`, `from_height` where the text of a function body names them. */
+/* Declares `width` and `height` from `from_width`, `from_height` where the text of a function body
+ * names them. */
 void c_size_locals(struct text *out, const char *body, const char *from_width,
                    const char *from_height);
 /* "x, y, z": workgroups of a dispatch; images as `state->images.NAME`. */
@@ -55,6 +56,16 @@ void c_groups(const struct c_output *c, const struct pass *pass, struct text *ou
 /* `state->buffers.vpls` or `builtin->vertices`: what an access is bound to. */
 void c_object(struct text *out, const struct access *access);
 const char *c_group(const struct resource *resource); /* "buffers" or "images" */
+const char *c_kind(const struct resource *resource);  /* "buffer" or "image" */
+/* Members of a panel's state: structs `buffers` and `images`, `samplers` of the given C type,
+ * `programs`. */
+void c_resource_members(const struct c_output *c);
+void c_sampler_members(const struct c_output *c, const char *type);
+void c_program_members(const struct c_output *c);
+/* The head of a resource's create function up to its extent, and the calls of them all. No other
+ * function can have these names: what is created stands before whose it is. */
+void c_create_head(const struct c_output *c, const struct resource *resource);
+void c_create_resources(const struct c_output *c);
 void c_element(const struct c_output *c, struct text *out,
                const struct resource *buffer); /* its size in bytes */
 bool pass_draws(const struct pass *pass);

@@ -1,46 +1,19 @@
-/* NAME_gl.c: the OpenGL panel. Fills the slots of templates/c/panel_gl.c.in from the planned model; the text around the
- * slots is the scaffold's. Called by main. */
+/* NAME_gl.c: the OpenGL panel. Fills the slots of templates/c/panel_gl.c.in from the planned model;
+ * the text around the slots is the scaffold's. Called by main. */
 #include <inttypes.h>
 
 #include "emit_c.h"
 
-/* ---- State -------------------------------------------------------------------------------------------------------- */
-
-static void emit_members(const struct c_output *c, const char *type, enum dt_kind kind)
-{
-    bool any = false;
-
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        if (c->pipeline->resources[i].kind == kind) {
-            text_add(c->out, any ? "" : "    struct {\n");
-            text_add(c->out, "        struct %s %s;\n", type, c->pipeline->resources[i].name);
-            any = true;
-        }
-    }
-    text_add(c->out, any ? "    } %s;\n" : "%.0s", kind == DT_BUFFER ? "buffers" : "images");
-}
+/* ---- State ----------------------------------------------------------------------------------- */
 
 static void emit_state(const struct c_output *c)
 {
     const struct pipeline *pipeline = c->pipeline;
     bool any = false;
 
-    emit_members(c, "gl_buffer", DT_BUFFER);
-    emit_members(c, "gl_image", DT_IMAGE);
-    for (uint32_t i = 0; i < pipeline->sampler_count; i++) {
-        if (pipeline->samplers[i].kind == SAMPLER_FILTER) {
-            text_add(c->out, any ? "" : "    struct {\n");
-            text_add(c->out, "        GLuint %s;\n", pipeline->samplers[i].name);
-            any = true;
-        }
-    }
-    text_add(c->out, any ? "    } samplers;\n" : "");
-    any = false;
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        text_add(c->out, i ? "" : "    struct {\n");
-        text_add(c->out, "        struct gl_program %s;\n", pipeline->order[i]->name);
-    }
-    text_add(c->out, pipeline->pass_count ? "    } programs;\n" : "");
+    c_resource_members(c);
+    c_sampler_members(c, "GLuint");
+    c_program_members(c);
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         if (pass_draws(pipeline->order[i])) {
             text_add(c->out, any ? "" : "    struct {\n");
@@ -51,7 +24,7 @@ static void emit_state(const struct c_output *c)
     text_add(c->out, any ? "    } framebuffers;\n" : "");
 }
 
-/* ---- Samplers and programs ---------------------------------------------------------------------------------------- */
+/* ---- Samplers and programs ------------------------------------------------------------------- */
 
 static void emit_samplers(const struct c_output *c)
 {
@@ -143,7 +116,7 @@ static void emit_programs(const struct c_output *c)
     }
 }
 
-/* ---- Resources ---------------------------------------------------------------------------------------------------- */
+/* ---- Resources ------------------------------------------------------------------------------- */
 
 static void emit_buffer(const struct c_output *c, const struct resource *buffer)
 {
@@ -185,11 +158,7 @@ static void emit_create_resources(const struct c_output *c)
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
         const struct resource *resource = &c->pipeline->resources[i];
 
-        text_add(
-            c->out,
-            "static bool create_%s(struct gl_runtime *rt, struct %s_gl_state *state)\n{\n"
-            "    uint32_t extent[3];\n\n    %s_extent_%s(state->width, state->height, extent);\n",
-            resource->name, c->pipeline->name, c->pipeline->name, resource->name);
+        c_create_head(c, resource);
         if (resource->kind == DT_BUFFER) {
             emit_buffer(c, resource);
         } else {
@@ -218,9 +187,7 @@ static void emit_release(const struct c_output *c)
 /* Owners of shared textures come first: an image borrows from an earlier one of the spec. */
 static void emit_resize(const struct c_output *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        text_add(c->out, "    ok = ok && create_%s(rt, state);\n", c->pipeline->resources[i].name);
-    }
+    c_create_resources(c);
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const char *pass = c->pipeline->order[i]->name;
 
@@ -262,7 +229,7 @@ static void emit_destroy(const struct c_output *c)
     }
 }
 
-/* ---- Passes ------------------------------------------------------------------------------------------------------- */
+/* ---- Passes ---------------------------------------------------------------------------------- */
 
 static void emit_binding(const struct c_output *c, const struct access *access)
 {
@@ -385,7 +352,8 @@ static void emit_work(const struct c_output *c, const struct pass *pass)
     }
 }
 
-/* What a skipped pass does instead, as a condition; writes nothing when there is nothing to clear. */
+/* What a skipped pass does instead, as a condition; writes nothing when there is nothing to
+ * clear. */
 static void emit_skip(const struct c_output *c, const struct pass *pass)
 {
     bool any = pass_draws(pass) && pass_clears_targets(pass);
@@ -405,8 +373,8 @@ static void emit_skip(const struct c_output *c, const struct pass *pass)
         if (access->resource->kind == DT_BUFFER) {
             text_add(c->out, "gl_clear_buffer(rt, &state->buffers.%s)", access->resource->name);
         } else {
-            text_add(c->out, "gl_clear_image(rt, &state->images.%s, (const float[4])",
-                     access->resource->name);
+            text_add(c->out, "gl_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])",
+                     access->resource->name, access->mip_value);
             c_clear(c->out, access->resource);
             text_add(c->out, ")");
         }

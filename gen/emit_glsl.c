@@ -419,6 +419,8 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
         text_add(out, "out float gl_ClipDistance[%u];\n", glsl->pass->clip_distances);
+    if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && glsl_uses(glsl, "gl_Position"))
+        text_add(out, "precise gl_Position;\n");
 }
 
 static void add_head(struct glsl *glsl)
@@ -505,6 +507,8 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
     if (ok) {
         shader->stage = stage;
         join_parts(&glsl, &shader->glsl);
+        if (!model->pipeline.fast && backend == BACKEND_GL)
+            glsl_precise(&glsl, &shader->glsl);
         ok = !shader->glsl.failed;
     }
     for (int i = 0; i < PART_COUNT; i++)

@@ -1,5 +1,6 @@
-/* NAME.dot: the pass graph for Graphviz. Passes are boxes with their place in the order and their barriers, resources are
- * notes with format, size and lifetime, filled with one colour per slot of memory. Called by main. */
+/* NAME.dot: the pass graph for Graphviz. Passes are boxes with their place in the order and their
+ * barriers, resources are notes with format, size and lifetime, filled with one colour per slot of
+ * memory. Called by main. */
 #include <inttypes.h>
 
 #include "emit_c.h"

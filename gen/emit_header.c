@@ -1,5 +1,6 @@
-/* NAME.h: what C code sees of a pipeline. Structs with every padding written out and every offset asserted, baked
- * parameters as constants, the live block, the indices of resources and passes. Called by main. */
+/* NAME.h: what C code sees of a pipeline. Structs with every padding written out and every offset
+ * asserted, baked parameters as constants, the live block, the indices of resources and passes.
+ * Called by main. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -130,7 +131,7 @@ static void emit_live(const struct c_output *c)
     }
 }
 
-/* ---- Constants ---------------------------------------------------------------------------------------------------- */
+/* ---- Constants ------------------------------------------------------------------------------- */
 
 static void emit_value(const struct c_output *c, const struct param *param, uint32_t component)
 {

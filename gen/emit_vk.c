@@ -1,5 +1,5 @@
-/* NAME_vk.c: the Vulkan panel. Fills the slots of templates/c/panel_vk.c.in from the planned model; the text around the
- * slots is the scaffold's. Called by main. */
+/* NAME_vk.c: the Vulkan panel. Fills the slots of templates/c/panel_vk.c.in from the planned model;
+ * the text around the slots is the scaffold's. Called by main. */
 #include <inttypes.h>
 
 #include "emit_c.h"
@@ -47,29 +47,13 @@ static unsigned kinds_in_pass(const struct pass *pass, const struct resource *re
     return kinds;
 }
 
-/* ---- State -------------------------------------------------------------------------------------------------------- */
-
-static void emit_members(const struct c_output *c, const char *type, enum dt_kind kind)
-{
-    bool any = false;
-
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        if (c->pipeline->resources[i].kind == kind) {
-            text_add(c->out, any ? "" : "    struct {\n");
-            text_add(c->out, "        struct %s %s;\n", type, c->pipeline->resources[i].name);
-            any = true;
-        }
-    }
-    text_add(c->out, any ? "    } %s;\n" : "%.0s", kind == DT_BUFFER ? "buffers" : "images");
-}
+/* ---- State ----------------------------------------------------------------------------------- */
 
 static void emit_state(const struct c_output *c)
 {
     const struct pipeline *pipeline = c->pipeline;
-    bool any = false;
 
-    emit_members(c, "vk_buffer", DT_BUFFER);
-    emit_members(c, "vk_image", DT_IMAGE);
+    c_resource_members(c);
     if (pipeline->slot_count) {
         text_add(c->out, "    struct vk_slot slots[%" PRIu32 "];\n", pipeline->slot_count);
     }
@@ -77,22 +61,11 @@ static void emit_state(const struct c_output *c)
         text_add(c->out,
                  "    VkSampler texel_sampler; /* for texelFetch, which filters nothing */\n");
     }
-    for (uint32_t i = 0; i < pipeline->sampler_count; i++) {
-        if (pipeline->samplers[i].kind == SAMPLER_FILTER) {
-            text_add(c->out, any ? "" : "    struct {\n");
-            text_add(c->out, "        VkSampler %s;\n", pipeline->samplers[i].name);
-            any = true;
-        }
-    }
-    text_add(c->out, any ? "    } samplers;\n" : "");
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        text_add(c->out, i ? "" : "    struct {\n");
-        text_add(c->out, "        struct vk_program %s;\n", pipeline->order[i]->name);
-    }
-    text_add(c->out, pipeline->pass_count ? "    } programs;\n" : "");
+    c_sampler_members(c, "VkSampler");
+    c_program_members(c);
 }
 
-/* ---- Samplers ----------------------------------------------------------------------------------------------------- */
+/* ---- Samplers -------------------------------------------------------------------------------- */
 
 static void emit_samplers(const struct c_output *c)
 {
@@ -138,7 +111,7 @@ static void emit_samplers(const struct c_output *c)
     }
 }
 
-/* ---- Programs ----------------------------------------------------------------------------------------------------- */
+/* ---- Programs -------------------------------------------------------------------------------- */
 
 static const char *descriptor_type(const struct access *access)
 {
@@ -255,7 +228,7 @@ static void emit_programs(const struct c_output *c)
     }
 }
 
-/* ---- Resources ---------------------------------------------------------------------------------------------------- */
+/* ---- Resources ------------------------------------------------------------------------------- */
 
 static void emit_usage(struct text *out, const struct resource *resource)
 {
@@ -314,8 +287,7 @@ static void emit_image(const struct c_output *c, const struct resource *image)
 
 static void emit_user(const struct c_output *c, const struct resource *resource)
 {
-    text_add(c->out, "{.%s = &state->%s.%s}", resource->kind == DT_BUFFER ? "buffer" : "image",
-             c_group(resource), resource->name);
+    text_add(c->out, "{.%s = &state->%s.%s}", c_kind(resource), c_group(resource), resource->name);
 }
 
 static void emit_memory(const struct c_output *c)
@@ -358,11 +330,7 @@ static void emit_create_resources(const struct c_output *c)
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
         const struct resource *resource = &c->pipeline->resources[i];
 
-        text_add(
-            c->out,
-            "static bool create_%s(struct vk_runtime *rt, struct %s_vk_state *state)\n{\n"
-            "    uint32_t extent[3];\n\n    %s_extent_%s(state->width, state->height, extent);\n",
-            resource->name, c->pipeline->name, c->pipeline->name, resource->name);
+        c_create_head(c, resource);
         if (resource->kind == DT_BUFFER) {
             emit_buffer(c, resource);
         } else {
@@ -374,7 +342,7 @@ static void emit_create_resources(const struct c_output *c)
     }
 }
 
-/* ---- Descriptors -------------------------------------------------------------------------------------------------- */
+/* ---- Descriptors ----------------------------------------------------------------------------- */
 
 static void emit_binding(const struct c_output *c, const struct pass *pass,
                          const struct access *access)
@@ -414,7 +382,7 @@ static void emit_bind(const struct c_output *c, const struct pass *pass)
         "         .buffer = &builtin->%s},\n";
 
     text_add(c->out,
-             "static bool bind_%s(struct vk_runtime *rt, struct %s_vk_state *state)\n{\n"
+             "static bool bind_program_%s(struct vk_runtime *rt, struct %s_vk_state *state)\n{\n"
              "    const struct vk_builtin *builtin = vk_builtin(rt);\n    const struct vk_binding "
              "bindings[] = {\n",
              pass->name, c->pipeline->name);
@@ -451,7 +419,7 @@ static void emit_binds(const struct c_output *c)
     }
 }
 
-/* ---- Calls in create, resize and destroy -------------------------------------------------------------------------- */
+/* ---- Calls in create, resize and destroy ----------------------------------------------------- */
 
 static void emit_release(const struct c_output *c)
 {
@@ -470,9 +438,7 @@ static void emit_release(const struct c_output *c)
 
 static void emit_resize(const struct c_output *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        text_add(c->out, "    ok = ok && create_%s(rt, state);\n", c->pipeline->resources[i].name);
-    }
+    c_create_resources(c);
     for (uint32_t slot = 0; slot < c->pipeline->slot_count; slot++) {
         text_add(c->out, "    ok = ok && bind_slot_%" PRIu32 "(rt, state);\n", slot);
     }
@@ -480,7 +446,8 @@ static void emit_resize(const struct c_output *c)
         text_add(c->out, "    ok = ok && initialise(rt, state);\n");
     }
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        text_add(c->out, "    ok = ok && bind_%s(rt, state);\n", c->pipeline->order[i]->name);
+        text_add(c->out, "    ok = ok && bind_program_%s(rt, state);\n",
+                 c->pipeline->order[i]->name);
     }
 }
 
@@ -501,7 +468,7 @@ static void emit_destroy(const struct c_output *c)
     }
 }
 
-/* ---- Barriers ----------------------------------------------------------------------------------------------------- */
+/* ---- Barriers -------------------------------------------------------------------------------- */
 
 static void emit_stages(struct text *out, unsigned stages)
 {
@@ -562,8 +529,8 @@ static void emit_barrier(const struct c_output *c, const struct pass *pass,
 {
     const struct resource *resource = barrier->resource;
 
-    text_add(c->out, "        {.%s = &state->%s.%s,",
-             resource->kind == DT_BUFFER ? "buffer" : "image", c_group(resource), resource->name);
+    text_add(c->out, "        {.%s = &state->%s.%s,", c_kind(resource), c_group(resource),
+             resource->name);
     if (barrier->alias) {
         text_add(c->out, " /* in the memory of %s */", barrier->alias->name);
     }
@@ -595,7 +562,7 @@ static void emit_barriers(const struct c_output *c, const struct pass *pass)
     text_add(c->out, "    };\n");
 }
 
-/* ---- Passes ------------------------------------------------------------------------------------------------------- */
+/* ---- Passes ---------------------------------------------------------------------------------- */
 
 static void emit_work(const struct c_output *c, const struct pass *pass)
 {
@@ -641,8 +608,9 @@ static void emit_skip(const struct c_output *c, const struct pass *pass)
             text_add(c->out, "        vk_clear_buffer(rt, &state->buffers.%s);\n",
                      access->resource->name);
         } else {
-            text_add(c->out, "        vk_clear_image(rt, &state->images.%s, (const float[4])",
-                     access->resource->name);
+            text_add(c->out,
+                     "        vk_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])",
+                     access->resource->name, access->mip_value);
             c_clear(c->out, access->resource);
             text_add(c->out, ");\n");
         }
@@ -705,7 +673,8 @@ static void emit_pass(const struct c_output *c, const struct pass *pass)
         text_add(c->out, "    const struct vk_targets targets = targets_%s(state);\n", pass->name);
     }
     c_size_locals(c->out, body.data, "state->width", "state->height");
-    text_add(c->out, "%s}\n\n", body.data ? body.data : "");
+    bool declares = c->out->length < 2 || c->out->data[c->out->length - 2] != '{';
+    text_add(c->out, "%s}\n\n", body.data ? body.data + (!declares && *body.data == '\n') : "");
     text_free(&body);
 }
 

@@ -1,5 +1,6 @@
-/* Integer expressions: parsed with the place of every part, resolved against the model, evaluated with overflow checks, and
- * printed as C or GLSL. Called by read (parse), check (resolve, evaluate) and the emitters (text). */
+/* Integer expressions: parsed with the place of every part, resolved against the model, evaluated
+ * with overflow checks, and printed as C or GLSL. Called by read (parse), check (resolve, evaluate)
+ * and the emitters (text). */
 #include "expr.h"
 
 #include <ctype.h>
@@ -44,7 +45,7 @@ struct expr {
     const struct constant *constant; /* resolved */
 };
 
-/* ---- Parsing ------------------------------------------------------------------------------------------------------ */
+/* ---- Parsing --------------------------------------------------------------------------------- */
 
 struct parser {
     struct model *model;
@@ -330,7 +331,7 @@ struct loc expr_loc(const struct expr *expr)
     return expr->loc;
 }
 
-/* ---- Resolving ---------------------------------------------------------------------------------------------------- */
+/* ---- Resolving ------------------------------------------------------------------------------- */
 
 static void report_unknown(const struct expr *expr, const struct pipeline *pipeline,
                            struct diag *diag)
@@ -461,7 +462,7 @@ unsigned expr_reach(const struct expr *expr)
     }
 }
 
-/* ---- Evaluation --------------------------------------------------------------------------------------------------- */
+/* ---- Evaluation ------------------------------------------------------------------------------ */
 
 struct evaluation {
     int64_t width, height;
@@ -619,7 +620,7 @@ struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t 
     return e.fault ? e.fault->loc : expr->loc;
 }
 
-/* ---- Text --------------------------------------------------------------------------------------------------------- */
+/* ---- Text ------------------------------------------------------------------------------------ */
 
 enum language { LANGUAGE_C, LANGUAGE_GLSL };
 static void emit(const struct expr *expr, enum language language, bool nested, struct text *out);

@@ -1,6 +1,7 @@
-/* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names of parameters and constants,
- * components (tile.x), frame.width, frame.height. 64-bit, overflow and division by zero are errors. Called by read (parse),
- * check (resolve, fold) and the emitters (C and GLSL text). */
+/* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names of
+ * parameters and constants, components (tile.x), frame.width, frame.height. 64-bit, overflow and
+ * division by zero are errors. Called by read (parse), check (resolve, fold) and the emitters (C
+ * and GLSL text). */
 #ifndef DIPTYCH_GEN_EXPR_H
 #define DIPTYCH_GEN_EXPR_H
 
@@ -9,7 +10,8 @@
 
 /* NULL after an error at the offending column. A plain integer scalar is an expression too. */
 struct expr *expr_parse(struct model *model, const char *text, struct loc loc, struct diag *diag);
-/* Resolves names against params and constants; reports unknown ones with a suggestion. Booleans count as 0 and 1. */
+/* Resolves names against params and constants; reports unknown ones with a suggestion. Booleans
+ * count as 0 and 1. */
 bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag);
 
 enum expr_reach {
@@ -30,7 +32,8 @@ struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t 
 /* Whether a parameter or constant of this name stands in the expression itself. */
 bool expr_mentions(const struct expr *expr, const char *name);
 
-/* C: baked parts as literals, frame.width as `width`, live parameters as `live->NAME`; int64_t arithmetic. */
+/* C: baked parts as literals, frame.width as `width`, live parameters as `live->NAME`; int64_t
+ * arithmetic. */
 void expr_emit_c(const struct expr *expr, struct text *out);
 /* GLSL int: frame.width as int(frame.width), live parameters by name. */
 void expr_emit_glsl(const struct expr *expr, struct text *out);

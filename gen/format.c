@@ -1,5 +1,5 @@
-/* The image formats of the spec language: bytes, enumerators, and whether shaders may load and store them. Called by the
- * plan and the emitters. */
+/* The image formats of the spec language: bytes, enumerators, and whether shaders may load and
+ * store them. Called by the plan and the emitters. */
 #include "plan.h"
 
 static const struct format_info formats[DT_FORMAT_COUNT] = {

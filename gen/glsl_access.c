@@ -158,6 +158,16 @@ static bool first_texel_access(const struct glsl *glsl, const struct access *acc
     return true;
 }
 
+/* Whether the name stands for a colour target in the body, so that no function can have it. */
+static bool names_target(const struct glsl *glsl, const struct access *access)
+{
+    for (uint32_t i = 0; i < glsl->pass->access_count; i++)
+        if (glsl->pass->accesses[i].resource == access->resource &&
+            glsl->pass->accesses[i].kind & ACCESS_COLOR)
+            return true;
+    return false;
+}
+
 void glsl_accessors(struct glsl *glsl)
 {
     struct text *out = &glsl->parts[PART_FUNCTIONS];
@@ -168,7 +178,8 @@ void glsl_accessors(struct glsl *glsl)
         if (glsl_uses(glsl, "%s_size", access->name) && !earlier(glsl, access))
             add_size(glsl, access, out);
         if (access->mode != MODE_WRITE && !is_compare(access) &&
-            glsl_uses(glsl, "%s", access->name) && first_texel_access(glsl, access))
+            glsl_uses(glsl, "%s", access->name) && first_texel_access(glsl, access) &&
+            !names_target(glsl, access))
             add_texel(glsl, access, out);
         if (access->mode != MODE_READ && glsl_uses(glsl, "%s_store", access->name))
             add_store(glsl, access, out);
@@ -234,6 +245,8 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
     if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
         text_add(out, "%lld", (long long)count);
     text_add(out, "];\n};\n");
+    if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && access->mode != MODE_READ)
+        text_add(out, "precise %s;\n", access->name);
 }
 
 static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text *out)

@@ -1,6 +1,6 @@
-/* Byte offsets by the rules of the OpenGL specification, section 7.6.2.2: std430 for structs in storage buffers, std140
- * for the uniform block of the live parameters. Called by main between check and plan; the results are asserted again in
- * the emitted C. */
+/* Byte offsets by the rules of the OpenGL specification, section 7.6.2.2: std430 for structs in
+ * storage buffers, std140 for the uniform block of the live parameters. Called by main between
+ * check and plan; the results are asserted again in the emitted C. */
 #include "plan.h"
 #include "stages.h"
 
@@ -31,7 +31,8 @@ static uint32_t align_up(uint32_t value, uint32_t alignment)
     return (value + alignment - 1) / alignment * alignment;
 }
 
-/* Rules 1 to 5 and 10 of std430: as std140, but neither arrays nor structs are rounded up to 16 bytes. */
+/* Rules 1 to 5 and 10 of std430: as std140, but neither arrays nor structs are rounded up to 16
+ * bytes. */
 static void layout_struct(struct structure *structure)
 {
     uint32_t offset = 0, align = 4;
@@ -50,7 +51,8 @@ static void layout_struct(struct structure *structure)
     structure->stride = align_up(offset, align);
 }
 
-/* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be bound. */
+/* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be
+ * bound. */
 static void layout_live(struct pipeline *pipeline)
 {
     uint32_t offset = 0;

@@ -1,5 +1,6 @@
-/* diptych-gen: one pipeline spec in; GLSL, SPIR-V, C and a graph out. This file is the command line and the road through the
- * stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried (usage, files, memory). */
+/* diptych-gen: one pipeline spec in; GLSL, SPIR-V, C and a graph out. This file is the command line
+ * and the road through the stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 it could
+ * not be tried (usage, files, memory). */
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -11,9 +12,12 @@
 
 #define VERSION "0.1.0"
 
+/* Longest line of generated C; strings, which hold GLSL, may be longer. */
+enum { GENERATED_COLUMNS = 100 };
+
 enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 
-/* ---- Command line ------------------------------------------------------------------------------------------------- */
+/* ---- Command line ---------------------------------------------------------------------------- */
 
 struct options {
     const char *spec, *out, *graph, *depfile, *templates;
@@ -147,7 +151,7 @@ static bool parse_options(int count, char **words, struct options *options)
     return true;
 }
 
-/* ---- Generation --------------------------------------------------------------------------------------------------- */
+/* ---- Generation ------------------------------------------------------------------------------ */
 
 struct generation {
     const struct options *options;
@@ -208,7 +212,8 @@ static void add_named(struct generation *g, const char *suffix, struct text *tex
         text_free(text);
 }
 
-/* gl/PASS.comp and gl/PASS.comp.spv, and so on for every stage and backend. The SPIR-V is copied last: emitters use it. */
+/* gl/PASS.comp and gl/PASS.comp.spv, and so on for every stage and backend. The SPIR-V is copied
+ * last: emitters use it. */
 static void add_shaders(struct generation *g)
 {
     const struct pipeline *pipeline = &g->model.pipeline;
@@ -271,6 +276,9 @@ static void add_sources(struct generation *g)
     emit_c_gl(model, g->shaders[BACKEND_GL], &gl);
     emit_c_vk(model, g->shaders[BACKEND_VK], &vk);
     emit_graph(model, &graph);
+    struct text *const long_lined[] = {&header, &pipeline, &gl, &vk};
+    for (size_t i = 0; i < sizeof long_lined / sizeof *long_lined; i++)
+        text_wrap(long_lined[i], GENERATED_COLUMNS);
     add_named(g, ".h", &header);
     add_named(g, ".c", &pipeline);
     add_named(g, "_gl.c", &gl);
@@ -332,7 +340,8 @@ static void free_shaders(struct pass_shaders *shaders, uint32_t count)
     free(shaders);
 }
 
-/* `templates` in the working folder, else beside the program's folder: build/diptych-gen finds templates/. */
+/* `templates` in the working folder, else beside the program's folder: build/diptych-gen finds
+ * templates/. */
 static const char *find_templates(struct arena *arena, const char *given)
 {
     char program[PATH_MAX];

@@ -1,6 +1,7 @@
-/* The model: one pipeline spec as the stages of diptych-gen see it. read fills it from YAML, check verifies and resolves
- * names, layout and plan add their decisions, the emitters read it const. Every node remembers its place in the source.
- * All memory comes from the model's arena and lives until model_free. Arrays are pointer + count. */
+/* The model: one pipeline spec as the stages of diptych-gen see it. read fills it from YAML, check
+ * verifies and resolves names, layout and plan add their decisions, the emitters read it const.
+ * Every node remembers its place in the source. All memory comes from the model's arena and lives
+ * until model_free. Arrays are pointer + count. */
 #ifndef DIPTYCH_GEN_MODEL_H
 #define DIPTYCH_GEN_MODEL_H
 
@@ -8,9 +9,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "diptych.h" /* enum dt_type, dt_format, dt_contract_kind: the emitted reflection uses the same */
+/* enum dt_type, dt_format, dt_contract_kind: the emitted reflection uses the same */
+#include "diptych.h"
 
-/* ---- Places and expressions --------------------------------------------------------------------------------------- */
+/* ---- Places and expressions ------------------------------------------------------------------ */
 
 struct source; /* one file that was read: name as given, text, lines (diag.h) */
 
@@ -23,13 +25,13 @@ struct loc {
 struct
     expr; /* integer expression over parameters, constants and frame.width, frame.height (expr.h) */
 
-/* ---- Declarations ------------------------------------------------------------------------------------------------- */
+/* ---- Declarations ---------------------------------------------------------------------------- */
 
 struct param {
     const char *name, *doc;
     struct loc loc, value_loc;
-    enum dt_type
-        type; /* FLOAT, INT, UINT, BOOL or a vector of them; from `type`, else from the value */
+    /* FLOAT, INT, UINT, BOOL or a vector of them; from `type`, else from the value */
+    enum dt_type type;
     uint32_t components;
     double value[4];
     double min, max; /* each component; +-INFINITY when absent */
@@ -62,7 +64,8 @@ struct structure {
     uint32_t align, stride; /* layout, std430; stride is the array stride */
 };
 
-/* Ways in which a pass touches a resource; the plan's bits for one access of one pass, a usage mask for a resource. */
+/* Ways in which a pass touches a resource; the plan's bits for one access of one pass, a usage mask
+ * for a resource. */
 enum access_kind {
     ACCESS_STORAGE_READ = 1 << 0,  /* buffer as storage, image by imageLoad */
     ACCESS_STORAGE_WRITE = 1 << 1, /* buffer as storage, image by imageStore */
@@ -136,7 +139,7 @@ struct interleave {
     uint32_t tile[2];   /* check */
 };
 
-/* ---- Passes ------------------------------------------------------------------------------------------------------- */
+/* ---- Passes ---------------------------------------------------------------------------------- */
 
 enum access_mode { MODE_READ, MODE_WRITE, MODE_UPDATE };
 struct access {
@@ -167,8 +170,9 @@ enum builtin {
 enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };
 enum loop_shape { LOOP_AUTO, LOOP_UNROLL, LOOP_ROLL };
 
-/* A run of `count` elements of a buffer that all invocations of a workgroup read alike. The body iterates over it with
- * `for (Type v : name) { ... }`; where the elements live and how the loop is written is decided by the plan. */
+/* A run of `count` elements of a buffer that all invocations of a workgroup read alike. The body
+ * iterates over it with `for (Type v : name) { ... }`; where the elements live and how the loop is
+ * written is decided by the plan. */
 struct range {
     const char *name;
     struct loc loc, of_loc;
@@ -201,8 +205,8 @@ struct barrier { /* before the pass: what `resource` waits for */
     unsigned to, to_stages;
     bool to_writes;
     bool discard; /* first touch of a transient: content undefined */
-    const struct resource
-        *alias; /* first touch of a slot that another resource used before, else NULL */
+    /* first touch of a slot that another resource used before, else NULL */
+    const struct resource *alias;
 };
 enum stage_bit {
     STAGE_COMPUTE = 1,
@@ -219,10 +223,10 @@ struct pass {
     const char *name, *doc;
     struct loc loc;
     enum pass_kind kind;
-    const char *
-        view; /* draws of the scene: "camera" or "light": names the View that `view` means in the body */
-    struct expr
-        *layers; /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
+    /* draws of the scene: "camera" or "light": names the View that `view` means in the body */
+    const char *view;
+    /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
+    struct expr *layers;
     struct access *accesses; /* reads, writes, updates in the order of the spec */
     uint32_t access_count;
     const char **uses; /* names of hammersley samplers, metrics, interleaves */
@@ -240,8 +244,8 @@ struct pass {
     struct expr *dispatch[3];       /* invocations or groups */
     const char *dispatch_image;     /* SIZE_IMAGE: one invocation per texel of this image */
     struct resource *size_resource; /* check; also the indirect buffer's, for SIZE_INDIRECT */
-    const char
-        *interleave_name; /* `interleave: tile`: one z per class, x and y over the class's pixels */
+    /* `interleave: tile`: one z per class, x and y over the class's pixels */
+    const char *interleave_name;
     struct interleave *interleave; /* check */
     const char *indirect;          /* buffer of arguments, for dispatches and scene draws */
     struct resource *indirect_resource;
@@ -277,8 +281,8 @@ struct pipeline {
     const char *name, *doc;
     struct loc loc;
     bool fast; /* exactness: fast; default exact */
-    bool
-        gpu; /* target: gpu; default software: what the storage class and the loop shape are chosen for */
+    /* target: gpu; default software: what the storage class and the loop shape are chosen for */
+    bool gpu;
     struct param *params;
     uint32_t param_count;
     struct constant *constants;
@@ -312,10 +316,10 @@ struct model {
     struct pipeline pipeline;
     const char **inputs; /* every file that was read, for the depfile */
     uint32_t input_count;
-    const char
-        *templates_dir; /* holds glsl/, where library pieces and included files are looked for */
-    const struct source *
-        *glsl_sources; /* emit_glsl: source-string number of #line minus 1 -> file */
+    /* holds glsl/, where library pieces and included files are looked for */
+    const char *templates_dir;
+    /* emit_glsl: source-string number of #line minus 1 -> file */
+    const struct source **glsl_sources;
     uint32_t glsl_source_count;
 };
 

@@ -1,5 +1,6 @@
-/* The order of execution: which pass must run after which, by the rules of the language's chapter "Order", then a stable
- * topological sort. Called by plan.c; reports cycles, reads before a write, and two writers without an order. */
+/* The order of execution: which pass must run after which, by the rules of the language's chapter
+ * "Order", then a stable topological sort. Called by plan.c; reports cycles, reads before a write,
+ * and two writers without an order. */
 #include <string.h>
 
 #include "plan.h"
@@ -15,8 +16,8 @@ struct graph {
     uint32_t count;
     struct edge *edges; /* [from * count + to] */
     bool *after;        /* [from * count + to]: transitive closure of `after` */
-    uint32_t
-        *modifiers; /* scratch of one resource: passes that write or update it, in their order */
+    /* scratch of one resource: passes that write or update it, in their order */
+    uint32_t *modifiers;
     uint32_t modifier_count;
 };
 
@@ -144,7 +145,8 @@ static void check_writers(const struct graph *graph, const struct resource *reso
     }
 }
 
-/* The place in `modifiers` of the one whose content a reader sees, or -1: what was there before all of them. */
+/* The place in `modifiers` of the one whose content a reader sees, or -1: what was there before all
+ * of them. */
 static int seen_by(const struct graph *graph, uint32_t reader)
 {
     int seen = -1;
@@ -221,7 +223,8 @@ static bool ready(const struct graph *graph, const bool *done, uint32_t pass)
     return true;
 }
 
-/* Every pass that is not done waits for another one of them, so that going back along the edges must close a ring. */
+/* Every pass that is not done waits for another one of them, so that going back along the edges
+ * must close a ring. */
 static void report_cycle(struct model *model, const struct graph *graph, const bool *done,
                          struct diag *diag)
 {

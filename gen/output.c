@@ -1,5 +1,6 @@
-/* A set of files that appears whole or not at all: every file is written beside its place first, then all are renamed. Files
- * that would not change are left alone, so that ninja rebuilds nothing. Called by main alone. */
+/* A set of files that appears whole or not at all: every file is written beside its place first,
+ * then all are renamed. Files that would not change are left alone, so that ninja rebuilds nothing.
+ * Called by main alone. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -130,8 +131,8 @@ static void remove_temporaries(struct output *output)
     }
 }
 
-/* Signals that end the process wait until the temporary files are gone: they are blocked from the first temporary file to
- * the last rename, and looked for in between. */
+/* Signals that end the process wait until the temporary files are gone: they are blocked from the
+ * first temporary file to the last rename, and looked for in between. */
 static bool interrupted(const sigset_t *signals)
 {
     sigset_t pending;

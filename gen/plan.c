@@ -1,5 +1,6 @@
-/* The plan: everything that both backends must decide alike is decided here, once. Order, kinds of access, bindings,
- * ranges, lifetimes, memory slots, barriers. Called by main after layout; the emitters read the result. */
+/* The plan: everything that both backends must decide alike is decided here, once. Order, kinds of
+ * access, bindings, ranges, lifetimes, memory slots, barriers. Called by main after layout; the
+ * emitters read the result. */
 #include "plan.h"
 #include "expr.h"
 #include "stages.h"
@@ -14,7 +15,7 @@ uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, ui
     return value < 0 ? 0 : value > UINT32_MAX ? UINT32_MAX : (uint32_t)value;
 }
 
-/* ---- Kinds of access ---------------------------------------------------------------------------------------------- */
+/* ---- Kinds of access ------------------------------------------------------------------------- */
 
 static unsigned image_kind(const struct pass *pass, const struct access *access)
 {
@@ -47,7 +48,8 @@ static unsigned buffer_kind(const struct pass *pass, const struct access *access
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
 }
 
-/* Devices bind at least eight storage images. Reads beyond that go by texelFetch, which shows the same texels. */
+/* Devices bind at least eight storage images. Reads beyond that go by texelFetch, which shows the
+ * same texels. */
 static void limit_storage_images(struct pass *pass, struct diag *diag)
 {
     uint32_t count = 0;
@@ -100,7 +102,7 @@ static void plan_kinds(struct pass *pass, struct diag *diag)
     limit_storage_images(pass, diag);
 }
 
-/* ---- Bindings ----------------------------------------------------------------------------------------------------- */
+/* ---- Bindings -------------------------------------------------------------------------------- */
 
 enum binding_class {
     BIND_STORAGE_IMAGE,
@@ -147,8 +149,8 @@ static int bind_class(struct pass *pass, enum binding_class class, int next)
     return next;
 }
 
-/* One numbering for all kinds, so that it serves Vulkan's one set and OpenGL's separate tables. Storage images and
- * buffers come first because OpenGL has the fewest places for them. */
+/* One numbering for all kinds, so that it serves Vulkan's one set and OpenGL's separate tables.
+ * Storage images and buffers come first because OpenGL has the fewest places for them. */
 static void plan_bindings(struct pass *pass, struct diag *diag)
 {
     int next = bind_class(pass, BIND_STORAGE_IMAGE, 0), first_texture = 0;
@@ -167,9 +169,10 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
     }
 }
 
-/* ---- Ranges ------------------------------------------------------------------------------------------------------- */
+/* ---- Ranges ---------------------------------------------------------------------------------- */
 
-/* The largest divisor of count in 8..limit, so that no block is cut short; else the limit, with a short last block. */
+/* The largest divisor of count in 8..limit, so that no block is cut short; else the limit, with a
+ * short last block. */
 static uint32_t chunk_of(uint64_t count, uint32_t limit)
 {
     if (count <= limit) {
@@ -183,7 +186,8 @@ static uint32_t chunk_of(uint64_t count, uint32_t limit)
     return limit;
 }
 
-/* Where std140 and std430 place the elements alike, a storage buffer's bytes can be read as a uniform block. */
+/* Where std140 and std430 place the elements alike, a storage buffer's bytes can be read as a
+ * uniform block. */
 static void check_uniform(const struct range *range, const struct resource *buffer,
                           struct diag *diag)
 {
@@ -208,9 +212,10 @@ static void check_uniform(const struct range *range, const struct resource *buff
     }
 }
 
-/* What pays on a software rasterizer is a copy in shared memory, read at literal indices: a loop over storage or shared
- * memory costs 20 times as much. Blocks of 32 keep compilation short. A GPU reads shared memory in a loop as fast, and
- * long unrolled code only fills its instruction cache. */
+/* What pays on a software rasterizer is a copy in shared memory, read at literal indices: a loop
+ * over storage or shared memory costs 20 times as much. Blocks of 32 keep compilation short. A GPU
+ * reads shared memory in a loop as fast, and long unrolled code only fills its instruction
+ * cache. */
 static void plan_range(struct range *range, const struct pipeline *pipeline)
 {
     const struct resource *buffer = range->access ? range->access->resource : NULL;
@@ -282,7 +287,7 @@ static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
     }
 }
 
-/* ---- Touches ------------------------------------------------------------------------------------------------------ */
+/* ---- Touches --------------------------------------------------------------------------------- */
 
 static unsigned stages_of(const struct pass *pass, const struct access *access)
 {
@@ -337,7 +342,8 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
         if (!access->resource) {
             continue;
         }
-        /* Skipped at run time, a pass clears what it would have written: targets as targets, the rest by commands. */
+        /* Skipped at run time, a pass clears what it would have written: targets as targets, the
+         * rest by commands. */
         if (pass->conditional && access->mode == MODE_WRITE &&
             !(access->kind & (ACCESS_COLOR | ACCESS_DEPTH))) {
             touch.kind |= ACCESS_CLEAR;
@@ -348,7 +354,7 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
     return count;
 }
 
-/* ------------------------------------------------------------------------------------------------------------------- */
+/* ---------------------------------------------------------------------------------------------- */
 
 bool plan_model(struct model *model, struct diag *diag)
 {

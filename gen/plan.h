@@ -1,11 +1,11 @@
-/* What layout, plan and the emitters share about types, formats and touched resources. The stages themselves are in
- * stages.h; everything here is called only inside gen/. */
+/* What layout, plan and the emitters share about types, formats and touched resources. The stages
+ * themselves are in stages.h; everything here is called only inside gen/. */
 #ifndef DIPTYCH_GEN_PLAN_H
 #define DIPTYCH_GEN_PLAN_H
 
 #include "diag.h"
 
-/* ---- layout.c ----------------------------------------------------------------------------------------------------- */
+/* ---- layout.c -------------------------------------------------------------------------------- */
 
 struct type_info {
     const char *dt;       /* enumerator in diptych.h */
@@ -17,7 +17,7 @@ struct type_info {
 };
 const struct type_info *type_info(enum dt_type type);
 
-/* ---- format.c ----------------------------------------------------------------------------------------------------- */
+/* ---- format.c -------------------------------------------------------------------------------- */
 
 struct format_info {
     const char *name; /* in specs */
@@ -29,7 +29,7 @@ struct format_info {
 };
 const struct format_info *format_info(enum dt_format format);
 
-/* ---- plan.c: what one pass does to one resource, its accesses combined -------------------------------------------- */
+/* ---- plan.c: what one pass does to one resource, its accesses combined ----------------------- */
 
 struct touch {
     struct resource *resource;
@@ -37,7 +37,8 @@ struct touch {
     unsigned stages; /* mask of enum stage_bit */
     bool reads, writes;
 };
-/* Fills touches (room for access_count + 2) with one entry per resource, in the order of the spec; returns how many. */
+/* Fills touches (room for access_count + 2) with one entry per resource, in the order of the spec;
+ * returns how many. */
 uint32_t pass_touches(const struct pass *pass, struct touch *touches);
 
 /* Value of an expression that check has verified, NULL: otherwise. Clamped to 0..UINT32_MAX. */
@@ -51,7 +52,7 @@ enum {
     UNIFORM_BLOCK_LIMIT = 16384
 }; /* bytes that every device of either API has */
 
-/* ---- The plan's parts; plan.c calls them in this order ------------------------------------------------------------ */
+/* ---- The plan's parts; plan.c calls them in this order --------------------------------------- */
 
 bool plan_order(struct model *model, struct diag *diag); /* order.c: pipeline->order, pass->index */
 void plan_lifetimes(struct model *model);                /* alias.c: first_pass, last_pass, bytes */
@@ -60,11 +61,13 @@ bool resources_overlap(const struct resource *a,
                        const struct resource *b); /* alias.c: alive in a common pass */
 void plan_barriers(struct model *model);          /* barrier.c: pass->barriers */
 
-/* The layout that a Vulkan image has while a pass touches it in these ways (mask of enum access_kind). */
+/* The layout that a Vulkan image has while a pass touches it in these ways (mask of enum
+ * access_kind). */
 enum image_layout { LAYOUT_GENERAL, LAYOUT_READ, LAYOUT_COLOR, LAYOUT_DEPTH };
 enum image_layout layout_of(unsigned kind); /* barrier.c */
 
-/* glMemoryBarrier bits before each pass; bits as in the OpenGL headers, which gen does not include. */
+/* glMemoryBarrier bits before each pass; bits as in the OpenGL headers, which gen does not
+ * include. */
 enum gl_barrier_bit {
     GLB_ELEMENT_ARRAY = 0x0002,
     GLB_UNIFORM = 0x0004,
@@ -76,7 +79,8 @@ enum gl_barrier_bit {
     GLB_FRAMEBUFFER = 0x0400,
     GLB_SHADER_STORAGE = 0x2000
 };
-/* barrier.c: bits[i] for the pass at place i of the order (pass_count values), in a frame that follows another one. */
+/* barrier.c: bits[i] for the pass at place i of the order (pass_count values), in a frame that
+ * follows another one. */
 void plan_gl_bits(const struct model *model, unsigned *bits);
 
 #endif

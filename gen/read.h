@@ -1,5 +1,5 @@
-/* What the files of the reader share: a document whose every node has a place, and maps checked against the table. Internal
- * to read*.c. */
+/* What the files of the reader share: a document whose every node has a place, and maps checked
+ * against the table. Internal to read*.c. */
 #ifndef DIPTYCH_GEN_READ_H
 #define DIPTYCH_GEN_READ_H
 
@@ -13,8 +13,9 @@ struct override {
     struct fy_node *node;
     const struct source *source;
     int column; /* 1-based, of the node's text within the option */
-    int type; /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float a
-                        float; -1: no former value */
+    /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float
+     * a float; -1: no former value */
+    int type;
 };
 
 struct reader {

@@ -1,4 +1,5 @@
-/* The document: YAML through libfyaml, duplicate keys, `--set` overrides, and the place of every node. Called by read.c. */
+/* The document: YAML through libfyaml, duplicate keys, `--set` overrides, and the place of every
+ * node. Called by read.c. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -6,7 +7,7 @@
 
 #include "read.h"
 
-/* ---- Nodes and places --------------------------------------------------------------------------------------------- */
+/* ---- Nodes and places ------------------------------------------------------------------------ */
 
 static const struct override *find_override(const struct reader *reader, struct fy_node *node)
 {
@@ -80,7 +81,7 @@ bool text_number(const char *text, double *value)
     return end != text && !*end && isfinite(*value);
 }
 
-/* ---- Overrides ---------------------------------------------------------------------------------------------------- */
+/* ---- Overrides ------------------------------------------------------------------------------- */
 
 /* One `--set PATH=VALUE` on its way down the document. */
 struct setting {
@@ -337,7 +338,7 @@ static void apply_set(struct reader *reader, const char *text, struct fy_node *r
         apply_in_map(reader, &setting, root, SECTION_TOP);
 }
 
-/* ---- Loading ------------------------------------------------------------------------------------------------------ */
+/* ---- Loading --------------------------------------------------------------------------------- */
 
 static void report_syntax(struct reader *reader, struct fy_diag *messages)
 {

@@ -1,5 +1,5 @@
-/* Maps of the document against the table: known keys, required keys, acceptable values; then typed access. Called by the
- * readers of the sections. */
+/* Maps of the document against the table: known keys, required keys, acceptable values; then typed
+ * access. Called by the readers of the sections. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +14,7 @@ void *reader_alloc(struct reader *reader, size_t count, size_t size)
     return memory;
 }
 
-/* ---- Values ------------------------------------------------------------------------------------------------------- */
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 static const char *describe(struct reader *reader, struct fy_node *node)
 {
@@ -147,7 +147,7 @@ bool value_check(struct reader *reader, const struct key *key, struct fy_node *n
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
 }
 
-/* ---- Maps --------------------------------------------------------------------------------------------------------- */
+/* ---- Maps ------------------------------------------------------------------------------------ */
 
 static void report_unknown_key(struct reader *reader, enum section section, const char *name,
                                struct loc loc)
@@ -242,7 +242,7 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
     return list;
 }
 
-/* ---- Typed access ------------------------------------------------------------------------------------------------- */
+/* ---- Typed access ---------------------------------------------------------------------------- */
 
 struct fy_node *field_node(const struct fields *fields, const char *key)
 {

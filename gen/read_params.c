@@ -5,7 +5,7 @@
 
 #include "read.h"
 
-/* ---- Parameters --------------------------------------------------------------------------------------------------- */
+/* ---- Parameters ------------------------------------------------------------------------------ */
 
 static bool scalar_value(const char *text, double *value, enum dt_type *type)
 {
@@ -77,7 +77,8 @@ static int former_type(const struct reader *reader, struct fy_node *node)
     return -1;
 }
 
-/* A value that stands where another type stood: an integer for a real is fine, as is a real integer for an integer. */
+/* A value that stands where another type stood: an integer for a real is fine, as is a real integer
+ * for an integer. */
 static enum dt_type inferred_type(const struct reader *reader, struct fy_node *node,
                                   enum dt_type own)
 {
@@ -139,7 +140,7 @@ void read_params(struct reader *reader, const struct fields *top)
         read_param(reader, &list.items[i], &pipeline->params[pipeline->param_count++]);
 }
 
-/* ---- Constants ---------------------------------------------------------------------------------------------------- */
+/* ---- Constants ------------------------------------------------------------------------------- */
 
 void read_constants(struct reader *reader, const struct fields *top)
 {

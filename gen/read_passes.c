@@ -4,7 +4,7 @@
 
 #include "read.h"
 
-/* ---- Lists -------------------------------------------------------------------------------------------------------- */
+/* ---- Lists ----------------------------------------------------------------------------------- */
 
 static int list_count(struct fy_node *list)
 {
@@ -99,7 +99,7 @@ static void read_ranges(struct reader *reader, const struct fields *fields, stru
     }
 }
 
-/* ---- The kind and the size ---------------------------------------------------------------------------------------- */
+/* ---- The kind and the size ------------------------------------------------------------------- */
 
 static bool names_image(const struct pipeline *pipeline, const char *text)
 {
@@ -228,7 +228,7 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
     refuse_others(reader, fields, pass);
 }
 
-/* ---- A pass ------------------------------------------------------------------------------------------------------- */
+/* ---- A pass ---------------------------------------------------------------------------------- */
 
 static bool has_depth_target(const struct pipeline *pipeline, const struct pass *pass)
 {

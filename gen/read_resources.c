@@ -1,10 +1,11 @@
-/* Structs, buffers, images, samplers, metrics, interleaves and contracts of a spec. Called by read.c. */
+/* Structs, buffers, images, samplers, metrics, interleaves and contracts of a spec. Called by
+ * read.c. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "read.h"
 
-/* ---- Structs ------------------------------------------------------------------------------------------------------ */
+/* ---- Structs --------------------------------------------------------------------------------- */
 
 /* TYPE or TYPE[N]; `text` is cut at the bracket. */
 static void set_type(struct reader *reader, struct field *field, const char *text, struct loc loc)
@@ -61,7 +62,8 @@ static void read_field(struct reader *reader, const struct named *named, struct 
     }
 }
 
-/* A struct is a section of free names whose parent is a section of free names: it is wrapped to be read like one. */
+/* A struct is a section of free names whose parent is a section of free names: it is wrapped to be
+ * read like one. */
 static void read_struct(struct reader *reader, const struct named *named,
                         struct structure *structure)
 {
@@ -86,7 +88,7 @@ void read_structs(struct reader *reader, const struct fields *top)
         read_struct(reader, &list.items[i], &pipeline->structs[pipeline->struct_count++]);
 }
 
-/* ---- Buffers and images ------------------------------------------------------------------------------------------- */
+/* ---- Buffers and images ---------------------------------------------------------------------- */
 
 static void read_buffer(struct reader *reader, const struct named *named, struct resource *buffer)
 {
@@ -160,7 +162,7 @@ void read_resources(struct reader *reader, const struct fields *top)
         pipeline->resources[i].index = i;
 }
 
-/* ---- Samplers, metrics, interleaves ------------------------------------------------------------------------------- */
+/* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
 /* Keys of the other kind say nothing here; better told than ignored. */
 static void refuse_keys(struct reader *reader, const struct fields *fields, const char *kind,
@@ -268,7 +270,7 @@ void read_interleaves(struct reader *reader, const struct fields *top)
     }
 }
 
-/* ---- Contracts ---------------------------------------------------------------------------------------------------- */
+/* ---- Contracts ------------------------------------------------------------------------------- */
 
 static struct dt_contract read_contract(struct reader *reader, const struct named *named)
 {

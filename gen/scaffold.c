@@ -1,5 +1,6 @@
-/* The C scaffolds of templates/c, carried inside the generator so that it needs no file to find. Assembled with the
- * repository's root as the working directory; build.ninja lists the two files as inputs of this one. */
+/* The C scaffolds of templates/c, carried inside the generator so that it needs no file to find.
+ * Assembled with the repository's root as the working directory; build.ninja lists the two files as
+ * inputs of this one. */
 #include "emit_c.h"
 
 #define CARRY(symbol, path)                                                                        \

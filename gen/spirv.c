@@ -1,4 +1,5 @@
-/* GLSL to SPIR-V: glslang's C interface, NoContraction on all float arithmetic, spirv-val.
+/* GLSL to SPIR-V: glslang's C interface, products of matrices written out and NoContraction on all
+ * float arithmetic in exact mode, spirv-val.
  * Called by main.c for every stage that emit_glsl.c wrote. Messages of glslang come back at the
  * line of the file that the text is from. */
 #include "diag.h"
@@ -136,20 +137,29 @@ static bool is_declaration(uint32_t opcode)
 /* The header has it as an inline function, whose one definition is here. */
 extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultType);
 
-/* Type of every result, by id; 0: none. calloc'ed, as many as the module's bound. */
-static uint32_t *result_types(const uint32_t *words, size_t count)
+/* Offset of the instruction that makes an id, by id; 0: none. calloc'ed, as many as the module's
+ * bound. */
+static uint32_t *definitions(const uint32_t *words, size_t count)
 {
-    uint32_t *types = calloc(words[3], sizeof *types);
-    for (size_t at = 5; types && at < count; at += words[at] >> 16) {
+    uint32_t *offsets = calloc(words[3], sizeof *offsets);
+    for (size_t at = 5; offsets && at < count; at += words[at] >> 16) {
         bool has_result, has_type;
         SpvHasResultAndType((SpvOp)(words[at] & 0xffff), &has_result, &has_type);
-        if (has_result && has_type)
-            types[words[at + 2]] = words[at + 1];
+        if (has_result)
+            offsets[words[at + (has_type ? 2 : 1)]] = (uint32_t)at;
     }
-    return types;
+    return offsets;
 }
 
-enum { MAX_TURNED = 4 + 4 * 5 + 7 + 5 }; /* words of a product that is turned */
+enum { MAX_PRODUCT = 4 * 5 + 4 * 66 + 7 }; /* words of the longest product, two mat4 */
+
+struct expansion {
+    const uint32_t *words;
+    const uint32_t *definitions;
+    uint32_t *out;
+    size_t length;
+    uint32_t bound;
+};
 
 static size_t put(uint32_t *out, size_t length, SpvOp opcode, const uint32_t *operands,
                   uint32_t count)
@@ -159,69 +169,123 @@ static size_t put(uint32_t *out, size_t length, SpvOp opcode, const uint32_t *op
     return length + count + 1;
 }
 
-/* vector * matrix is the one product of matrices that drivers compute in an order of their own,
- * even with NoContraction: it becomes transpose(matrix) * vector. The columns are taken apart
- * and put together, because Mesa would see through the transpose alone. `components`: of the
- * vector type, 0 for a matrix that is not square, which keeps its instruction. Returns the words
- * written; `bound` grows by the new ids. */
-static size_t turn_product(const uint32_t *product, uint32_t components, uint32_t matrix_type,
-                           uint32_t *bound, uint32_t *out)
+/* An instruction of two operands with a new id, or `id`. */
+static uint32_t put_new(struct expansion *to, SpvOp opcode, uint32_t type, uint32_t id, uint32_t a,
+                        uint32_t b)
 {
-    uint32_t vector_type = product[1], transpose = (*bound)++, columns[6] = {matrix_type}, length;
-    if (!components) {
-        memcpy(out, product, 5 * sizeof *out);
-        return 5;
-    }
-    length =
-        (uint32_t)put(out, 0, SpvOpTranspose, (uint32_t[]){matrix_type, transpose, product[4]}, 3);
-    for (uint32_t i = 0; i < components; i++) {
-        columns[2 + i] = (*bound)++;
-        length = (uint32_t)put(out, length, SpvOpCompositeExtract,
-                               (uint32_t[]){vector_type, columns[2 + i], transpose, i}, 4);
-    }
-    columns[1] = (*bound)++;
-    length = (uint32_t)put(out, length, SpvOpCompositeConstruct, columns, 2 + components);
-    return put(out, length, SpvOpMatrixTimesVector,
-               (uint32_t[]){vector_type, product[2], columns[1], product[3]}, 4);
+    uint32_t result = id ? id : to->bound++;
+    to->length = put(to->out, to->length, opcode, (uint32_t[]){type, result, a, b}, 4);
+    return result;
 }
 
-/* Components of a vector type. */
-static uint32_t vector_size(const uint32_t *words, size_t count, uint32_t type)
+/* The instruction that declares the type of an id. Vectors and matrices: [2] is the type of a
+ * component or column, [3] their number. */
+static const uint32_t *type_of(const struct expansion *to, uint32_t id)
 {
-    for (size_t at = 5; at < count; at += words[at] >> 16)
-        if ((words[at] & 0xffff) == SpvOpTypeVector && words[at + 1] == type)
-            return words[at + 3];
-    return 0;
+    return to->words + to->definitions[to->words[to->definitions[id] + 1]];
 }
 
-/* The instructions from `from` on, products turned. */
-static size_t copy_turned(const uint32_t *words, size_t from, size_t count, uint32_t *out,
-                          size_t length)
+/* columns[0] * v.x + columns[1] * v.y + ..., in this order. `size` and `scalar`: of v. */
+static uint32_t put_sum(struct expansion *to, uint32_t type, uint32_t id, const uint32_t *columns,
+                        uint32_t size, uint32_t scalar, uint32_t vector)
 {
-    uint32_t *types = result_types(words, count), bound = words[3];
-    if (!types)
-        return 0;
-    for (size_t at = from; at < count; at += words[at] >> 16) {
-        const uint32_t *instruction = words + at;
-        if ((*instruction & 0xffff) == SpvOpVectorTimesMatrix) {
-            bool square = types[instruction[3]] == instruction[1];
-            length +=
-                turn_product(instruction, square ? vector_size(words, count, instruction[1]) : 0,
-                             types[instruction[4]], &bound, out + length);
-        } else {
-            memcpy(out + length, instruction, (*instruction >> 16) * sizeof *out);
-            length += *instruction >> 16;
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < size; i++) {
+        uint32_t factor = put_new(to, SpvOpCompositeExtract, scalar, 0, vector, i);
+        uint32_t term = put_new(to, SpvOpVectorTimesScalar, type, 0, columns[i], factor);
+        sum = i ? put_new(to, SpvOpFAdd, type, i + 1 == size ? id : 0, sum, term) : term;
+    }
+    return sum;
+}
+
+/* v.x * column.x + v.y * column.y + ..., in this order. */
+static uint32_t put_dot(struct expansion *to, const uint32_t *vector_type, uint32_t vector,
+                        uint32_t column)
+{
+    uint32_t sum = 0, type = vector_type[2];
+    uint32_t terms = put_new(to, SpvOpFMul, vector_type[1], 0, vector, column);
+    for (uint32_t i = 0; i < vector_type[3]; i++) {
+        uint32_t term = put_new(to, SpvOpCompositeExtract, type, 0, terms, i);
+        sum = i ? put_new(to, SpvOpFAdd, type, 0, sum, term) : term;
+    }
+    return sum;
+}
+
+/* A product with a matrix written out, since each driver has its own order for it, even with
+ * NoContraction. */
+static void put_product(struct expansion *to, const uint32_t *product)
+{
+    SpvOp opcode = (SpvOp)(product[0] & 0xffff);
+    uint32_t type = product[1], id = product[2], left = product[3], right = product[4];
+    uint32_t columns[4], parts[6] = {type, id};
+    uint32_t matrix = opcode == SpvOpVectorTimesMatrix ? right : left;
+    const uint32_t *matrix_type = type_of(to, matrix), *right_type = type_of(to, right);
+    for (uint32_t i = 0; i < matrix_type[3]; i++)
+        columns[i] = put_new(to, SpvOpCompositeExtract, matrix_type[2], 0, matrix, i);
+    if (opcode == SpvOpMatrixTimesVector) {
+        put_sum(to, type, id, columns, matrix_type[3], right_type[2], right);
+        return;
+    }
+    if (opcode == SpvOpMatrixTimesMatrix)
+        for (uint32_t i = 0; i < right_type[3]; i++) {
+            const uint32_t *column_type = to->words + to->definitions[right_type[2]];
+            uint32_t column = put_new(to, SpvOpCompositeExtract, right_type[2], 0, right, i);
+            parts[2 + i] =
+                put_sum(to, matrix_type[2], 0, columns, matrix_type[3], column_type[2], column);
         }
-    }
-    out[3] = bound;
-    free(types);
-    return length;
+    else
+        for (uint32_t i = 0; i < matrix_type[3]; i++)
+            parts[2 + i] = put_dot(to, type_of(to, left), left, columns[i]);
+    to->length = put(to->out, to->length, SpvOpCompositeConstruct, parts, 2 + right_type[3]);
 }
 
-/* Position of the first declaration, behind all decorations; counts float arithmetic and vector
- * * matrix; marks results that `precise` has decorated already. */
-static size_t survey(const uint32_t *words, size_t count, bool *decorated, size_t *results,
-                     size_t *products)
+static bool is_product(uint32_t opcode)
+{
+    return opcode == SpvOpMatrixTimesVector || opcode == SpvOpVectorTimesMatrix ||
+           opcode == SpvOpMatrixTimesMatrix;
+}
+
+/* `precise` in the text has marked a product: what it becomes is marked anew, as is proper for
+ * its parts. */
+static bool marks_product(const struct expansion *to, const uint32_t *instruction)
+{
+    return (*instruction & 0xffff) == SpvOpDecorate &&
+           instruction[2] == SpvDecorationNoContraction &&
+           is_product(to->words[to->definitions[instruction[1]]] & 0xffff);
+}
+
+/* New words with products of matrices written out; NULL when out of memory. */
+static uint32_t *expand_products(const uint32_t *words, size_t count, size_t *new_count)
+{
+    size_t products = 0;
+    for (size_t at = 5; at < count; at += words[at] >> 16)
+        products += is_product(words[at] & 0xffff);
+    uint32_t *offsets = definitions(words, count);
+    uint32_t *out = malloc((count + MAX_PRODUCT * products) * sizeof *out);
+    struct expansion to = {words, offsets, out, 5, words[3]};
+    if (offsets && out) {
+        memcpy(out, words, 5 * sizeof *out);
+        for (size_t at = 5; at < count; at += words[at] >> 16) {
+            if (is_product(words[at] & 0xffff)) {
+                put_product(&to, words + at);
+            } else if (!marks_product(&to, words + at)) {
+                memcpy(out + to.length, words + at, (words[at] >> 16) * sizeof *out);
+                to.length += words[at] >> 16;
+            }
+        }
+        out[3] = to.bound;
+        *new_count = to.length;
+    } else {
+        free(out);
+        out = NULL;
+    }
+    free(offsets);
+    return out;
+}
+
+/* Position of the first declaration, behind all decorations; counts float arithmetic; marks
+ * results that `precise` has decorated already. */
+static size_t survey(const uint32_t *words, size_t count, bool *decorated, size_t *results)
 {
     size_t insert = 0;
     for (size_t at = 5; at < count; at += words[at] >> 16) {
@@ -231,35 +295,40 @@ static size_t survey(const uint32_t *words, size_t count, bool *decorated, size_
         if (opcode == SpvOpDecorate && words[at + 2] == SpvDecorationNoContraction)
             decorated[words[at + 1]] = true;
         *results += is_float_arithmetic(opcode);
-        *products += opcode == SpvOpVectorTimesMatrix;
     }
     return insert;
 }
 
-/* New words in which every result of float arithmetic has NoContraction and vector * matrix its
- * fixed order; NULL when out of memory. */
-static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_count)
+/* New words in which every result of float arithmetic has NoContraction; NULL when out of
+ * memory. */
+static uint32_t *decorate(const uint32_t *words, size_t count, size_t *new_count)
 {
-    size_t results = 0, products = 0;
+    size_t results = 0;
     bool *decorated = calloc(words[3], sizeof *decorated); /* by id */
     if (!decorated)
         return NULL;
-    size_t insert = survey(words, count, decorated, &results, &products), length = insert;
-    uint32_t *out = malloc((count + 3 * results + MAX_TURNED * products) * sizeof *out);
+    size_t insert = survey(words, count, decorated, &results), length = insert;
+    uint32_t *out = malloc((count + 3 * results) * sizeof *out);
     if (out) {
         memcpy(out, words, insert * sizeof *out);
         for (size_t at = insert; at < count; at += words[at] >> 16)
             if (is_float_arithmetic(words[at] & 0xffff) && !decorated[words[at + 2]])
                 length = put(out, length, SpvOpDecorate,
                              (uint32_t[]){words[at + 2], SpvDecorationNoContraction}, 2);
-        *new_count = copy_turned(words, insert, count, out, length);
-        if (!*new_count) {
-            free(out);
-            out = NULL;
-        }
+        memcpy(out + length, words + insert, (count - insert) * sizeof *out);
+        *new_count = length + count - insert;
     }
     free(decorated);
     return out;
+}
+
+static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_count)
+{
+    size_t expanded_count = 0;
+    uint32_t *expanded = expand_products(words, count, &expanded_count);
+    uint32_t *exact = expanded ? decorate(expanded, expanded_count, new_count) : NULL;
+    free(expanded);
+    return exact;
 }
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
@@ -286,20 +355,26 @@ static bool take_words(const struct model *model, glslang_program_t *program, st
     return shader->words != NULL;
 }
 
+/* Names for the message cost most of the validation: only a module that is wrong gets them. */
 static bool validate(const struct pass *pass, enum backend backend, const struct shader *shader,
                      struct diag *diag)
 {
     spv_context context =
         spvContextCreate(backend == BACKEND_GL ? SPV_ENV_OPENGL_4_5 : SPV_ENV_VULKAN_1_3);
-    spv_diagnostic diagnostic = NULL;
-    spv_result_t result =
+    spv_validator_options options = spvValidatorOptionsCreate();
+    spvValidatorOptionsSetFriendlyNames(options, false);
+    spv_const_binary_t binary = {shader->words, shader->word_count};
+    bool valid = spvValidateWithOptions(context, options, &binary, NULL) == SPV_SUCCESS;
+    if (!valid) {
+        spv_diagnostic diagnostic = NULL;
         spvValidateBinary(context, shader->words, shader->word_count, &diagnostic);
-    if (result != SPV_SUCCESS)
         diag_error(diag, pass->shader_loc, "pass %s: spirv-val says: %s", pass->name,
                    diagnostic && diagnostic->error ? diagnostic->error : "invalid module");
-    spvDiagnosticDestroy(diagnostic);
+        spvDiagnosticDestroy(diagnostic);
+    }
+    spvValidatorOptionsDestroy(options);
     spvContextDestroy(context);
-    return result == SPV_SUCCESS;
+    return valid;
 }
 
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,

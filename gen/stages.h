@@ -1,21 +1,22 @@
-/* The stages of diptych-gen in the order of the road; main.c walks it. Each stage reports through diag and returns false when
- * the next one must not run. */
+/* The stages of diptych-gen in the order of the road; main.c walks it. Each stage reports through
+ * diag and returns false when the next one must not run. */
 #ifndef DIPTYCH_GEN_STAGES_H
 #define DIPTYCH_GEN_STAGES_H
 
 #include "diag.h"
 #include "text.h"
 
-/* read.c: YAML -> model. sets: "PATH=VALUE" strings that override scalars of the document before it is read. */
+/* read.c: YAML -> model. sets: "PATH=VALUE" strings that override scalars of the document before it
+ * is read. */
 bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,
                struct diag *diag);
-/* check.c: resolves names and expressions, verifies everything that needs no plan. templates_dir: where shader bodies
- * are looked for after the spec's own folder. */
+/* check.c: resolves names and expressions, verifies everything that needs no plan. templates_dir:
+ * where shader bodies are looked for after the spec's own folder. */
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag);
 /* layout.c: std430 offsets of structs, std140 offsets of the live block. */
 void layout_model(struct model *model);
-/* plan.c: order (reports cycles, read before write, two writers without order), access kinds, bindings, barriers,
- * lifetimes, slots, ranges. */
+/* plan.c: order (reports cycles, read before write, two writers without order), access kinds,
+ * bindings, barriers, lifetimes, slots, ranges. */
 bool plan_model(struct model *model, struct diag *diag);
 
 enum backend { BACKEND_GL, BACKEND_VK };
@@ -27,18 +28,21 @@ struct shader { /* one compiled stage of one pass for one backend */
     uint32_t *words;  /* SPIR-V; free() */
     size_t word_count;
 };
-/* emit_glsl.c: the complete GLSL of one stage: declarations, library pieces (model->templates_dir/glsl), the body with
- * #line. Files that the body includes are added to model->inputs and model->glsl_sources; the rest is read only. */
+/* emit_glsl.c: the complete GLSL of one stage: declarations, library pieces
+ * (model->templates_dir/glsl), the body with #line. Files that the body includes are added to
+ * model->inputs and model->glsl_sources; the rest is read only. */
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag);
-/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast, spirv-val (SPIRV-Tools).
- * glslang's errors come back as diagnostics at the line of the body file. */
+/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
+ * spirv-val (SPIRV-Tools). glslang's errors come back as diagnostics at the line of the body
+ * file. */
 bool spirv_init(void);
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
 void spirv_finish(void);
 
-/* The C outputs. shaders: per pass in order of execution, [backend][pass][stage as in enum, absent: word_count 0]. */
+/* The C outputs. shaders: per pass in order of execution, [backend][pass][stage as in enum, absent:
+ * word_count 0]. */
 struct pass_shaders {
     struct shader stage[3];
 };

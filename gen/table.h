@@ -1,12 +1,13 @@
-/* The one table of every key of the spec language. The reader checks documents against it, --schema and --reference print
- * it; a key that is not in here does not exist. */
+/* The one table of every key of the spec language. The reader checks documents against it, --schema
+ * and --reference print it; a key that is not in here does not exist. */
 #ifndef DIPTYCH_GEN_TABLE_H
 #define DIPTYCH_GEN_TABLE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A section is a map: the document, one parameter, one pass... Sections of free names have one key "*". */
+/* A section is a map: the document, one parameter, one pass... Sections of free names have one key
+ * "*". */
 enum section {
     SECTION_NONE,
     SECTION_TOP,
@@ -38,8 +39,8 @@ enum section {
     SECTION_COUNT
 };
 
-/* What a key's value may be. With a child section, a map of that section is accepted as well (KEY_MAP: only a map; KEY_LIST
- * and KEY_NAMES: as elements of the list). */
+/* What a key's value may be. With a child section, a map of that section is accepted as well
+ * (KEY_MAP: only a map; KEY_LIST and KEY_NAMES: as elements of the list). */
 enum key_type {
     KEY_NAME,    /* identifier */
     KEY_TEXT,    /* any scalar */

@@ -1,4 +1,5 @@
-/* A growing piece of text. Called by every emitter; failures are remembered in the text and reported by output.c. */
+/* A growing piece of text. Called by every emitter; failures are remembered in the text and
+ * reported by output.c. */
 #include "text.h"
 
 #include <stdarg.h>
@@ -12,7 +13,7 @@ static bool text_reserve(struct text *text, size_t more)
     if (text->failed)
         return false;
     size_t needed = text->length + more + 1;
-    if (needed <= text->capacity)
+    if (text->data && needed <= text->capacity)
         return true;
     size_t capacity = text->capacity ? text->capacity : 256;
     while (capacity < needed)
@@ -51,6 +52,86 @@ void text_add(struct text *text, const char *format, ...)
     }
     va_end(again);
     va_end(arguments);
+}
+
+/* ---- Long lines ------------------------------------------------------------------------------ */
+
+/* Skips a string literal or a comment that begins at line[at]: returns where it ends, or at
+ * itself. */
+static size_t skip_quoted(const char *line, size_t at, size_t length)
+{
+    if (line[at] == '"') {
+        for (at++; at < length && line[at] != '"'; at++)
+            at += line[at] == '\\';
+        return at < length ? at + 1 : length;
+    }
+    if (line[at] != '/' || at + 1 >= length || line[at + 1] != '*')
+        return at;
+    const char *end = memmem(line + at + 2, length - at - 2, "*/", 2);
+    return end ? (size_t)(end - line) + 2 : length;
+}
+
+/* Whether a line of C may break at the blank line[at]: after a comma or an operator. */
+static bool is_break(const char *line, size_t at)
+{
+    size_t begin = at;
+    while (begin > 0 && line[begin - 1] != ' ')
+        begin--;
+    return line[at] == ' ' && at > begin &&
+           (line[at - 1] == ',' || strspn(line + begin, "|&+*") == at - begin);
+}
+
+/* The blank at which to break a line: of those within `columns` that the fewest brackets enclose,
+ * the last; 0: none. */
+static size_t find_break(const char *line, size_t length, size_t columns)
+{
+    size_t best = 0;
+    int depth = 0, best_depth = 0;
+    for (size_t at = 0; at < length && at <= columns;) {
+        size_t next = skip_quoted(line, at, length);
+        if (next > at) {
+            at = next;
+            continue;
+        }
+        depth += strchr("([{", line[at]) ? 1 : strchr(")]}", line[at]) ? -1 : 0;
+        if (is_break(line, at) && (!best || depth <= best_depth)) {
+            best = at;
+            best_depth = depth;
+        }
+        at++;
+    }
+    return best;
+}
+
+static void wrap_line(struct text *out, const char *line, size_t length, size_t columns)
+{
+    size_t indent = strspn(line, " "), room = columns, at;
+    bool directive = line[indent] == '#';
+    indent += line[indent] == '{' ? 1 : 4;
+    while (!directive && length > room && (at = find_break(line, length, room)) > 0) {
+        text_add_bytes(out, line, at);
+        text_add(out, "\n%*s", (int)indent, "");
+        line += at + 1;
+        length -= at + 1;
+        room = columns > indent ? columns - indent : 0;
+    }
+    text_add_bytes(out, line, length);
+}
+
+void text_wrap(struct text *text, size_t columns)
+{
+    struct text wrapped = {.failed = text->failed};
+    for (const char *at = text->data; at && *at;) {
+        size_t length = strcspn(at, "\n");
+        wrap_line(&wrapped, at, length, columns);
+        at += length;
+        if (*at == '\n') {
+            text_add(&wrapped, "\n");
+            at++;
+        }
+    }
+    text_free(text);
+    *text = wrapped;
 }
 
 void text_free(struct text *text)

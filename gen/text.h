@@ -12,6 +12,10 @@ struct text {
 };
 void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(struct text *text, const char *bytes, size_t length);
+/* Breaks lines of C that are longer than `columns` after a comma or an operator, with continuation
+ * lines indented by four; strings, comments and directives stay whole, so such a line may stay
+ * long. */
+void text_wrap(struct text *text, size_t columns);
 void text_free(struct text *text);
 
 #endif

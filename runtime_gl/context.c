@@ -5,12 +5,20 @@
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <GL/osmesa.h>
 #include <GLFW/glfw3.h>
 #include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* osmesa.h has these from Mesa's gl.h, whose place glad takes; not every glad defines them. */
+#ifndef GLAPI
+#define GLAPI extern
+#endif
+#ifndef GLAPIENTRY
+#define GLAPIENTRY
+#endif
+#include <GL/osmesa.h>
 
 /* Why a context could not be made: the caller decides whether that is an error. */
 struct reason {

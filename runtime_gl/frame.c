@@ -149,7 +149,8 @@ bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer, const struct gl
               ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, depth->clear));
 }
 
-bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, const float clear[4])
+bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    const float clear[4])
 {
     const GLuint u[4] = {(GLuint)clear[0], (GLuint)clear[1], (GLuint)clear[2], (GLuint)clear[3]};
     const GLint i[4] = {(GLint)clear[0], (GLint)clear[1], (GLint)clear[2], (GLint)clear[3]};
@@ -165,10 +166,7 @@ bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, const f
     default:
         break;
     }
-    for (uint32_t mip = 0; mip < image->mips; mip++)
-        if (!GL(rt, image->name, ClearTexImage(image->handle, (GLint)mip, format, type, value)))
-            return false;
-    return true;
+    return GL(rt, image->name, ClearTexImage(image->handle, (GLint)mip, format, type, value));
 }
 
 bool gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer)

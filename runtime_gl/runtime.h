@@ -45,8 +45,8 @@ struct gl_image_info {
     enum dt_format format;
     uint32_t width, height, layers, mips;
     bool layered;
-    const struct gl_image
-        *share; /* same format and size, disjoint lifetime: take its texture; NULL: an own one */
+    /* same format and size, disjoint lifetime: take its texture; NULL: an own one */
+    const struct gl_image *share;
 };
 bool gl_image_create(struct gl_runtime *rt, struct gl_image *image,
                      const struct gl_image_info *info);
@@ -114,8 +114,8 @@ struct gl_targets {
     struct gl_target color[GL_MAX_COLOR_TARGETS];
     uint32_t color_count;
     struct gl_target depth; /* image NULL: none */
-    uint32_t
-        layers; /* 1, or the layers of a layered draw: then attachments are whole array textures */
+    /* 1, or the layers of a layered draw: then attachments are whole array textures */
+    uint32_t layers;
 };
 bool gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
                            const struct gl_targets *targets);
@@ -160,8 +160,9 @@ bool gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program,
                         const struct gl_targets *targets);
 bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer,
                       const struct gl_targets *targets); /* a skipped draw */
-bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image,
-                    const float clear[4]); /* a skipped dispatch */
+/* A skipped dispatch: the mip that it would have written. */
+bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    const float clear[4]);
 bool gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer);
 
 /* ---- What the runtime brings along: bind these like any resource ----------------------------- */

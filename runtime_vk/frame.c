@@ -424,10 +424,11 @@ void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets)
 
 /* The plan's barriers are for the stages of the pass as it runs; a clear is another stage, hence
  * a full barrier on both sides of it. Skipped passes are rare and cost nothing else. */
-void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, const float clear[4])
+void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                    const float clear[4])
 {
     VkClearColorValue value = clear_color(image, clear);
-    VkImageSubresourceRange range = {image->aspect, 0, image->mips, 0, image->layers};
+    VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
     vk_full_barrier(rt->frame_commands);
     vkCmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
     vk_full_barrier(rt->frame_commands);

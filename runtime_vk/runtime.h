@@ -218,8 +218,9 @@ void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *prog
 void vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
                         const struct vk_targets *targets);
 void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets); /* a skipped draw */
-/* A skipped dispatch: image in GENERAL layout. */
-void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, const float clear[4]);
+/* A skipped dispatch: the mip that it would have written; image in GENERAL layout. */
+void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                    const float clear[4]);
 void vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer);
 
 /* ---- What the runtime brings along: bind these like any resource ----------------------------- */

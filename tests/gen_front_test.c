@@ -1,5 +1,5 @@
-/* The front half of diptych-gen below the command line: expressions (values, overflow, text), suggestions, growing text, and
- * outputs that appear whole or not at all. */
+/* The front half of diptych-gen below the command line: expressions (values, overflow, text),
+ * suggestions, growing text, and outputs that appear whole or not at all. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -187,7 +187,7 @@ static void growing_text(void **state)
     assert_null(text.data);
 }
 
-/* ---- Output ------------------------------------------------------------------------------------------------------- */
+/* ---- Output ---------------------------------------------------------------------------------- */
 
 static void add(struct output *output, const char *dir, const char *name, const char *content)
 {
@@ -251,8 +251,8 @@ static void outputs(void **state)
     assert_int_equal(status.st_mtim.tv_sec, 1000);
     assert_string_equal(content(dir, "sub/second"), "3");
 
-    /* the second cannot be written (a file stands where its folder should be; a folder where the file should be):
-     * the first stays as it was, and nothing is left behind */
+    /* the second cannot be written (a file stands where its folder should be; a folder where the
+     * file should be): the first stays as it was, and nothing is left behind */
     assert_false(commit(dir, "new", "first/second", "2"));
     assert_string_equal(content(dir, "first"), "1");
     snprintf(path, sizeof path, "%s/folder", dir);

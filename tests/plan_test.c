@@ -1,5 +1,6 @@
-/* The plan's rules on hand-made models: std430 and std140 offsets by the OpenGL specification, the order of passes,
- * bindings, barriers, lifetimes, and OpenGL's memory barrier bits. Run by ninja test. */
+/* The plan's rules on hand-made models: std430 and std140 offsets by the OpenGL specification, the
+ * order of passes, bindings, barriers, lifetimes, and OpenGL's memory barrier bits. Run by ninja
+ * test. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -12,7 +13,7 @@
 #include "plan.h"
 #include "stages.h"
 
-/* ---- A model in a few words --------------------------------------------------------------------------------------- */
+/* ---- A model in a few words ------------------------------------------------------------------ */
 
 enum { MAX_PASSES = 8, MAX_RESOURCES = 8, MAX_ACCESSES = 6 };
 
@@ -114,9 +115,10 @@ static const struct barrier *barrier_on(const struct pass *p, const struct resou
     return NULL;
 }
 
-/* ---- Layout ------------------------------------------------------------------------------------------------------- */
+/* ---- Layout ---------------------------------------------------------------------------------- */
 
-/* OpenGL 4.6, 7.6.2.2: vec3 aligns to 16 but takes 12 bytes, arrays of vec3 stride by 16, arrays of float by 4. */
+/* OpenGL 4.6, 7.6.2.2: vec3 aligns to 16 but takes 12 bytes, arrays of vec3 stride by 16, arrays of
+ * float by 4. */
 static void test_std430(void **state)
 {
     struct fixture *f = *state;
@@ -170,7 +172,7 @@ static void test_std140_live(void **state)
     assert_int_equal(f->model.pipeline.live_size, 48);
 }
 
-/* ---- Order -------------------------------------------------------------------------------------------------------- */
+/* ---- Order ----------------------------------------------------------------------------------- */
 
 static void test_reader_runs_after_its_writer(void **state)
 {
@@ -269,7 +271,7 @@ static void test_read_before_write(void **state)
     assert_int_equal(diag_error_count(f->diag), 2);
 }
 
-/* ---- Kinds, bindings, ranges -------------------------------------------------------------------------------------- */
+/* ---- Kinds, bindings, ranges ----------------------------------------------------------------- */
 
 static void test_kinds_and_bindings(void **state)
 {
@@ -332,7 +334,7 @@ static void test_ranges(void **state)
     assert_int_equal(range.loop, LOOP_ROLL);
 }
 
-/* ---- Barriers ----------------------------------------------------------------------------------------------------- */
+/* ---- Barriers -------------------------------------------------------------------------------- */
 
 static void test_draw_then_load_then_load(void **state)
 {
@@ -389,7 +391,8 @@ static void test_conditional_dispatch_may_clear(void **state)
                      GLB_SHADER_IMAGE_ACCESS | GLB_SHADER_STORAGE);
 }
 
-/* imageLoad in compute, then texelFetch in a draw: the layout changes, and waits for the readers only. */
+/* imageLoad in compute, then texelFetch in a draw: the layout changes, and waits for the readers
+ * only. */
 static void test_layout_changes_between_readers(void **state)
 {
     struct fixture *f = *state;
@@ -429,7 +432,123 @@ static void test_indirect(void **state)
     assert_true(bits[1] & GLB_COMMAND);
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------------------------- */
+/* Synchronization validation does not report a store that follows a store without a barrier: this
+ * test does. */
+static void test_store_after_store(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *b = buffer(f, "b", "8"), *a = image(f, "a", DT_FORMAT_RGBA16F);
+    struct pass *first = pass(f, "first", PASS_DISPATCH),
+                *second = pass(f, "second", PASS_DISPATCH);
+    const char *after[] = {"first"};
+    unsigned bits[2];
+
+    touch(first, b, MODE_WRITE);
+    touch(first, a, MODE_WRITE);
+    touch(second, b, MODE_WRITE);
+    touch(second, a, MODE_UPDATE);
+    second->after = after;
+    second->after_count = 1;
+    assert_true(plan(f));
+    assert_true(barrier_on(second, b)->from_writes);
+    assert_int_equal(barrier_on(second, b)->from, ACCESS_STORAGE_WRITE);
+    assert_true(barrier_on(second, a)->from_writes);
+    assert_int_equal(barrier_on(second, a)->to, ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE);
+    plan_gl_bits(&f->model, bits);
+    assert_int_equal(bits[1], GLB_SHADER_STORAGE | GLB_SHADER_IMAGE_ACCESS);
+}
+
+/* A depth target that is read and then drawn over: written late, read as a texture, written again
+ * after the reader. */
+static void test_depth_is_read_between_draws(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *depth = image(f, "depth", DT_FORMAT_D32F), *b = buffer(f, "b", "8");
+    struct pass *draw = pass(f, "draw", PASS_SCENE), *look = pass(f, "look", PASS_DISPATCH);
+    struct pass *more = pass(f, "more", PASS_SCENE);
+
+    touch(draw, depth, MODE_WRITE);
+    touch(look, depth, MODE_READ);
+    touch(look, b, MODE_WRITE);
+    touch(more, depth, MODE_UPDATE);
+    assert_true(plan(f));
+    assert_int_equal(barrier_on(look, depth)->from, ACCESS_DEPTH);
+    assert_int_equal(barrier_on(look, depth)->from_stages, STAGE_DEPTH);
+    assert_true(barrier_on(look, depth)->from_writes);
+    assert_int_equal(layout_of(barrier_on(look, depth)->to), LAYOUT_READ);
+    assert_int_equal(barrier_on(more, depth)->from, ACCESS_FETCH);
+    assert_int_equal(barrier_on(more, depth)->from_stages, STAGE_COMPUTE);
+    assert_false(barrier_on(more, depth)->from_writes);
+    assert_false(barrier_on(more, depth)->discard);
+    assert_int_equal(layout_of(barrier_on(more, depth)->to), LAYOUT_DEPTH);
+}
+
+/* The first reader's barrier changed the layout; a reader in another stage is ordered after that
+ * change, through it. */
+static void test_second_reader_waits_for_the_layout(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *depth = image(f, "depth", DT_FORMAT_D32F), *b = buffer(f, "b", "8");
+    struct resource *color = image(f, "color", DT_FORMAT_RGBA8);
+    struct pass *draw = pass(f, "draw", PASS_SCENE), *look = pass(f, "look", PASS_DISPATCH);
+    struct pass *show = pass(f, "show", PASS_FULLSCREEN);
+
+    touch(draw, depth, MODE_WRITE);
+    touch(look, depth, MODE_READ);
+    touch(look, b, MODE_WRITE);
+    touch(show, depth, MODE_READ);
+    touch(show, b, MODE_READ);
+    touch(show, color, MODE_WRITE);
+    assert_true(plan(f));
+    assert_non_null(barrier_on(show, depth));
+    assert_int_equal(barrier_on(show, depth)->from_stages, STAGE_COMPUTE);
+    assert_int_equal(barrier_on(show, depth)->to_stages, STAGE_FRAGMENT);
+    assert_int_equal(layout_of(barrier_on(show, depth)->to), LAYOUT_READ);
+}
+
+/* Drawing one mip anew leaves what was stored in another. */
+static void test_stores_in_another_mip_stay_stored(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
+    struct pass *store = pass(f, "store", PASS_DISPATCH), *draw = pass(f, "draw", PASS_FULLSCREEN);
+    struct pass *look = pass(f, "look", PASS_DISPATCH);
+    unsigned bits[3];
+
+    a->mips = number(f, "2");
+    touch(store, a, MODE_WRITE);
+    touch(draw, a, MODE_WRITE)->mip_value = 1;
+    touch(look, a, MODE_READ);
+    touch(look, b, MODE_WRITE);
+    assert_true(plan(f));
+    plan_gl_bits(&f->model, bits);
+    assert_true(bits[1] & GLB_FRAMEBUFFER);
+    assert_true(bits[2] & GLB_SHADER_IMAGE_ACCESS);
+}
+
+/* What the last frame stored in a resource with history needs a barrier in the first pass of this
+ * one. */
+static void test_history_crosses_frames(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *h = image(f, "h", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
+    struct pass *look = pass(f, "look", PASS_DISPATCH), *store = pass(f, "store", PASS_DISPATCH);
+    unsigned bits[2];
+
+    h->history = true;
+    touch(look, h, MODE_READ);
+    touch(look, b, MODE_WRITE);
+    touch(store, h, MODE_WRITE);
+    touch(store, b, MODE_READ);
+    assert_true(plan(f));
+    assert_false(barrier_on(look, h)->discard);
+    assert_int_equal(barrier_on(look, h)->from_stages, 0); /* the frame opens with a full barrier */
+    plan_gl_bits(&f->model, bits);
+    assert_true(bits[0] & GLB_SHADER_IMAGE_ACCESS);
+    assert_true(bits[1] & GLB_SHADER_IMAGE_ACCESS); /* must not overtake the reader */
+}
+
+/* ---- Memory ---------------------------------------------------------------------------------- */
 
 /* A chain of full-size images needs two places: neighbours overlap, others do not. */
 static void test_chain_takes_two_slots(void **state)
@@ -469,6 +588,31 @@ static void test_chain_takes_two_slots(void **state)
     assert_int_equal(barrier_on(&f->passes[2], &f->resources[2])->from_stages, STAGE_COMPUTE);
 }
 
+/* Three users of one place, the second small: what the first wrote beyond it, and nobody read, is
+ * made available for the third. */
+static void test_third_user_waits_for_unread_writes(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *big = image(f, "big", DT_FORMAT_RGBA32F),
+                    *small = image(f, "small", DT_FORMAT_R32F);
+    struct resource *next = image(f, "next", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
+    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN), *store = pass(f, "store", PASS_DISPATCH);
+    struct pass *look = pass(f, "look", PASS_DISPATCH), *last = pass(f, "last", PASS_DISPATCH);
+
+    touch(draw, big, MODE_WRITE);
+    touch(store, small, MODE_WRITE);
+    touch(look, small, MODE_READ);
+    touch(look, b, MODE_WRITE);
+    touch(last, next, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(small->slot, big->slot);
+    assert_int_equal(next->slot, big->slot);
+    assert_ptr_equal(barrier_on(last, next)->alias, small);
+    assert_int_equal(barrier_on(last, next)->from, ACCESS_STORAGE_READ | ACCESS_COLOR);
+    assert_int_equal(barrier_on(last, next)->from_stages, STAGE_COMPUTE | STAGE_COLOR);
+    assert_true(barrier_on(last, next)->from_writes);
+}
+
 static void test_history_and_output_keep_their_memory(void **state)
 {
     struct fixture *f = *state;
@@ -505,6 +649,12 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_conditional_dispatch_may_clear, setup, teardown),
         cmocka_unit_test_setup_teardown(test_layout_changes_between_readers, setup, teardown),
         cmocka_unit_test_setup_teardown(test_indirect, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_store_after_store, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_depth_is_read_between_draws, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_second_reader_waits_for_the_layout, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_stores_in_another_mip_stay_stored, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_history_crosses_frames, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_third_user_waits_for_unread_writes, setup, teardown),
         cmocka_unit_test_setup_teardown(test_chain_takes_two_slots, setup, teardown),
         cmocka_unit_test_setup_teardown(test_history_and_output_keep_their_memory, setup, teardown),
     };

@@ -402,7 +402,7 @@ static bool record(void *rt, void *memory, const void *live)
     return record_draws(rt, s) && record_compute(rt, s) && gl_pass_begin(rt, FULLSCREEN, true) &&
            gl_draw_fullscreen(rt, &s->full, s->framebuffers[2], &s->targets[2]) &&
            gl_pass_end(rt, FULLSCREEN) && gl_pass_begin(rt, SKIP, false) &&
-           gl_clear_image(rt, &s->images[SKIPPED], clear) && gl_pass_end(rt, SKIP);
+           gl_clear_image(rt, &s->images[SKIPPED], 0, clear) && gl_pass_end(rt, SKIP);
 }
 
 static void *resource(void *memory, uint32_t index)

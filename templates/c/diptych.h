@@ -1,9 +1,11 @@
-/* The vocabulary that generated pipelines, both runtimes and the app share: what a pipeline is made of, what a
- * scene hands to it, and the verbs of a runtime. No graphics API in here, and no pipeline's name.
+/* The vocabulary that generated pipelines, both runtimes and the app share: what a pipeline is made
+ * of, what a scene hands to it, and the verbs of a runtime. No graphics API in here, and no
+ * pipeline's name.
  *
- * Units: lengths in metres or whatever the scene's unit is after `scale`; angles in radians; radiometry in W, m, sr.
- * All matrices are column-major (m[column][row]), clip space is Vulkan's and glClipControl(LOWER_LEFT, ZERO_TO_ONE)'s:
- * depth 0..1, row 0 of every image in memory is NDC y = -1. */
+ * Units: lengths in metres or whatever the scene's unit is after `scale`; angles in radians;
+ * radiometry in W, m, sr. All matrices are column-major (m[column][row]), clip space is Vulkan's
+ * and glClipControl(LOWER_LEFT, ZERO_TO_ONE)'s: depth 0..1, row 0 of every image in memory is
+ * NDC y = -1. */
 #ifndef DIPTYCH_H
 #define DIPTYCH_H
 
@@ -14,19 +16,20 @@
 
 #define DT_ARRAY_COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
-/* ---- Log: the one way in which anything below the command line speaks ------------------------------------------ */
+/* ---- Log: the one way in which anything below the command line speaks ------------------------ */
 
 enum dt_level { DT_DEBUG, DT_INFO, DT_WARNING, DT_ERROR };
 
-/* `message` has no trailing newline. A function that fails logs exactly one DT_ERROR that names the thing and what to
- * do, then returns false or NULL; callers above add nothing. Messages of the validation layers and of KHR_debug come as
- * DT_ERROR too, and count in the runtime's `messages`. */
+/* `message` has no trailing newline. A function that fails logs exactly one DT_ERROR that names the
+ * thing and what to do, then returns false or NULL; callers above add nothing. Messages of the
+ * validation layers and of KHR_debug come as DT_ERROR too, and count in the runtime's
+ * `messages`. */
 struct dt_log {
     void (*message)(void *user, enum dt_level level, const char *message);
     void *user;
 };
 
-/* ---- Reflection: emitted once per pipeline, the same object for both backends ----------------------------------- */
+/* ---- Reflection: emitted once per pipeline, the same object for both backends ---------------- */
 
 enum dt_type {
     DT_TYPE_FLOAT,
@@ -89,15 +92,16 @@ struct dt_resource {
     bool history; /* keeps last frame's content; zero before the first */
     struct dt_contract contract;
     /* buffers */
-    const struct dt_field
-        *fields; /* a buffer of a scalar or vector has one field of an empty name */
+    /* a buffer of a scalar or vector has one field of an empty name */
+    const struct dt_field *fields;
     uint32_t field_count;
     uint32_t stride; /* bytes from element to element */
     /* images */
     enum dt_format format;
     bool layered; /* an array image, also with one layer */
     uint32_t mips;
-    /* Size at a frame of width x height. Buffers: extent[0] elements. Images: width, height, layers. */
+    /* Size at a frame of width x height. Buffers: extent[0] elements. Images: width, height,
+     * layers. */
     void (*extent)(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
 };
 
@@ -109,8 +113,8 @@ struct dt_pass {
     enum dt_pass_kind kind;
     const uint16_t *reads; /* indices into resources, ascending order of the spec */
     uint32_t read_count;
-    const uint16_t
-        *writes; /* everything that the pass writes or updates: what to look at after it */
+    /* everything that the pass writes or updates: what to look at after it */
+    const uint16_t *writes;
     uint32_t write_count;
 };
 
@@ -139,7 +143,7 @@ struct dt_pipeline {
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
 };
 
-/* ---- What a scene hands to a pipeline --------------------------------------------------------------------------- */
+/* ---- What a scene hands to a pipeline -------------------------------------------------------- */
 
 struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at locations 0 to 3 */
     float position[3];
@@ -175,8 +179,8 @@ struct dt_light {      /* std140: GLSL struct Light */
     float position[3]; /* spot */
     int32_t kind;
     float direction[3]; /* unit, the way that light travels */
-    float
-        area; /* directional: area covered by the light view, m2; spot: of its image plane at distance 1 */
+    /* directional: area covered by the light view, m2; spot: of its image plane at distance 1 */
+    float area;
     float color[3];  /* directional: irradiance, W/m2; spot: intensity on the axis, W/sr */
     float cos_inner; /* spot: full intensity within the inner half angle, none beyond the outer */
     float cos_outer;
@@ -186,8 +190,8 @@ _Static_assert(sizeof(struct dt_light) == 64, "std140");
 
 struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new in every frame */
     struct dt_view camera;
-    struct dt_view
-        light_view; /* orthographic or perspective, covers all that the light can reach */
+    /* orthographic or perspective, covers all that the light can reach */
+    struct dt_view light_view;
     struct dt_light light;
     float scene_center[3];
     float scene_radius;     /* of the bounding sphere */
@@ -197,8 +201,9 @@ struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new i
 };
 _Static_assert(sizeof(struct dt_frame) == 288 * 2 + 64 + 32, "std140");
 
-/* All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with sRGB-encoded colour and
- * linear alpha; all layers have one size and a full mip chain; texels hold mip 0 of all layers, then mip 1, ... */
+/* All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with
+ * sRGB-encoded colour and linear alpha; all layers have one size and a full mip chain; texels hold
+ * mip 0 of all layers, then mip 1, ... */
 struct dt_scene {
     const struct dt_vertex *vertices;
     uint32_t vertex_count;
@@ -210,11 +215,11 @@ struct dt_scene {
     uint32_t texture_width, texture_height, texture_layers, texture_mips;
 };
 
-/* ---- Runtimes --------------------------------------------------------------------------------------------------- */
+/* ---- Runtimes -------------------------------------------------------------------------------- */
 
-/* One backend's half of a generated pipeline. `runtime` is the struct gl_runtime or vk_runtime that the panel was made
- * for, `state` is state_size zeroed bytes that belong to the panel. destroy takes any state that create or resize left
- * behind, complete or not. */
+/* One backend's half of a generated pipeline. `runtime` is the struct gl_runtime or vk_runtime that
+ * the panel was made for, `state` is state_size zeroed bytes that belong to the panel. destroy
+ * takes any state that create or resize left behind, complete or not. */
 struct dt_panel {
     const char *backend; /* "gl" or "vk" */
     const struct dt_pipeline *pipeline;
@@ -236,23 +241,27 @@ struct dt_runtime_options {
     bool debug;          /* validation with synchronization checking; KHR_debug */
     bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
     bool timing;         /* timestamps around every pass */
-    int poison; /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
+    /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
+    int poison;
 };
 
-/* One texel or element array, tightly packed: buffers as they lie; images layer by layer, row 0 first, mip 0. */
+/* One texel or element array, tightly packed: buffers as they lie; images layer by layer, row 0
+ * first, mip 0. */
 struct dt_bytes {
     uint8_t *data; /* owner: whoever holds the struct; free() */
     size_t size;
     uint32_t extent[3];
 };
 
-/* Called after every pass when given: all work up to here is finished and may be read back. Returning false stops. */
+/* Called after every pass when given: all work up to here is finished and may be read back.
+ * Returning false stops. */
 struct dt_observer {
     bool (*after_pass)(void *user, uint32_t pass);
     void *user;
 };
 
-/* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the thing that open returned. */
+/* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the thing
+ * that open returned. */
 struct dt_runtime {
     const char *name; /* "gl", "vk" */
     void *(*open)(const struct dt_runtime_options *options);

@@ -16,13 +16,13 @@ layout(std430, binding = 0) readonly buffer scene_materials_block {
     SceneMaterial scene_materials[];
 };
 layout(binding = 3) uniform sampler2DArray scene_textures;
-layout(location = 0) out vec4 color;
+layout(location = 0) precise out vec4 color;
 
 /* Linear colour and alpha; layer -1: white. */
-vec4 scene_texture(vec2 uv, int layer)
+vec4 scene_texture(precise vec2 uv, precise int layer)
 {
-    vec4 texel = texture(scene_textures, vec3(uv, float(max(layer, 0))));
-    return layer < 0 ? vec4(1.0) : texel;
+    precise vec4 texel = texture(scene_textures, vec3(uv, float(max(layer, 0))));
+    { precise vec4 result = layer < 0 ? vec4(1.0) : texel; return result; }
 }
 
 #line 11 1

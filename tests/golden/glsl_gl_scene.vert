@@ -6,27 +6,28 @@
 #define EXACT
 layout(location = 0) in vec3 vertex_position;
 layout(location = 1) in vec3 vertex_normal;
-out float gl_ClipDistance[1];
+precise out float gl_ClipDistance[1];
+precise gl_Position;
 
-float exact_dot(float a, float b)
+float exact_dot(precise float a, precise float b)
 {
     precise float sum = a * b;
     return sum;
 }
 
-float exact_dot(vec2 a, vec2 b)
+float exact_dot(precise vec2 a, precise vec2 b)
 {
     precise float sum = a.x * b.x + a.y * b.y;
     return sum;
 }
 
-float exact_dot(vec3 a, vec3 b)
+float exact_dot(precise vec3 a, precise vec3 b)
 {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
     return sum;
 }
 
-float exact_dot(vec4 a, vec4 b)
+float exact_dot(precise vec4 a, precise vec4 b)
 {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
     return sum;
@@ -66,10 +67,10 @@ layout(std140, binding = 1) uniform Frame {
     uint triangle_count;
 } frame;
 
-View view = frame.light_view;
+precise View view = frame.light_view;
 
 #line 2 1
-layout(location = 0) out vec3 normal;
+layout(location = 0) precise out vec3 normal;
 void main()
 {
     normal = vertex_normal;

@@ -25,25 +25,25 @@ struct Cell {
     vec3 normal;
 };
 
-float exact_dot(float a, float b)
+float exact_dot(precise float a, precise float b)
 {
     precise float sum = a * b;
     return sum;
 }
 
-float exact_dot(vec2 a, vec2 b)
+float exact_dot(precise vec2 a, precise vec2 b)
 {
     precise float sum = a.x * b.x + a.y * b.y;
     return sum;
 }
 
-float exact_dot(vec3 a, vec3 b)
+float exact_dot(precise vec3 a, precise vec3 b)
 {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
     return sum;
 }
 
-float exact_dot(vec4 a, vec4 b)
+float exact_dot(precise vec4 a, precise vec4 b)
 {
     precise float sum = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
     return sum;
@@ -86,18 +86,18 @@ layout(std140, binding = 4) uniform Frame {
 /* Hammersley points (Wong, Luk, Heng 1997): (k / n, radical inverse of k in base 2), both in [0,
  * 1). The inverse keeps the upper 24 bits, which a float holds exactly: for k below 2^24 that is
  * all of them. */
-vec2 hammersley(int k, int n)
+vec2 hammersley(precise int k, precise int n)
 {
-    return vec2(float(k) / float(n), float(bitfieldReverse(uint(k)) >> 8) * (1.0 / 16777216.0));
+    { precise vec2 result = vec2(float(k) / float(n), float(bitfieldReverse(uint(k)) >> 8) * (1.0 / 16777216.0)); return result; }
 }
 
 /* Concentric (Shirley, Chiu 1997): squares go to circles, with less distortion than polar. */
-vec2 concentric_disk(vec2 u)
+vec2 concentric_disk(precise vec2 u)
 {
-    float a = 2.0 * u.x - 1.0;
-    float b = 2.0 * u.y - 1.0;
-    float r = 0.0;
-    float phi = 0.0;
+    precise float a = 2.0 * u.x - 1.0;
+    precise float b = 2.0 * u.y - 1.0;
+    precise float r = 0.0;
+    precise float phi = 0.0;
     if (a * a > b * b) {
         r = a;
         phi = 0.785398163397 * (b / a);
@@ -105,37 +105,37 @@ vec2 concentric_disk(vec2 u)
         r = b;
         phi = 1.57079632679 - 0.785398163397 * (a / b);
     }
-    return vec2(r * cos(phi), r * sin(phi));
+    { precise vec2 result = vec2(r * cos(phi), r * sin(phi)); return result; }
 }
 
 /* Distance of two surface points for clustering: a weighted sum of how far they are apart, in
  * units of `scale`, and of a term of their unit normals. Dong et al. 2009 use a dissimilarity of
  * normals; Equation 2 of Aranha et al. 2020, as printed, adds their agreement. */
-float metric_one_minus_dot(vec3 pa, vec3 na, vec3 pb, vec3 nb, float position, float normal, float scale)
+float metric_one_minus_dot(precise vec3 pa, precise vec3 na, precise vec3 pb, precise vec3 nb, precise float position, precise float normal, precise float scale)
 {
-    vec3 d = pa - pb;
-    float apart = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    float agreement = max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
-    return position * (apart / scale) + normal * (1.0 - agreement);
+    precise vec3 d = pa - pb;
+    precise float apart = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    precise float agreement = max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
+    { precise float result = position * (apart / scale) + normal * (1.0 - agreement); return result; }
 }
 
 /* Interleaved sampling (Keller, Heidrich 2001; Segovia et al. 2006): pixel p belongs to class
  * p.x mod n + n (p.y mod m), and split order lays the pixels of a class side by side. For sizes
  * that the tile does not divide, the first size mod tile classes of an axis have one pixel more. */
-int tile_class(ivec2 p, ivec2 tile)
+int tile_class(precise ivec2 p, precise ivec2 tile)
 {
-    return p.x % tile.x + tile.x * (p.y % tile.y);
+    { precise int result = p.x % tile.x + tile.x * (p.y % tile.y); return result; }
 }
 
-ivec2 tile_offset(int class_index, ivec2 tile)
+ivec2 tile_offset(precise int class_index, precise ivec2 tile)
 {
-    return ivec2(class_index % tile.x, class_index / tile.x);
+    { precise ivec2 result = ivec2(class_index % tile.x, class_index / tile.x); return result; }
 }
 
 /* Pixels of a class, per axis. */
-ivec2 tile_class_size(int class_index, ivec2 size, ivec2 tile)
+ivec2 tile_class_size(precise int class_index, precise ivec2 size, precise ivec2 tile)
 {
-    return (size - tile_offset(class_index, tile) + tile - 1) / tile;
+    { precise ivec2 result = (size - tile_offset(class_index, tile) + tile - 1) / tile; return result; }
 }
 
 const int points_count = 64;
@@ -149,92 +149,93 @@ layout(std430, binding = 2) readonly buffer lights_block {
 layout(std430, binding = 3) buffer cells_block {
     Cell cells[];
 };
+precise cells;
 layout(binding = 6) uniform sampler2DArrayShadow shadows_texture;
 
-int tile_class(ivec2 p)
+int tile_class(precise ivec2 p)
 {
-    return tile_class(p, tile_tile);
+    { precise int result = tile_class(p, tile_tile); return result; }
 }
 
-ivec2 tile_class_size(int class_index, ivec2 size)
+ivec2 tile_class_size(precise int class_index, precise ivec2 size)
 {
-    return tile_class_size(class_index, size, tile_tile);
+    { precise ivec2 result = tile_class_size(class_index, size, tile_tile); return result; }
 }
 
-vec2 points(int k)
+vec2 points(precise int k)
 {
-    return concentric_disk(hammersley(k, points_count));
+    { precise vec2 result = concentric_disk(hammersley(k, points_count)); return result; }
 }
 
-float apart(vec3 pa, vec3 na, vec3 pb, vec3 nb)
+float apart(precise vec3 pa, precise vec3 na, precise vec3 pb, precise vec3 nb)
 {
-    return metric_one_minus_dot(pa, na, pb, nb, 0.6, 0.4, frame.scene_radius);
+    { precise float result = metric_one_minus_dot(pa, na, pb, nb, 0.6, 0.4, frame.scene_radius); return result; }
 }
 
-float apart(Light2 a, Light2 b)
+float apart(precise Light2 a, precise Light2 b)
 {
-    return apart(a.position, a.normal, b.position, b.normal);
+    { precise float result = apart(a.position, a.normal, b.position, b.normal); return result; }
 }
 
-float apart(Light2 a, Cell b)
+float apart(precise Light2 a, precise Cell b)
 {
-    return apart(a.position, a.normal, b.position, b.normal);
+    { precise float result = apart(a.position, a.normal, b.position, b.normal); return result; }
 }
 
-float apart(Cell a, Light2 b)
+float apart(precise Cell a, precise Light2 b)
 {
-    return apart(a.position, a.normal, b.position, b.normal);
+    { precise float result = apart(a.position, a.normal, b.position, b.normal); return result; }
 }
 
-float apart(Cell a, Cell b)
+float apart(precise Cell a, precise Cell b)
 {
-    return apart(a.position, a.normal, b.position, b.normal);
+    { precise float result = apart(a.position, a.normal, b.position, b.normal); return result; }
 }
 
 int interleave_class()
 {
-    return int(gl_WorkGroupID.z);
+    { precise int result = int(gl_WorkGroupID.z); return result; }
 }
 
 /* Invocations beyond the last pixel of the class repeat it. */
 ivec2 interleave_pixel()
 {
-    ivec2 last = tile_class_size(interleave_class(), ivec2(frame.width, frame.height)) - 1;
-    ivec2 q = min(ivec2(gl_GlobalInvocationID.xy), last);
-    return q * tile_tile + tile_offset(interleave_class(), tile_tile);
+    precise ivec2 last = tile_class_size(interleave_class(), ivec2(frame.width, frame.height)) - 1;
+    precise ivec2 q = min(ivec2(gl_GlobalInvocationID.xy), last);
+    { precise ivec2 result = q * tile_tile + tile_offset(interleave_class(), tile_tile); return result; }
 }
 
-vec4 normals(ivec2 p)
+vec4 normals(precise ivec2 p)
 {
-    return imageLoad(normals_image, p);
+    { precise vec4 result = imageLoad(normals_image, p); return result; }
 }
 
 ivec2 result_size()
 {
-    return imageSize(result_image);
+    { precise ivec2 result = imageSize(result_image); return result; }
 }
 
-void result_store(ivec2 p, vec4 value)
+void result_store(precise ivec2 p, precise vec4 value)
 {
     imageStore(result_image, p, value);
 }
 
-float shadows_compare(vec3 uv, float reference)
+float shadows_compare(precise vec3 uv, precise float reference)
 {
-    return textureGrad(shadows_texture, vec4(uv, reference), vec2(0.0), vec2(0.0));
+    { precise float result = textureGrad(shadows_texture, vec4(uv, reference), vec2(0.0), vec2(0.0)); return result; }
 }
 
-shared vec3 subset_position[2];
-shared vec3 subset_flux[2];
+shared precise vec3 subset_position[2];
+shared precise vec3 subset_flux[2];
 
 #line 1 1
 void main()
 {
-    ivec2 p = interleave_pixel();
-    vec3 n = normals(p).xyz;
-    vec3 sum = vec3(0.0);
+    precise ivec2 p = interleave_pixel();
+    precise vec3 n = normals(p).xyz;
+    precise vec3 sum = vec3(0.0);
     { /* range subset: 5 of lights */
-    int subset_first = interleave_class() * 5;
+    precise int subset_first = interleave_class() * 5;
     for (int subset_base = 0; subset_base < 4; subset_base += 2) {
     barrier();
     for (int i = int(gl_LocalInvocationIndex); i < 2; i += 64) {
@@ -243,8 +244,8 @@ void main()
     }
     barrier();
     {
-        int subset_index = subset_base + 0;
-        Light2 v;
+        precise int subset_index = subset_base + 0;
+        precise Light2 v;
         v.position = subset_position[0];
         v.flux = subset_flux[0];
 #line 6 1
@@ -253,8 +254,8 @@ void main()
     
     }
     {
-        int subset_index = subset_base + 1;
-        Light2 v;
+        precise int subset_index = subset_base + 1;
+        precise Light2 v;
         v.position = subset_position[1];
         v.flux = subset_flux[1];
 #line 6 1
@@ -270,8 +271,8 @@ void main()
     }
     barrier();
     {
-        int subset_index = 4 + 0;
-        Light2 v;
+        precise int subset_index = 4 + 0;
+        precise Light2 v;
         v.position = subset_position[0];
         v.flux = subset_flux[0];
 #line 6 1
@@ -283,7 +284,7 @@ void main()
 #line 8 1
 
     sum += vec3(points(0), float(points_count)) * exposure;
-    int k = nearest % cells_count;
+    precise int k = nearest % cells_count;
     sum.x += apart(cells[k].position, cells[k].normal, n, n) + apart(lights[k], cells[k]);
     sum.y += shadows_compare(vec3(0.5, 0.5, 1.0), sum.z) + float(half_width);
     result_store(p, vec4(sum, float(tile_class(p) + result_size().x)));

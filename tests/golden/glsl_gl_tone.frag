@@ -6,16 +6,16 @@
 
 layout(binding = 2) uniform sampler2D result_texture;
 layout(binding = 3) uniform sampler2D depth_texture;
-layout(location = 0) out vec4 display;
+layout(location = 0) precise out vec4 display;
 
-vec4 result(ivec2 p)
+vec4 result(precise ivec2 p)
 {
-    return texelFetch(result_texture, p, 0);
+    { precise vec4 result = texelFetch(result_texture, p, 0); return result; }
 }
 
-float depth_sample(vec2 uv)
+float depth_sample(precise vec2 uv)
 {
-    return texture(depth_texture, uv).x;
+    { precise float result = texture(depth_texture, uv).x; return result; }
 }
 
 #line 1 1

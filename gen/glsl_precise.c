@@ -1,0 +1,124 @@
+/* Exactness of OpenGL's GLSL text. In SPIR-V every operation is marked by itself (spirv.c); GLSL
+ * can only mark what is assigned, with `precise`: so every variable and parameter that a stage
+ * declares gets the qualifier, and what a function returns goes through such a variable. Buffers
+ * and gl_Position are marked where they are declared. What is assigned nowhere cannot be marked:
+ * arithmetic within the condition of an `if`, and in Mesa vector * matrix and matrix * matrix,
+ * whose parts are assigned by the compiler. Called by emit_glsl.c on the complete text, whose
+ * lines stay where they are. */
+#include "glsl.h"
+
+#include <ctype.h>
+#include <string.h>
+
+struct rewrite {
+    const struct glsl *glsl;
+    struct text *out;
+    const char *copied;     /* all before it is in `out` */
+    struct token before;    /* the token before the present one */
+    int depth, parentheses; /* open braces and parentheses */
+    bool function;          /* the open brace of depth 1 is a function's */
+    struct token result;    /* type that the function returns */
+    struct token first;     /* of the declaration at depth 0 */
+};
+
+static bool is_name(struct token token)
+{
+    return token.length && (isalpha((unsigned char)*token.text) || *token.text == '_');
+}
+
+/* Copies up to `at`, then adds `text`. */
+static void insert(struct rewrite *rewrite, const char *at, const char *text)
+{
+    text_add_bytes(rewrite->out, rewrite->copied, (size_t)(at - rewrite->copied));
+    text_add(rewrite->out, "%s", text);
+    rewrite->copied = at;
+}
+
+/* Whether a declaration may begin behind this token; a parenthesis or comma: of parameters or of
+ * the head of a `for`. */
+static bool begins_declaration(const struct rewrite *rewrite)
+{
+    struct token before = rewrite->before;
+    if (!before.length || token_is(before, ";") || token_is(before, "{") || token_is(before, "}"))
+        return true;
+    if (token_is(before, "(") || token_is(before, ",") || token_is(before, "in") ||
+        token_is(before, "out") || token_is(before, "inout"))
+        return rewrite->parentheses > 0;
+    return token_is(before, "shared");
+}
+
+/* Integers too: they may come from float arithmetic, as in ivec2(floor(x * n)). Not the counters
+ * of loops, for the reader. */
+static bool takes_precise(const struct rewrite *rewrite, struct token type)
+{
+    static const char *const others[] = {"const", "precise", "return", "else"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(others); i++)
+        if (token_is(type, others[i]))
+            return false;
+    return is_name(type) &&
+           !(rewrite->depth && token_is(rewrite->before, "(") && token_is(type, "int"));
+}
+
+static void declaration(struct rewrite *rewrite, struct token type, const char *cursor)
+{
+    if (!begins_declaration(rewrite) || (rewrite->depth && !rewrite->function) ||
+        !takes_precise(rewrite, type))
+        return;
+    struct token name = token_next(&cursor), behind = token_next(&cursor);
+    if (is_name(name) && behind.length == 1 && strchr("=;,[)", *behind.text))
+        insert(rewrite, type.text, "precise ");
+}
+
+/* `return a + b;` at `token`: through a variable. A name or a literal alone stays. */
+static void result(struct rewrite *rewrite, struct token token, const char *cursor)
+{
+    const char *end = strchr(cursor, ';');
+    if (!rewrite->function || !end || end == cursor)
+        return;
+    size_t length = (size_t)(end - cursor);
+    if (strcspn(cursor, "(+-*/") >= length)
+        return;
+    insert(rewrite, token.text, "{ precise ");
+    text_add_bytes(rewrite->out, rewrite->result.text, rewrite->result.length);
+    text_add(rewrite->out, " result =");
+    rewrite->copied = cursor;
+    insert(rewrite, end, "; return result; }");
+    rewrite->copied = end + 1;
+}
+
+static void walk(struct rewrite *rewrite, struct token token)
+{
+    if (!rewrite->depth && !rewrite->parentheses) {
+        if (!rewrite->before.length || token_is(rewrite->before, ";") ||
+            token_is(rewrite->before, "}"))
+            rewrite->first = token;
+        if (token_is(token, "{")) {
+            rewrite->function = token_is(rewrite->before, ")");
+            rewrite->result = rewrite->first;
+        }
+    }
+    rewrite->depth += token_is(token, "{") - token_is(token, "}");
+    rewrite->parentheses += token_is(token, "(") - token_is(token, ")");
+    rewrite->before = token;
+}
+
+void glsl_precise(const struct glsl *glsl, struct text *text)
+{
+    struct text out = {.failed = text->failed};
+    struct rewrite rewrite = {.glsl = glsl, .out = &out, .copied = text->data};
+    const char *cursor = text->data ? text->data : "";
+    for (struct token token = token_next(&cursor); token.length; token = token_next(&cursor)) {
+        if (token.text >= rewrite.copied) {
+            if (token_is(token, "return"))
+                result(&rewrite, token, cursor);
+            else if (token_is(token, "out") && !rewrite.depth && !rewrite.parentheses)
+                insert(&rewrite, token.text, "precise ");
+            else
+                declaration(&rewrite, token, cursor);
+        }
+        walk(&rewrite, token);
+    }
+    insert(&rewrite, cursor, "");
+    text_free(text);
+    *text = out;
+}
