@@ -1,5 +1,5 @@
-/* Builds pipelines and keeps them; see cache.h. The stamp is text: "name NAME", "version HASH", then "HASH PATH" for every
- * file that the generator's and the compiler's depfiles name. */
+/* Builds pipelines and keeps them; see cache.h. The stamp is text: "name NAME", "version HASH",
+ * then "HASH PATH" for every file that the generator's and the compiler's depfiles name. */
 #include "cache.h"
 
 #include <dirent.h>
@@ -18,49 +18,59 @@
 
 extern char **environ;
 
-/* ---- Child processes --------------------------------------------------------------------------------------------- */
+/* ---- Child processes ------------------------------------------------------------------------- */
 
-/* Runs argv[0] and waits. Signals are unblocked in the child; its stderr is ours, its stdout would get
- * between our own output and whoever reads that. */
-static bool run_tool(char *const argv[], const char *what, const struct dt_log *log)
+struct tool {
+    const char *what; /* it does */
+    const char *hint; /* when it cannot be started */
+    bool explains;    /* whoever reads its messages needs no other */
+};
+
+/* Runs argv[0] and waits. The child leads a process group, so that console_wait can end it with all
+ * its own children; signals are unblocked in it; its stderr is ours, its stdout would get between
+ * our own output and whoever reads that. */
+static bool run_tool(char *const argv[], const struct tool *tool, struct console *console)
 {
     sigset_t none;
     sigemptyset(&none);
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    const struct dt_log *log = &console->log;
     pid_t child;
     int error = posix_spawnp(&child, argv[0], &actions, &attributes, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
     if (error) {
-        report_error(log, "%s: cannot be started: %s", argv[0], strerror(error));
+        report_error(log, "%s: cannot be started: %s; %s", argv[0], strerror(error), tool->hint);
         return false;
     }
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0) {
-        if (errno != EINTR) {
-            report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
-            return false;
-        }
+    int status = console_wait(console, child);
+    if (status < 0) {
+        report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
+        return false;
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return true;
     if (WIFSIGNALED(status))
-        report_error(log, "%s was ended by signal %d", what, WTERMSIG(status));
-    else
-        report_error(log, "%s failed with exit status %d; its messages stand above", what,
+        report_error(log, "%s was ended by signal %d", tool->what, WTERMSIG(status));
+    else if (!tool->explains)
+        report_error(log, "%s failed with exit status %d; its messages stand above", tool->what,
                      WEXITSTATUS(status));
     return false;
 }
 
 static bool generate(const struct build_request *request, const char *folder,
-                     const struct dt_log *log)
+                     struct console *console)
 {
+    static const struct tool generator = {.what = "generating the pipeline",
+                                          .hint = "build the project with ninja",
+                                          .explains = true};
     char *tool = format_string("%s/diptych-gen", request->tools);
     char *depfile = format_string("%s/gen.d", folder);
     char **argv = calloc(request->set_count * 2 + 7, sizeof *argv);
@@ -77,9 +87,9 @@ static bool generate(const struct build_request *request, const char *folder,
             argv[n++] = (char *)"--set";
             argv[n++] = (char *)request->sets[i];
         }
-        good = run_tool(argv, "generating the pipeline", log);
+        good = run_tool(argv, &generator, console);
     } else {
-        report_error(log, "out of memory");
+        report_error(&console->log, "out of memory");
     }
     free(argv);
     free(depfile);
@@ -90,8 +100,11 @@ static bool generate(const struct build_request *request, const char *folder,
 /* Reflection and both panels into one shared object; the runtimes' symbols come from the executable
  * when it is loaded. */
 static bool compile(const struct build_request *request, const char *folder, const char *name,
-                    const struct dt_log *log)
+                    struct console *console)
 {
+    static const struct tool c_compiler = {
+        .what = "compiling the generated C",
+        .hint = "install a C compiler, or name one in the environment variable CC"};
     const char *compiler = getenv("CC");
     char *parts[] = {
         format_string("-I%s", request->project),
@@ -124,9 +137,9 @@ static bool compile(const struct build_request *request, const char *folder, con
                     parts[5],
                     NULL};
     if (good)
-        good = run_tool(argv, "compiling the generated C", log);
+        good = run_tool(argv, &c_compiler, console);
     else
-        report_error(log, "out of memory");
+        report_error(&console->log, "out of memory");
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
         free(parts[i]);
     return good;
@@ -151,7 +164,7 @@ static char *find_name(const char *folder, const struct dt_log *log)
     return name;
 }
 
-/* ---- The stamp --------------------------------------------------------------------------------------------------- */
+/* ---- The stamp ------------------------------------------------------------------------------- */
 
 static uint64_t content_hash(const char *path, bool *good)
 {
@@ -160,8 +173,8 @@ static uint64_t content_hash(const char *path, bool *good)
     return hash;
 }
 
-/* Takes the next word of a depfile out of *at, in place: blanks end it, "\ " is a blank, "$$" a dollar,
- * "\<newline>" nothing. */
+/* Takes the next word of a depfile out of *at, in place: blanks end it, "\ " is a blank, "$$" a
+ * dollar, "\<newline>" nothing. */
 static char *next_word(char **at, bool *target)
 {
     char *from = *at;
@@ -182,7 +195,8 @@ static char *next_word(char **at, bool *target)
     return word;
 }
 
-/* Adds "HASH PATH" to the stamp for every prerequisite outside `folder`, which is about to be renamed. */
+/* Adds "HASH PATH" to the stamp for every prerequisite outside `folder`, which is about to be
+ * renamed. */
 static bool stamp_depfile(FILE *stamp, const char *depfile, const char *folder,
                           const struct dt_log *log)
 {
@@ -273,7 +287,7 @@ static bool read_stamp(struct cache_entry *entry, const char *folder)
     return false;
 }
 
-/* ---- Find or build ----------------------------------------------------------------------------------------------- */
+/* ---- Find or build --------------------------------------------------------------------------- */
 
 /* The real path, since depfiles are compared with it. */
 static char *usable_folder(char *folder, const struct dt_log *log)
@@ -347,11 +361,11 @@ static bool build(struct console *console, const struct build_request *request, 
 {
     char version[17];
     console_status(console, "generating %s", request->spec);
-    if (!generate(request, temporary, &console->log))
+    if (!generate(request, temporary, console))
         return false;
     char *name = find_name(temporary, &console->log);
     console_status(console, "compiling %s", name ? name : "");
-    bool good = name && compile(request, temporary, name, &console->log);
+    bool good = name && compile(request, temporary, name, console);
     char *stamp = good ? make_stamp(temporary, name, version, &console->log) : NULL;
     good = stamp && publish(folder, temporary, version, stamp, &console->log);
     free(stamp);
@@ -359,9 +373,30 @@ static bool build(struct console *console, const struct build_request *request, 
     return good;
 }
 
+/* Removes what a process that was killed left half built, ours too should its number have come
+ * round to us. */
+static void remove_stale(const char *folder)
+{
+    DIR *listing = opendir(folder);
+    for (struct dirent *entry = listing ? readdir(listing) : NULL; entry;
+         entry = readdir(listing)) {
+        int owner = 0;
+        if (sscanf(entry->d_name, "tmp-%d", &owner) != 1 || owner <= 0)
+            continue;
+        bool alive = owner != (int)getpid() && (kill(owner, 0) == 0 || errno != ESRCH);
+        char *path = alive ? NULL : format_string("%s/%s", folder, entry->d_name);
+        if (path)
+            file_remove_tree(path);
+        free(path);
+    }
+    if (listing)
+        closedir(listing);
+}
+
 static bool build_in_folder(struct cache_entry *entry, const struct build_request *request,
                             const char *folder, struct console *console)
 {
+    remove_stale(folder);
     char *temporary = format_string("%s/tmp-%d", folder, (int)getpid());
     bool good = temporary && file_make_folders(temporary, &console->log);
     if (good) {

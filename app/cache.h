@@ -1,6 +1,7 @@
-/* The cache of compiled pipelines. One folder per spec, overrides and generator; in it a stamp that names the current
- * version and the hash of every file that it was made from, and one folder per version. Made in a temporary folder and
- * renamed, so several processes may share it. Called by pipeline.c. */
+/* The cache of compiled pipelines. One folder per spec, overrides and generator; in it a stamp that
+ * names the current version and the hash of every file that it was made from, and one folder per
+ * version. Made in a temporary folder and renamed, so several processes may share it. Called by
+ * pipeline.c. */
 #ifndef DIPTYCH_CACHE_H
 #define DIPTYCH_CACHE_H
 

@@ -1,6 +1,6 @@
-/* `diptych compare`: both backends in one process, every resource compared after every pass. Each backend runs in a thread
- * of its own, since an OpenGL context belongs to one; after each pass they meet, resource by resource, so that no more
- * than one resource per backend is in memory. */
+/* `diptych compare`: both backends in one process, every resource compared after every pass. Each
+ * backend runs in a thread of its own, since an OpenGL context belongs to one; after each pass they
+ * meet, resource by resource, so that no more than one resource per backend is in memory. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,13 +15,15 @@
 
 enum { SIDES = 2, COULD_NOT_RUN = 2 };
 
-/* Resources without history are filled with these before the first frame, so that what no pass has written differs. */
+/* Resources without history are filled with these before the first frame, so that what no pass has
+ * written differs. */
 static const struct {
     const char *backend;
     int poison;
 } sides[SIDES] = {{"gl", 0x5a}, {"vk", 0xa5}};
 
-/* Where the two threads wait for each other. A thread that fails leaves, and the other is let go. */
+/* Where the two threads wait for each other. A thread that fails leaves, and the other is let
+ * go. */
 struct rendezvous {
     pthread_mutex_t lock;
     pthread_cond_t changed;
@@ -62,7 +64,7 @@ struct compare {
     uint32_t broken_frame, broken_row; /* the first that broke its contract */
 };
 
-/* ---- The two threads --------------------------------------------------------------------------------------------- */
+/* ---- The two threads ------------------------------------------------------------------------- */
 
 static bool meet(struct rendezvous *meeting)
 {
@@ -192,7 +194,7 @@ static bool run_both(struct compare *compare)
     return good;
 }
 
-/* ---- The table --------------------------------------------------------------------------------------------------- */
+/* ---- The table ------------------------------------------------------------------------------- */
 
 static bool make_rows(struct compare *compare)
 {
@@ -298,7 +300,7 @@ static void print_table(const struct compare *compare)
     }
 }
 
-/* ---- JSON -------------------------------------------------------------------------------------------------------- */
+/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static cJSON *worst_json(const struct worst *worst)
 {
@@ -391,11 +393,13 @@ static bool write_json(const struct compare *compare)
     return good;
 }
 
-/* ---- The verb ---------------------------------------------------------------------------------------------------- */
+/* ---- The verb -------------------------------------------------------------------------------- */
 
 static bool run(struct compare *compare)
 {
     struct console *console = compare->console;
+    if (compare->options->json && !file_can_write(compare->options->json, &console->log))
+        return false;
     if (!pipeline_load(&compare->pipeline, console, compare->options) || !make_rows(compare))
         return false;
     if (!session_load_scene(&compare->scene, console, compare->options) || !run_both(compare))

@@ -1,5 +1,6 @@
-/* Log lines, progress and signals; see console.h. Signals are taken by a thread of their own with sigtimedwait, so there
- * is no handler and no global state, and the clean-up may use any function. */
+/* Log lines, progress and signals; see console.h. Signals are taken by a thread of their own with
+ * sigtimedwait, so there is no handler and no global state, and the clean-up may use any
+ * function. */
 #include "console.h"
 
 #include <errno.h>
@@ -7,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "files.h"
@@ -45,13 +47,25 @@ static void show_progress(struct console *console)
     pthread_mutex_unlock(&console->lock);
 }
 
+/* Until the child is gone it may still write into a temporary. It is left unreaped, so that its
+ * number stays its own. */
+static void end_child(pid_t child)
+{
+    siginfo_t info;
+    kill(-child, SIGTERM);
+    while (waitid(P_PID, (id_t)child, &info, WEXITED | WNOWAIT) < 0 && errno == EINTR)
+        continue;
+}
+
 static _Noreturn void end_by_signal(struct console *console, int signal)
 {
     pthread_mutex_lock(&console->writing); /* never released: nothing else may begin to write */
     pthread_mutex_lock(&console->lock);
     clear_line(console);
+    if (console->child)
+        end_child(console->child);
     for (int i = 0; i < CONSOLE_TEMPORARIES; i++) {
-        /* another thread or a child may still put a file there: try again for a moment */
+        /* another thread or a child's child may still put a file there: try again for a moment */
         for (int attempt = 0; console->temporaries[i] && attempt < 20; attempt++) {
             if (file_remove_tree(console->temporaries[i]))
                 break;
@@ -177,6 +191,22 @@ void console_forget(struct console *console, const char *path)
         }
     }
     pthread_mutex_unlock(&console->lock);
+}
+
+int console_wait(struct console *console, pid_t child)
+{
+    siginfo_t info;
+    int status = 0;
+    pthread_mutex_lock(&console->lock);
+    console->child = child;
+    pthread_mutex_unlock(&console->lock);
+    while (waitid(P_PID, (id_t)child, &info, WEXITED | WNOWAIT) < 0 && errno == EINTR)
+        continue;
+    pthread_mutex_lock(&console->lock);
+    console->child = 0;
+    pid_t reaped = waitpid(child, &status, 0);
+    pthread_mutex_unlock(&console->lock);
+    return reaped < 0 ? -1 : status;
 }
 
 void console_hold(struct console *console)

@@ -1,10 +1,11 @@
-/* What the command line says and how it ends: log lines and progress on stderr, and the tidy end on SIGINT. One console
- * per process, made by main and handed to every verb. */
+/* What the command line says and how it ends: log lines and progress on stderr, and the tidy end on
+ * SIGINT. One console per process, made by main and handed to every verb. */
 #ifndef DIPTYCH_CONSOLE_H
 #define DIPTYCH_CONSOLE_H
 
 #include <pthread.h>
 #include <stdatomic.h>
+#include <sys/types.h>
 #include <time.h>
 
 #include "diptych.h"
@@ -27,10 +28,12 @@ struct console {
     struct timespec start; /* of the verb */
     char status[128];
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
+    pid_t child; /* leads a process group, which a signal ends, too; 0: none */
 };
 
-/* Blocks SIGINT, SIGTERM and SIGHUP in this and all later threads, and starts the thread that waits for them: it lets a
- * write in progress finish, removes the temporaries and ends the process with 128 + signal. */
+/* Blocks SIGINT, SIGTERM and SIGHUP in this and all later threads, and starts the thread that waits
+ * for them: it lets a write in progress finish, ends the child, removes the temporaries and ends
+ * the process with 128 + signal. */
 bool console_open(struct console *console);
 void console_close(struct console *console);
 
@@ -39,7 +42,8 @@ void report_message(const struct dt_log *log, enum dt_level level, const char *f
     __attribute__((format(printf, 3, 4)));
 #define report_error(log, ...) report_message(log, DT_ERROR, __VA_ARGS__)
 
-/* A log that puts "NAME: " before each message and hands it on. `source` must outlive what it is given to. */
+/* A log that puts "NAME: " before each message and hands it on. `source` must outlive what it is
+ * given to. */
 struct log_source {
     const struct dt_log *log;
     const char *name;
@@ -50,9 +54,15 @@ struct dt_log log_from(struct log_source *source);
 void console_status(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* A file or folder to remove should a signal end the process; forget it once it is renamed or removed. */
+/* A file or folder to remove should a signal end the process; forget it once it is renamed or
+ * removed. */
 void console_temporary(struct console *console, const char *path);
 void console_forget(struct console *console, const char *path);
+
+/* Waits for a child that leads a process group of its own; should a signal end this process
+ * meanwhile, it ends the group before the temporaries are removed. Returns the status as waitpid
+ * gives it, or -1 with errno. */
+int console_wait(struct console *console, pid_t child);
 
 /* Brackets a short write that a signal must not cut in half. */
 void console_hold(struct console *console);

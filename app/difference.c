@@ -18,7 +18,8 @@ static bool not_finite(enum number_kind kind, uint32_t bits)
     return kind == NUMBER_HALF && (bits & 0x7c00) == 0x7c00;
 }
 
-/* Floats in order of value become integers in order: neighbours are 1 apart, -0 and +0 are the same. */
+/* Floats in order of value become integers in order: neighbours are 1 apart, -0 and +0 are the
+ * same. */
 static double ordered(enum number_kind kind, uint32_t bits)
 {
     uint32_t sign = kind == NUMBER_HALF ? 0x8000u : 0x80000000u;

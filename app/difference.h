@@ -11,7 +11,8 @@ enum verdict {
     VERDICT_DIFFERS, /* beyond the contract */
 };
 
-/* The largest error seen, in the contract's own measure: absolute for exact and abs, else ulp or relative. */
+/* The largest error seen, in the contract's own measure: absolute for exact and abs, else ulp or
+ * relative. */
 struct worst {
     bool valid;
     double error; /* INFINITY where NaN or Inf make it meaningless */
@@ -33,8 +34,8 @@ struct difference {
     struct worst worst;
 };
 
-/* Adds one frame's copies. Only declared fields count: padding is nobody's. NaN and Inf never pass under a tolerance;
- * under `exact` equal bits pass. False when out of memory. */
+/* Adds one frame's copies. Only declared fields count: padding is nobody's. NaN and Inf never pass
+ * under a tolerance; under `exact` equal bits pass. False when out of memory. */
 bool difference_add(struct difference *difference, const struct dt_resource *resource,
                     uint32_t frame, const struct dt_bytes copies[2]);
 

@@ -95,7 +95,8 @@ static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource
     return cJSON_AddItemToArray(dump->entries, entry);
 }
 
-/* Padding between fields holds whatever the memory held before: zero, so that equal content gives equal files. */
+/* Padding between fields holds whatever the memory held before: zero, so that equal content gives
+ * equal files. */
 static bool clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes)
 {
     struct component *list = NULL;

@@ -1,4 +1,5 @@
-/* --dump: what every pass produced, as raw little-endian files and a manifest.json. Called by render, from its observer. */
+/* --dump: what every pass produced, as raw little-endian files and a manifest.json. Called by
+ * render, from its observer. */
 #ifndef DIPTYCH_DUMP_H
 #define DIPTYCH_DUMP_H
 
@@ -23,12 +24,14 @@ struct dump_info {
     uint32_t frame; /* index of the frame that is dumped */
 };
 
-/* Refuses a folder that exists and is not an earlier dump. On false the error is logged; dump_end either way. */
+/* Refuses a folder that exists and is not an earlier dump. On false the error is logged; dump_end
+ * either way. */
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
                 const struct dump_info *info);
 /* Sets the padding between fields in bytes to zero. */
 bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, struct dt_bytes *bytes);
-/* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed dump. */
+/* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed
+ * dump. */
 bool dump_end(struct dump *dump, bool keep);
 
 #endif

@@ -90,6 +90,24 @@ bool file_write(const char *path, const void *data, size_t size, const struct dt
     return good;
 }
 
+bool file_can_write(const char *path, const struct dt_log *log)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = !slash          ? strdup(".")
+                   : slash == path ? strdup("/")
+                                   : strndup(path, (size_t)(slash - path));
+    struct stat status;
+    bool good = folder && access(folder, W_OK | X_OK) == 0;
+    if (good && stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
+        errno = EISDIR;
+        good = false;
+    }
+    if (!good)
+        report_error(log, "%s: cannot be written: %s", path, strerror(errno));
+    free(folder);
+    return good;
+}
+
 bool file_exists(const char *path)
 {
     return access(path, F_OK) == 0;

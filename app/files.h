@@ -1,5 +1,6 @@
-/* Files for the command line: read whole, write whole or not at all, folders, and a content hash. Called by pipeline, dump
- * and the verbs. Functions that return bool or a pointer and take a log have logged the error when they fail. */
+/* Files for the command line: read whole, write whole or not at all, folders, and a content hash.
+ * Called by pipeline, dump and the verbs. Functions that return bool or a pointer and take a log
+ * have logged the error when they fail. */
 #ifndef DIPTYCH_FILES_H
 #define DIPTYCH_FILES_H
 
@@ -14,11 +15,15 @@ char *file_read(const char *path, size_t *size, const struct dt_log *log);
 /* Writes beside `path` and renames, so that the file is there whole or not at all. */
 bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log);
 
+/* Whether file_write could put a file there, asked before hours of work; logs as it would. */
+bool file_can_write(const char *path, const struct dt_log *log);
+
 bool file_exists(const char *path);
 bool file_make_folders(const char *path, const struct dt_log *log); /* mkdir -p */
 bool file_remove_tree(const char *path); /* true also when there was nothing */
 
-/* FNV-1a, 64 bit, over the content; *hash carries on from its former value. Start with FILE_HASH_START. */
+/* FNV-1a, 64 bit, over the content; *hash carries on from its former value. Start with
+ * FILE_HASH_START. */
 #define FILE_HASH_START UINT64_C(0xcbf29ce484222325)
 void hash_bytes(uint64_t *hash, const void *data, size_t size);
 bool hash_file(uint64_t *hash, const char *path); /* silent: false when it cannot be read */

@@ -1,4 +1,5 @@
-/* The `diptych` command: finds the verb, reads its options, runs it. Each verb lives in a file of its own. */
+/* The `diptych` command: finds the verb, reads its options, runs it. Each verb lives in a file of
+ * its own. */
 #include <stdio.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
-/* The options of all verbs in one table, and the one parser that reads it. Called by main, which hands the result to the
- * verb. */
+/* The options of all verbs in one table, and the one parser that reads it. Called by main, which
+ * hands the result to the verb. */
 #ifndef DIPTYCH_OPTIONS_H
 #define DIPTYCH_OPTIONS_H
 
@@ -8,8 +8,8 @@
 /* A verb's bit in the option table. */
 enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2 };
 
-/* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at the default. Strings
- * point into argv. */
+/* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at
+ * the default. Strings point into argv. */
 struct options {
     const char *scene;
     const char *backend; /* "gl" or "vk" */
@@ -42,7 +42,8 @@ struct verb {
 int verb_render(struct console *console, const struct options *options);
 int verb_compare(struct console *console, const struct options *options);
 
-/* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either way. */
+/* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
+ * way. */
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
                    const struct dt_log *log);
 void options_free(struct options *options);

@@ -1,5 +1,5 @@
-/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom: rows are flipped here, and
- * nowhere else. */
+/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom: rows
+ * are flipped here, and nowhere else. */
 #include "picture.h"
 
 #include <math.h>
@@ -82,7 +82,7 @@ bool picture_linear(struct picture *picture, const struct dt_resource *resource,
     return true;
 }
 
-/* ---- From numbers to codes --------------------------------------------------------------------------------------- */
+/* ---- From numbers to codes ------------------------------------------------------------------- */
 
 struct range {
     float least, most;

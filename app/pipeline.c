@@ -64,8 +64,8 @@ static const struct dt_panel *find_panel(void *object, const char *name, const c
     return panel;
 }
 
-/* One generation: the pipeline with exactly these overrides, live block at its defaults. Unload it in
- * any case. */
+/* One generation: the pipeline with exactly these overrides, live block at its defaults. Unload it
+ * in any case. */
 static bool load_with(struct pipeline *pipeline, struct console *console,
                       const struct build_request *request)
 {
@@ -101,7 +101,7 @@ void pipeline_unload(struct pipeline *pipeline)
     *pipeline = (struct pipeline){0};
 }
 
-/* ---- Overrides --------------------------------------------------------------------------------------------------- */
+/* ---- Overrides ------------------------------------------------------------------------------- */
 
 const struct dt_param *pipeline_param(const struct dt_pipeline *info, const char *name)
 {
@@ -110,23 +110,6 @@ const struct dt_param *pipeline_param(const struct dt_pipeline *info, const char
             return &info->params[i];
     }
     return NULL;
-}
-
-static bool unknown_param(const struct dt_pipeline *info, const char *name,
-                          const struct dt_log *log)
-{
-    const char **names = calloc(info->param_count + 1, sizeof *names);
-    for (uint32_t i = 0; names && i < info->param_count; i++)
-        names[i] = info->params[i].name;
-    const char *hint = names ? closest_name(name, names, info->param_count) : NULL;
-    if (hint)
-        report_error(log, "--set %s: %s has no such parameter; did you mean \"%s\"?", name,
-                     info->name, hint);
-    else
-        report_error(log, "--set %s: %s has no such parameter; its header lists them", name,
-                     info->name);
-    free(names);
-    return false;
 }
 
 /* Reads "1.5", "true" or "[1, 2]" into values; false unless it is exactly `count` of them. */
@@ -189,12 +172,13 @@ bool pipeline_set_live(struct pipeline *pipeline, const struct dt_param *param, 
     if (count > 4 || param->offset + count * 4 > pipeline->info->live_size ||
         !read_values(value, count, values)) {
         report_error(log, "--set %s=%s: must be %s%s", param->name, value,
-                     count > 1 ? "a list like [1, 2] for " : "a ", type_name(param->type));
+                     count > 1 ? "a list like [1, 2] of type " : "of type ",
+                     type_name(param->type));
         return false;
     }
     for (uint32_t i = 0; i < count; i++) {
         if (!fits(param, scalar, values[i])) {
-            report_error(log, "--set %s=%s: must be a %s from %g to %g", param->name, value,
+            report_error(log, "--set %s=%s: must be of type %s, from %g to %g", param->name, value,
                          type_name(param->type), param->min, param->max);
             return false;
         }
@@ -204,29 +188,32 @@ bool pipeline_set_live(struct pipeline *pipeline, const struct dt_param *param, 
     return true;
 }
 
-/* A bare name is a parameter, everything else (dots, brackets) a path in the spec. */
+/* A bare name is a parameter or a top-level key, everything else (dots, brackets) a path in the
+ * spec. */
 static bool is_bare(const char *set)
 {
     return strcspn(set, ".[") > strcspn(set, "=");
 }
 
-/* Sorts the bare overrides into baked ones, appended to request->sets, and live ones, which stay for later. */
+/* Appends the bare overrides that need generating to request->sets: all but live parameters, which
+ * stay for later. Names that the pipeline does not know are the generator's to judge. */
 static bool take_baked(const struct pipeline *pipeline, const struct options *options,
                        struct build_request *request, const struct dt_log *log)
 {
-    bool good = true;
-    for (uint32_t i = 0; i < options->set_count && good; i++) {
+    for (uint32_t i = 0; i < options->set_count; i++) {
         if (!is_bare(options->sets[i]))
             continue;
         char *name = strndup(options->sets[i], strcspn(options->sets[i], "="));
-        const struct dt_param *param = name ? pipeline_param(pipeline->info, name) : NULL;
-        if (!param)
-            good = unknown_param(pipeline->info, name ? name : options->sets[i], log);
-        else if (!param->live)
+        if (!name) {
+            report_error(log, "out of memory");
+            return false;
+        }
+        const struct dt_param *param = pipeline_param(pipeline->info, name);
+        if (!param || !param->live)
             request->sets[request->set_count++] = options->sets[i];
         free(name);
     }
-    return good;
+    return true;
 }
 
 static bool set_live_ones(struct pipeline *pipeline, const struct options *options,
@@ -244,8 +231,8 @@ static bool set_live_ones(struct pipeline *pipeline, const struct options *optio
     return good;
 }
 
-/* Which parameters are live is known only from a generated pipeline: the first one is made with the overrides that cannot
- * be live, and only a baked parameter among the rest asks for a second. */
+/* Which parameters are live is known only from a generated pipeline: the first one is made with the
+ * overrides that cannot be live, and only a baked parameter among the rest asks for a second. */
 static bool load_request(struct pipeline *pipeline, struct console *console,
                          const struct options *options, struct build_request *request)
 {

@@ -1,5 +1,5 @@
-/* From a spec and its --set overrides to a pipeline in memory: generated, compiled, cached by content, loaded. Called by the
- * verbs. */
+/* From a spec and its --set overrides to a pipeline in memory: generated, compiled, cached by
+ * content, loaded. Called by the verbs. */
 #ifndef DIPTYCH_PIPELINE_H
 #define DIPTYCH_PIPELINE_H
 
@@ -10,22 +10,23 @@
 struct pipeline {
     const struct dt_pipeline *info;
     const struct dt_panel *gl, *vk;
-    void *
-        live; /* info->live_size bytes: the defaults with the live parameters that were set; owned */
+    /* info->live_size bytes: the defaults with the live parameters that were set; owned */
+    void *live;
     void *object; /* of dlopen */
 };
 
 /* The project's folder (that holds templates/), found from the executable's place; free(). */
 char *project_folder(const struct dt_log *log);
 
-/* Generates, compiles and loads what is not in the cache yet: in build/cache beside the executable, or in
- * $XDG_CACHE_HOME/diptych when that cannot be written. --set of a live parameter only writes pipeline->live. On false
- * the error is logged and nothing is left loaded. */
+/* Generates, compiles and loads what is not in the cache yet: in build/cache beside the executable,
+ * or in $XDG_CACHE_HOME/diptych when that cannot be written. --set of a live parameter only writes
+ * pipeline->live. On false the error is logged and nothing is left loaded. */
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
-/* Writes one live parameter: VALUE is a number, true, false, or [a, b, ...]; checked against type and range. */
+/* Writes one live parameter: VALUE is a number, true, false, or [a, b, ...]; checked against type
+ * and range. */
 bool pipeline_set_live(struct pipeline *pipeline, const struct dt_param *param, const char *value,
                        const struct dt_log *log);
 const struct dt_param *pipeline_param(const struct dt_pipeline *info,

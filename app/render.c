@@ -4,6 +4,7 @@
 #include <strings.h>
 
 #include "dump.h"
+#include "files.h"
 #include "options.h"
 #include "picture.h"
 #include "scenes/image.h"
@@ -148,7 +149,8 @@ static bool run_frames(struct render *render)
         double start = milliseconds_now();
         if (!session_frame(&render->session, last ? &observer : NULL))
             return false;
-        /* the observer makes every pass wait, so the last frame is timed only when it is the first, too */
+        /* the observer makes every pass wait, so the last frame is timed only when it is the first,
+         * too */
         if (options->timings && (!last || i == 0) &&
             !timings_take(&render->timings, &render->session, milliseconds_now() - start))
             return false;
@@ -186,7 +188,10 @@ static bool prepare(struct render *render)
 {
     const struct options *options = render->options;
     const struct dt_log *log = &render->console->log;
-    if (!check_output(render) || !pipeline_load(&render->pipeline, render->console, options))
+    if ((options->output && !file_can_write(options->output, log)) ||
+        (options->timings && !file_can_write(options->timings, log)))
+        return false;
+    if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
     if (!find_shown(render) || !session_load_scene(&render->scene, render->console, options))
         return false;
@@ -211,6 +216,8 @@ static bool prepare(struct render *render)
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = options};
+    if (!check_output(&render))
+        return EXIT_USAGE;
     bool good = prepare(&render) && run_frames(&render);
     if (good && options->timings)
         good = timings_write(&render.timings, &render.session, options->timings);

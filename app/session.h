@@ -1,5 +1,5 @@
-/* One backend at work on one pipeline and one scene: open, upload, create, resize, frames, close. Called by the verbs; a
- * session is used from one thread. */
+/* One backend at work on one pipeline and one scene: open, upload, create, resize, frames, close.
+ * Called by the verbs; a session is used from one thread. */
 #ifndef DIPTYCH_SESSION_H
 #define DIPTYCH_SESSION_H
 
@@ -28,8 +28,8 @@ struct session {
     uint32_t frame; /* index of the next one */
 };
 
-/* session_open only makes the context or device; session_prepare takes it to where the first frame can run. On false
- * the error is logged; close it in any case. */
+/* session_open only makes the context or device; session_prepare takes it to where the first frame
+ * can run. On false the error is logged; close it in any case. */
 bool session_open(struct session *session, const struct session_info *info);
 bool session_prepare(struct session *session);
 

@@ -1,5 +1,5 @@
-/* What lies in the bytes of a resource: names, sizes and numbers of types and formats. Called by dump, picture, compare and
- * pipeline. */
+/* What lies in the bytes of a resource: names, sizes and numbers of types and formats. Called by
+ * dump, picture, compare and pipeline. */
 #ifndef DIPTYCH_TEXELS_H
 #define DIPTYCH_TEXELS_H
 
@@ -28,7 +28,8 @@ struct component {
 
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
 
-/* All declared numbers of an element, padding left out; *list is malloc'ed. Returns their count, 0 when out of memory. */
+/* All declared numbers of an element, padding left out; *list is malloc'ed. Returns their count, 0
+ * when out of memory. */
 uint32_t resource_components(const struct dt_resource *resource, struct component **list);
 
 #endif

@@ -18,8 +18,8 @@ bool timings_create(struct timings *timings, uint32_t passes, uint32_t max_frame
 bool timings_take(struct timings *timings, const struct session *session, double frame_ms);
 void timings_free(struct timings *timings);
 
-/* Medians, as {"backend", "device", "software", "pipeline", "scene", "width", "height", "frames", "frame_ms",
- * "sum_ms", "passes": [{"pass", "ms"}]}; a pass that never ran has null. */
+/* Medians, as {"backend", "device", "software", "pipeline", "scene", "width", "height", "frames",
+ * "frame_ms", "sum_ms", "passes": [{"pass", "ms"}]}; a pass that never ran has null. */
 bool timings_write(const struct timings *timings, const struct session *session, const char *path);
 
 double milliseconds_now(void); /* monotonic */

@@ -112,8 +112,8 @@ static void camera_view(const struct scene *scene, float aspect, struct dt_view 
     glm_vec3_normalize(out->direction);
 }
 
-/* Along the longest side of the scene that the light does not look along: then the map lies along the scene's walls, and
- * little of it is empty. */
+/* Along the longest side of the scene that the light does not look along: then the map lies along
+ * the scene's walls, and little of it is empty. */
 static void up_along_walls(const struct scene *scene, const float direction[3], vec3 up)
 {
     int best = -1;

@@ -20,8 +20,8 @@ struct mesh {
     uint32_t vertex_count;
     uint32_t *indices; /* three per triangle, counter-clockwise seen from the front */
     uint32_t index_count;
-    struct dt_material
-        *materials; /* alpha_cutoff is 0.5 where texture alpha may count, until texture.c knows */
+    /* alpha_cutoff is 0.5 where texture alpha may count, until texture.c knows */
+    struct dt_material *materials;
     uint32_t material_count;
     struct mesh_texture *textures;
     uint32_t texture_count;

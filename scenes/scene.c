@@ -13,8 +13,8 @@
  *
  * Angles in degrees: fov_y is the whole angle, cone the inner and outer half angle. A spot may
  * have `direction` instead of `target`. Both ends of the opening are optional together: a box that
- * all light must pass through, such as a hole in a roof; without it light comes from everywhere. Irradiance is perpendicular to the rays (W/m2),
- * intensity that on the axis (W/sr). */
+ * all light must pass through, such as a hole in a roof; without it light comes from everywhere.
+ * Irradiance is perpendicular to the rays (W/m2), intensity that on the axis (W/sr). */
 #include "scene.h"
 #include "mesh.h"
 

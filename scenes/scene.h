@@ -17,8 +17,9 @@ struct scene_light {
     float direction[3]; /* unit, the way that light travels */
     float cone[2];      /* spot: inner and outer half angle, radians */
     float color[3];     /* directional: irradiance, W/m2; spot: intensity, W/sr */
-    /* Directional: box that all of its light passes through, such as an open roof; the whole scene's
-     * by default. Its silhouette bounds the light's view, so that no sample of it is spent outside. */
+    /* Directional: box that all of its light passes through, such as an open roof; the whole
+     * scene's by default. Its silhouette bounds the light's view, so that no sample of it is spent
+     * outside. */
     float opening_min[3], opening_max[3];
 };
 

@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# The command line says what is wrong, once, by the exit status that scripts rely on, and leaves nothing half-written. TAP.
+. "$(dirname "$0")/tap.sh"
+scene=$root/scenes/cornell.yaml
+render=("$diptych" render --scene "$scene" --size 8x8)
+compare=("$diptych" compare --scene "$scene" --size 8x8)
+
+# shellcheck disable=SC2317 # called through check
+says() { # status text command...: one error in all, which contains the text
+    local want=$1 text=$2 got
+    shift 2
+    "$@" >"$work/said" 2>&1 </dev/null
+    got=$?
+    cat "$work/said"
+    echo "exit status $got, expected $want, with: $text"
+    [ "$got" = "$want" ] && [ "$(grep -c 'error:' "$work/said")" = 1 ] && grep -qF -- "$text" "$work/said"
+}
+
+refused() { # status text command...
+    check "$1: $2" says "$@"
+}
+
+refused 2 'did you mean "render"?' "$diptych" rendre
+refused 2 'did you mean "--scene"?' "$diptych" render --scen x
+refused 2 '--scene FILE is missing' "$diptych" compare
+refused 2 '--backend gx: must be one of gl|vk' "${render[@]}" --backend gx
+refused 2 '--size 0x0' "${render[@]}" --backend gl --size 0x0 -o "$work/a.png"
+refused 2 '--size 99999x99999' "${render[@]}" --backend gl --size 99999x99999 -o "$work/a.png"
+refused 2 'must end in .exr' "${render[@]}" --backend gl -o "$work/a.jpg"
+refused 2 '-o FILE is missing' "${render[@]}" --backend gl
+refused 2 '--set bounces: must be PATH=VALUE' "${render[@]}" --backend gl --set bounces
+refused 1 '--set bounces=9: must be of type int, from 0 to 2' "${render[@]}" --backend vk -o "$work/a.png" --set bounces=9
+# shellcheck disable=SC2016 # these are no commands
+refused 1 'did you mean `bounces`?' "${render[@]}" --backend vk -o "$work/a.png" --set bouncez=1
+refused 1 "$work/absent/a.png: cannot be written" "${render[@]}" --backend vk -o "$work/absent/a.png"
+refused 1 "absent.yaml" "$diptych" render --scene "$work/absent.yaml" --backend vk -o "$work/a.png"
+refused 1 "--device none: no such Vulkan device" "${render[@]}" --backend vk -o "$work/a.png" --device none
+refused 1 "did you mean" "${render[@]}" --backend vk -o "$work/a.png" --show displai
+refused 1 "choose another --size" "${render[@]}" --backend vk -o "$work/a.png" --size 32768x32768
+refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"
+refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
+
+# A pipeline of one's own is compiled on the spot. Its cache is its own, too: a copy of the tools without sources beside them.
+mkdir -p "$work/project/build/glad" "$work/spec"
+cp "$build/diptych" "$build/diptych-gen" "$work/project/build/"
+cp "$build"/libdiptych_image.so "$work/project/build/"
+cp -r "$build/glad/include" "$work/project/build/glad/"
+ln -s "$root/templates" "$root/runtime_gl" "$root/runtime_vk" "$root/scenes" "$work/project/"
+cp "$root"/tests/specs/mips* "$work/spec/"
+own=("$work/project/build/diptych" render --scene "$scene" --size 8x8 --spec "$work/spec/mips.yaml" --backend vk -o "$work/own.png")
+
+# shellcheck disable=SC2317
+nothing_left() {
+    ! find "$work" -mindepth 1 -name '*tmp*' | grep .
+}
+refused 1 "install a C compiler, or name one in the environment variable CC" env CC=no-such-compiler "${own[@]}"
+check "a compiler that cannot be started leaves nothing" nothing_left
+refused 1 "compiling the generated C failed" env CC=false "${own[@]}"
+check "a compiler that fails leaves nothing" nothing_left
+
+# A compiler that takes its time, and goes on writing if nobody ends it.
+cat >"$work/slow" <<'SLOW'
+#!/bin/sh
+for i in 1 2 3 4 5 6 7 8 9 10; do
+    sleep 0.3
+    for word; do case $word in */panels.so) mkdir -p "$(dirname "$word")" && echo >"$word.$i" ;; esac done
+done
+exit 1
+SLOW
+chmod +x "$work/slow"
+# shellcheck disable=SC2317
+interrupted() { # signal
+    local began=$SECONDS
+    CC=$work/slow "${own[@]}" &
+    local child=$!
+    for _ in $(seq 100); do
+        compgen -G "$work/project/build/cache/*/tmp-*/panels.so.1" >/dev/null && break
+        sleep 0.1
+    done
+    kill "-$1" "$child"
+    wait "$child"
+    echo "exit status $? after $((SECONDS - began)) s"
+    sleep 0.7
+    nothing_left
+}
+for signal in INT TERM HUP; do
+    check "SIG$signal ends the compiler and leaves nothing" interrupted $signal
+done
+
+# What a killed process left is removed by the next one.
+# shellcheck disable=SC2317
+swept() {
+    local folder
+    folder=$(dirname "$(find "$work/project/build/cache" -mindepth 1 -maxdepth 1 -type d | head -n 1)/x")
+    mkdir "$folder/tmp-999999999"
+    "${own[@]}" && nothing_left
+}
+check "what a killed process left half built is swept" swept
+# shellcheck disable=SC2317
+at_once() {
+    echo "# changed" >>"$work/spec/mips.yaml"
+    "${own[@]}" &
+    local first=$!
+    "${own[@]}" && wait "$first" && nothing_left
+}
+check "two processes build one pipeline at once" at_once
+finish
