@@ -1,5 +1,5 @@
-/* Reads what `diptych render --dump` wrote; see dump_reader.h. Written against the format in the README, not against the
- * code that writes it. */
+/* Reads what `diptych render --dump` wrote; see dump_reader.h. Written against the format in the
+ * README, not against the code that writes it. */
 #include "dump_reader.h"
 
 #include <cjson/cJSON.h>

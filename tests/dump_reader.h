@@ -1,5 +1,5 @@
-/* Reads what `diptych render --dump` wrote: the tests' independent eye on a frame. Fails the running cmocka test on
- * anything that it cannot read, so callers need no checks. */
+/* Reads what `diptych render --dump` wrote: the tests' independent eye on a frame. Fails the
+ * running cmocka test on anything that it cannot read, so callers need no checks. */
 #ifndef DIPTYCH_TESTS_DUMP_READER_H
 #define DIPTYCH_TESTS_DUMP_READER_H
 
@@ -24,8 +24,9 @@ struct dump_entry { /* one resource after one pass */
 };
 
 void dump_open(struct dump *dump, const char *directory);
-/* Runs `diptych render --dump` with these further arguments in a temporary directory, and opens the dump. The program is
- * $DIPTYCH_BUILD/diptych, build/diptych without it; the working directory is the project's root. */
+/* Runs `diptych render --dump` with these further arguments in a temporary directory, and opens the
+ * dump. The program is $DIPTYCH_BUILD/diptych, build/diptych without it; the working directory is
+ * the project's root. */
 void dump_render(struct dump *dump, const char *arguments);
 void dump_close(struct dump *dump); /* removes what dump_render made */
 
@@ -35,7 +36,8 @@ void dump_entry_free(struct dump_entry *entry);
 
 /* Address of a field (buffers) in element `index`. */
 const void *dump_field(const struct dump_entry *entry, size_t index, const char *field);
-/* Channels of a texel (images) as float; row 0 is NDC y = -1. Reads rgba32f, rgba16f, r32f, rgba8, d32f, r32ui. */
+/* Channels of a texel (images) as float; row 0 is NDC y = -1. Reads rgba32f, rgba16f, r32f, rgba8,
+ * d32f, r32ui. */
 void dump_texel(const struct dump_entry *entry, size_t x, size_t y, size_t layer, float out[4]);
 
 /* Number of entries in the manifest, and the names in the i-th. */

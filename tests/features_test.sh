@@ -16,6 +16,23 @@ check "features agree with OpenGL fed GLSL text" \
 check "features agree with OpenGL from OSMesa" \
     "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --context osmesa
 
+for shrink in true false; do
+    check "mips agree with shrink=$shrink" \
+        "$diptych" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --frames 2 --set shrink=$shrink --debug
+done
+# shellcheck disable=SC2317 # called through check
+skipped_mips() { # backend: what a skipped pass clears is its own mip; pixel (0, 0) shows the smallest one
+    local dump=$work/mips_$1
+    "$diptych" render --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --set shrink=false \
+        --backend "$1" --dump "$dump" &&
+        cmp "$dump"/*.fill.pyramid.raw "$dump"/*.halve.pyramid.raw &&
+        cmp "$dump"/*.slot_0.resources.raw "$dump"/*.slot_1.resources.raw &&
+        [ "$(od -An -tu1 -N4 "$dump"/*.show.picture.raw | xargs)" = "64 128 191 8" ]
+}
+for backend in gl vk; do
+    check "a skipped dispatch clears its own mip alone, $backend" skipped_mips $backend
+done
+
 # Faults of one backend: in a compute pass, in a draw, in the last bit of one element, in one texel.
 for fault in count scene mark compose; do
     mkdir -p "$work/$fault"

@@ -309,7 +309,8 @@ static void second_bounce_flux_is_as_derived(void **state)
                 second_sum += vec(&second, k, "flux")[c];
             }
         }
-        expect_near(weights, 1.0, 0.03, 0); /* the integral over the disk is 1; 32 points come near */
+        expect_near(weights, 1.0, 0.03,
+                    0); /* the integral over the disk is 1; 32 points come near */
         assert_true(second_sum > 0.1 * first_sum && second_sum < first_sum);
         dump_entry_free(&vpls);
         dump_entry_free(&labels);

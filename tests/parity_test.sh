@@ -26,4 +26,28 @@ check "ssvp agrees over three frames, whose clusters are seeded from the last" \
     "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --frames 3 --debug
 check "ssvp agrees with a tile of 3x2 and counts that it does not divide" \
     "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set 'tile=[3,2]' --set first_vpls=100 --set second_vpls=128 --set clusters=3 --debug
+check "ssvp agrees with Equation 2 as printed" \
+    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set metrics.vpl_distance.normal_term=dot --debug
+check "ssvp agrees split and gathered" \
+    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set split=1 --debug
+
+# Where a range's elements live and how its loop is written changes the time, never a bit.
+ranges=passes.shade.ranges
+# shellcheck disable=SC2317 # called through check
+shade() { # file sets...
+    local file=$1
+    shift
+    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --debug "$@" &&
+        "$diptych" render --scene "$cornell" --spec "$ssvp" --size 37x23 --backend vk --dump "$work/dump" "$@" &&
+        cat "$work"/dump/*.shade.irradiance.raw >"$work/$file"
+}
+check "shading, as planned" shade planned
+check "shading, planned for a GPU" shade gpu --set target=gpu
+check "shading, rolled loops" shade rolled --set $ranges.first_range.loop=roll --set $ranges.second_range.loop=roll
+check "shading, from storage buffers" shade buffer \
+    --set $ranges.first_range.storage=buffer --set $ranges.second_range.storage=buffer
+check "shading, from a uniform block" shade uniform --set $ranges.second_range.storage=uniform
+for shape in gpu rolled buffer uniform; do
+    check "shading, $shape: the same bits" cmp "$work/planned" "$work/$shape"
+done
 finish

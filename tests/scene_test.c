@@ -538,7 +538,8 @@ static void sun_view_holds_the_scene(void **state)
     scene_free(&scene);
 }
 
-/* Light that falls aslant through a hole of 1 x 0.5 shows it foreshortened: 0.5 times the cosine. */
+/* Light that falls aslant through a hole of 1 x 0.5 shows it foreshortened: 0.5 times the
+ * cosine. */
 static void opening_bounds_the_sun_view(void **state)
 {
     (void)state;

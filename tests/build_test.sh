@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# The build does what changed and no more. Tried on a copy of the tree with its finished build, whose
+# times ninja goes by: the tree stays as it is, and the ninja that runs this test undisturbed. TAP.
+. "$(dirname "$0")/tap.sh"
+tree=$work/tree
+export NINJA_STATUS="[%f/%t] "
+
+mkdir "$tree"
+(cd "$root" && for entry in *; do [ "$entry" = build ] || cp -a "$entry" "$tree/" || exit; done &&
+    mkdir "$tree/build" && for entry in build/.ninja_* build/*; do
+        case $entry in
+        build/asan | build/check | build/demo | build/tests) ;;
+        *) cp -a "$entry" "$tree/build/" || exit ;;
+        esac
+    done) || exit
+cd "$tree" || exit
+
+# The command runs so many edges, all of which fit the extended regular expression.
+# shellcheck disable=SC2317 # called through check
+edges() { # least most pattern ninja-command...
+    local least=$1 most=$2 pattern=$3 count
+    shift 3
+    "$@" >"$work/ran" || { cat "$work/ran" && return 1; }
+    grep '^\[' "$work/ran" >"$work/edges"
+    count=$(wc -l <"$work/edges")
+    echo "$count edges, expected $least to $most; of other kinds:"
+    ! grep -vE -- "$pattern" "$work/edges" && [ "$count" -ge "$least" ] && [ "$count" -le "$most" ]
+}
+
+# shellcheck disable=SC2317
+nothing_to_do() {
+    ninja | grep -F "ninja: no work to do."
+}
+
+# shellcheck disable=SC2317
+older() { # file...: all older than the stamp
+    local file
+    for file in "$@"; do
+        [ "$work/stamp" -nt "$file" ] || { echo "$file is new" && return 1; }
+    done
+}
+
+check "the copy is built" ninja
+check "a second time there is nothing to do" nothing_to_do
+
+# A dry run does not know what will turn out unchanged.
+sleep 0.05
+touch "$work/stamp"
+sleep 0.05
+touch templates/rsm.yaml
+check "a touched spec concerns its pipeline" edges 1 4 'rsm' ninja -n
+check "... is generated again, and no more" edges 1 1 'GENERATE templates/rsm\.yaml' ninja
+check "... as its files are what they were" older build/gen/rsm/rsm* build/obj/pipelines/rsm*.o
+check "... and then there is nothing to do" nothing_to_do
+touch templates/shared/gbuffer.glsl
+check "a touched shader concerns the pipelines that include it" \
+    edges 2 2 'GENERATE templates/(rsm|ssvp)\.yaml' ninja
+
+sed -i 's/\(exposure: .*value: 0\.\)18/\136/' templates/rsm.yaml
+check "another default of a live parameter changes C" edges 2 4 'rsm' ninja
+check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
+check "... and then there is nothing to do" nothing_to_do
+touch gen/plan.h
+check "a touched header concerns those that include it" \
+    edges 3 100 'build/obj/gen/|build/diptych-gen|GENERATE|build/obj/pipelines/' ninja -n
+check "... the planner among them" grep -F 'CC build/obj/gen/plan.o' "$work/edges"
+finish

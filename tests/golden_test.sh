@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# What the generator writes: for tests/golden/small.yaml exactly the files of tests/golden/small
+# (SPIR-V left out, since it changes with glslang; UPDATE=1 rewrites them); C without a warning, valid
+# SPIR-V, bytes that depend on the spec alone, and for every type of parameter a value from --set. TAP.
+. "$(dirname "$0")/tap.sh"
+gen=$build/diptych-gen
+cd "$root" || exit 1
+
+# shellcheck disable=SC2317 # called through check
+without_words() { # file: generated C with the words of SPIR-V left out
+    awk '/^static const uint32_t .*\[\] = \{$/ { print; print "    /* SPIR-V */"; words = 1 }
+         /^\};$/ { words = 0 }
+         !words && !/^static const uint32_t .*\[\] = \{$/' "$1"
+}
+
+# shellcheck disable=SC2317
+as_expected() { # file
+    without_words "$work/small/$1" >"$work/found"
+    [ -z "${UPDATE:-}" ] || cp "$work/found" "tests/golden/small/$1"
+    diff -u "tests/golden/small/$1" "$work/found"
+}
+
+# shellcheck disable=SC2317
+compiles() { # name
+    local file
+    for file in "$work/$1/$1"{,_gl,_vk}.c; do
+        cc -std=c11 -Wall -Wextra -Werror -I. -Itemplates/c -Ibuild/glad/include \
+            -fsyntax-only "$file" || return
+    done
+}
+
+# shellcheck disable=SC2317
+valid_spirv() { # name
+    local file count=0
+    for file in "$work/$1"/*/*.spv; do
+        case $file in
+        */gl/*) spirv-val --target-env opengl4.5 "$file" ;;
+        *) spirv-val --target-env vulkan1.3 "$file" ;;
+        esac || { echo "$file" && return 1; }
+        count=$((count + 1))
+    done
+    [ "$count" -gt 0 ]
+}
+
+# shellcheck disable=SC2317
+names_nothing_of_here() { # name: where, when and on what machine it was made
+    local word
+    for word in "$root" "$work" "$(date +%Y-%m-%d)" "$(date '+%b %e %Y')"; do
+        ! grep -rFa -- "$word" "$work/$1" || return
+    done
+    for word in "$HOSTNAME" "$(date +%Y)"; do
+        ! grep -rFwI -- "$word" "$work/$1" || return
+    done
+}
+
+spec_of() { # name
+    local folder
+    for folder in templates tests/golden tests/specs; do
+        [ ! -e "$folder/$1.yaml" ] || echo "$folder/$1.yaml"
+    done
+}
+
+# shellcheck disable=SC2317
+generate_elsewhere() ( # name
+    spec=$(spec_of "$1")
+    mkdir -p "$work/elsewhere" && cd "$work/elsewhere" || exit
+    TZ=Asia/Tokyo HOME=/ "$gen" --templates "$root/templates" "$root/$spec" -o "./$1/"
+)
+
+for name in small kinds ssvp rsm; do
+    check "$name is generated" "$gen" "$(spec_of $name)" -o "$work/$name"
+    check "$name is C11 without a warning" compiles $name
+    if command -v spirv-val >/dev/null; then
+        check "$name has valid SPIR-V for both" valid_spirv $name
+    else
+        skip "$name has valid SPIR-V for both" "spirv-val is missing"
+    fi
+    check "$name from elsewhere is generated" generate_elsewhere $name
+    check "... the same bytes" diff -r "$work/$name" "$work/elsewhere/$name"
+    check "$name names no path, host or date" names_nothing_of_here $name
+done
+for file in small.h small.c small_gl.c small_vk.c small.dot; do
+    check "$file is as expected" as_expected $file
+done
+
+# Every type, baked and live: what is set is a constant in the GLSL, or a default in the C.
+# shellcheck disable=SC2317
+sets() { # type value baked live
+    rm -rf "$work/set"
+    "$gen" tests/specs/kinds.yaml -o "$work/set" --set "baked_$1=$2" --set "live_$1=$2" || return
+    for api in gl vk; do
+        grep -F "const $1 baked_$1 = $3;" "$work/set/$api/sum.comp" || return
+    done
+    grep -F ".live_$1 = $4," "$work/set/kinds.c"
+}
+while read -r type value baked live; do
+    check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"
+done <<'END'
+float 7.25            7.25                        7.25f
+vec2  [7.25,8]        vec2(7.25,_8.0)             {7.25f,_8.0f}
+vec3  [7.25,8,9]      vec3(7.25,_8.0,_9.0)        {7.25f,_8.0f,_9.0f}
+vec4  [7.25,8,9,-1]   vec4(7.25,_8.0,_9.0,_-1.0)  {7.25f,_8.0f,_9.0f,_-1.0f}
+int   -7              -7                          -7
+ivec2 [-7,8]          ivec2(-7,_8)                {-7,_8}
+ivec3 [-7,8,9]        ivec3(-7,_8,_9)             {-7,_8,_9}
+ivec4 [-7,8,9,10]     ivec4(-7,_8,_9,_10)         {-7,_8,_9,_10}
+uint  4000000000      4000000000u                 4000000000u
+uvec2 [7,8]           uvec2(7u,_8u)               {7u,_8u}
+uvec3 [7,8,9]         uvec3(7u,_8u,_9u)           {7u,_8u,_9u}
+uvec4 [7,8,9,10]      uvec4(7u,_8u,_9u,_10u)      {7u,_8u,_9u,_10u}
+bool  true            true                        1
+END
+for kind in baked live; do
+    for wrong in float=11 int=-11 "vec3=[1, 2]" bool=2; do
+        check_status 1 "--set of ${kind}_$wrong is refused" \
+            "$gen" --check tests/specs/kinds.yaml --set "${kind}_$wrong"
+    done
+done
+finish

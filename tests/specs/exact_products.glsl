@@ -1,0 +1,12 @@
+void main()
+{
+    int i = invocation().x;
+    if (i >= cases)
+        return;
+    vec4 a = inputs[i].a, b = inputs[i].b, s = inputs[i].s;
+    mat4 m = mat4(a, b, s, a.wzyx);
+    products[i].mat4_vec = m * s;
+    products[i].mat4x3_vec = mat4x3(m) * s;
+    products[i].mat3_vec = mat3(m) * s.xyz;
+    products[i].mat2_vec = mat2(m) * s.xy;
+}

@@ -1,0 +1,4 @@
+void main()
+{
+    resources_store(ivec2(0), uvec4(9u));
+}

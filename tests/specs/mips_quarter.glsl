@@ -1,0 +1,4 @@
+void main()
+{
+    pyramid = pyramid_sample(gl_FragCoord.xy / 16.0);
+}
