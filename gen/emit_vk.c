@@ -357,7 +357,7 @@ static void emit_binding(const struct c_output *c, const struct pass *pass,
         text_add(c->out, "},\n");
         return;
     }
-    if (texture) {
+    if (texture && !access_sees_one_mip(access)) {
         text_add(c->out, ",\n         .mip = VK_ALL_MIPS");
     } else if (access->mip_value) {
         text_add(c->out, ",\n         .mip = %" PRIu32, access->mip_value);

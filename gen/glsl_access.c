@@ -2,6 +2,7 @@
  * functions by which a body reads and writes them. Called by emit_glsl.c; kinds and bindings are
  * the plan's. */
 #include "glsl.h"
+#include "plan.h"
 
 #include <string.h>
 
@@ -70,6 +71,13 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 
 /* ---- Functions ------------------------------------------------------------------------------- */
 
+/* The level to look up. Vulkan binds the one mip that such an access may see, so that another may be
+ * a target in the same pass; OpenGL has no such view, and the level picks it. */
+static uint32_t level_of(const struct glsl *glsl, const struct access *access)
+{
+    return glsl->backend == BACKEND_VK && access_sees_one_mip(access) ? 0 : access->mip_value;
+}
+
 /* Texels by position. A resource that the pass reads at several mips by texel keeps the first. */
 static void add_texel(const struct glsl *glsl, const struct access *access, struct text *out)
 {
@@ -84,7 +92,7 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
     else
         text_add(out, "%s%s %s(%s p)\n{\n    return texelFetch(%s, p, %u)%s;\n}\n\n",
                  depth ? "" : prefix, depth ? "float" : "vec4", access->name, position, variable,
-                 access->mip_value, depth ? ".x" : "");
+                 level_of(glsl, access), depth ? ".x" : "");
 }
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -96,7 +104,7 @@ static void add_size(const struct glsl *glsl, const struct access *access, struc
                  variable, swizzle);
     else
         text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, %u)%s;\n}\n\n", access->name,
-                 variable, access->mip_value, swizzle);
+                 variable, level_of(glsl, access), swizzle);
 }
 
 static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -108,7 +116,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
-    if (glsl_uses(glsl, "%s_sample_lod", access->name))
+    if (!access->mip && glsl_uses(glsl, "%s_sample_lod", access->name))
         text_add(
             out,
             "%s %s_sample_lod(%s uv, float lod)\n{\n    return textureLod(%s, uv, lod)%s;\n}\n\n",
@@ -119,8 +127,8 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
         text_add(out, "    return texture(%s, uv)%s;\n}\n\n", variable, tail);
     else
-        text_add(out, "    return textureLod(%s, uv, %u.0)%s;\n}\n\n", variable, access->mip_value,
-                 tail);
+        text_add(out, "    return textureLod(%s, uv, %u.0)%s;\n}\n\n", variable,
+                 level_of(glsl, access), tail);
 }
 
 /* textureLod has no form for array shadow samplers; with all mips at one size, texture means the
@@ -137,7 +145,7 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
         text_add(out,
                  "float %s_compare(vec2 uv, float reference)\n{\n"
                  "    return textureLod(%s, vec3(uv, reference), %u.0);\n}\n\n",
-                 access->name, variable, access->mip_value);
+                 access->name, variable, level_of(glsl, access));
 }
 
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)

@@ -320,6 +320,13 @@ static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch 
     return count + 1;
 }
 
+bool access_sees_one_mip(const struct access *access)
+{
+    return access->resource && access->resource->mips &&
+           access->kind & (ACCESS_FETCH | ACCESS_SAMPLED) &&
+           (access->mip || access->kind & ACCESS_FETCH);
+}
+
 uint32_t pass_touches(const struct pass *pass, struct touch *touches)
 {
     uint32_t count = 0;

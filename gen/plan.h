@@ -31,6 +31,10 @@ const struct format_info *format_info(enum dt_format format);
 
 /* ---- plan.c: what one pass does to one resource, its accesses combined ----------------------- */
 
+/* Whether a texture access looks at a single mip of an image with several: by texel, or by its spec's
+ * `mip`. Then the others may be written in the same pass. */
+bool access_sees_one_mip(const struct access *access);
+
 struct touch {
     struct resource *resource;
     unsigned kind;   /* mask of enum access_kind */
