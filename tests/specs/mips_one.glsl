@@ -1,4 +1,4 @@
 void main()
 {
-    resources_store(ivec2(0), uvec4(9u));
+    resources_store(invocation().xy, uvec4(9u));
 }
