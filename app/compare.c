@@ -33,7 +33,8 @@ struct rendezvous {
 };
 
 struct row {
-    uint32_t pass, resource;
+    uint32_t pass, resource, mip;
+    char *name; /* of the resource, with the mip where there are several */
     struct difference difference;
 };
 
@@ -56,10 +57,10 @@ struct compare {
     struct scene scene;
     struct rendezvous meeting;
     struct side sides[SIDES];
-    struct row *rows; /* one per pass and resource that it writes, in order */
+    struct row *rows; /* one per pass, resource that it writes and mip that holds something */
     uint32_t row_count;
-    uint32_t *first_row; /* by pass */
-    uint32_t compared;   /* resources, over all frames */
+    uint32_t *first_row; /* by pass, and row_count behind the last */
+    uint32_t compared;   /* rows, over all frames */
     bool broken;
     uint32_t broken_frame, broken_row; /* the first that broke its contract */
 };
@@ -117,12 +118,13 @@ static bool after_pass(void *user, uint32_t pass)
     console_status(compare->console, "frame %u of %u, pass %s", side->frame + 1,
                    compare->options->frames, info->name);
     bool good = true;
-    for (uint32_t i = 0; i < info->write_count && good; i++) {
-        uint32_t row = compare->first_row[pass] + i;
-        good = side->session.runtime->read(side->session.handle, info->writes[i], &side->bytes);
+    for (uint32_t i = compare->first_row[pass]; i < compare->first_row[pass + 1] && good; i++) {
+        const struct row *row = &compare->rows[i];
+        good = side->session.runtime->read(side->session.handle, row->resource, row->mip,
+                                           &side->bytes);
         good = good && meet(&compare->meeting);
         if (good && side->index == 0)
-            good = compare_row(compare, row, side->frame);
+            good = compare_row(compare, i, side->frame);
         good = good && meet(&compare->meeting);
         free(side->bytes.data);
         side->bytes = (struct dt_bytes){0};
@@ -196,22 +198,47 @@ static bool run_both(struct compare *compare)
 
 /* ---- The table ------------------------------------------------------------------------------- */
 
-static bool make_rows(struct compare *compare)
+static bool add_row(struct compare *compare, uint32_t pass, uint32_t resource, uint32_t mip)
 {
-    const struct dt_pipeline *info = compare->pipeline.info;
-    for (uint32_t i = 0; i < info->pass_count; i++)
-        compare->row_count += info->passes[i].write_count;
-    compare->rows = calloc(compare->row_count + 1, sizeof *compare->rows);
-    compare->first_row = calloc(info->pass_count + 1, sizeof *compare->first_row);
-    if (!compare->rows || !compare->first_row) {
+    const struct dt_resource *what = &compare->pipeline.info->resources[resource];
+    char *name = what->mips > 1 ? format_string("%s mip %u", what->name, mip) : strdup(what->name);
+    struct row *rows = realloc(compare->rows, (compare->row_count + 1) * sizeof *rows);
+    if (rows)
+        compare->rows = rows;
+    if (!rows || !name) {
+        free(name);
         report_error(&compare->console->log, "out of memory");
         return false;
     }
-    uint32_t row = 0;
+    rows[compare->row_count++] =
+        (struct row){.pass = pass, .resource = resource, .mip = mip, .name = name};
+    return true;
+}
+
+static bool add_rows(struct compare *compare, uint32_t pass)
+{
+    const struct dt_pass *info = &compare->pipeline.info->passes[pass];
+    for (uint32_t i = 0; i < info->write_count; i++) {
+        uint32_t mips = resource_mips(compare->pipeline.info, pass, info->writes[i]);
+        for (uint32_t mip = 0; mips >> mip; mip++)
+            if ((mips >> mip & 1) && !add_row(compare, pass, info->writes[i], mip))
+                return false;
+    }
+    return true;
+}
+
+static bool make_rows(struct compare *compare)
+{
+    const struct dt_pipeline *info = compare->pipeline.info;
+    compare->first_row = calloc(info->pass_count + 1, sizeof *compare->first_row);
+    if (!compare->first_row) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
     for (uint32_t i = 0; i < info->pass_count; i++) {
-        compare->first_row[i] = row;
-        for (uint32_t j = 0; j < info->passes[i].write_count; j++, row++)
-            compare->rows[row] = (struct row){.pass = i, .resource = info->passes[i].writes[j]};
+        if (!add_rows(compare, i))
+            return false;
+        compare->first_row[i + 1] = compare->row_count;
     }
     if (compare->row_count)
         return true;
@@ -258,7 +285,7 @@ static void print_row(const struct compare *compare, const struct row *row, cons
     const struct difference *difference = &row->difference;
     char *worst = describe_worst(resource, difference);
     printf("%-*s  %-*s  %10llu  %10llu  %-7s  %s", widths[0], info->passes[row->pass].name,
-           widths[1], resource->name, (unsigned long long)difference->elements,
+           widths[1], row->name, (unsigned long long)difference->elements,
            (unsigned long long)difference->differing, verdict_name(difference_verdict(difference)),
            worst ? worst : "");
     if (difference->not_finite)
@@ -267,12 +294,15 @@ static void print_row(const struct compare *compare, const struct row *row, cons
     free(worst);
 }
 
-static uint32_t count_passes(const struct compare *compare)
+static void print_agreement(const struct compare *compare)
 {
-    uint32_t passes = 0;
-    for (uint32_t i = 0; i < compare->pipeline.info->pass_count; i++)
-        passes += compare->pipeline.info->passes[i].write_count > 0;
-    return passes;
+    uint32_t resources = 0, passes = 0;
+    for (uint32_t i = 0; i < compare->pipeline.info->pass_count; i++) {
+        uint32_t written = compare->pipeline.info->passes[i].write_count;
+        resources += written;
+        passes += written > 0;
+    }
+    printf("\nall %u resources of %u passes agree\n", resources, passes);
 }
 
 static void print_table(const struct compare *compare)
@@ -281,7 +311,7 @@ static void print_table(const struct compare *compare)
     int widths[2] = {4, 8};
     for (uint32_t i = 0; i < compare->row_count; i++) {
         int pass = (int)strlen(info->passes[compare->rows[i].pass].name);
-        int resource = (int)strlen(info->resources[compare->rows[i].resource].name);
+        int resource = (int)strlen(compare->rows[i].name);
         widths[0] = pass > widths[0] ? pass : widths[0];
         widths[1] = resource > widths[1] ? resource : widths[1];
     }
@@ -293,10 +323,9 @@ static void print_table(const struct compare *compare)
     if (compare->broken) {
         const struct row *row = &compare->rows[compare->broken_row];
         printf("\npass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
-               info->resources[row->resource].name, compare->broken_frame);
+               row->name, compare->broken_frame);
     } else {
-        printf("\nall %u resources of %u passes agree\n", compare->row_count,
-               count_passes(compare));
+        print_agreement(compare);
     }
 }
 
@@ -323,6 +352,15 @@ static cJSON *worst_json(const struct worst *worst)
     return root;
 }
 
+static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row)
+{
+    const struct dt_resource *resource = &info->resources[row->resource];
+    cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
+    cJSON_AddStringToObject(root, "resource", resource->name);
+    if (resource->mips > 1)
+        cJSON_AddNumberToObject(root, "mip", row->mip);
+}
+
 static cJSON *row_json(const struct compare *compare, const struct row *row)
 {
     static const char *const contracts[] = {"exact", "ulp", "abs", "rel"};
@@ -330,8 +368,7 @@ static cJSON *row_json(const struct compare *compare, const struct row *row)
     const struct dt_resource *resource = &info->resources[row->resource];
     const struct difference *difference = &row->difference;
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
-    cJSON_AddStringToObject(root, "resource", resource->name);
+    add_place(root, info, row);
     cJSON_AddStringToObject(root, "contract", contracts[resource->contract.kind]);
     if (resource->contract.kind != DT_CONTRACT_EXACT)
         cJSON_AddNumberToObject(root, "tolerance", resource->contract.tolerance);
@@ -367,10 +404,8 @@ static cJSON *compare_json(const struct compare *compare)
         cJSON_AddNullToObject(root, "first_break");
         return root;
     }
-    const struct row *row = &compare->rows[compare->broken_row];
     cJSON *first = cJSON_AddObjectToObject(root, "first_break");
-    cJSON_AddStringToObject(first, "pass", info->passes[row->pass].name);
-    cJSON_AddStringToObject(first, "resource", info->resources[row->resource].name);
+    add_place(first, info, &compare->rows[compare->broken_row]);
     cJSON_AddNumberToObject(first, "frame", compare->broken_frame);
     return root;
 }
@@ -423,6 +458,8 @@ int verb_compare(struct console *console, const struct options *options)
         print_table(&compare);
     for (int i = 0; i < SIDES; i++)
         free(compare.sides[i].device);
+    for (uint32_t i = 0; i < compare.row_count; i++)
+        free(compare.rows[i].name);
     free(compare.rows);
     free(compare.first_row);
     scene_free(&compare.scene);

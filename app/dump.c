@@ -76,12 +76,14 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
 }
 
 static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource *resource,
-                      const char *file, const struct dt_bytes *bytes)
+                      uint32_t mip, const char *file, const struct dt_bytes *bytes)
 {
     bool buffer = resource->kind == DT_BUFFER;
     cJSON *entry = cJSON_CreateObject();
     cJSON_AddStringToObject(entry, "pass", dump->pipeline->passes[pass].name);
     cJSON_AddStringToObject(entry, "resource", resource->name);
+    if (resource->mips > 1)
+        cJSON_AddNumberToObject(entry, "mip", mip);
     cJSON_AddStringToObject(entry, "file", file);
     cJSON_AddStringToObject(entry, "kind", buffer ? "buffer" : "image");
     if (buffer)
@@ -117,18 +119,25 @@ static bool clear_padding(const struct dt_resource *resource, struct dt_bytes *b
     return good;
 }
 
-bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, struct dt_bytes *bytes)
+static char *file_name(const struct dump *dump, uint32_t pass, const char *resource, uint32_t mip)
+{
+    const char *name = dump->pipeline->passes[pass].name;
+    return mip ? format_string("%02u.%s.%s.mip%u.raw", pass, name, resource, mip)
+               : format_string("%02u.%s.%s.raw", pass, name, resource);
+}
+
+bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
+              struct dt_bytes *bytes)
 {
     const struct dt_resource *what = &dump->pipeline->resources[resource];
     if (what->kind == DT_BUFFER && !clear_padding(what, bytes)) {
         report_error(&dump->console->log, "out of memory");
         return false;
     }
-    char *file =
-        format_string("%02u.%s.%s.raw", pass, dump->pipeline->passes[pass].name, what->name);
+    char *file = file_name(dump, pass, what->name, mip);
     char *path = file ? format_string("%s/%s", dump->temporary, file) : NULL;
     bool good = path && file_write(path, bytes->data, bytes->size, &dump->console->log);
-    if (good && !add_entry(dump, pass, what, file, bytes)) {
+    if (good && !add_entry(dump, pass, what, mip, file, bytes)) {
         report_error(&dump->console->log, "out of memory");
         good = false;
     }

@@ -28,8 +28,9 @@ struct dump_info {
  * either way. */
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
                 const struct dump_info *info);
-/* Sets the padding between fields in bytes to zero. */
-bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, struct dt_bytes *bytes);
+/* One mip of a resource, 0 for a buffer. Sets the padding between fields in bytes to zero. */
+bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
+              struct dt_bytes *bytes);
 /* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed
  * dump. */
 bool dump_end(struct dump *dump, bool keep);

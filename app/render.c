@@ -103,39 +103,48 @@ static bool find_shown(struct render *render)
     }
     for (uint32_t i = info->pass_count; i-- > 0;) {
         for (uint32_t j = 0; j < info->passes[i].write_count; j++) {
-            if (info->passes[i].writes[j] == render->shown) {
+            if (info->passes[i].writes[j] == render->shown &&
+                (resource_mips(info, i, render->shown) & 1)) {
                 render->shown_pass = i;
                 return true;
             }
         }
     }
-    report_error(log, "%s is written by no pass of %s", resource->name, info->name);
+    report_error(log, "%s%s is written by no pass of %s", resource->mips > 1 ? "mip 0 of " : "",
+                 resource->name, info->name);
     return false;
+}
+
+/* Reads one mip of what the pass wrote, to be dumped, shown or both. */
+static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32_t mip)
+{
+    const struct session *session = &render->session;
+    bool show = mip == 0 && resource == render->shown && pass == render->shown_pass;
+    if (!show && !render->dump.entries)
+        return true;
+    struct dt_bytes bytes = {0};
+    bool good = session->runtime->read(session->handle, resource, mip, &bytes);
+    if (good && render->dump.entries)
+        good = dump_add(&render->dump, pass, resource, mip, &bytes);
+    if (good && show) {
+        render->picture = bytes;
+        bytes.data = NULL;
+    }
+    free(bytes.data);
+    return good;
 }
 
 /* In the last frame only: reads what is dumped and what is shown. */
 static bool after_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
-    const struct session *session = &render->session;
     const struct dt_pass *info = &render->pipeline.info->passes[pass];
-    console_status(render->console, "%s: pass %s", session->info.backend, info->name);
+    console_status(render->console, "%s: pass %s", render->session.info.backend, info->name);
     for (uint32_t i = 0; i < info->write_count; i++) {
-        uint32_t resource = info->writes[i];
-        bool show = resource == render->shown && pass == render->shown_pass;
-        if (!show && !render->dump.entries)
-            continue;
-        struct dt_bytes bytes = {0};
-        bool good = session->runtime->read(session->handle, resource, &bytes);
-        if (good && render->dump.entries)
-            good = dump_add(&render->dump, pass, resource, &bytes);
-        if (good && show) {
-            render->picture = bytes;
-            bytes.data = NULL;
-        }
-        free(bytes.data);
-        if (!good)
-            return false;
+        uint32_t mips = resource_mips(render->pipeline.info, pass, info->writes[i]);
+        for (uint32_t mip = 0; mips >> mip; mip++)
+            if ((mips >> mip & 1) && !take(render, pass, info->writes[i], mip))
+                return false;
     }
     return true;
 }

@@ -181,6 +181,19 @@ static uint32_t image_components(const struct dt_resource *resource, struct comp
     return channels;
 }
 
+uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+{
+    const struct dt_resource *what = &pipeline->resources[resource];
+    uint32_t mask = what->kind == DT_IMAGE && what->history ? (1u << what->mips) - 1 : 0;
+    for (uint32_t i = 0; i <= pass; i++) {
+        const struct dt_pass *writer = &pipeline->passes[i];
+        for (uint32_t j = 0; j < writer->write_count; j++)
+            if (writer->writes[j] == resource)
+                mask |= 1u << (writer->write_mips ? writer->write_mips[j] : 0);
+    }
+    return mask;
+}
+
 uint32_t resource_components(const struct dt_resource *resource, struct component **list)
 {
     bool buffer = resource->kind == DT_BUFFER;

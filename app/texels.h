@@ -1,5 +1,5 @@
 /* What lies in the bytes of a resource: names, sizes and numbers of types and formats. Called by
- * dump, picture, compare and pipeline. */
+ * render, dump, picture, compare and pipeline. */
 #ifndef DIPTYCH_TEXELS_H
 #define DIPTYCH_TEXELS_H
 
@@ -27,6 +27,10 @@ struct component {
 };
 
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
+
+/* The mips that hold something once the pass has run, as a mask: those that it or an earlier pass of
+ * the frame writes; with history all. A buffer has mip 0. */
+uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
 
 /* All declared numbers of an element, padding left out; *list is malloc'ed. Returns their count, 0
  * when out of memory. */

@@ -255,7 +255,48 @@ static bool emit_list(const struct c_output *c, const struct pass *pass, const c
     return any;
 }
 
-static void emit_pass(const struct c_output *c, const struct pass *pass, bool reads, bool writes)
+/* The mip that the pass writes; no pass writes two of one image, since its body could not tell them
+ * apart. */
+static uint32_t written_mip(const struct pass *pass, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ) {
+            return pass->accesses[i].mip_value;
+        }
+    }
+    return 0;
+}
+
+/* `static const uint8_t write_mips_NAME[] = {...};` parallel to the writes, or nothing when all are
+ * 0; returns whether there is one. */
+static bool emit_write_mips(const struct c_output *c, const struct pass *pass)
+{
+    struct text mips = {0};
+    bool any = false;
+
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
+        const struct resource *resource = &c->pipeline->resources[i];
+        if (pass_writes(pass, resource)) {
+            uint32_t mip = written_mip(pass, resource);
+            any |= mip > 0;
+            text_add(&mips, "    %" PRIu32 ",\n", mip);
+        }
+    }
+    if (any) {
+        text_add(c->out, "static const uint8_t write_mips_%s[] = {\n%s};\n", pass->name,
+                 mips.data ? mips.data : "");
+    }
+    c->out->failed |= mips.failed;
+    text_free(&mips);
+    return any;
+}
+
+struct pass_lists {
+    bool reads, writes, write_mips; /* whether there is one */
+};
+
+static void emit_pass(const struct c_output *c, const struct pass *pass,
+                      const struct pass_lists *lists)
 {
     static const char *const kinds[] = {
         [PASS_SCENE] = "DT_PASS_DRAW_SCENE",
@@ -268,16 +309,19 @@ static void emit_pass(const struct c_output *c, const struct pass *pass, bool re
     text_add(c->out, "] = {\n        .name = \"%s\",\n        .doc = ", pass->name);
     c_string(c->out, pass->doc);
     text_add(c->out, ",\n        .kind = %s,\n", kinds[pass->kind]);
-    if (reads) {
+    if (lists->reads) {
         text_add(c->out,
                  "        .reads = reads_%s,\n        .read_count = DT_ARRAY_COUNT(reads_%s),\n",
                  pass->name, pass->name);
     }
-    if (writes) {
+    if (lists->writes) {
         text_add(
             c->out,
             "        .writes = writes_%s,\n        .write_count = DT_ARRAY_COUNT(writes_%s),\n",
             pass->name, pass->name);
+    }
+    if (lists->write_mips) {
+        text_add(c->out, "        .write_mips = write_mips_%s,\n", pass->name);
     }
     text_add(c->out, "    },\n");
 }
@@ -290,10 +334,12 @@ static void emit_passes(const struct c_output *c)
     rows.out = &table;
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const struct pass *pass = c->pipeline->order[i];
-        bool reads = emit_list(c, pass, "reads", pass_reads);
-        bool writes = emit_list(c, pass, "writes", pass_writes);
+        struct pass_lists lists;
 
-        emit_pass(&rows, pass, reads, writes);
+        lists.reads = emit_list(c, pass, "reads", pass_reads);
+        lists.writes = emit_list(c, pass, "writes", pass_writes);
+        lists.write_mips = emit_write_mips(c, pass);
+        emit_pass(&rows, pass, &lists);
     }
     if (table.data) {
         text_add(c->out, "\nstatic const struct dt_pass passes[] = {\n%s};\n\n", table.data);

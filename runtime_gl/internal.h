@@ -93,6 +93,7 @@ void gl_scene_destroy(struct gl_runtime *rt);
 
 bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
                     struct dt_bytes *out); /* out->size bytes */
-bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, struct dt_bytes *out);
+bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                   struct dt_bytes *out);
 
 #endif

@@ -228,6 +228,7 @@ static bool runtime_render(void *runtime, const struct dt_frame *frame, const vo
 static bool read_buffer(struct gl_runtime *rt, const struct dt_resource *resource,
                         const struct gl_buffer *buffer, struct dt_bytes *out)
 {
+    resource->extent(rt->width, rt->height, out->extent);
     out->size = (size_t)out->extent[0] * resource->stride;
     if (out->size <= (size_t)buffer->size)
         return gl_read_buffer(rt, buffer, out);
@@ -236,7 +237,7 @@ static bool read_buffer(struct gl_runtime *rt, const struct dt_resource *resourc
     return false;
 }
 
-static bool runtime_read(void *runtime, uint32_t index, struct dt_bytes *out)
+static bool runtime_read(void *runtime, uint32_t index, uint32_t mip, struct dt_bytes *out)
 {
     struct gl_runtime *rt = runtime;
     *out = (struct dt_bytes){0};
@@ -244,9 +245,8 @@ static bool runtime_read(void *runtime, uint32_t index, struct dt_bytes *out)
         return false;
     const struct dt_resource *resource = &rt->panel->pipeline->resources[index];
     const void *object = rt->panel->resource(rt->state, index);
-    resource->extent(rt->width, rt->height, out->extent);
     return resource->kind == DT_BUFFER ? read_buffer(rt, resource, object, out)
-                                       : gl_read_image(rt, object, out);
+                                       : gl_read_image(rt, object, mip, out);
 }
 
 static bool runtime_timings(void *runtime, double *pass_ms)

@@ -116,7 +116,8 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
 
 bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceSize size,
                     struct dt_bytes *out);
-bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, struct dt_bytes *out);
+bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                   struct dt_bytes *out);
 
 bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene);
 void vk_scene_destroy(struct vk_runtime *rt);

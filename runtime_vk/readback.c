@@ -29,15 +29,19 @@ bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDev
     return vk_immediate_end(rt, buffer->name) && take_staging(rt, buffer->name, size, out);
 }
 
-bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, struct dt_bytes *out)
+bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                   struct dt_bytes *out)
 {
+    if (mip >= image->mips)
+        return vk_error(rt, "read %s: mip %u, and it has %u", image->name, mip, image->mips);
     VkImageLayout layout = image->layout;
-    VkDeviceSize size =
-        (VkDeviceSize)image->width * image->height * image->layers * vk_texel_size(image->texel);
+    uint32_t width = image->width >> mip, height = image->height >> mip;
     VkBufferImageCopy region = {
-        .imageSubresource = {image->aspect, 0, 0, image->layers},
-        .imageExtent = {image->width, image->height, 1},
+        .imageSubresource = {image->aspect, mip, 0, image->layers},
+        .imageExtent = {width ? width : 1, height ? height : 1, 1},
     };
+    VkDeviceSize size = (VkDeviceSize)region.imageExtent.width * region.imageExtent.height *
+                        image->layers * vk_texel_size(image->texel);
     VkCommandBuffer commands;
     if (!vk_staging(rt, size, image->name) || !(commands = vk_immediate_begin(rt, image->name)))
         return false;
@@ -46,8 +50,8 @@ bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, struct dt_byte
                            rt->staging.handle, 1, &region);
     if (layout != VK_IMAGE_LAYOUT_UNDEFINED) /* which nothing can go back to */
         vk_transition(commands, image, layout);
-    out->extent[0] = image->width;
-    out->extent[1] = image->height;
+    out->extent[0] = region.imageExtent.width;
+    out->extent[1] = region.imageExtent.height;
     out->extent[2] = image->layers;
     return vk_immediate_end(rt, image->name) && take_staging(rt, image->name, size, out);
 }

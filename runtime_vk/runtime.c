@@ -127,7 +127,7 @@ static bool runtime_render(void *runtime, const struct dt_frame *frame, const vo
     return rt->rendered;
 }
 
-static bool runtime_read(void *runtime, uint32_t resource, struct dt_bytes *out)
+static bool runtime_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)
 {
     struct vk_runtime *rt = runtime;
     *out = (struct dt_bytes){0};
@@ -138,7 +138,7 @@ static bool runtime_read(void *runtime, uint32_t resource, struct dt_bytes *out)
     if (!rt->width)
         return vk_error(rt, "read %s: it does not exist yet; resize comes first", what->name);
     if (what->kind == DT_IMAGE)
-        return vk_read_image(rt, place, out);
+        return vk_read_image(rt, place, mip, out);
     const struct vk_buffer *buffer = place;
     what->extent(rt->width, rt->height, out->extent);
     return vk_read_buffer(rt, buffer, (VkDeviceSize)out->extent[0] * what->stride, out);

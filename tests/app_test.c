@@ -425,7 +425,7 @@ static void dumps_replace_only_dumps(void **state)
     for (int i = 0; i < 3; i++) { /* the first is thrown away, the third replaces the second */
         struct dump dump;
         assert_true(dump_begin(&dump, &console, &info, &where));
-        assert_true(dump_add(&dump, 0, 0, &bytes));
+        assert_true(dump_add(&dump, 0, 0, 0, &bytes));
         assert_true(dump_end(&dump, i > 0));
         assert_int_equal(file_exists(raw), i > 0);
     }
@@ -440,6 +440,25 @@ static void dumps_replace_only_dumps(void **state)
     free(theirs);
     free(raw);
     free(place);
+}
+
+static void mips_hold_something_once_written(void **state)
+{
+    (void)state;
+    static const uint16_t first[] = {0, 1}, second[] = {0};
+    static const uint8_t mip_2[] = {2};
+    static const struct dt_resource resources[] = {
+        {.name = "pyramid", .kind = DT_IMAGE, .mips = 3},
+        {.name = "buffer", .kind = DT_BUFFER},
+        {.name = "kept", .kind = DT_IMAGE, .mips = 3, .history = true}};
+    static const struct dt_pass passes[] = {
+        {.name = "p", .writes = first, .write_count = 2},
+        {.name = "q", .writes = second, .write_count = 1, .write_mips = mip_2}};
+    const struct dt_pipeline info = {.resources = resources, .passes = passes, .pass_count = 2};
+    assert_int_equal(resource_mips(&info, 0, 0), 1);
+    assert_int_equal(resource_mips(&info, 1, 0), 1 | 4);
+    assert_int_equal(resource_mips(&info, 0, 1), 1);
+    assert_int_equal(resource_mips(&info, 0, 2), 7);
 }
 
 int main(void)
@@ -463,6 +482,7 @@ int main(void)
         cmocka_unit_test(normals_become_colours),
         cmocka_unit_test(layers_make_a_sheet),
         cmocka_unit_test(dumps_replace_only_dumps),
+        cmocka_unit_test(mips_hold_something_once_written),
     };
     return cmocka_run_group_tests_name("app", tests, NULL, NULL);
 }

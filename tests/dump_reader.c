@@ -107,18 +107,37 @@ static size_t number(const cJSON *object, const char *key)
     return cJSON_IsNumber(item) ? (size_t)item->valuedouble : 0;
 }
 
-struct dump_entry dump_read(const struct dump *dump, const char *pass, const char *resource)
+static const cJSON *find(const struct dump *dump, const char *pass, const char *resource,
+                         size_t mip)
 {
     const cJSON *found = NULL, *item;
     cJSON_ArrayForEach(item, entries(dump))
     {
         const char *p = cJSON_GetStringValue(cJSON_GetObjectItem(item, "pass"));
         const char *r = cJSON_GetStringValue(cJSON_GetObjectItem(item, "resource"));
-        if (p && r && strcmp(r, resource) == 0 && (!pass || strcmp(p, pass) == 0))
+        if (p && r && strcmp(r, resource) == 0 && (!pass || strcmp(p, pass) == 0) &&
+            number(item, "mip") == mip)
             found = item;
     }
+    return found;
+}
+
+int dump_has_mip(const struct dump *dump, const char *pass, const char *resource, size_t mip)
+{
+    return find(dump, pass, resource, mip) != NULL;
+}
+
+struct dump_entry dump_read(const struct dump *dump, const char *pass, const char *resource)
+{
+    return dump_read_mip(dump, pass, resource, 0);
+}
+
+struct dump_entry dump_read_mip(const struct dump *dump, const char *pass, const char *resource,
+                                size_t mip)
+{
+    const cJSON *found = find(dump, pass, resource, mip);
     if (!found)
-        fail_msg("%s: no entry for %s after %s", dump->directory, resource,
+        fail_msg("%s: no entry for mip %zu of %s after %s", dump->directory, mip, resource,
                  pass ? pass : "any pass");
     char path[1200];
     const char *file = cJSON_GetStringValue(cJSON_GetObjectItem(found, "file"));

@@ -14,7 +14,7 @@ struct dump {
     int temporary;
 };
 
-struct dump_entry { /* one resource after one pass */
+struct dump_entry { /* one resource, or one mip of it, after one pass */
     uint8_t *data;  /* owner; dump_entry_free */
     size_t size;
     size_t stride; /* buffers: bytes from element to element; images: bytes of a texel */
@@ -30,8 +30,10 @@ void dump_open(struct dump *dump, const char *directory);
 void dump_render(struct dump *dump, const char *arguments);
 void dump_close(struct dump *dump); /* removes what dump_render made */
 
-/* pass NULL: the last pass that wrote the resource. */
+/* pass NULL: the last pass that wrote the resource. Of an image with mips, mip 0. */
 struct dump_entry dump_read(const struct dump *dump, const char *pass, const char *resource);
+struct dump_entry dump_read_mip(const struct dump *dump, const char *pass, const char *resource,
+                                size_t mip);
 void dump_entry_free(struct dump_entry *entry);
 
 /* Address of a field (buffers) in element `index`. */
@@ -40,6 +42,8 @@ const void *dump_field(const struct dump_entry *entry, size_t index, const char 
  * d32f, r32ui. */
 void dump_texel(const struct dump_entry *entry, size_t x, size_t y, size_t layer, float out[4]);
 
+/* Whether the manifest has this mip of the resource after the pass. */
+int dump_has_mip(const struct dump *dump, const char *pass, const char *resource, size_t mip);
 /* Number of entries in the manifest, and the names in the i-th. */
 size_t dump_entry_count(const struct dump *dump);
 const char *dump_entry_pass(const struct dump *dump, size_t i);

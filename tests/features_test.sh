@@ -26,6 +26,7 @@ skipped_mips() { # backend: what a skipped pass clears is its own mip; pixel (0,
     "$diptych" render --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --set shrink=false \
         --backend "$1" --dump "$dump" &&
         cmp "$dump"/*.fill.pyramid.raw "$dump"/*.halve.pyramid.raw &&
+        cmp "$dump"/*.halve.pyramid.mip1.raw "$dump"/*.quarter.pyramid.mip1.raw &&
         cmp "$dump"/*.slot_0.resources.raw "$dump"/*.slot_1.resources.raw &&
         [ "$(od -An -tu1 -N4 "$dump"/*.show.picture.raw | xargs)" = "64 128 191 8" ]
 }
@@ -50,6 +51,20 @@ for fault in count scene mark compose; do
     check "... and pass $fault is named on the last line" \
         bash -c "tail -n 1 '$work/table' | grep -qw '$fault' || { cat '$work/table'; false; }"
 done
+
+# ... and in a texel of a mip above 0 that no later pass reads.
+mkdir -p "$work/mip"
+cp "$specs"/mips* "$work/mip/"
+sed -i 's/pyramid(p \* 2)/pyramid(p * 2)\n#ifdef VULKAN\n    + (p == ivec2(4, 6) ? vec4(0.5) : vec4(0.0))\n#endif\n    /' mip/mips_halve.glsl
+check_status 1 "a fault in mip 1 is found" \
+    "$diptych" compare --scene "$scene" --spec "$work/mip/mips.yaml" --size 17x9 --json "$work/mip.json"
+cp "$work/output" "$work/table"
+check "... its pass and mip are named on the last line" \
+    bash -c "tail -n 1 '$work/table' | grep -F 'pass halve is the first to break: pyramid mip 1, in frame 0' || { cat '$work/table'; false; }"
+check "... the texel in the table, where the mip alone differs" \
+    bash -c "grep -E '^halve +pyramid mip 1 +1024 +1 +DIFFERS .*\(4, 6, layer 0\)' '$work/table' && [ \$(grep -c DIFFERS '$work/table') = 2 ]"
+check "... and both in the JSON" \
+    bash -c "tr -d ' \t\n' <'$work/mip.json' | grep -F '\"first_break\":{\"pass\":\"halve\",\"resource\":\"pyramid\",\"mip\":1,\"frame\":0}'"
 check_status 2 "a compare that cannot run says so by its status" \
     "$diptych" compare --scene "$work/absent.yaml" --spec "$specs/features.yaml" --size 17x9
 finish

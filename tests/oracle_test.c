@@ -92,6 +92,43 @@ static void concentric(double u, double v, double out[2])
     out[1] = r * sin(phi);
 }
 
+/* Bodies of tests/specs/mips.yaml: fill writes (x / 64, y / 64, 0.5, 1), halve takes every second
+ * texel, quarter every second of those from (1, 1) on. All are exact in rgba16f. */
+static void mips_hold_what_their_passes_wrote(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        char arguments[256];
+        snprintf(arguments, sizeof arguments,
+                 "--scene tests/specs/spot.yaml --spec tests/specs/mips.yaml --size 9x7 "
+                 "--backend %s",
+                 backends[b]);
+        dump_render(&dump, arguments);
+        static const size_t factor[3] = {1, 2, 4}, start[3] = {0, 0, 2};
+        for (size_t mip = 0; mip < 3; ++mip) {
+            struct dump_entry entry = dump_read_mip(&dump, "quarter", "pyramid", mip);
+            assert_int_equal(entry.width, 64 >> mip);
+            assert_int_equal(entry.height, 64 >> mip);
+            for (size_t y = 0; y < entry.height; ++y) {
+                for (size_t x = 0; x < entry.width; ++x) {
+                    float texel[4];
+                    dump_texel(&entry, x, y, 0, texel);
+                    const float expected[4] = {(float)(factor[mip] * x + start[mip]) / 64.0f,
+                                               (float)(factor[mip] * y + start[mip]) / 64.0f, 0.5f,
+                                               1.0f};
+                    expect_same(texel, expected, 4);
+                }
+            }
+            dump_entry_free(&entry);
+        }
+        assert_true(dump_has_mip(&dump, "halve", "pyramid", 1));
+        assert_false(dump_has_mip(&dump, "halve", "pyramid", 2)); /* nothing wrote it yet */
+        assert_false(dump_has_mip(&dump, "show", "picture", 1));
+        dump_close(&dump);
+    }
+}
+
 static void sampling_patterns_and_metric_follow_their_formulas(void **state)
 {
     (void)state;
@@ -467,6 +504,7 @@ static void display_is_reinhards_curve_of_radiance(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mips_hold_what_their_passes_wrote),
         cmocka_unit_test(sampling_patterns_and_metric_follow_their_formulas),
         cmocka_unit_test(first_vpls_are_texels_of_the_map),
         cmocka_unit_test(directional_flux_is_irradiance_times_area),

@@ -217,7 +217,7 @@ static const struct dt_resource resources[RESOURCES] = {
     [POISONED] = {.name = "poisoned",
                   .kind = DT_IMAGE,
                   .format = DT_FORMAT_RG16F,
-                  .mips = 1,
+                  .mips = 3,
                   .layered = true,
                   .extent = stack_extent},
 };
@@ -468,7 +468,7 @@ static struct dt_runtime_options options_for(struct messages *m, const char *con
 static struct dt_bytes read_back(void *rt, uint32_t index)
 {
     struct dt_bytes bytes;
-    assert_true(runtime_gl.read(rt, index, &bytes));
+    assert_true(runtime_gl.read(rt, index, 0, &bytes));
     return bytes;
 }
 
@@ -513,6 +513,22 @@ static void check_stack(void *rt)
         assert_int_equal(poisoned.data[i], 0xab);
     free(stack.data);
     free(poisoned.data);
+}
+
+/* Mips 1 and 2 of the 16 x 8 layers. */
+static void check_mips(void *rt)
+{
+    for (uint32_t mip = 1; mip < 3; mip++) {
+        struct dt_bytes bytes;
+        assert_true(runtime_gl.read(rt, POISONED, mip, &bytes));
+        assert_int_equal(bytes.extent[0], 16 >> mip);
+        assert_int_equal(bytes.extent[1], 8 >> mip);
+        assert_int_equal(bytes.extent[2], LAYERS);
+        assert_int_equal(bytes.size, (16 >> mip) * (8 >> mip) * LAYERS * 4);
+        for (size_t i = 0; i < bytes.size; i++)
+            assert_int_equal(bytes.data[i], 0xab);
+        free(bytes.data);
+    }
 }
 
 static void check_rest(void *rt, uint32_t frames)
@@ -560,6 +576,7 @@ static void run_all(const char *context, bool glsl)
                     runtime_gl.render(rt, &frame, live, NULL));
         check_pixels(rt, sizes[i][0], sizes[i][1], 4.0f);
         check_stack(rt);
+        check_mips(rt);
         check_rest(rt, 2);
         check_timings(rt);
     }
@@ -669,7 +686,7 @@ static void test_errors(void **state)
     double ms[PASSES];
     assert_false(runtime_gl.render(rt, &frame, NULL, NULL));
     expect_error(&m, "resize");
-    assert_false(runtime_gl.read(rt, COLOR, &bytes));
+    assert_false(runtime_gl.read(rt, COLOR, 0, &bytes));
     expect_error(&m, "resize");
     assert_true(runtime_gl.create(rt, &panel));
     assert_false(runtime_gl.resize(rt, 1u << 20, 4));
@@ -677,6 +694,8 @@ static void test_errors(void **state)
     assert_false(runtime_gl.resize(rt, 0, 4));
     expect_error(&m, "color: 0x4");
     assert_true(runtime_gl.resize(rt, 8, 8));
+    assert_false(runtime_gl.read(rt, POISONED, 3, &bytes));
+    expect_error(&m, "poisoned: mip 3 to read, and it has 3");
     assert_false(runtime_gl.timings(rt, ms));
     expect_error(&m, "without timing");
     assert_false(runtime_gl.render(rt, &frame, NULL, NULL));

@@ -544,16 +544,22 @@ static void *open_ready(bool debug, int poison)
     return rt;
 }
 
-static struct dt_bytes read_resource(void *rt, uint32_t resource, uint32_t width, uint32_t height,
-                                     uint32_t depth, size_t size)
+static struct dt_bytes read_mip(void *rt, uint32_t resource, uint32_t mip, uint32_t width,
+                                uint32_t height, uint32_t depth, size_t size)
 {
     struct dt_bytes bytes;
-    assert_true(runtime_vk.read(rt, resource, &bytes));
+    assert_true(runtime_vk.read(rt, resource, mip, &bytes));
     assert_int_equal(bytes.extent[0], width);
     assert_int_equal(bytes.extent[1], height);
     assert_int_equal(bytes.extent[2], depth);
     assert_int_equal(bytes.size, size);
     return bytes;
+}
+
+static struct dt_bytes read_resource(void *rt, uint32_t resource, uint32_t width, uint32_t height,
+                                     uint32_t depth, size_t size)
+{
+    return read_mip(rt, resource, 0, width, height, depth, size);
 }
 
 static void check_color(void *rt, uint32_t width, uint32_t height)
@@ -624,10 +630,15 @@ static void check_rest(void *rt, uint32_t width, uint32_t height, uint32_t frame
 
 static void check_spare(void *rt, int poison)
 {
-    struct dt_bytes bytes = read_resource(rt, SPARE, 13, 7, 2, 13 * 7 * 2 * 8);
-    for (size_t i = 0; i < bytes.size; i++)
-        assert_int_equal(bytes.data[i], poison);
-    free(bytes.data);
+    static const uint32_t sizes[3][2] = {{13, 7}, {6, 3}, {3, 1}};
+    for (uint32_t mip = 0; mip < 3; mip++) {
+        uint32_t width = sizes[mip][0], height = sizes[mip][1];
+        struct dt_bytes bytes =
+            read_mip(rt, SPARE, mip, width, height, 2, (size_t)width * height * 2 * 8);
+        for (size_t i = 0; i < bytes.size; i++)
+            assert_int_equal(bytes.data[i], poison);
+        free(bytes.data);
+    }
 }
 
 static struct dt_frame frame_at(uint32_t index)
@@ -759,6 +770,7 @@ static void limits_are_errors_before_the_call(void **unused)
     (void)unused;
     struct dt_panel endless = panel;
     struct dt_frame frame = frame_at(0);
+    struct dt_bytes bytes;
     void *rt = open_ready(true, 0);
     assert_false(runtime_vk.render(rt, &frame, NULL, NULL));
     assert_non_null(strstr(heard.last, "resize comes first"));
@@ -771,12 +783,14 @@ static void limits_are_errors_before_the_call(void **unused)
     endless.record = endless_record;
     assert_true(runtime_vk.create(rt, &endless));
     assert_true(runtime_vk.resize(rt, 16, 8));
+    assert_false(runtime_vk.read(rt, SPARE, 3, &bytes));
+    assert_non_null(strstr(heard.last, "read spare: mip 3, and it has 3"));
     assert_false(runtime_vk.render(rt, &frame, NULL, NULL));
     assert_non_null(strstr(heard.last, "pass plan: 4294967295 x 1 x 1 workgroups"));
-    assert_int_equal(heard.errors, 4);
+    assert_int_equal(heard.errors, 5);
     assert_int_equal(runtime_vk.messages(rt), 0);
     runtime_vk.close(rt);
-    assert_int_equal(heard.errors, 4);
+    assert_int_equal(heard.errors, 5);
 }
 
 static void an_unknown_device_is_named_and_the_known_are_listed(void **unused)
@@ -819,7 +833,7 @@ static void out_of_memory_is_one_error_and_a_clean_end(void **unused)
         void *rt = open_runtime(true, 1);
         done = rt && runtime_vk.set_scene(rt, &scene) && runtime_vk.create(rt, &panel) &&
                runtime_vk.resize(rt, 16, 8) && runtime_vk.render(rt, &frame, NULL, NULL) &&
-               runtime_vk.read(rt, COLOR, &bytes);
+               runtime_vk.read(rt, COLOR, 0, &bytes);
         free(bytes.data);
         runtime_vk.close(rt);
         assert_int_equal(heard.errors, done ? 0 : 1);

@@ -116,6 +116,9 @@ struct dt_pass {
     /* everything that the pass writes or updates: what to look at after it */
     const uint16_t *writes;
     uint32_t write_count;
+    /* the mip of each of the writes, NULL: 0; of a mip that no pass of the frame has written yet the
+     * content is undefined, except with history */
+    const uint8_t *write_mips;
 };
 
 struct dt_param {
@@ -245,8 +248,8 @@ struct dt_runtime_options {
     int poison;
 };
 
-/* One texel or element array, tightly packed: buffers as they lie; images layer by layer, row 0
- * first, mip 0. */
+/* One texel or element array, tightly packed: buffers as they lie; one mip of an image layer by
+ * layer, row 0 first, and the extent is that mip's. */
 struct dt_bytes {
     uint8_t *data; /* owner: whoever holds the struct; free() */
     size_t size;
@@ -274,7 +277,8 @@ struct dt_runtime {
     bool (*resize)(void *runtime, uint32_t width, uint32_t height);
     bool (*render)(void *runtime, const struct dt_frame *frame, const void *live,
                    const struct dt_observer *observer);
-    bool (*read)(void *runtime, uint32_t resource, struct dt_bytes *out);
+    bool (*read)(void *runtime, uint32_t resource, uint32_t mip, /* 0 for a buffer */
+                 struct dt_bytes *out);
     bool (*timings)(
         void *runtime,
         double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
