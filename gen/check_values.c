@@ -230,11 +230,25 @@ bool image_extent(const struct resource *image, uint32_t mip, const int frame[2]
     return true;
 }
 
+/* Each mip halves the sides, so the smallest frame decides how many there can be. */
 static void check_mips(struct checker *c, const struct resource *image)
 {
     struct limits limits = {"the number of mips", image->name, EXPR_BAKED, 1, 15};
-    if (image->mips)
-        check_expr(c, image->mips, &limits);
+    int64_t mips, extent[3];
+    if (!image->mips || !check_expr(c, image->mips, &limits))
+        return;
+    for (int i = 0; i < FRAME_SIZES; i++) {
+        const int *frame = frame_sizes[i];
+        if (expr_eval(image->mips, frame[0], frame[1], &mips) != EXPR_OK ||
+            !image_extent(image, 0, frame, extent))
+            return;
+        if ((extent[0] > extent[1] ? extent[0] : extent[1]) >> (mips - 1) > 0)
+            continue;
+        diag_error(c->diag, expr_loc(image->mips),
+                   "`%s` has %d mips, more than its size of %dx%d allows at a frame of %dx%d",
+                   image->name, (int)mips, (int)extent[0], (int)extent[1], frame[0], frame[1]);
+        return;
+    }
 }
 
 static void check_image(struct checker *c, struct resource *image)
@@ -246,9 +260,9 @@ static void check_image(struct checker *c, struct resource *image)
     good &= check_expr(c, image->height, &height);
     if (image->layers)
         good &= check_expr(c, image->layers, &layers);
-    check_mips(c, image);
     if (!good)
         image->width = image->height = NULL;
+    check_mips(c, image);
 }
 
 static void check_interleave(struct checker *c, struct interleave *interleave)
