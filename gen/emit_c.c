@@ -38,7 +38,7 @@ void c_string(struct text *out, const char *text)
         } else if (byte < 32 || byte == 127) {
             text_add(out, "\\%03o", byte);
         } else {
-            text_add(out, "%c", byte);
+            text_add_bytes(out, at, 1);
         }
     }
     text_add(out, "\"");
@@ -494,13 +494,24 @@ void c_slot_doc(const struct c_output *c)
 
 static const char *const stage_names[3] = {"compute", "vertex", "fragment"};
 
+/* Tens of thousands of words: by hand, since formatting each would be a sixth of a generation. */
 static void emit_words(struct text *out, const char *pass, const char *stage,
                        const struct shader *shader)
 {
+    static const char digits[] = "0123456789abcdef";
+
     text_add(out, "static const uint32_t %s_%s[] = {\n", pass, stage);
     for (size_t i = 0; i < shader->word_count; i++) {
-        text_add(out, "%s0x%08" PRIx32 ",%s", i % 8 ? " " : "    ", shader->words[i],
-                 i % 8 == 7 || i + 1 == shader->word_count ? "\n" : "");
+        char word[] = "0x00000000,";
+
+        for (int digit = 0; digit < 8; digit++) {
+            word[2 + digit] = digits[shader->words[i] >> (28 - 4 * digit) & 15];
+        }
+        text_add_bytes(out, i % 8 ? " " : "    ", i % 8 ? 1 : 4);
+        text_add_bytes(out, word, sizeof word - 1);
+        if (i % 8 == 7 || i + 1 == shader->word_count) {
+            text_add_bytes(out, "\n", 1);
+        }
     }
     text_add(out, "};\n\n");
 }
