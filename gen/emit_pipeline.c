@@ -233,6 +233,16 @@ static bool pass_writes(const struct pass *pass, const struct resource *resource
     return false;
 }
 
+static bool pass_uses_scene(const struct pass *pass)
+{
+    bool uses = pass->kind == PASS_SCENE;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        uses |= pass->accesses[i].builtin >= 0;
+    }
+    return uses;
+}
+
 /* `static const uint16_t reads_NAME[] = {...};` or nothing; returns whether there is one. */
 static bool emit_list(const struct c_output *c, const struct pass *pass, const char *what,
                       bool (*in)(const struct pass *, const struct resource *))
@@ -308,7 +318,10 @@ static void emit_pass(const struct c_output *c, const struct pass *pass,
     c_enumerator(c, "PASS", pass->name);
     text_add(c->out, "] = {\n        .name = \"%s\",\n        .doc = ", pass->name);
     c_string(c->out, pass->doc);
-    text_add(c->out, ",\n        .kind = %s,\n", kinds[pass->kind]);
+    text_add(c->out, ",\n        .shader = ");
+    c_string(c->out, pass->shader);
+    text_add(c->out, ",\n        .kind = %s,\n        .uses_scene = %s,\n", kinds[pass->kind],
+             pass_uses_scene(pass) ? "true" : "false");
     if (lists->reads) {
         text_add(c->out,
                  "        .reads = reads_%s,\n        .read_count = DT_ARRAY_COUNT(reads_%s),\n",

@@ -110,7 +110,9 @@ enum dt_pass_kind { DT_PASS_DRAW_SCENE, DT_PASS_DRAW_FULLSCREEN, DT_PASS_DISPATC
 struct dt_pass {
     const char *name;
     const char *doc;
+    const char *shader; /* its GLSL body, as the spec names it */
     enum dt_pass_kind kind;
+    bool uses_scene;       /* draws it, or reads its vertices, indices, materials or textures */
     const uint16_t *reads; /* indices into resources, ascending order of the spec */
     uint32_t read_count;
     /* everything that the pass writes or updates: what to look at after it */
