@@ -1,7 +1,6 @@
 /* `diptych compare`: both backends in one process, every resource compared after every pass. Each
  * backend runs in a thread of its own, since an OpenGL context belongs to one; after each pass they
  * meet, resource by resource, so that no more than one resource per backend is in memory. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +20,7 @@ static const struct {
     const char *backend;
     int poison;
 } sides[SIDES] = {{"gl", 0x5a}, {"vk", 0xa5}};
+static const char *const labels[SIDES] = {"gl", "vk"};
 
 /* Where the two threads wait for each other. A thread that fails leaves, and the other is let
  * go. */
@@ -247,51 +247,19 @@ static bool make_rows(struct compare *compare)
     return false;
 }
 
-static char *describe_place(const struct dt_resource *resource, const struct difference *difference)
-{
-    uint64_t element = difference->worst.element;
-    if (resource->kind == DT_BUFFER)
-        return format_string("[%llu]", (unsigned long long)element);
-    uint64_t width = difference->extent[0];
-    uint64_t area = width * difference->extent[1];
-    return format_string("(%llu, %llu, layer %llu)", (unsigned long long)(element % width),
-                         (unsigned long long)(element % area / width),
-                         (unsigned long long)(element / area));
-}
-
-static char *describe_worst(const struct dt_resource *resource, const struct difference *difference)
-{
-    static const char *const units[] = {"", " ulp", "", " relative"};
-    const struct worst *worst = &difference->worst;
-    if (difference->size_differs)
-        return strdup("the sizes differ");
-    if (!worst->valid)
-        return strdup("-");
-    int digits = 2 * (int)number_size(worst->component.kind);
-    char *place = describe_place(resource, difference);
-    char *text = format_string("%.3g%s at %s%s%s, frame %u: gl %.9g (0x%0*x), vk %.9g (0x%0*x)",
-                               worst->error, units[resource->contract.kind], place ? place : "",
-                               worst->component.name[0] ? "." : "", worst->component.name,
-                               worst->frame, worst->values[0], digits, worst->bits[0],
-                               worst->values[1], digits, worst->bits[1]);
-    free(place);
-    return text;
-}
-
 static void print_row(const struct compare *compare, const struct row *row, const int widths[2])
 {
     const struct dt_pipeline *info = compare->pipeline.info;
     const struct dt_resource *resource = &info->resources[row->resource];
     const struct difference *difference = &row->difference;
-    char *worst = describe_worst(resource, difference);
-    printf("%-*s  %-*s  %10llu  %10llu  %-7s  %s", widths[0], info->passes[row->pass].name,
+    char *worst = difference_describe_worst(difference, resource, labels);
+    char *flips = difference_list_flips(difference, resource, labels);
+    printf("%-*s  %-*s  %10llu  %10llu  %-7s  %s\n%s", widths[0], info->passes[row->pass].name,
            widths[1], row->name, (unsigned long long)difference->elements,
            (unsigned long long)difference->differing, verdict_name(difference_verdict(difference)),
-           worst ? worst : "");
-    if (difference->not_finite)
-        printf("; note: %llu numbers are NaN or Inf", (unsigned long long)difference->not_finite);
-    printf("\n");
+           worst ? worst : "", flips ? flips : "");
     free(worst);
+    free(flips);
 }
 
 static void print_agreement(const struct compare *compare)
@@ -331,27 +299,6 @@ static void print_table(const struct compare *compare)
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
-static cJSON *worst_json(const struct worst *worst)
-{
-    cJSON *root = cJSON_CreateObject();
-    cJSON_AddNumberToObject(root, "frame", worst->frame);
-    cJSON_AddNumberToObject(root, "element", (double)worst->element);
-    cJSON_AddStringToObject(root, "component", worst->component.name);
-    if (isfinite(worst->error))
-        cJSON_AddNumberToObject(root, "error", worst->error);
-    else
-        cJSON_AddNullToObject(root, "error");
-    for (int i = 0; i < SIDES; i++) {
-        char bits[16];
-        snprintf(bits, sizeof bits, "0x%0*x", 2 * (int)number_size(worst->component.kind),
-                 worst->bits[i]);
-        cJSON *value = cJSON_AddObjectToObject(root, sides[i].backend);
-        cJSON_AddNumberToObject(value, "value", worst->values[i]); /* null for NaN and Inf */
-        cJSON_AddStringToObject(value, "bits", bits);
-    }
-    return root;
-}
-
 static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row)
 {
     const struct dt_resource *resource = &info->resources[row->resource];
@@ -363,24 +310,10 @@ static void add_place(cJSON *root, const struct dt_pipeline *info, const struct 
 
 static cJSON *row_json(const struct compare *compare, const struct row *row)
 {
-    static const char *const contracts[] = {"exact", "ulp", "abs", "rel"};
     const struct dt_pipeline *info = compare->pipeline.info;
-    const struct dt_resource *resource = &info->resources[row->resource];
-    const struct difference *difference = &row->difference;
     cJSON *root = cJSON_CreateObject();
     add_place(root, info, row);
-    cJSON_AddStringToObject(root, "contract", contracts[resource->contract.kind]);
-    if (resource->contract.kind != DT_CONTRACT_EXACT)
-        cJSON_AddNumberToObject(root, "tolerance", resource->contract.tolerance);
-    cJSON_AddNumberToObject(root, "elements", (double)difference->elements);
-    cJSON_AddNumberToObject(root, "differing", (double)difference->differing);
-    cJSON_AddNumberToObject(root, "beyond", (double)difference->beyond);
-    cJSON_AddNumberToObject(root, "not_finite", (double)difference->not_finite);
-    cJSON_AddBoolToObject(root, "size_differs", difference->size_differs);
-    cJSON_AddStringToObject(root, "verdict", verdict_name(difference_verdict(difference)));
-    cJSON_AddItemToObject(root, "worst",
-                          difference->worst.valid ? worst_json(&difference->worst)
-                                                  : cJSON_CreateNull());
+    difference_json(root, &row->difference, &info->resources[row->resource], labels);
     return root;
 }
 

@@ -178,8 +178,11 @@ static void emit_contract(struct text *out, const struct dt_contract *contract)
         [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
     };
 
-    text_add(out, "        .contract = {%s, ", kinds[contract->kind]);
-    c_double(out, contract->tolerance);
+    text_add(out, "        .contract = {.kind = %s", kinds[contract->kind]);
+    if (contract->kind != DT_CONTRACT_EXACT) {
+        text_add(out, ", .tolerance = ");
+        c_double(out, contract->tolerance);
+    }
     text_add(out, "},\n");
 }
 

@@ -275,7 +275,7 @@ void read_interleaves(struct reader *reader, const struct fields *top)
 static struct dt_contract read_contract(struct reader *reader, const struct named *named)
 {
     static const char *const kinds[] = {"ulp", "abs", "rel"};
-    struct dt_contract contract = {DT_CONTRACT_EXACT, 0};
+    struct dt_contract contract = {.kind = DT_CONTRACT_EXACT, .margin_field = -1};
     struct fields fields;
     if (fy_node_get_type(named->value) != FYNT_MAPPING ||
         !fields_read(reader, named->value, SECTION_CONTRACT, named->loc, &fields))

@@ -1,6 +1,5 @@
 /* The parts of the command line that need no device: options, files, numbers in resources,
- * differences under a contract, live parameters, pictures, dumps. Expected values come from IEEE
- * 754, sRGB and the contracts' definitions. */
+ * live parameters, pictures, dumps. Expected values come from IEEE 754 and sRGB. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,7 +12,6 @@
 
 #include <cmocka.h>
 
-#include "app/difference.h"
 #include "app/dump.h"
 #include "app/files.h"
 #include "app/options.h"
@@ -193,118 +191,6 @@ static void components_are_named(void **state)
     free(list);
 }
 
-/* ---- Differences ----------------------------------------------------------------------------- */
-
-enum { ELEMENTS = 3 };
-
-/* A vec3 and 4 bytes of padding. */
-static const struct dt_field one_vector[] = {{"v", DT_TYPE_VEC3, 0, 0, 0}};
-
-static struct difference compare(struct dt_contract contract, float left[ELEMENTS][4],
-                                 float right[ELEMENTS][4])
-{
-    const struct dt_resource resource = {.name = "r",
-                                         .kind = DT_BUFFER,
-                                         .contract = contract,
-                                         .fields = one_vector,
-                                         .field_count = 1,
-                                         .stride = 16};
-    const struct dt_bytes copies[2] = {
-        {.data = (uint8_t *)left, .size = ELEMENTS * 16, .extent = {ELEMENTS}},
-        {.data = (uint8_t *)right, .size = ELEMENTS * 16, .extent = {ELEMENTS}}};
-    struct difference difference = {0};
-    assert_true(difference_add(&difference, &resource, 4, copies));
-    return difference;
-}
-
-static void padding_is_nobodys(void **state)
-{
-    (void)state;
-    float left[ELEMENTS][4] = {{1, 2, 3, 4}};
-    float right[ELEMENTS][4] = {{1, 2, 3, 5}};
-    struct difference difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, left, right);
-    assert_int_equal(difference_verdict(&difference), VERDICT_EQUAL);
-    assert_int_equal(difference.elements, ELEMENTS);
-}
-
-static void exact_sees_the_last_bit(void **state)
-{
-    (void)state;
-    float left[ELEMENTS][4] = {{1, 2, 3}, {1, 1, 1}, {0, 0, 0}};
-    float right[ELEMENTS][4] = {{1, 2, 3}, {1, nextafterf(1, 2), 1}, {0, 0, -0.0f}};
-    struct difference difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, left, right);
-    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
-    assert_int_equal(difference.differing, 2);
-    assert_int_equal(difference.worst.element, 1);
-    assert_int_equal(difference.worst.frame, 4);
-    assert_string_equal(difference.worst.component.name, "v.y");
-    assert_true(difference.worst.error == 0x1p-23);
-    assert_int_equal(difference.worst.bits[1], 0x3f800001);
-}
-
-static void tolerances_are_kept(void **state)
-{
-    (void)state;
-    float left[ELEMENTS][4] = {{100, 0, 0}};
-    float right[ELEMENTS][4] = {{101, 0, 0}};
-    float near[ELEMENTS][4] = {{nextafterf(nextafterf(100, 200), 200), 0, 0}};
-    static const struct {
-        struct dt_contract contract;
-        enum verdict verdict;
-    } cases[] = {{{DT_CONTRACT_ABS, 1}, VERDICT_WITHIN},
-                 {{DT_CONTRACT_ABS, 0.99}, VERDICT_DIFFERS},
-                 {{DT_CONTRACT_REL, 0.01}, VERDICT_WITHIN},
-                 {{DT_CONTRACT_REL, 0.0099}, VERDICT_DIFFERS},
-                 {{DT_CONTRACT_ULP, 4}, VERDICT_DIFFERS}};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
-        struct difference difference = compare(cases[i].contract, left, right);
-        assert_int_equal(difference_verdict(&difference), cases[i].verdict);
-    }
-    struct difference difference = compare((struct dt_contract){DT_CONTRACT_ULP, 2}, left, near);
-    assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
-    assert_true(difference.worst.error == 2);
-    difference = compare((struct dt_contract){DT_CONTRACT_ULP, 1}, left, near);
-    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
-}
-
-static void ulps_go_through_zero(void **state)
-{
-    (void)state;
-    float left[ELEMENTS][4] = {{0x1p-149f, 0, 0}};
-    float right[ELEMENTS][4] = {{-0x1p-149f, -0.0f, 0}};
-    struct difference difference = compare((struct dt_contract){DT_CONTRACT_ULP, 2}, left, right);
-    assert_true(difference.worst.error == 2);
-    assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
-}
-
-static void nan_passes_exactly_or_not_at_all(void **state)
-{
-    (void)state;
-    float both[ELEMENTS][4] = {{NAN, INFINITY, 0}};
-    float one[ELEMENTS][4] = {{0, INFINITY, 0}};
-    struct difference difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, both, both);
-    assert_int_equal(difference_verdict(&difference), VERDICT_EQUAL);
-    assert_int_equal(difference.not_finite, 2);
-    difference = compare((struct dt_contract){DT_CONTRACT_ABS, 1e30}, both, both);
-    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
-    difference = compare((struct dt_contract){DT_CONTRACT_ABS, INFINITY}, both, one);
-    assert_int_equal(difference.not_finite, 2);
-    difference = compare((struct dt_contract){DT_CONTRACT_EXACT, 0}, both, one);
-    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
-}
-
-static void sizes_must_match(void **state)
-{
-    (void)state;
-    static uint8_t bytes[16];
-    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
-    const struct dt_bytes copies[2] = {{.data = bytes, .size = 16, .extent = {4, 1, 1}},
-                                       {.data = bytes, .size = 16, .extent = {2, 2, 1}}};
-    struct difference difference = {0};
-    assert_true(difference_add(&difference, &resource, 0, copies));
-    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
-}
-
 /* ---- Live parameters ------------------------------------------------------------------------- */
 
 static void live_parameters_are_checked(void **state)
@@ -471,12 +357,6 @@ int main(void)
         cmocka_unit_test(files_appear_whole),
         cmocka_unit_test(halves_are_ieee),
         cmocka_unit_test(components_are_named),
-        cmocka_unit_test(padding_is_nobodys),
-        cmocka_unit_test(exact_sees_the_last_bit),
-        cmocka_unit_test(tolerances_are_kept),
-        cmocka_unit_test(ulps_go_through_zero),
-        cmocka_unit_test(nan_passes_exactly_or_not_at_all),
-        cmocka_unit_test(sizes_must_match),
         cmocka_unit_test(live_parameters_are_checked),
         cmocka_unit_test(pictures_are_upright),
         cmocka_unit_test(normals_become_colours),

@@ -79,10 +79,22 @@ struct dt_field {
 };
 
 /* How far the two backends may differ in one resource; see the spec's `contracts`. */
-enum dt_contract_kind { DT_CONTRACT_EXACT, DT_CONTRACT_ULP, DT_CONTRACT_ABS, DT_CONTRACT_REL };
+enum dt_contract_kind {
+    DT_CONTRACT_EXACT,
+    DT_CONTRACT_ULP,   /* tolerance: units in the last place */
+    DT_CONTRACT_ABS,   /* tolerance: absolute */
+    DT_CONTRACT_REL,   /* tolerance: relative to the larger magnitude */
+    DT_CONTRACT_IMAGE, /* tolerance: absolute, beyond which a texel is an outlier */
+    DT_CONTRACT_FLIPS  /* tolerance: elements that may have another value */
+};
 struct dt_contract {
     enum dt_contract_kind kind;
-    double tolerance; /* units in the last place, absolute or relative; unused for EXACT */
+    double tolerance; /* unused for EXACT */
+    double outliers;  /* IMAGE: share of texels that may be outliers, 0..1 */
+    /* FLIPS: the buffer (index into resources) and the field of it that hold, element by element, the
+     * margin by which a value was decided; margin_field -1: none */
+    uint16_t margin_resource;
+    int16_t margin_field;
 };
 
 struct dt_resource {
