@@ -335,6 +335,27 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
                          pass->uses[i]);
 }
 
+/* Whether the size of the workgroup is the body's own affair: it shares memory, waits for the group or asks
+ * for its place in it. */
+static bool minds_group(const struct body *body)
+{
+    static const char *const words[] = {"shared", "barrier", "groupMemoryBarrier",
+                                        "memoryBarrierShared"};
+    static const char *const prefixes[] = {"gl_Local", "gl_WorkGroup", "gl_NumWorkGroups",
+                                           "gl_Subgroup", "subgroup"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (mentions(body, words[i]))
+            return true;
+    for (size_t i = 0; i < body->count; i++)
+        for (size_t k = 0; k < sizeof prefixes / sizeof *prefixes; k++) {
+            size_t length = strlen(prefixes[k]);
+            if ((size_t)body->tokens[i].length >= length &&
+                !memcmp(body->tokens[i].text, prefixes[k], length))
+                return true;
+        }
+    return false;
+}
+
 static void check_body(struct checker *c, struct pass *pass, struct body *body)
 {
     const struct pipeline *p = c->pipeline;
@@ -344,6 +365,7 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     if (!pass->body)
         return;
     scan_source(c, body, pass->body, 0);
+    pass->minds_group = minds_group(body);
     for (uint32_t i = 0; i < p->resource_count; i++)
         check_resource_use(c, pass, body, &p->resources[i]);
     for (uint32_t i = 0; i < p->sampler_count; i++)

@@ -184,6 +184,14 @@ unsigned diag_error_count(const struct diag *diag)
     return diag->errors;
 }
 
+const char *diag_first_error(const struct diag *diag)
+{
+    for (unsigned i = 0; i < diag->count; i++)
+        if (diag->messages[i].severity == SEVERITY_ERROR)
+            return diag->messages[i].text;
+    return NULL;
+}
+
 /* ---- Printing -------------------------------------------------------------------------------- */
 
 /* Start and length in bytes of a line; false when the source has no such line. */

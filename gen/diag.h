@@ -37,6 +37,7 @@ void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* Belongs to the message before it. */
 unsigned diag_error_count(const struct diag *diag);
+const char *diag_first_error(const struct diag *diag); /* its text, until it is flushed; or NULL */
 void diag_flush(struct diag *diag); /* to stderr, in order of place; duplicates once */
 /* The candidate nearest to `word` when near enough for "did you mean", else NULL. */
 const char *diag_nearest(const char *word, const char *const *candidates, size_t count);

@@ -2,6 +2,7 @@
  * and the road through the stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 it could
  * not be tried (usage, files, memory). */
 #include <errno.h>
+#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,7 +21,7 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 /* ---- Command line ---------------------------------------------------------------------------- */
 
 struct options {
-    const char *spec, *out, *graph, *depfile, *templates;
+    const char *spec, *out, *graph, *depfile, *templates, *variations, *seed, *memory;
     const char **sets;
     size_t set_count;
     bool check, schema, reference, help, version;
@@ -39,6 +40,10 @@ static const struct option_name option_names[] = {
     {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
     {"--templates", "DIR",
      "folder with glsl/ and c/; default: templates here, else beside the program's folder"},
+    {"--variations", "N",
+     "print N random variations of the spec that are valid, as JSON; writes nothing else"},
+    {"--seed", "S", "--variations: the same seed draws the same (default: 1)"},
+    {"--memory", "MIB", "--variations: most that the resources of one may take (default: 64)"},
     {"--schema", NULL, "print a JSON Schema of the spec language"},
     {"--reference", NULL, "print the reference of the spec language, Markdown"},
     {"--help", NULL, "this text"},
@@ -91,6 +96,12 @@ static void take_option(struct options *options, const char *name, const char *v
         options->depfile = value;
     else if (!strcmp(name, "--templates"))
         options->templates = value;
+    else if (!strcmp(name, "--variations"))
+        options->variations = value;
+    else if (!strcmp(name, "--seed"))
+        options->seed = value;
+    else if (!strcmp(name, "--memory"))
+        options->memory = value;
     else if (!strcmp(name, "--check"))
         options->check = true;
     else if (!strcmp(name, "--schema"))
@@ -144,7 +155,7 @@ static bool parse_options(int count, char **words, struct options *options)
         return true;
     if (!options->spec)
         return usage_error("no spec given%s", "");
-    if (!options->out && !options->check && !options->graph)
+    if (!options->out && !options->check && !options->graph && !options->variations)
         return usage_error("`-o DIR` is missing for `%s`", options->spec);
     if (options->depfile && !options->out)
         return usage_error("`--depfile %s` needs `-o DIR`", options->depfile);
@@ -163,45 +174,6 @@ struct generation {
 
 static const char *const backend_names[] = {"gl", "vk"};
 static const char *const stage_suffixes[] = {"comp", "vert", "frag"};
-
-static bool has_stage(const struct pass *pass, enum stage stage)
-{
-    return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
-}
-
-static bool compile_pass(struct generation *g, enum backend backend, uint32_t index)
-{
-    const struct pass *pass = g->model.pipeline.order[index];
-    bool good = true;
-    for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
-        struct shader *shader = &g->shaders[backend][index].stage[stage];
-        shader->stage = stage;
-        if (has_stage(pass, stage))
-            good &= emit_glsl(&g->model, pass, backend, stage, shader, g->diag) &&
-                    spirv_compile(&g->model, pass, backend, shader, g->diag);
-    }
-    return good;
-}
-
-static bool compile(struct generation *g)
-{
-    uint32_t count = g->model.pipeline.pass_count;
-    if (!spirv_init()) {
-        diag_error(g->diag, (struct loc){0}, "the GLSL compiler could not be started");
-        return false;
-    }
-    bool good = true;
-    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
-        g->shaders[backend] = calloc(count + 1, sizeof *g->shaders[backend]);
-        if (!g->shaders[backend])
-            diag_error(g->diag, (struct loc){0}, "out of memory");
-        for (uint32_t i = 0; g->shaders[backend] && i < count; i++)
-            good &= compile_pass(g, backend, i);
-        good &= g->shaders[backend] != NULL;
-    }
-    spirv_finish();
-    return good && !diag_error_count(g->diag);
-}
 
 static void add_named(struct generation *g, const char *suffix, struct text *text)
 {
@@ -322,7 +294,8 @@ static enum status generate(struct generation *g)
         !check_model(&g->model, g->model.templates_dir, g->diag) || diag_error_count(g->diag))
         return STATUS_WRONG_SPEC;
     layout_model(&g->model);
-    if (!plan_model(&g->model, g->diag) || diag_error_count(g->diag) || !compile(g))
+    if (!plan_model(&g->model, g->diag) || diag_error_count(g->diag) ||
+        !shaders_compile(&g->model, g->shaders, g->diag))
         return STATUS_WRONG_SPEC;
     enum status status = options->check ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
@@ -330,14 +303,43 @@ static enum status generate(struct generation *g)
     return status;
 }
 
-static void free_shaders(struct pass_shaders *shaders, uint32_t count)
+/* A whole number, or `otherwise` without text; false, reported, when it is none from least to most. */
+static bool read_number(const char *name, const char *text, uint64_t least, uint64_t most,
+                        uint64_t otherwise, uint64_t *number)
 {
-    for (uint32_t i = 0; shaders && i < count; i++)
-        for (int stage = 0; stage < 3; stage++) {
-            text_free(&shaders[i].stage[stage].glsl);
-            free(shaders[i].stage[stage].words);
-        }
-    free(shaders);
+    char *end = NULL;
+    errno = 0;
+    *number = text ? strtoull(text, &end, 10) : otherwise;
+    if (!text ||
+        (*text >= '0' && *text <= '9' && !*end && !errno && *number >= least && *number <= most))
+        return true;
+    fprintf(stderr,
+            "diptych-gen: error: %s %s: must be a whole number from %" PRIu64 " to %" PRIu64 "\n",
+            name, text, least, most);
+    return false;
+}
+
+static enum status print_variations(struct generation *g)
+{
+    const struct options *options = g->options;
+    struct text text = {0};
+    uint64_t count, seed, memory;
+    if (!read_number("--variations", options->variations, 1, 1000000, 1, &count) ||
+        !read_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
+        !read_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
+        return STATUS_FAILED;
+    struct vary_request request = {.spec = options->spec,
+                                   .templates_dir = g->model.templates_dir,
+                                   .sets = options->sets,
+                                   .set_count = options->set_count,
+                                   .count = (uint32_t)count,
+                                   .seed = seed,
+                                   .bytes = memory << 20};
+    bool good = vary(&request, &text, g->diag);
+    if (good && fwrite(text.data, 1, text.length, stdout) != text.length)
+        good = false;
+    text_free(&text);
+    return good ? STATUS_DONE : STATUS_WRONG_SPEC;
 }
 
 /* `templates` in the working folder, else beside the program's folder: build/diptych-gen finds
@@ -369,14 +371,13 @@ static enum status run(const struct options *options)
     enum status status = STATUS_FAILED;
     if (g.diag && g.model.arena) {
         g.model.templates_dir = find_templates(g.model.arena, options->templates);
-        status = generate(&g);
+        status = options->variations ? print_variations(&g) : generate(&g);
         fflush(stdout);
         diag_flush(g.diag);
     } else {
         fputs("diptych-gen: error: out of memory\n", stderr);
     }
-    for (int backend = 0; backend < 2; backend++)
-        free_shaders(g.shaders[backend], g.model.pipeline.pass_count);
+    shaders_free(&g.model, g.shaders);
     output_free(g.output);
     diag_free(g.diag);
     arena_free(g.model.arena);

@@ -253,6 +253,7 @@ struct pass {
     struct resource *index_resource;
     uint32_t local[3]; /* check folds local_size into it; defaults by the kind stand in it before */
     struct expr *local_size[3]; /* as written; NULL: not given */
+    bool minds_group;           /* check: the body is written for a certain size of the workgroup */
     struct range *ranges;
     uint32_t range_count;
     /* draws */

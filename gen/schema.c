@@ -6,17 +6,6 @@
 #include "stages.h"
 #include "table.h"
 
-static void add_string(struct text *out, const char *text)
-{
-    text_add(out, "\"");
-    for (; *text; text++) {
-        if (*text == '"' || *text == '\\')
-            text_add(out, "\\");
-        text_add(out, "%c", *text);
-    }
-    text_add(out, "\"");
-}
-
 static void add_choices(struct text *out, const char *choices, const char *skip)
 {
     const char *separator = "";
@@ -123,7 +112,7 @@ static void add_section(struct text *out, enum section section)
     const char *separator = "";
     text_add(out, "    \"%s\": {\n      \"type\": \"object\",\n      \"description\": ",
              table_sections[section].anchor);
-    add_string(out, table_sections[section].doc);
+    text_add_json(out, table_sections[section].doc);
     text_add(out, ",\n");
     add_required(out, section);
     text_add(out, "      \"properties\": {");
@@ -136,7 +125,7 @@ static void add_section(struct text *out, enum section section)
             continue;
         }
         text_add(out, "%s\n        \"%s\": {\"description\": ", separator, key->name);
-        add_string(out, key->doc);
+        text_add_json(out, key->doc);
         text_add(out, ", \"allOf\": [");
         add_type(out, key);
         text_add(out, "]}");

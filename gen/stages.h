@@ -46,6 +46,10 @@ void spirv_finish(void);
 struct pass_shaders {
     struct shader stage[3];
 };
+/* shaders.c: every stage of every pass for both backends, through emit_glsl and spirv_compile.
+ * shaders_free in any case. */
+bool shaders_compile(struct model *model, struct pass_shaders *shaders[2], struct diag *diag);
+void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
 void emit_header(const struct model *model, struct text *out);     /* NAME.h */
 void emit_c_pipeline(const struct model *model, struct text *out); /* NAME.c: reflection */
 void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
@@ -55,6 +59,18 @@ void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,
 void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
 void emit_schema(struct text *out);                           /* schema.c */
 void emit_reference(struct text *out);                        /* reference.c: Markdown */
+
+/* vary.c: `count` valid variations of a spec, as JSON; the same for the same seed on every machine.
+ * False when the spec itself is wrong (reported) or a variation cannot be found. */
+struct vary_request {
+    const char *spec, *templates_dir;
+    const char *const *sets; /* in force in every variation; what they set is not drawn */
+    size_t set_count;
+    uint32_t count;
+    uint64_t seed;
+    uint64_t bytes; /* most that the resources of a variation may take together */
+};
+bool vary(const struct vary_request *request, struct text *out, struct diag *diag);
 
 /* output.c: a set of files that appears whole or not at all. */
 struct output;

@@ -54,6 +54,18 @@ void text_add(struct text *text, const char *format, ...)
     va_end(arguments);
 }
 
+void text_add_json(struct text *text, const char *string)
+{
+    text_add_bytes(text, "\"", 1);
+    for (; *string; string++) {
+        if ((unsigned char)*string < ' ')
+            text_add(text, "\\u%04x", (unsigned)*string);
+        else
+            text_add(text, *string == '"' || *string == '\\' ? "\\%c" : "%c", *string);
+    }
+    text_add_bytes(text, "\"", 1);
+}
+
 /* ---- Long lines ------------------------------------------------------------------------------ */
 
 /* Skips a string literal or a comment that begins at line[at]: returns where it ends, or at

@@ -12,6 +12,7 @@ struct text {
 };
 void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(struct text *text, const char *bytes, size_t length);
+void text_add_json(struct text *text, const char *string); /* quoted and escaped */
 /* Breaks lines of C that are longer than `columns` after a comma or an operator, with continuation
  * lines indented by four; strings, comments and directives stay whole, so such a line may stay
  * long. */

@@ -1,0 +1,248 @@
+/* Variations of a spec: valid ones, drawn with a seed, as JSON. Each is drawn in three steps, every one looking
+ * at the model that the former ones left: parameters; formats, samplers, metrics, workgroups and ranges; the
+ * order of the passes. A draw that the language refuses, or that wants too much memory, is drawn again
+ * and listed with the reason. Called by main.c for --variations. */
+#include "vary.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "plan.h"
+
+enum { MOST_ATTEMPTS = 1000 };
+
+struct variation {
+    uint32_t frame[2], frame_count;
+    bool fast; /* by the spec itself */
+    bool twin; /* comes twice: with `exactness: fast`, then as the spec has it, which is exact */
+};
+
+/* How far a model is taken. */
+enum depth { CHECKED, PLANNED, COMPILED };
+
+static bool take(struct model *model, const struct draws *draws, enum depth depth,
+                 struct diag *diag)
+{
+    const struct vary_request *request = draws->request;
+    size_t count = draws->set_count + request->set_count;
+    const char **sets = arena_alloc(model->arena, (count + 1) * sizeof *sets);
+    struct pass_shaders *shaders[2] = {NULL, NULL};
+    if (!sets) {
+        diag_error(diag, (struct loc){0}, "out of memory");
+        return false;
+    }
+    if (draws->set_count)
+        memcpy(sets, draws->sets, draws->set_count * sizeof *sets);
+    if (request->set_count)
+        memcpy(sets + draws->set_count, request->sets, request->set_count * sizeof *sets);
+    if (!read_spec(model, request->spec, sets, count, diag) ||
+        !check_model(model, model->templates_dir, diag) || diag_error_count(diag))
+        return false;
+    layout_model(model);
+    if (depth == CHECKED)
+        return true;
+    if (!plan_model(model, diag) || diag_error_count(diag))
+        return false;
+    bool good = depth == PLANNED || shaders_compile(model, shaders, diag);
+    shaders_free(model, shaders);
+    return good;
+}
+
+/* The resources' bytes at the variation's frame size. */
+static uint64_t resource_bytes(const struct pipeline *pipeline, const uint32_t frame[2])
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        const struct resource *resource = &pipeline->resources[i];
+        uint32_t width = frame[0], height = frame[1];
+        if (resource->kind == DT_BUFFER)
+            sum += (uint64_t)resource->stride * expr_value(resource->count, width, height, 1);
+        else
+            sum += (uint64_t)format_info(resource->format)->bytes *
+                   expr_value(resource->width, width, height, 1) *
+                   expr_value(resource->height, width, height, 1) *
+                   expr_value(resource->layers, width, height, 1);
+    }
+    return sum;
+}
+
+/* ---- One variation --------------------------------------------------------------------------- */
+
+/* A draw, and the model that it has led to so far. */
+struct attempt {
+    struct draws *draws;
+    struct variation *variation;
+    struct model model;
+    struct diag *diag;
+};
+
+static bool again(struct attempt *attempt, enum depth depth)
+{
+    const struct vary_request *request = attempt->draws->request;
+    arena_free(attempt->model.arena);
+    attempt->model =
+        (struct model){.arena = arena_create(), .templates_dir = request->templates_dir};
+    if (!attempt->model.arena)
+        attempt->draws->out_of_memory = true;
+    return attempt->model.arena && take(&attempt->model, attempt->draws, depth, attempt->diag);
+}
+
+static bool fits_memory(struct attempt *attempt)
+{
+    const struct vary_request *request = attempt->draws->request;
+    const struct variation *variation = attempt->variation;
+    uint64_t bytes = resource_bytes(&attempt->model.pipeline, variation->frame);
+    if (bytes <= request->bytes)
+        return true;
+    diag_error(attempt->diag, (struct loc){0},
+               "its resources take %" PRIu64 " MiB at a frame of %ux%u; at most %" PRIu64,
+               bytes >> 20, variation->frame[0], variation->frame[1], request->bytes >> 20);
+    return false;
+}
+
+/* False: invalid, diag says why. */
+static bool draw(struct attempt *attempt)
+{
+    struct draws *draws = attempt->draws;
+    struct variation *variation = attempt->variation;
+    const struct pipeline *pipeline = &attempt->model.pipeline;
+    if (!again(attempt, CHECKED))
+        return false;
+    draw_params(draws, pipeline);
+    variation->fast = pipeline->fast;
+    variation->twin = draw_fast(draws) && !pipeline->fast;
+    if (!again(attempt, CHECKED))
+        return false;
+    draw_frame(draws, pipeline, variation->frame);
+    variation->frame_count = draw_frame_count(draws, pipeline);
+    if (!fits_memory(attempt))
+        return false;
+    draw_details(draws, pipeline);
+    if (!again(attempt, PLANNED) || !fits_memory(attempt))
+        return false;
+    draw_order(draws, &attempt->model);
+    return again(attempt, COMPILED);
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static void add_list(struct text *out, const char *const *words, size_t count)
+{
+    text_add(out, "[");
+    for (size_t i = 0; i < count; i++) {
+        text_add(out, i ? ", " : "");
+        text_add_json(out, words[i]);
+    }
+    text_add(out, "]");
+}
+
+static void add_variation(struct text *out, const struct draws *draws,
+                          const struct variation *variation, bool fast)
+{
+    text_add(out,
+             "%s\n    {\"width\": %u, \"height\": %u, \"frames\": %u, \"exact\": %s, \"sets\": ",
+             out->length ? "," : "", variation->frame[0], variation->frame[1],
+             variation->frame_count, fast ? "false" : "true");
+    add_list(out, draws->sets, draws->set_count);
+    text_add(out, "}");
+}
+
+static void add_refusal(struct text *out, const struct draws *draws, uint32_t number,
+                        const struct diag *diag)
+{
+    const char *reason = diag_first_error(diag);
+    text_add(out, "%s\n    {\"variation\": %u, \"reason\": ", out->length ? "," : "", number + 1);
+    text_add_json(out, reason ? reason : "");
+    text_add(out, ", \"sets\": ");
+    add_list(out, draws->sets, draws->set_count);
+    text_add(out, "}");
+}
+
+/* ---- All ------------------------------------------------------------------------------------- */
+
+struct listing {
+    struct text variations, refusals;
+};
+
+/* Draws until it is valid. */
+static bool find(struct draws *draws, uint32_t number, struct variation *variation,
+                 struct listing *listing, struct diag *diag)
+{
+    for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
+        struct attempt state = {.draws = draws, .variation = variation, .diag = diag_create()};
+        bool good = false;
+        if (state.diag) {
+            draws_start(draws, number, attempt);
+            good = draw(&state);
+            if (!good)
+                add_refusal(&listing->refusals, draws, number, state.diag);
+        }
+        draws->out_of_memory |= !state.diag;
+        arena_free(state.model.arena);
+        diag_free(state.diag);
+        if (good || draws->out_of_memory)
+            return good;
+    }
+    diag_error(
+        diag, (struct loc){0},
+        "no valid variation was found in %d draws; fix some values with --set, or allow more "
+        "--memory",
+        MOST_ATTEMPTS);
+    return false;
+}
+
+/* A variation that is drawn fast stands before its exact twin. */
+static void list(struct draws *draws, const struct variation *variation, struct listing *listing)
+{
+    struct draws fast = *draws;
+    const char **sets = arena_alloc(draws->arena, (draws->set_count + 1) * sizeof *sets);
+    if (variation->twin && sets) {
+        sets[0] = "exactness=fast";
+        if (draws->set_count)
+            memcpy(sets + 1, draws->sets, draws->set_count * sizeof *sets);
+        fast.sets = sets;
+        fast.set_count++;
+        add_variation(&listing->variations, &fast, variation, true);
+    }
+    draws->out_of_memory |= !sets;
+    add_variation(&listing->variations, draws, variation, variation->fast);
+}
+
+static void print(const struct model *model, const struct listing *listing, struct text *out)
+{
+    text_add(out, "{\n  \"inputs\": ");
+    add_list(out, model->inputs, model->input_count);
+    text_add(out, ",\n  \"variations\": [");
+    text_add(out, "%s", listing->variations.data ? listing->variations.data : "");
+    text_add(out, "\n  ],\n  \"redrawn\": [");
+    text_add(out, "%s", listing->refusals.data ? listing->refusals.data : "");
+    text_add(out, "\n  ]\n}\n");
+}
+
+bool vary(const struct vary_request *request, struct text *out, struct diag *diag)
+{
+    struct draws draws = {.request = request, .arena = arena_create()};
+    struct model model = {.arena = arena_create(), .templates_dir = request->templates_dir};
+    struct listing listing = {{0}, {0}};
+    struct variation variation;
+    bool good = draws.arena && model.arena && take(&model, &draws, COMPILED, diag);
+    uint32_t number = 0;
+    while (good && number < request->count) {
+        good = find(&draws, number, &variation, &listing, diag);
+        variation.twin = variation.twin && number + 1 < request->count;
+        if (good)
+            list(&draws, &variation, &listing);
+        number += variation.twin ? 2 : 1;
+    }
+    if (good)
+        print(&model, &listing, out);
+    bool failed = !draws.arena || !model.arena || draws.out_of_memory || out->failed ||
+                  listing.variations.failed || listing.refusals.failed;
+    if (failed)
+        diag_error(diag, (struct loc){0}, "out of memory");
+    text_free(&listing.variations);
+    text_free(&listing.refusals);
+    arena_free(model.arena);
+    arena_free(draws.arena);
+    return good && !failed;
+}
