@@ -4,10 +4,25 @@
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
+/* With an observer every pass ends finished, so nothing is pending before the next. The observer
+ * may use other contexts; come back to ours. */
+static enum dt_action ask_observer(struct gl_runtime *rt, uint32_t pass)
+{
+    const struct dt_observer *observer = rt->observer;
+    if (!observer || !observer->before_pass)
+        return DT_RUN;
+    enum dt_action action = observer->before_pass(observer->user, pass);
+    return gl_context_current(rt) ? action : DT_STOP;
+}
+
 bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
 {
     const char *name = rt->panel->pipeline->passes[pass].name;
-    rt->ran[pass] = runs;
+    enum dt_action action = ask_observer(rt, pass);
+    rt->skips = action == DT_SKIP;
+    rt->ran[pass] = runs && action == DT_RUN;
+    if (action == DT_STOP)
+        return false;
     if (!GL(rt, name, PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, pass, -1, name)))
         return false;
     return !rt->queries || GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP));
@@ -20,10 +35,12 @@ bool gl_pass_end(struct gl_runtime *rt, uint32_t pass)
         return false;
     if (!GL(rt, name, PopDebugGroup()))
         return false;
-    if (!rt->observer)
+    rt->skips = false;
+    const struct dt_observer *observer = rt->observer;
+    if (!observer)
         return true;
-    /* The observer may use other contexts; come back to ours. */
-    return GL(rt, name, Finish()) && rt->observer->after_pass(rt->observer->user, pass) &&
+    return GL(rt, name, Finish()) &&
+           (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
            gl_context_current(rt);
 }
 
@@ -98,6 +115,8 @@ bool gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32
                  uint32_t z)
 {
     const GLint *most = rt->limits.groups;
+    if (rt->skips)
+        return true;
     if (x > (uint32_t)most[0] || y > (uint32_t)most[1] || z > (uint32_t)most[2]) {
         gl_log(rt, DT_ERROR, "pass %s: %u x %u x %u workgroups, and %s allows %d x %d x %d",
                program->name, x, y, z, rt->device_name, most[0], most[1], most[2]);
@@ -110,6 +129,8 @@ bool gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32
 bool gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
                           const struct gl_buffer *arguments)
 {
+    if (rt->skips)
+        return true;
     return GL(rt, program->name, UseProgram(program->handle)) &&
            GL(rt, arguments->name, BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, arguments->handle)) &&
            GL(rt, program->name, DispatchComputeIndirect(0));
@@ -138,6 +159,8 @@ static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
 
 bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer, const struct gl_targets *targets)
 {
+    if (rt->skips)
+        return true;
     for (uint32_t i = 0; i < targets->color_count; i++)
         if (!targets->color[i].load && !clear_color(rt, framebuffer, (GLint)i, &targets->color[i]))
             return false;
@@ -156,6 +179,8 @@ bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_
     const GLint i[4] = {(GLint)clear[0], (GLint)clear[1], (GLint)clear[2], (GLint)clear[3]};
     GLenum format = gl_depth(image) ? GL_DEPTH_COMPONENT : GL_RGBA, type = GL_FLOAT;
     const void *value = clear;
+    if (rt->skips)
+        return true;
     switch (gl_format(image->texel)->type) {
     case GL_UNSIGNED_INT:
         format = GL_RGBA_INTEGER, type = GL_UNSIGNED_INT, value = u;
@@ -171,6 +196,8 @@ bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_
 
 bool gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer)
 {
+    if (rt->skips)
+        return true;
     return GL(
         rt, buffer->name,
         ClearNamedBufferData(buffer->handle, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL));
@@ -244,6 +271,8 @@ static bool set_indices(struct gl_runtime *rt, const struct gl_program *program,
 bool gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
                    const struct gl_targets *targets, uint32_t instances)
 {
+    if (rt->skips)
+        return true;
     return begin_scene(rt, program, framebuffer, targets) &&
            set_indices(rt, program, &rt->builtin.indices) &&
            GL(rt, program->name,
@@ -256,6 +285,8 @@ bool gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *prog
                             const struct gl_buffer *indices, const struct gl_buffer *arguments,
                             uint32_t draw_count)
 {
+    if (rt->skips)
+        return true;
     return begin_scene(rt, program, framebuffer, targets) &&
            set_indices(rt, program, indices ? indices : &rt->builtin.indices) &&
            GL(rt, arguments->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, arguments->handle)) &&
@@ -267,6 +298,8 @@ bool gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *prog
 bool gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
                         const struct gl_targets *targets)
 {
+    if (rt->skips)
+        return true;
     return begin_draw(rt, program, framebuffer, targets, rt->no_input) &&
            GL(rt, program->name, DrawArrays(GL_TRIANGLES, 0, 3));
 }

@@ -46,6 +46,7 @@ struct gl_runtime {
     uint32_t width, height;
 
     const struct dt_observer *observer; /* during render */
+    bool skips;                         /* it has this pass do nothing but its barriers */
     GLuint *queries;                    /* two per pass: begin, end; NULL without options.timing */
     bool *ran;                          /* per pass, in the last render */
 };
@@ -91,9 +92,16 @@ void gl_scene_destroy(struct gl_runtime *rt);
 
 /* ---- readback.c ------------------------------------------------------------------------------ */
 
-bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
-                    struct dt_bytes *out); /* out->size bytes */
+/* Size and extent of one mip; no data. */
+struct dt_bytes gl_image_shape(const struct gl_image *image, uint32_t mip);
+
+/* Size and extent are given, here and in `out`, whose data these allocate. */
+bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, struct dt_bytes *out);
 bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                    struct dt_bytes *out);
+bool gl_write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
+                     const struct dt_bytes *bytes);
+bool gl_write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    const struct dt_bytes *bytes);
 
 #endif

@@ -1,7 +1,19 @@
-/* Copies buffers and images to memory, tightly packed, row 0 first. Called by runtime.c. */
+/* Copies buffers and images to memory and back, tightly packed, row 0 first. Called by
+ * runtime.c. Pixels are packed and unpacked with the fixed state of context.c: no padding, and no
+ * buffer in between. */
 #include "internal.h"
 
 #include <stdlib.h>
+#include <string.h>
+
+struct dt_bytes gl_image_shape(const struct gl_image *image, uint32_t mip)
+{
+    uint32_t width = image->width >> mip, height = image->height >> mip;
+    struct dt_bytes shape = {.extent = {width ? width : 1, height ? height : 1, image->layers}};
+    shape.size = (size_t)shape.extent[0] * shape.extent[1] * shape.extent[2] *
+                 gl_format(image->texel)->bytes;
+    return shape;
+}
 
 static bool allocate(struct gl_runtime *rt, const char *name, struct dt_bytes *out)
 {
@@ -35,18 +47,8 @@ bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, struc
 bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                    struct dt_bytes *out)
 {
-    if (mip >= image->mips) {
-        gl_log(rt, DT_ERROR, "image %s: mip %u to read, and it has %u", image->name, mip,
-               image->mips);
-        return false;
-    }
     const struct gl_format *f = gl_format(image->texel);
-    uint32_t width = image->width >> mip, height = image->height >> mip;
-    out->extent[0] = width ? width : 1;
-    out->extent[1] = height ? height : 1;
-    out->extent[2] = image->layers;
-    size_t layer_size = (size_t)out->extent[0] * out->extent[1] * f->bytes;
-    out->size = layer_size * image->layers;
+    size_t layer_size = out->size / image->layers;
     if (layer_size > INT32_MAX) { /* OpenGL counts the bytes of a layer in an int */
         gl_log(rt, DT_ERROR, "image %s: a layer of %zu bytes is too large to read back",
                image->name, layer_size);
@@ -62,4 +64,44 @@ bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t
                                    f->type, (GLsizei)layer_size, out->data + layer * layer_size)))
             return keep(out, false);
     return true;
+}
+
+bool gl_write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
+                     const struct dt_bytes *bytes)
+{
+    return GL(rt, buffer->name, MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT)) &&
+           gl_buffer_write(rt, buffer, bytes->data, bytes->size);
+}
+
+/* OpenGL clamps other depths, and Vulkan leaves them undefined. */
+static bool check_depth(const struct gl_runtime *rt, const char *name, const struct dt_bytes *bytes)
+{
+    for (size_t i = 0; i < bytes->size / sizeof(float); i++) {
+        float depth;
+        memcpy(&depth, bytes->data + i * sizeof depth, sizeof depth);
+        if (depth >= 0 && depth <= 1)
+            continue;
+        gl_log(rt, DT_ERROR, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name, i,
+               (double)depth);
+        return false;
+    }
+    return true;
+}
+
+bool gl_write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    const struct dt_bytes *bytes)
+{
+    const struct gl_format *f = gl_format(image->texel);
+    GLsizei width = (GLsizei)bytes->extent[0], height = (GLsizei)bytes->extent[1];
+    GLsizei layers = (GLsizei)bytes->extent[2];
+    if ((gl_depth(image) && !check_depth(rt, image->name, bytes)) ||
+        !GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)))
+        return false;
+    if (!image->layered)
+        return GL(rt, image->name,
+                  TextureSubImage2D(image->handle, (GLint)mip, 0, 0, width, height, f->format,
+                                    f->type, bytes->data));
+    return GL(rt, image->name,
+              TextureSubImage3D(image->handle, (GLint)mip, 0, 0, 0, width, height, layers,
+                                f->format, f->type, bytes->data));
 }

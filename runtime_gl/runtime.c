@@ -225,28 +225,75 @@ static bool runtime_render(void *runtime, const struct dt_frame *frame, const vo
     return ok && GL(rt, "frame", Finish());
 }
 
-static bool read_buffer(struct gl_runtime *rt, const struct dt_resource *resource,
-                        const struct gl_buffer *buffer, struct dt_bytes *out)
+/* One mip of an image, or a buffer: one of the two is NULL. */
+struct place {
+    const char *name;
+    const struct gl_buffer *buffer;
+    const struct gl_image *image;
+    struct dt_bytes shape; /* without data */
+};
+
+static bool find(struct gl_runtime *rt, const char *verb, uint32_t resource, uint32_t mip,
+                 struct place *place)
 {
-    resource->extent(rt->width, rt->height, out->extent);
-    out->size = (size_t)out->extent[0] * resource->stride;
-    if (out->size <= (size_t)buffer->size)
-        return gl_read_buffer(rt, buffer, out);
-    gl_log(rt, DT_ERROR, "buffer %s: %zu bytes to read, and it has %lld", resource->name, out->size,
-           (long long)buffer->size);
-    return false;
+    if (!has_size(rt, verb) || !gl_context_current(rt))
+        return false;
+    if (resource >= rt->panel->pipeline->resource_count) {
+        gl_log(rt, DT_ERROR, "%s: the pipeline has no resource %u", verb, resource);
+        return false;
+    }
+    const struct dt_resource *what = &rt->panel->pipeline->resources[resource];
+    bool image = what->kind == DT_IMAGE;
+    const void *object = rt->panel->resource(rt->state, resource);
+    *place = (struct place){
+        .name = what->name,
+        .buffer = image ? NULL : object,
+        .image = image ? object : NULL,
+    };
+    uint32_t mips = image ? place->image->mips : 1;
+    if (mip >= mips) {
+        gl_log(rt, DT_ERROR, "%s %s: mip %u, and it has %u", verb, what->name, mip, mips);
+        return false;
+    }
+    if (image) {
+        place->shape = gl_image_shape(place->image, mip);
+    } else {
+        what->extent(rt->width, rt->height, place->shape.extent);
+        place->shape.size = (size_t)place->shape.extent[0] * what->stride;
+    }
+    return true;
 }
 
-static bool runtime_read(void *runtime, uint32_t index, uint32_t mip, struct dt_bytes *out)
+static bool runtime_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)
 {
     struct gl_runtime *rt = runtime;
+    struct place place;
     *out = (struct dt_bytes){0};
-    if (!has_size(rt, "read") || !gl_context_current(rt))
+    if (!find(rt, "read", resource, mip, &place))
         return false;
-    const struct dt_resource *resource = &rt->panel->pipeline->resources[index];
-    const void *object = rt->panel->resource(rt->state, index);
-    return resource->kind == DT_BUFFER ? read_buffer(rt, resource, object, out)
-                                       : gl_read_image(rt, object, mip, out);
+    *out = place.shape;
+    return place.image ? gl_read_image(rt, place.image, mip, out)
+                       : gl_read_buffer(rt, place.buffer, out);
+}
+
+static bool runtime_write(void *runtime, uint32_t resource, uint32_t mip,
+                          const struct dt_bytes *bytes)
+{
+    struct gl_runtime *rt = runtime;
+    struct place place;
+    if (!find(rt, "write", resource, mip, &place))
+        return false;
+    const uint32_t *given = bytes->extent, *own = place.shape.extent;
+    if (bytes->size != place.shape.size || memcmp(given, own, sizeof place.shape.extent) != 0) {
+        gl_log(rt, DT_ERROR,
+               "write %s: %zu bytes of %ux%ux%u, but it takes %zu of %ux%ux%u; give what read "
+               "gives",
+               place.name, bytes->size, given[0], given[1], given[2], place.shape.size, own[0],
+               own[1], own[2]);
+        return false;
+    }
+    return place.image ? gl_write_image(rt, place.image, mip, bytes)
+                       : gl_write_buffer(rt, place.buffer, bytes);
 }
 
 static bool runtime_timings(void *runtime, double *pass_ms)
@@ -303,6 +350,7 @@ const struct dt_runtime runtime_gl = {
     .resize = runtime_resize,
     .render = runtime_render,
     .read = runtime_read,
+    .write = runtime_write,
     .timings = runtime_timings,
     .messages = runtime_messages,
     .close = runtime_close,

@@ -123,8 +123,8 @@ void gl_framebuffer_destroy(struct gl_runtime *rt, GLuint *framebuffer);
 
 /* ---- Recording ------------------------------------------------------------------------------- */
 
-/* Debug group and timestamps around a pass. end also finishes and calls the observer when there
- * is one. */
+/* Debug group and timestamps around a pass. begin asks the observer, when there is one: of a
+ * pass that it skips only the barriers are issued. end then finishes and calls it. */
 bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs);
 bool gl_pass_end(struct gl_runtime *rt, uint32_t pass);
 

@@ -42,15 +42,29 @@ static const struct {
 #undef RESULT
 };
 
-bool vk_error(const struct vk_runtime *rt, const char *format, ...)
+static void tell(const struct vk_runtime *rt, enum dt_level level, const char *format,
+                 va_list arguments)
 {
     char text[1024];
+    vsnprintf(text, sizeof text, format, arguments);
+    if (rt->log.message)
+        rt->log.message(rt->log.user, level, text);
+}
+
+void vk_info(const struct vk_runtime *rt, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    tell(rt, DT_INFO, format, arguments);
     va_end(arguments);
-    if (rt->log.message)
-        rt->log.message(rt->log.user, DT_ERROR, text);
+}
+
+bool vk_error(const struct vk_runtime *rt, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    tell(rt, DT_ERROR, format, arguments);
+    va_end(arguments);
     return false;
 }
 

@@ -166,13 +166,18 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
     memcpy(rt->live_memory.bytes, live, pipeline->live_size);
     memset(rt->pass_runs, 0, pipeline->pass_count * sizeof *rt->pass_runs);
     rt->failed = false;
+    rt->barriers = 0;
     if (!begin_commands(rt, rt->frame_commands, pipeline->name))
         return false;
     if (rt->timing)
         vkCmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
-    return rt->panel->record(rt, rt->state, live) && !rt->failed &&
-           run_commands(rt, rt->frame_commands, pipeline->name) &&
-           (!rt->timing || read_timestamps(rt));
+    if (!rt->panel->record(rt, rt->state, live) || rt->failed ||
+        !run_commands(rt, rt->frame_commands, pipeline->name))
+        return false;
+    if (rt->drop_barrier > rt->barriers)
+        return vk_error(rt, "barrier %u: the frame has %u; drop one of those", rt->drop_barrier,
+                        rt->barriers);
+    return !rt->timing || read_timestamps(rt);
 }
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
@@ -183,31 +188,47 @@ static void write_timestamp(struct vk_runtime *rt, uint32_t query)
                          query);
 }
 
+/* With an observer every pass ends in a submission, so nothing is pending before the next. */
+static enum dt_action ask_observer(const struct vk_runtime *rt, uint32_t pass)
+{
+    const struct dt_observer *observer = rt->observer;
+    if (!observer || !observer->before_pass)
+        return DT_RUN;
+    return observer->before_pass(observer->user, pass);
+}
+
 bool vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs)
 {
     VkDebugUtilsLabelEXT label = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
         .pLabelName = rt->panel->pipeline->passes[pass].name,
     };
-    rt->pass_runs[pass] = runs;
+    enum dt_action action = rt->failed ? DT_STOP : ask_observer(rt, pass);
+    rt->pass = pass;
+    rt->skips = action == DT_SKIP;
+    rt->pass_runs[pass] = runs && action == DT_RUN;
+    if (action == DT_STOP)
+        return false;
     if (rt->begin_label)
         rt->begin_label(rt->frame_commands, &label);
-    if (rt->timing && runs)
+    if (rt->timing && rt->pass_runs[pass])
         write_timestamp(rt, 2 * pass);
-    return !rt->failed;
+    return true;
 }
 
 bool vk_pass_end(struct vk_runtime *rt, uint32_t pass)
 {
     const char *name = rt->panel->pipeline->passes[pass].name;
+    const struct dt_observer *observer = rt->observer;
     if (rt->timing && rt->pass_runs[pass])
         write_timestamp(rt, 2 * pass + 1);
     if (rt->end_label)
         rt->end_label(rt->frame_commands);
-    if (rt->failed || !rt->observer)
+    rt->skips = false;
+    if (rt->failed || !observer)
         return !rt->failed;
     return run_commands(rt, rt->frame_commands, name) &&
-           rt->observer->after_pass(rt->observer->user, pass) &&
+           (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
            begin_commands(rt, rt->frame_commands, name);
 }
 
@@ -248,6 +269,19 @@ static VkImageMemoryBarrier2 image_barrier(const struct vk_barrier *barrier)
     };
 }
 
+/* Counts the barrier; true for the one that options.drop_barrier wants left out. Its image stays
+ * in the layout that it has. */
+static bool is_dropped(struct vk_runtime *rt, const struct vk_barrier *barrier)
+{
+    const struct vk_image *image = barrier->image;
+    if (++rt->barriers != rt->drop_barrier)
+        return false;
+    vk_info(rt, "dropped barrier %u: pass %s, resource %s, %s", rt->barriers,
+            rt->panel->pipeline->passes[rt->pass].name, image ? image->name : barrier->buffer->name,
+            image && image->layout != barrier->layout ? "layout change" : "no layout change");
+    return true;
+}
+
 void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count)
 {
     VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
@@ -260,12 +294,15 @@ void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint3
             .pImageMemoryBarriers = images,
         };
         for (uint32_t i = 0; i < batch; i++) {
+            if (is_dropped(rt, &barriers[i]))
+                continue;
             if (barriers[i].buffer)
                 buffers[info.bufferMemoryBarrierCount++] = buffer_barrier(&barriers[i]);
             else
                 images[info.imageMemoryBarrierCount++] = image_barrier(&barriers[i]);
         }
-        vkCmdPipelineBarrier2(rt->frame_commands, &info);
+        if (info.bufferMemoryBarrierCount + info.imageMemoryBarrierCount > 0)
+            vkCmdPipelineBarrier2(rt->frame_commands, &info);
         barriers += batch;
         count -= batch;
     }
@@ -286,6 +323,8 @@ void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32
                  uint32_t z)
 {
     const uint32_t *limit = rt->properties.limits.maxComputeWorkGroupCount;
+    if (rt->skips)
+        return;
     if (x > limit[0] || y > limit[1] || z > limit[2]) {
         vk_error(rt,
                  "pass %s: %u x %u x %u workgroups, but the device's limit is %u x %u x %u; "
@@ -301,6 +340,8 @@ void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32
 void vk_dispatch_indirect(struct vk_runtime *rt, const struct vk_program *program,
                           const struct vk_buffer *arguments)
 {
+    if (rt->skips)
+        return;
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_COMPUTE);
     vkCmdDispatchIndirect(rt->frame_commands, arguments->handle, 0);
 }
@@ -379,6 +420,8 @@ static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
 void vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
                    const struct vk_targets *targets, uint32_t instances)
 {
+    if (rt->skips)
+        return;
     begin_rendering(rt, targets);
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
     bind_scene(rt, &rt->builtin.indices);
@@ -391,6 +434,8 @@ void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *prog
                             const struct vk_buffer *arguments, uint32_t draw_count)
 {
     uint32_t limit = rt->properties.limits.maxDrawIndirectCount;
+    if (rt->skips)
+        return;
     if (draw_count > limit) {
         vk_error(rt, "pass %s: %u indirect draws, but the device's limit is %u; use fewer",
                  program->name, draw_count, limit);
@@ -408,6 +453,8 @@ void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *prog
 void vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
                         const struct vk_targets *targets)
 {
+    if (rt->skips)
+        return;
     begin_rendering(rt, targets);
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
     vkCmdDraw(rt->frame_commands, 3, 1, 0, 0); /* one triangle that covers all */
@@ -418,6 +465,8 @@ void vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
 
 void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets)
 {
+    if (rt->skips)
+        return;
     begin_rendering(rt, targets);
     vkCmdEndRendering(rt->frame_commands);
 }
@@ -429,6 +478,8 @@ void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
 {
     VkClearColorValue value = clear_color(image, clear);
     VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
+    if (rt->skips)
+        return;
     vk_full_barrier(rt->frame_commands);
     vkCmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
     vk_full_barrier(rt->frame_commands);
@@ -436,6 +487,8 @@ void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
 
 void vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
+    if (rt->skips)
+        return;
     vk_full_barrier(rt->frame_commands);
     vkCmdFillBuffer(rt->frame_commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
     vk_full_barrier(rt->frame_commands);

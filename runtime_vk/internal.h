@@ -17,6 +17,7 @@ struct vk_runtime {
     struct dt_log log;
     bool debug, timing;
     int poison;
+    uint32_t drop_barrier; /* number of the barrier to leave out; 0: none */
     uint32_t messages;
 
     /* context.c */
@@ -56,6 +57,9 @@ struct vk_runtime {
     /* frame.c */
     const struct dt_observer *observer; /* during render */
     bool failed;         /* a recording verb without result has logged an error in this frame */
+    uint32_t pass;       /* the one that is recorded */
+    bool skips;          /* the observer has this pass do nothing but its barriers */
+    uint32_t barriers;   /* recorded so far in this frame */
     VkQueryPool queries; /* two per pass */
     bool *pass_runs;     /* pass_count of them, as the next two */
     double *pass_ms;
@@ -63,6 +67,9 @@ struct vk_runtime {
 };
 
 /* ---- Errors ---------------------------------------------------------------------------------- */
+
+void vk_info(const struct vk_runtime *rt, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* Logs one DT_ERROR and returns false. */
 bool vk_error(const struct vk_runtime *rt, const char *format, ...)
@@ -112,12 +119,19 @@ bool vk_frame_create(struct vk_runtime *rt); /* for rt->panel */
 void vk_frame_destroy(struct vk_runtime *rt);
 bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live);
 
-/* ---- Read-back (readback.c), scene (scene.c) ------------------------------------------------- */
+/* ---- Read-back and its inverse (readback.c), scene (scene.c) --------------------------------- */
 
-bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceSize size,
-                    struct dt_bytes *out);
+/* Size and extent of one mip; no data. */
+struct dt_bytes vk_image_shape(const struct vk_image *image, uint32_t mip);
+
+/* Size and extent are given, here and in `out`, whose data these allocate. */
+bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struct dt_bytes *out);
 bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
                    struct dt_bytes *out);
+bool vk_write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
+                     const struct dt_bytes *bytes);
+bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                    const struct dt_bytes *bytes);
 
 bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene);
 void vk_scene_destroy(struct vk_runtime *rt);

@@ -1,24 +1,48 @@
-/* Copies buffers and images to the host, tightly packed. Called by runtime.c, between frames and
- * by observers between passes; leaves every image in the layout that it had. */
+/* Copies buffers and images to the host and back, tightly packed. Called by runtime.c, between
+ * frames and by observers between passes; leaves every image in the layout that it had. */
 #include "internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* What lies in the staging buffer becomes `out`. */
-static bool take_staging(struct vk_runtime *rt, const char *name, size_t size, struct dt_bytes *out)
+struct dt_bytes vk_image_shape(const struct vk_image *image, uint32_t mip)
 {
-    out->data = malloc(size ? size : 1);
+    uint32_t width = image->width >> mip, height = image->height >> mip;
+    struct dt_bytes shape = {.extent = {width ? width : 1, height ? height : 1, image->layers}};
+    shape.size =
+        (size_t)shape.extent[0] * shape.extent[1] * shape.extent[2] * vk_texel_size(image->texel);
+    return shape;
+}
+
+/* All layers of one mip, as they lie in the staging buffer. */
+static VkBufferImageCopy mip_region(const struct vk_image *image, uint32_t mip,
+                                    const struct dt_bytes *shape)
+{
+    return (VkBufferImageCopy){
+        .imageSubresource = {image->aspect, mip, 0, image->layers},
+        .imageExtent = {shape->extent[0], shape->extent[1], 1},
+    };
+}
+
+/* Nothing can go back to UNDEFINED. */
+static void restore_layout(VkCommandBuffer commands, struct vk_image *image, VkImageLayout layout)
+{
+    if (layout != VK_IMAGE_LAYOUT_UNDEFINED)
+        vk_transition(commands, image, layout);
+}
+
+/* What lies in the staging buffer becomes `out`. */
+static bool take_staging(struct vk_runtime *rt, const char *name, struct dt_bytes *out)
+{
+    out->data = malloc(out->size ? out->size : 1);
     if (!out->data)
         return vk_error(rt, "read %s: no memory for %zu bytes; free some, or use a smaller frame",
-                        name, size);
-    out->size = size;
-    memcpy(out->data, rt->staging_memory.bytes, size);
+                        name, out->size);
+    memcpy(out->data, rt->staging_memory.bytes, out->size);
     return true;
 }
 
-bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceSize size,
-                    struct dt_bytes *out)
+bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struct dt_bytes *out)
 {
     VkCommandBuffer commands;
     if (!vk_staging(rt, buffer->size, buffer->name) ||
@@ -26,32 +50,75 @@ bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDev
         return false;
     vkCmdCopyBuffer(commands, buffer->handle, rt->staging.handle, 1,
                     &(VkBufferCopy){.size = buffer->size});
-    return vk_immediate_end(rt, buffer->name) && take_staging(rt, buffer->name, size, out);
+    return vk_immediate_end(rt, buffer->name) && take_staging(rt, buffer->name, out);
 }
 
 bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
                    struct dt_bytes *out)
 {
-    if (mip >= image->mips)
-        return vk_error(rt, "read %s: mip %u, and it has %u", image->name, mip, image->mips);
     VkImageLayout layout = image->layout;
-    uint32_t width = image->width >> mip, height = image->height >> mip;
-    VkBufferImageCopy region = {
-        .imageSubresource = {image->aspect, mip, 0, image->layers},
-        .imageExtent = {width ? width : 1, height ? height : 1, 1},
-    };
-    VkDeviceSize size = (VkDeviceSize)region.imageExtent.width * region.imageExtent.height *
-                        image->layers * vk_texel_size(image->texel);
+    VkBufferImageCopy region = mip_region(image, mip, out);
     VkCommandBuffer commands;
-    if (!vk_staging(rt, size, image->name) || !(commands = vk_immediate_begin(rt, image->name)))
+    if (!vk_staging(rt, out->size, image->name) ||
+        !(commands = vk_immediate_begin(rt, image->name)))
         return false;
     vk_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     vkCmdCopyImageToBuffer(commands, image->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                            rt->staging.handle, 1, &region);
-    if (layout != VK_IMAGE_LAYOUT_UNDEFINED) /* which nothing can go back to */
-        vk_transition(commands, image, layout);
-    out->extent[0] = region.imageExtent.width;
-    out->extent[1] = region.imageExtent.height;
-    out->extent[2] = image->layers;
-    return vk_immediate_end(rt, image->name) && take_staging(rt, image->name, size, out);
+    restore_layout(commands, image, layout);
+    return vk_immediate_end(rt, image->name) && take_staging(rt, image->name, out);
+}
+
+/* The command buffer of a write, with the bytes in the staging buffer; NULL after an error. */
+static VkCommandBuffer begin_write(struct vk_runtime *rt, const char *name,
+                                   const struct dt_bytes *bytes)
+{
+    void *staging = vk_staging(rt, bytes->size, name);
+    if (!staging)
+        return NULL;
+    memcpy(staging, bytes->data, bytes->size);
+    return vk_immediate_begin(rt, name);
+}
+
+bool vk_write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
+                     const struct dt_bytes *bytes)
+{
+    if (!bytes->size) /* which no copy may have */
+        return true;
+    VkCommandBuffer commands = begin_write(rt, buffer->name, bytes);
+    if (!commands)
+        return false;
+    vkCmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
+                    &(VkBufferCopy){.size = bytes->size});
+    return vk_immediate_end(rt, buffer->name);
+}
+
+/* Vulkan leaves other depths undefined, and OpenGL clamps them. */
+static bool check_depth(const struct vk_runtime *rt, const char *name, const struct dt_bytes *bytes)
+{
+    for (size_t i = 0; i < bytes->size / sizeof(float); i++) {
+        float depth;
+        memcpy(&depth, bytes->data + i * sizeof depth, sizeof depth);
+        if (!(depth >= 0 && depth <= 1))
+            return vk_error(rt, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name, i,
+                            (double)depth);
+    }
+    return true;
+}
+
+bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                    const struct dt_bytes *bytes)
+{
+    VkImageLayout layout = image->layout;
+    VkBufferImageCopy region = mip_region(image, mip, bytes);
+    if (image->texel == DT_FORMAT_D32F && !check_depth(rt, image->name, bytes))
+        return false;
+    VkCommandBuffer commands = begin_write(rt, image->name, bytes);
+    if (!commands)
+        return false;
+    vk_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    restore_layout(commands, image, layout);
+    return vk_immediate_end(rt, image->name);
 }

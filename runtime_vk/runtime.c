@@ -51,6 +51,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->debug = options->debug;
     rt->timing = options->timing;
     rt->poison = options->poison;
+    rt->drop_barrier = options->drop_barrier;
     if (!vk_context_open(rt, options->device) ||
         !vk_mapped_create(rt, &rt->builtin.frame, &rt->frame_memory, &frame)) {
         runtime_close(rt);
@@ -127,21 +128,69 @@ static bool runtime_render(void *runtime, const struct dt_frame *frame, const vo
     return rt->rendered;
 }
 
+/* One mip of an image, or a buffer: one of the two is NULL. */
+struct place {
+    const char *name;
+    struct vk_buffer *buffer;
+    struct vk_image *image;
+    struct dt_bytes shape; /* without data */
+};
+
+static bool find(struct vk_runtime *rt, const char *verb, uint32_t resource, uint32_t mip,
+                 struct place *place)
+{
+    if (!rt->panel || resource >= rt->panel->pipeline->resource_count)
+        return vk_error(rt, "%s: the pipeline has no resource %u", verb, resource);
+    const struct dt_resource *what = &rt->panel->pipeline->resources[resource];
+    if (!rt->width)
+        return vk_error(rt, "%s %s: it does not exist yet; resize comes first", verb, what->name);
+    bool image = what->kind == DT_IMAGE;
+    void *object = rt->panel->resource(rt->state, resource);
+    *place = (struct place){
+        .name = what->name,
+        .buffer = image ? NULL : object,
+        .image = image ? object : NULL,
+    };
+    uint32_t mips = image ? place->image->mips : 1;
+    if (mip >= mips)
+        return vk_error(rt, "%s %s: mip %u, and it has %u", verb, what->name, mip, mips);
+    if (image) {
+        place->shape = vk_image_shape(place->image, mip);
+    } else {
+        what->extent(rt->width, rt->height, place->shape.extent);
+        place->shape.size = (size_t)place->shape.extent[0] * what->stride;
+    }
+    return true;
+}
+
 static bool runtime_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)
 {
     struct vk_runtime *rt = runtime;
+    struct place place;
     *out = (struct dt_bytes){0};
-    if (!rt->panel || resource >= rt->panel->pipeline->resource_count)
-        return vk_error(rt, "read: the pipeline has no resource %u", resource);
-    const struct dt_resource *what = &rt->panel->pipeline->resources[resource];
-    void *place = rt->panel->resource(rt->state, resource);
-    if (!rt->width)
-        return vk_error(rt, "read %s: it does not exist yet; resize comes first", what->name);
-    if (what->kind == DT_IMAGE)
-        return vk_read_image(rt, place, mip, out);
-    const struct vk_buffer *buffer = place;
-    what->extent(rt->width, rt->height, out->extent);
-    return vk_read_buffer(rt, buffer, (VkDeviceSize)out->extent[0] * what->stride, out);
+    if (!find(rt, "read", resource, mip, &place))
+        return false;
+    *out = place.shape;
+    return place.image ? vk_read_image(rt, place.image, mip, out)
+                       : vk_read_buffer(rt, place.buffer, out);
+}
+
+static bool runtime_write(void *runtime, uint32_t resource, uint32_t mip,
+                          const struct dt_bytes *bytes)
+{
+    struct vk_runtime *rt = runtime;
+    struct place place;
+    if (!find(rt, "write", resource, mip, &place))
+        return false;
+    const uint32_t *given = bytes->extent, *own = place.shape.extent;
+    if (bytes->size != place.shape.size || memcmp(given, own, sizeof place.shape.extent) != 0)
+        return vk_error(rt,
+                        "write %s: %zu bytes of %ux%ux%u, but it takes %zu of %ux%ux%u; give "
+                        "what read gives",
+                        place.name, bytes->size, given[0], given[1], given[2], place.shape.size,
+                        own[0], own[1], own[2]);
+    return place.image ? vk_write_image(rt, place.image, mip, bytes)
+                       : vk_write_buffer(rt, place.buffer, bytes);
 }
 
 static bool runtime_timings(void *runtime, double *pass_ms)
@@ -174,6 +223,7 @@ const struct dt_runtime runtime_vk = {
     .resize = runtime_resize,
     .render = runtime_render,
     .read = runtime_read,
+    .write = runtime_write,
     .timings = runtime_timings,
     .messages = runtime_messages,
     .close = runtime_close,

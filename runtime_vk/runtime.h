@@ -172,8 +172,8 @@ bool vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
 
 /* ---- Recording ------------------------------------------------------------------------------- */
 
-/* Debug label and timestamps around a pass. end also submits, waits and calls the observer when
- * there is one. */
+/* Debug label and timestamps around a pass. begin asks the observer, when there is one: of a
+ * pass that it skips only the barriers are recorded. end then submits, waits and calls it. */
 bool vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs);
 bool vk_pass_end(struct vk_runtime *rt, uint32_t pass);
 
@@ -187,7 +187,7 @@ struct vk_barrier {
     VkImageLayout layout; /* images: the layout from here on */
     bool discard;         /* images: the old content is not needed, old layout is UNDEFINED */
 };
-/* One vkCmdPipelineBarrier2 for up to 64 of them. */
+/* One vkCmdPipelineBarrier2 for up to 64 of them; all but the one of options.drop_barrier. */
 void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count);
 
 void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,

@@ -642,7 +642,7 @@ static void test_two_runtimes(void **state)
                     runtime_gl.create(all[i], &panel) && runtime_gl.resize(all[i], 20, 10));
     const struct dt_frame frame = {.index = 0};
     struct watcher watcher = {.rt = a, .other = b};
-    const struct dt_observer observer = {after_pass, &watcher};
+    const struct dt_observer observer = {.after_pass = after_pass, .user = &watcher};
     assert_true(runtime_gl.render(a, &frame, NULL, &observer));
     assert_int_equal(watcher.calls, PASSES);
     runtime_gl.close(a);
@@ -656,6 +656,117 @@ static void test_two_runtimes(void **state)
     assert_int_equal(m.errors, 0);
     runtime_gl.close(c);
     runtime_gl.close(b);
+}
+
+/* Decides about passes before they run, and may paint what `compute` reads. */
+struct director {
+    void *rt;
+    uint32_t calls, stop_at;
+    enum dt_action action; /* for every pass but the one to stop at */
+    const struct dt_bytes *color;
+};
+
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    struct director *d = user;
+    assert_int_equal(pass, d->calls++);
+    if (pass == COMPUTE && d->color)
+        assert_true(runtime_gl.write(d->rt, COLOR, 0, d->color));
+    return pass == d->stop_at ? DT_STOP : d->action;
+}
+
+static void *open_ready(struct messages *m, uint32_t width, uint32_t height)
+{
+    struct dt_runtime_options options = options_for(m, "egl");
+    void *rt = runtime_gl.open(&options);
+    assert_non_null(rt);
+    assert_true(runtime_gl.set_scene(rt, &scene) && runtime_gl.create(rt, &panel) &&
+                runtime_gl.resize(rt, width, height));
+    return rt;
+}
+
+/* What is written before a pass is what the pass reads: result is color times the factor 2. */
+static void test_write_before_pass(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    const struct dt_frame frame = {.index = 0};
+    void *rt = open_ready(&m, 20, 10);
+    assert_true(runtime_gl.render(rt, &frame, NULL, NULL));
+    struct dt_bytes color = read_back(rt, COLOR);
+    for (uint32_t i = 0; i < color.size / 4; i++)
+        ((float *)color.data)[i] = (float)i;
+    struct director director = {.rt = rt, .stop_at = UINT32_MAX, .color = &color};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    assert_true(runtime_gl.render(rt, &frame, NULL, &observer));
+    assert_int_equal(director.calls, PASSES);
+    struct dt_bytes result = read_back(rt, RESULT);
+    for (uint32_t i = 0; i < result.size / 4; i++)
+        if (i % 4 != 3) /* the depth */
+            assert_true(((float *)result.data)[i] == 2.0f * (float)i);
+    check_stack(rt); /* the other passes ran as ever */
+    check_rest(rt, 2);
+    free(color.data);
+    free(result.data);
+    assert_int_equal(m.errors, 0);
+    runtime_gl.close(rt);
+}
+
+/* Passes that are skipped leave every resource as it was, their clears included. */
+static void test_skipped_passes(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    const struct dt_frame frame = {.index = 0};
+    void *rt = open_ready(&m, 20, 10);
+    for (uint32_t i = 0; i < POISONED; i++) { /* which no pass writes */
+        struct dt_bytes bytes = read_back(rt, i);
+        memset(bytes.data, 0x3e, bytes.size); /* as float 0.19, which a depth may be */
+        assert_true(runtime_gl.write(rt, i, 0, &bytes));
+        free(bytes.data);
+    }
+    struct director director = {.stop_at = UINT32_MAX, .action = DT_SKIP};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    assert_true(runtime_gl.render(rt, &frame, NULL, &observer));
+    assert_int_equal(director.calls, PASSES);
+    for (uint32_t i = 0; i < POISONED; i++) {
+        struct dt_bytes bytes = read_back(rt, i);
+        for (size_t k = 0; k < bytes.size; k++)
+            assert_int_equal(bytes.data[k], 0x3e);
+        free(bytes.data);
+    }
+    double ms[PASSES];
+    assert_true(runtime_gl.timings(rt, ms));
+    for (uint32_t i = 0; i < PASSES; i++)
+        assert_true(isnan(ms[i]));
+    assert_true(runtime_gl.render(rt, &frame, NULL, NULL)); /* the next frame skips nothing */
+    check_pixels(rt, 20, 10, 2.0f);
+    check_stack(rt);
+    check_rest(rt, 0x3e3e3e3e + 1);
+    assert_int_equal(m.errors, 0);
+    runtime_gl.close(rt);
+}
+
+/* Whoever stops a frame has said why: the runtime adds nothing, and lives on. */
+static void test_stopped_before_pass(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    const struct dt_frame frame = {.index = 0};
+    void *rt = open_ready(&m, 20, 10);
+    struct director director = {.stop_at = COMPUTE};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    assert_false(runtime_gl.render(rt, &frame, NULL, &observer));
+    assert_int_equal(director.calls, COMPUTE + 1);
+    struct dt_bytes arguments = read_back(rt, ARGUMENTS);
+    assert_int_equal(((const uint32_t *)arguments.data)[3], 0); /* compute did not run */
+    free(arguments.data);
+    assert_true(runtime_gl.resize(rt, 33, 17));
+    assert_true(runtime_gl.render(rt, &frame, NULL, NULL));
+    check_pixels(rt, 33, 17, 2.0f);
+    check_rest(rt, 1);
+    assert_int_equal(m.errors, 0);
+    runtime_gl.close(rt);
 }
 
 /* ---- Errors ---------------------------------------------------------------------------------- */
@@ -695,7 +806,7 @@ static void test_errors(void **state)
     expect_error(&m, "color: 0x4");
     assert_true(runtime_gl.resize(rt, 8, 8));
     assert_false(runtime_gl.read(rt, POISONED, 3, &bytes));
-    expect_error(&m, "poisoned: mip 3 to read, and it has 3");
+    expect_error(&m, "read poisoned: mip 3, and it has 3");
     assert_false(runtime_gl.timings(rt, ms));
     expect_error(&m, "without timing");
     assert_false(runtime_gl.render(rt, &frame, NULL, NULL));
@@ -768,10 +879,12 @@ static void test_debug_messages(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spirv),         cmocka_unit_test(test_glsl),
-        cmocka_unit_test(test_osmesa),        cmocka_unit_test(test_window),
-        cmocka_unit_test(test_two_runtimes),  cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_bad_resources), cmocka_unit_test(test_debug_messages),
+        cmocka_unit_test(test_spirv),          cmocka_unit_test(test_glsl),
+        cmocka_unit_test(test_osmesa),         cmocka_unit_test(test_window),
+        cmocka_unit_test(test_two_runtimes),   cmocka_unit_test(test_write_before_pass),
+        cmocka_unit_test(test_skipped_passes), cmocka_unit_test(test_stopped_before_pass),
+        cmocka_unit_test(test_errors),         cmocka_unit_test(test_bad_resources),
+        cmocka_unit_test(test_debug_messages),
     };
     return cmocka_run_group_tests_name("runtime_gl", tests, NULL, NULL);
 }

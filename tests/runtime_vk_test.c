@@ -25,13 +25,15 @@
 /* ---- Errors, logged and injected ------------------------------------------------------------- */
 
 static struct {
-    char last[1024];
+    char last[1024], info[1024];
     int errors;
 } heard;
 
 static void on_message(void *user, enum dt_level level, const char *message)
 {
     (void)user;
+    if (level == DT_INFO)
+        snprintf(heard.info, sizeof heard.info, "%s", message);
     if (level != DT_ERROR)
         return;
     heard.errors++;
@@ -698,7 +700,7 @@ static void an_observer_sees_every_pass_and_may_stop(void **unused)
 {
     (void)unused;
     struct watch watch = {.rt = open_ready(true, 0), .stop_after = UINT32_MAX};
-    const struct dt_observer observer = {after_pass, &watch};
+    const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
     struct dt_frame frame = frame_at(0);
     assert_true(runtime_vk.resize(watch.rt, 16, 8));
     assert_true(runtime_vk.render(watch.rt, &frame, NULL, &observer));
@@ -715,6 +717,186 @@ static void an_observer_sees_every_pass_and_may_stop(void **unused)
     assert_int_equal(runtime_vk.messages(watch.rt), 0);
     runtime_vk.close(watch.rt);
     assert_int_equal(heard.errors, 0);
+}
+
+/* Decides about passes before they run, and may paint what the count pass reads. */
+struct director {
+    void *rt;
+    uint32_t passes, stop_at, skips; /* skips: a bit for each pass */
+    const struct dt_bytes *color;
+};
+
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    struct director *director = user;
+    assert_int_equal(pass, director->passes++);
+    if (pass == COUNT_PASS && director->color)
+        assert_true(runtime_vk.write(director->rt, COLOR, 0, director->color));
+    return pass == director->stop_at               ? DT_STOP
+           : director->skips >> pass & UINT32_C(1) ? DT_SKIP
+                                                   : DT_RUN;
+}
+
+/* Material 1 all over, instead of what the scene pass drew: every row counts 1000 for a texel, and
+ * the display shows 0.5, 0, 0, 1, at the end of the layouts that the image goes through. */
+static void what_is_written_before_a_pass_is_what_it_reads(void **unused)
+{
+    (void)unused;
+    static const float red[4] = {0.5f, 0, 0, 1};
+    struct director director = {.rt = open_ready(true, 0), .stop_at = UINT32_MAX};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    struct dt_frame frame = frame_at(0);
+    assert_true(runtime_vk.resize(director.rt, 16, 8));
+    struct dt_bytes color = read_resource(director.rt, COLOR, 16, 8, 1, 16 * 8 * 16);
+    for (uint32_t i = 0; i < 16 * 8; i++)
+        memcpy(color.data + i * sizeof red, red, sizeof red);
+    director.color = &color;
+    assert_true(runtime_vk.render(director.rt, &frame, NULL, &observer));
+    assert_int_equal(director.passes, PASSES);
+    free(color.data);
+    struct dt_bytes bytes = read_resource(director.rt, ROWS, 8, 1, 1, 8 * 4);
+    for (uint32_t y = 0; y < 8; y++)
+        assert_int_equal(((uint32_t *)bytes.data)[y], 16000);
+    free(bytes.data);
+    bytes = read_resource(director.rt, DISPLAY, 16, 8, 1, 16 * 8 * 4);
+    for (uint32_t i = 0; i < 16 * 8; i++)
+        assert_memory_equal(bytes.data + i * 4, ((uint8_t[]){128, 0, 0, 255}), 4);
+    free(bytes.data);
+    assert_int_equal(runtime_vk.messages(director.rt), 0);
+    runtime_vk.close(director.rt);
+    assert_int_equal(heard.errors, 0);
+}
+
+/* Buffers are as they were; images that the plan discards have no content that one could rely on,
+ * but the layout of the plan: the next frame and validation go on as if nothing were amiss. */
+static void a_skipped_pass_does_nothing_but_its_barriers(void **unused)
+{
+    (void)unused;
+    static const uint32_t buffers[] = {ROWS, FRAMES, DRAWS, GROUPS};
+    const struct live clears = {.mask = 0};
+    struct director director = {
+        .rt = open_ready(true, 0), .stop_at = UINT32_MAX, .skips = UINT32_MAX};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    struct dt_frame frame = frame_at(0);
+    double ms[PASSES];
+    assert_true(runtime_vk.resize(director.rt, 16, 8));
+    for (size_t i = 0; i < DT_ARRAY_COUNT(buffers); i++) {
+        struct dt_bytes bytes = read_resource(director.rt, buffers[i], 8, 1, 1, 32);
+        memset(bytes.data, 0x11, bytes.size);
+        assert_true(runtime_vk.write(director.rt, buffers[i], 0, &bytes));
+        free(bytes.data);
+    }
+    assert_true(runtime_vk.render(director.rt, &frame, &clears, &observer));
+    assert_int_equal(director.passes, PASSES);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(buffers); i++) {
+        struct dt_bytes bytes = read_resource(director.rt, buffers[i], 8, 1, 1, 32);
+        for (size_t k = 0; k < bytes.size; k++)
+            assert_int_equal(bytes.data[k], 0x11);
+        free(bytes.data);
+    }
+    assert_true(runtime_vk.timings(director.rt, ms));
+    for (int pass = 0; pass < PASSES; pass++)
+        assert_true(isnan(ms[pass]));
+    assert_true(runtime_vk.write(
+        director.rt, FRAMES, 0,
+        &(struct dt_bytes){.data = (uint8_t[32]){0}, .size = 32, .extent = {8, 1, 1}}));
+    assert_true(runtime_vk.render(director.rt, &frame, NULL, NULL));
+    check_color(director.rt, 16, 8);
+    check_layers(director.rt);
+    check_rest(director.rt, 16, 8, 1, &live_defaults);
+    assert_int_equal(runtime_vk.messages(director.rt), 0);
+    runtime_vk.close(director.rt);
+    assert_int_equal(heard.errors, 0);
+}
+
+/* One pass of many: the image that the mask pass, skipped, would have cleared to 7 is not. */
+static void a_skipped_pass_does_not_clear(void **unused)
+{
+    (void)unused;
+    const struct live clears = {.mask = 0}, run = {.mask = 1, .scale = 0.25f};
+    struct director director = {
+        .rt = open_ready(true, 0), .stop_at = UINT32_MAX, .skips = 1u << MASK_PASS};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    struct dt_frame frame = frame_at(0);
+    assert_true(runtime_vk.resize(director.rt, 16, 8));
+    assert_true(runtime_vk.render(director.rt, &frame, &run, NULL));
+    assert_true(runtime_vk.render(director.rt, &frame, &clears, &observer));
+    struct dt_bytes mask = read_resource(director.rt, MASK, 16, 8, 1, 16 * 8 * 4);
+    assert_true(*(const float *)mask.data != 7.0f);
+    free(mask.data);
+    assert_true(runtime_vk.render(director.rt, &frame, &clears, NULL));
+    check_rest(director.rt, 16, 8, 3, &clears);
+    assert_int_equal(runtime_vk.messages(director.rt), 0);
+    runtime_vk.close(director.rt);
+    assert_int_equal(heard.errors, 0);
+}
+
+/* Whoever stops a frame has said why: the runtime adds nothing. */
+static void an_observer_may_stop_before_a_pass(void **unused)
+{
+    (void)unused;
+    struct director director = {.rt = open_ready(true, 0), .stop_at = COUNT_PASS};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    struct dt_frame frame = frame_at(0);
+    assert_true(runtime_vk.resize(director.rt, 16, 8));
+    assert_false(runtime_vk.render(director.rt, &frame, NULL, &observer));
+    assert_int_equal(director.passes, COUNT_PASS + 1);
+    struct dt_bytes bytes = read_resource(director.rt, FRAMES, 8, 1, 1, 32);
+    assert_int_equal(((uint32_t *)bytes.data)[0], 0); /* the count pass did not run */
+    free(bytes.data);
+    assert_int_equal(heard.errors, 0);
+    assert_true(runtime_vk.resize(director.rt, 40, 24));
+    assert_true(runtime_vk.render(director.rt, &frame, NULL, NULL));
+    check_rest(director.rt, 40, 24, 1, &live_defaults);
+    assert_int_equal(runtime_vk.messages(director.rt), 0);
+    runtime_vk.close(director.rt);
+    assert_int_equal(heard.errors, 0);
+}
+
+/* The frame's barriers in the order of recording: 1 color and 2 depth of the scene pass, 3 draws
+ * and 4 layers, 5 color of the count pass, 6 mask and 7 groups, 8 color and 9 display. */
+static void drop(uint32_t number, const char *message, const char *hazard)
+{
+    struct dt_frame frame = frame_at(0);
+    heard.errors = 0;
+    void *rt = runtime_vk.open(&(struct dt_runtime_options){
+        .log = {.message = on_message}, .debug = true, .drop_barrier = number});
+    assert_true(rt && runtime_vk.set_scene(rt, &scene) && runtime_vk.create(rt, &panel) &&
+                runtime_vk.resize(rt, 16, 8));
+    assert_int_equal(heard.errors, 0);
+    assert_true(runtime_vk.render(rt, &frame, NULL, NULL));
+    assert_string_equal(heard.info, message);
+    assert_true(runtime_vk.messages(rt) > 0);
+    assert_non_null(strstr(heard.last, hazard));
+    runtime_vk.close(rt);
+}
+
+static void a_dropped_barrier_is_named_and_missed(void **unused)
+{
+    (void)unused;
+    drop(3, "dropped barrier 3: pass layers, resource draws, no layout change",
+         "SYNC-HAZARD-READ-AFTER-WRITE");
+    drop(5, "dropped barrier 5: pass count, resource color, layout change",
+         "SYNC-HAZARD-READ-AFTER-WRITE");
+    drop(7, "dropped barrier 7: pass mask, resource groups, no layout change",
+         "SYNC-HAZARD-READ-AFTER-WRITE");
+    drop(9, "dropped barrier 9: pass display, resource display, layout change", "VUID-");
+}
+
+static void a_barrier_that_is_not_there_cannot_be_dropped(void **unused)
+{
+    (void)unused;
+    struct dt_frame frame = frame_at(0);
+    heard.errors = 0;
+    void *rt = runtime_vk.open(&(struct dt_runtime_options){
+        .log = {.message = on_message}, .debug = true, .drop_barrier = 10});
+    assert_true(rt && runtime_vk.set_scene(rt, &scene) && runtime_vk.create(rt, &panel) &&
+                runtime_vk.resize(rt, 16, 8));
+    assert_false(runtime_vk.render(rt, &frame, NULL, NULL));
+    assert_int_equal(heard.errors, 1);
+    assert_non_null(strstr(heard.last, "barrier 10: the frame has 9"));
+    assert_int_equal(runtime_vk.messages(rt), 0);
+    runtime_vk.close(rt);
 }
 
 /* Validation must be able to fail, or its silence means nothing: the groups of the mask pass are
@@ -849,6 +1031,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_have_the_values_that_were_drawn),
         cmocka_unit_test(an_observer_sees_every_pass_and_may_stop),
+        cmocka_unit_test(what_is_written_before_a_pass_is_what_it_reads),
+        cmocka_unit_test(a_skipped_pass_does_nothing_but_its_barriers),
+        cmocka_unit_test(a_skipped_pass_does_not_clear),
+        cmocka_unit_test(an_observer_may_stop_before_a_pass),
+        cmocka_unit_test(a_dropped_barrier_is_named_and_missed),
+        cmocka_unit_test(a_barrier_that_is_not_there_cannot_be_dropped),
         cmocka_unit_test(a_missing_barrier_is_heard),
         cmocka_unit_test(limits_are_errors_before_the_call),
         cmocka_unit_test(an_unknown_device_is_named_and_the_known_are_listed),

@@ -254,12 +254,16 @@ struct dt_panel {
 struct dt_runtime_options {
     struct dt_log log;
     const char *device;  /* vk: name part or index; NULL: the first */
-    const char *context; /* gl: "egl" (NULL), "osmesa" or "window" */
+    const char *context; /* gl: "egl" (NULL), "osmesa", "zink" or "window" */
     bool debug;          /* validation with synchronization checking; KHR_debug */
     bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
     bool timing;         /* timestamps around every pass */
     /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
     int poison;
+    /* vk: the barrier of this number, counted from 1 over the frame in the order of recording, is left
+     * out, to see whether anything notices; 0: none. Logged with its pass and resource. An observer
+     * waits after every pass, and hides it. */
+    uint32_t drop_barrier;
 };
 
 /* One texel or element array, tightly packed: buffers as they lie; one mip of an image layer by
@@ -270,9 +274,18 @@ struct dt_bytes {
     uint32_t extent[3];
 };
 
-/* Called after every pass when given: all work up to here is finished and may be read back.
- * Returning false stops. */
+enum dt_action {
+    DT_RUN,  /* the pass does what the plan says */
+    DT_SKIP, /* it only records its barriers: neither work nor clears */
+    DT_STOP  /* the frame fails; whoever returns it has logged why */
+};
+
+/* Called around every pass when given; both may be NULL. All work up to here is finished; before a
+ * pass, what it touches may be written, and after it, what is alive may be read and written. A
+ * resource that nothing touched yet in this frame, and that keeps no history, takes no writes before
+ * its first pass. after_pass returns false to stop. */
 struct dt_observer {
+    enum dt_action (*before_pass)(void *user, uint32_t pass);
     bool (*after_pass)(void *user, uint32_t pass);
     void *user;
 };
@@ -293,6 +306,9 @@ struct dt_runtime {
                    const struct dt_observer *observer);
     bool (*read)(void *runtime, uint32_t resource, uint32_t mip, /* 0 for a buffer */
                  struct dt_bytes *out);
+    /* Replaces the content of a buffer, or of one mip of an image, by bytes of the size and layout
+     * that read gives; depths are 0 to 1. For observers. */
+    bool (*write)(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
     bool (*timings)(
         void *runtime,
         double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
