@@ -73,7 +73,7 @@ static bool generate(const struct build_request *request, const char *folder,
                                           .explains = true};
     char *tool = format_string("%s/diptych-gen", request->tools);
     char *depfile = format_string("%s/gen.d", folder);
-    char **argv = calloc(request->set_count * 2 + 7, sizeof *argv);
+    char **argv = calloc(request->set_count * 2 + 9, sizeof *argv);
     bool good = false;
     if (tool && depfile && argv) {
         size_t n = 0;
@@ -83,6 +83,8 @@ static bool generate(const struct build_request *request, const char *folder,
         argv[n++] = (char *)folder;
         argv[n++] = (char *)"--depfile";
         argv[n++] = depfile;
+        argv[n++] = (char *)"--templates";
+        argv[n++] = (char *)request->templates;
         for (uint32_t i = 0; i < request->set_count; i++) {
             argv[n++] = (char *)"--set";
             argv[n++] = (char *)request->sets[i];
@@ -274,13 +276,15 @@ static bool read_stamp(struct cache_entry *entry, const char *folder)
             line[length - 1] = 0;
         if (strncmp(line, "name ", 5) == 0 && !entry->name)
             entry->name = strdup(line + 5);
-        else if (strncmp(line, "version ", 8) == 0 && !entry->object)
-            entry->object = format_string("%s/%s/panels.so", folder, line + 8);
+        else if (strncmp(line, "version ", 8) == 0 && !entry->folder)
+            entry->folder = format_string("%s/%s", folder, line + 8);
         else
             fresh = line_is_fresh(line);
     }
     free(line);
     fclose(stamp);
+    if (entry->folder)
+        entry->object = format_string("%s/panels.so", entry->folder);
     if (fresh && entry->name && entry->object && file_exists(entry->object))
         return true;
     cache_entry_free(entry);
@@ -327,6 +331,7 @@ static bool request_key(const struct build_request *request, uint64_t *key,
 {
     *key = FILE_HASH_START;
     hash_bytes(key, request->spec, strlen(request->spec) + 1);
+    hash_bytes(key, request->templates, strlen(request->templates) + 1);
     for (uint32_t i = 0; i < request->set_count; i++)
         hash_bytes(key, request->sets[i], strlen(request->sets[i]) + 1);
     char *generator = format_string("%s/diptych-gen", request->tools);
@@ -432,6 +437,7 @@ bool cache_get(struct cache_entry *entry, const struct build_request *request,
 
 void cache_entry_free(struct cache_entry *entry)
 {
+    free(entry->folder);
     free(entry->object);
     free(entry->name);
     *entry = (struct cache_entry){0};

@@ -8,16 +8,19 @@
 #include "console.h"
 
 struct build_request {
-    const char *project; /* folder that holds templates/ and the runtimes' headers */
-    const char *tools;   /* folder that holds diptych-gen and glad/, the executable's own */
-    const char *spec;    /* real path */
-    const char **sets;   /* sorted */
+    const char *project;   /* folder that holds templates/ and the runtimes' headers */
+    const char *tools;     /* folder that holds diptych-gen and glad/, the executable's own */
+    const char *templates; /* folder of the GLSL library, mostly the project's */
+    const char *spec;      /* real path */
+    const char **sets;     /* sorted */
     uint32_t set_count;
 };
 
 /* What was found or built; strings are owned, free with cache_entry_free. */
 struct cache_entry {
-    char *object; /* path of the shared object */
+    char
+        *folder; /* of what was generated: gl/, vk/, and gen.d, which names what it was made from */
+    char *object; /* path of the shared object in it */
     char *name;   /* of the pipeline: prefix of its two symbols */
 };
 

@@ -14,7 +14,8 @@ struct options {
     const char *scene;
     const char *backend; /* "gl" or "vk" */
     const char *output;
-    const char *spec; /* NULL: the project's own */
+    const char *spec;      /* NULL: the project's own */
+    const char *templates; /* folder of the GLSL library; NULL: the project's */
     const char **sets;
     uint32_t set_count; /* NAME=VALUE each */
     uint32_t size[2];
@@ -26,6 +27,7 @@ struct options {
     const char *device;
     const char *context;
     const char *json;
+    const char *fault;
     bool glsl;
     bool debug;
     bool help;

@@ -80,6 +80,8 @@ static bool load_with(struct pipeline *pipeline, struct console *console,
         pipeline->gl = find_panel(pipeline->object, entry.name, "gl", &console->log);
         pipeline->vk = find_panel(pipeline->object, entry.name, "vk", &console->log);
     }
+    pipeline->generated = entry.folder;
+    entry.folder = NULL;
     cache_entry_free(&entry);
     if (pipeline->gl && pipeline->vk) {
         pipeline->info = pipeline->gl->pipeline;
@@ -96,6 +98,7 @@ static bool load_with(struct pipeline *pipeline, struct console *console,
 void pipeline_unload(struct pipeline *pipeline)
 {
     free(pipeline->live);
+    free(pipeline->generated);
     if (pipeline->object)
         dlclose(pipeline->object);
     *pipeline = (struct pipeline){0};
@@ -262,12 +265,20 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
     char *tools = tools_folder(&console->log);
     char *project = tools ? project_folder(&console->log) : NULL;
     char *spec = project ? spec_path(options->spec, project, &console->log) : NULL;
+    char *templates = !project             ? NULL
+                      : options->templates ? realpath(options->templates, NULL)
+                                           : format_string("%s/templates", project);
     const char **sets = calloc(options->set_count + 1, sizeof *sets);
-    struct build_request request = {.project = project, .tools = tools, .spec = spec, .sets = sets};
-    bool good = spec && sets && load_request(pipeline, console, options, &request);
+    struct build_request request = {
+        .project = project, .tools = tools, .templates = templates, .spec = spec, .sets = sets};
+    if (spec && (!templates || !sets))
+        report_error(&console->log, "%s: cannot be read: %s",
+                     options->templates ? options->templates : "templates", strerror(errno));
+    bool good = spec && templates && sets && load_request(pipeline, console, options, &request);
     if (!good)
         pipeline_unload(pipeline);
     free(sets);
+    free(templates);
     free(spec);
     free(project);
     free(tools);

@@ -13,6 +13,9 @@ struct pipeline {
     /* info->live_size bytes: the defaults with the live parameters that were set; owned */
     void *live;
     void *object; /* of dlopen */
+    /* where it was generated: gl/PASS.comp, vk/PASS.comp and so on, and gen.d, which names the files
+     * that it was made from; owned */
+    char *generated;
 };
 
 /* The project's folder (that holds templates/), found from the executable's place; free(). */
