@@ -77,15 +77,10 @@ static char *describe_place(const struct difference *difference, const struct dt
 {
     const char *name = pair->component.name;
     const char *dot = name[0] ? "." : "";
-    if (resource->kind == DT_BUFFER)
-        return format_string("[%" PRIu64 "]%s%s", pair->element, dot, name);
-    uint64_t width = difference->extent[0];
-    uint64_t area = width * difference->extent[1];
-    uint64_t x = pair->element % width, y = pair->element % area / width;
-    if (!resource->layered)
-        return format_string("(%" PRIu64 ", %" PRIu64 ")%s%s", x, y, dot, name);
-    return format_string("(%" PRIu64 ", %" PRIu64 ", layer %" PRIu64 ")%s%s", x, y,
-                         pair->element / area, dot, name);
+    char *element = element_place(resource, difference->extent, pair->element);
+    char *place = element ? format_string("%s%s%s", element, dot, name) : NULL;
+    free(element);
+    return place;
 }
 
 /* "gl 0.5 (0x3f000000), vk 0.25 (0x3e800000)". */

@@ -57,6 +57,8 @@ static const struct option_row rows[] = {
     {"--glsl", OPTION_FLAG, AT(glsl), ALL, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
     {"--debug", OPTION_FLAG, AT(debug), ALL, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
+    {"--fault", OPTION_STRING, AT(fault), VERB_RENDER, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
+     "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
     {"--help", OPTION_FLAG, AT(help), ALL, 0, NULL, "show this"},
 };
 

@@ -18,6 +18,7 @@ struct render {
     struct pipeline pipeline;
     struct scene scene;
     struct session session;
+    struct fault fault;
     struct timings timings; /* of frames without an observer, when there are any */
     struct dump dump;
     bool exr;
@@ -193,6 +194,14 @@ static bool write_picture(const struct render *render)
     return good;
 }
 
+static bool find_fault(struct render *render)
+{
+    uint32_t side;
+    return !render->options->fault ||
+           fault_parse(&render->fault, &side, render->options->fault, render->pipeline.info,
+                       &render->options->backend, 1, &render->console->log);
+}
+
 static bool prepare(struct render *render)
 {
     const struct options *options = render->options;
@@ -202,7 +211,8 @@ static bool prepare(struct render *render)
         return false;
     if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
-    if (!find_shown(render) || !session_load_scene(&render->scene, render->console, options))
+    if (!find_shown(render) || !find_fault(render) ||
+        !session_load_scene(&render->scene, render->console, options))
         return false;
     if (options->timings &&
         !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
@@ -214,6 +224,7 @@ static bool prepare(struct render *render)
                                                          .frame = options->frames - 1}))
         return false;
     const struct session_info info = {.backend = options->backend,
+                                      .fault = render->fault,
                                       .console = render->console,
                                       .options = options,
                                       .pipeline = &render->pipeline,

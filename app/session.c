@@ -52,6 +52,17 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
     memset(&frame, 0, sizeof frame);
     scene_frame(info->scene, info->options->size[0], info->options->size[1], &frame);
     frame.index = session->frame++;
+    struct fault_run fault = {.fault = &info->fault,
+                              .runtime = session->runtime,
+                              .handle = session->handle,
+                              .pipeline = info->pipeline->info,
+                              .log = &session->log,
+                              .observer = observer,
+                              .size = {info->options->size[0], info->options->size[1]},
+                              .frame = frame.index};
+    const struct dt_observer spoiling = fault_observer(&fault);
+    if (info->fault.kind != FAULT_NONE)
+        observer = &spoiling;
     console_status(info->console, "%s: frame %u of %u", info->backend, session->frame,
                    info->options->frames);
     return session->runtime->render(session->handle, &frame, info->pipeline->live, observer);

@@ -4,6 +4,7 @@
 #define DIPTYCH_SESSION_H
 
 #include "console.h"
+#include "fault.h"
 #include "options.h"
 #include "pipeline.h"
 #include "scenes/scene.h"
@@ -17,6 +18,7 @@ struct session_info {
     bool timing;
     int poison;       /* see struct dt_runtime_options */
     bool name_in_log; /* put the backend's name before its messages */
+    struct fault fault;
 };
 
 struct session {

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "files.h"
+
 static const struct {
     const char *name;
     uint32_t components;
@@ -192,6 +194,17 @@ uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32
                 mask |= 1u << (writer->write_mips ? writer->write_mips[j] : 0);
     }
     return mask;
+}
+
+char *element_place(const struct dt_resource *resource, const uint32_t extent[3], uint64_t element)
+{
+    if (resource->kind == DT_BUFFER)
+        return format_string("[%llu]", (unsigned long long)element);
+    uint64_t width = extent[0];
+    uint64_t area = width * extent[1];
+    unsigned long long x = element % width, y = element % area / width, layer = element / area;
+    return resource->layered ? format_string("(%llu, %llu, layer %llu)", x, y, layer)
+                             : format_string("(%llu, %llu)", x, y);
 }
 
 uint32_t resource_components(const struct dt_resource *resource, struct component **list)

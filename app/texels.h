@@ -32,6 +32,10 @@ uint32_t resource_stride(const struct dt_resource *resource); /* bytes per eleme
  * the frame writes; with history all. A buffer has mip 0. */
 uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
 
+/* How people find it: "[12]" in a buffer, "(3, 4)" in an image of that extent, "(3, 4, layer 5)" in
+ * a layered one; malloc'ed, NULL when out of memory. */
+char *element_place(const struct dt_resource *resource, const uint32_t extent[3], uint64_t element);
+
 /* All declared numbers of an element, padding left out; *list is malloc'ed. Returns their count, 0
  * when out of memory. */
 uint32_t resource_components(const struct dt_resource *resource, struct component **list);
