@@ -7,63 +7,15 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "files.h"
-
-extern char **environ;
+#include "tool.h"
 
 /* ---- Child processes ------------------------------------------------------------------------- */
-
-struct tool {
-    const char *what; /* it does */
-    const char *hint; /* when it cannot be started */
-    bool explains;    /* whoever reads its messages needs no other */
-};
-
-/* Runs argv[0] and waits. The child leads a process group, so that console_wait can end it with all
- * its own children; signals are unblocked in it; its stderr is ours, its stdout would get between
- * our own output and whoever reads that. */
-static bool run_tool(char *const argv[], const struct tool *tool, struct console *console)
-{
-    sigset_t none;
-    sigemptyset(&none);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    const struct dt_log *log = &console->log;
-    pid_t child;
-    int error = posix_spawnp(&child, argv[0], &actions, &attributes, argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-    if (error) {
-        report_error(log, "%s: cannot be started: %s; %s", argv[0], strerror(error), tool->hint);
-        return false;
-    }
-    int status = console_wait(console, child);
-    if (status < 0) {
-        report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
-        return false;
-    }
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
-        return true;
-    if (WIFSIGNALED(status))
-        report_error(log, "%s was ended by signal %d", tool->what, WTERMSIG(status));
-    else if (!tool->explains)
-        report_error(log, "%s failed with exit status %d; its messages stand above", tool->what,
-                     WEXITSTATUS(status));
-    return false;
-}
 
 static bool generate(const struct build_request *request, const char *folder,
                      struct console *console)
@@ -89,7 +41,7 @@ static bool generate(const struct build_request *request, const char *folder,
             argv[n++] = (char *)"--set";
             argv[n++] = (char *)request->sets[i];
         }
-        good = run_tool(argv, &generator, console);
+        good = tool_run(&generator, argv, -1, console);
     } else {
         report_error(&console->log, "out of memory");
     }
@@ -139,7 +91,7 @@ static bool compile(const struct build_request *request, const char *folder, con
                     parts[5],
                     NULL};
     if (good)
-        good = run_tool(argv, &c_compiler, console);
+        good = tool_run(&c_compiler, argv, -1, console);
     else
         report_error(&console->log, "out of memory");
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)

@@ -12,20 +12,7 @@
 #include "cache.h"
 #include "files.h"
 #include "texels.h"
-
-/* The folder of the executable: diptych-gen, glad and the cache stand beside it. */
-static char *tools_folder(const struct dt_log *log)
-{
-    char *path = realpath("/proc/self/exe", NULL);
-    char *slash = path ? strrchr(path, '/') : NULL;
-    if (!slash || slash == path) {
-        report_error(log, "the executable's own folder cannot be found: %s", strerror(errno));
-        free(path);
-        return NULL;
-    }
-    *slash = 0;
-    return path;
-}
+#include "tool.h"
 
 char *project_folder(const struct dt_log *log)
 {
@@ -198,25 +185,43 @@ static bool is_bare(const char *set)
     return strcspn(set, ".[") > strcspn(set, "=");
 }
 
-/* Appends the bare overrides that need generating to request->sets: all but live parameters, which
- * stay for later. Names that the pipeline does not know are the generator's to judge. */
-static bool take_baked(const struct pipeline *pipeline, const struct options *options,
-                       struct build_request *request, const struct dt_log *log)
+/* The names of the spec's live parameters, a line each, asked of the generator; free(). */
+static char *live_names(struct console *console, const struct build_request *request)
 {
-    for (uint32_t i = 0; i < options->set_count; i++) {
-        if (!is_bare(options->sets[i]))
-            continue;
-        char *name = strndup(options->sets[i], strcspn(options->sets[i], "="));
-        if (!name) {
-            report_error(log, "out of memory");
-            return false;
+    static const struct tool generator = {
+        .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
+    char *tool = format_string("%s/diptych-gen", request->tools);
+    char **argv = calloc(request->set_count * 2 + 4, sizeof *argv);
+    char *names = NULL;
+    if (tool && argv) {
+        size_t n = 0;
+        argv[n++] = tool;
+        argv[n++] = (char *)request->spec;
+        argv[n++] = (char *)"--live";
+        for (uint32_t i = 0; i < request->set_count; i++) {
+            argv[n++] = (char *)"--set";
+            argv[n++] = (char *)request->sets[i];
         }
-        const struct dt_param *param = pipeline_param(pipeline->info, name);
-        if (!param || !param->live)
-            request->sets[request->set_count++] = options->sets[i];
-        free(name);
+        names = tool_read(&generator, argv, console);
+    } else {
+        report_error(&console->log, "out of memory");
     }
-    return true;
+    free(argv);
+    free(tool);
+    return names;
+}
+
+/* Whether the name that `set` begins with is one of the lines of `names`. */
+static bool is_listed(const char *names, const char *set)
+{
+    size_t length = strcspn(set, "=");
+    for (const char *at = names; *at; at += *at == '\n') {
+        const char *name = at;
+        at += strcspn(at, "\n");
+        if ((size_t)(at - name) == length && strncmp(name, set, length) == 0)
+            return true;
+    }
+    return false;
 }
 
 static bool set_live_ones(struct pipeline *pipeline, const struct options *options,
@@ -234,8 +239,8 @@ static bool set_live_ones(struct pipeline *pipeline, const struct options *optio
     return good;
 }
 
-/* Which parameters are live is known only from a generated pipeline: the first one is made with the
- * overrides that cannot be live, and only a baked parameter among the rest asks for a second. */
+/* The pipeline is generated with all overrides but those of live parameters, which are set in it. Names that
+ * the spec does not know are the generator's to judge. */
 static bool load_request(struct pipeline *pipeline, struct console *console,
                          const struct options *options, struct build_request *request)
 {
@@ -243,19 +248,18 @@ static bool load_request(struct pipeline *pipeline, struct console *console,
         if (!is_bare(options->sets[i]))
             request->sets[request->set_count++] = options->sets[i];
     }
-    uint32_t dotted = request->set_count;
-    qsort(request->sets, dotted, sizeof *request->sets, compare_strings);
-    struct pipeline first;
-    bool good =
-        load_with(&first, console, request) && take_baked(&first, options, request, &console->log);
-    if (good && request->set_count == dotted) {
-        *pipeline = first;
-    } else {
-        pipeline_unload(&first);
-        qsort(request->sets, request->set_count, sizeof *request->sets, compare_strings);
-        good = good && load_with(pipeline, console, request);
+    if (request->set_count < options->set_count) {
+        char *names = live_names(console, request);
+        if (!names)
+            return false;
+        for (uint32_t i = 0; i < options->set_count; i++) {
+            if (is_bare(options->sets[i]) && !is_listed(names, options->sets[i]))
+                request->sets[request->set_count++] = options->sets[i];
+        }
+        free(names);
     }
-    return good && set_live_ones(pipeline, options, &console->log);
+    qsort(request->sets, request->set_count, sizeof *request->sets, compare_strings);
+    return load_with(pipeline, console, request) && set_live_ones(pipeline, options, &console->log);
 }
 
 bool pipeline_load(struct pipeline *pipeline, struct console *console,

@@ -24,7 +24,7 @@ struct options {
     const char *spec, *out, *graph, *depfile, *templates, *variations, *seed, *memory;
     const char **sets;
     size_t set_count;
-    bool check, schema, reference, help, version;
+    bool check, live, schema, reference, help, version;
 };
 
 struct option_name {
@@ -44,6 +44,7 @@ static const struct option_name option_names[] = {
      "print N random variations of the spec that are valid, as JSON; writes nothing else"},
     {"--seed", "S", "--variations: the same seed draws the same (default: 1)"},
     {"--memory", "MIB", "--variations: most that the resources of one may take (default: 64)"},
+    {"--live", NULL, "print the names of the spec's live parameters, one a line"},
     {"--schema", NULL, "print a JSON Schema of the spec language"},
     {"--reference", NULL, "print the reference of the spec language, Markdown"},
     {"--help", NULL, "this text"},
@@ -104,6 +105,8 @@ static void take_option(struct options *options, const char *name, const char *v
         options->memory = value;
     else if (!strcmp(name, "--check"))
         options->check = true;
+    else if (!strcmp(name, "--live"))
+        options->live = true;
     else if (!strcmp(name, "--schema"))
         options->schema = true;
     else if (!strcmp(name, "--reference"))
@@ -155,7 +158,8 @@ static bool parse_options(int count, char **words, struct options *options)
         return true;
     if (!options->spec)
         return usage_error("no spec given%s", "");
-    if (!options->out && !options->check && !options->graph && !options->variations)
+    if (!options->out && !options->check && !options->graph && !options->live &&
+        !options->variations)
         return usage_error("`-o DIR` is missing for `%s`", options->spec);
     if (options->depfile && !options->out)
         return usage_error("`--depfile %s` needs `-o DIR`", options->depfile);
@@ -303,6 +307,19 @@ static enum status generate(struct generation *g)
     return status;
 }
 
+/* Asked before the overrides of parameters are sorted into live and baked, so nothing is checked. */
+static enum status print_live(struct generation *g)
+{
+    const struct options *options = g->options;
+    if (!read_spec(&g->model, options->spec, options->sets, options->set_count, g->diag) ||
+        diag_error_count(g->diag))
+        return STATUS_WRONG_SPEC;
+    for (uint32_t i = 0; i < g->model.pipeline.param_count; i++)
+        if (g->model.pipeline.params[i].live)
+            puts(g->model.pipeline.params[i].name);
+    return STATUS_DONE;
+}
+
 /* A whole number, or `otherwise` without text; false, reported, when it is none from least to most. */
 static bool read_number(const char *name, const char *text, uint64_t least, uint64_t most,
                         uint64_t otherwise, uint64_t *number)
@@ -371,7 +388,9 @@ static enum status run(const struct options *options)
     enum status status = STATUS_FAILED;
     if (g.diag && g.model.arena) {
         g.model.templates_dir = find_templates(g.model.arena, options->templates);
-        status = options->variations ? print_variations(&g) : generate(&g);
+        status = options->live         ? print_live(&g)
+                 : options->variations ? print_variations(&g)
+                                       : generate(&g);
         fflush(stdout);
         diag_flush(g.diag);
     } else {

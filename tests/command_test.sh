@@ -40,6 +40,11 @@ refused 1 "choose another --size" "${render[@]}" --backend vk -o "$work/a.png" -
 refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"
 refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
 
+# Each of these two is refused without the other: a block of 16 KiB holds few lights, and there are 256 to begin with.
+check "values that are valid only together are" \
+    "${render[@]}" --backend vk -o "$work/a.png" --set passes.shade.ranges.first_range.storage=uniform \
+    --set 'tile=[1,1]' --set first_vpls=64
+
 # A pipeline of one's own is compiled on the spot. Its cache is its own, too: a copy of the tools without sources beside them.
 mkdir -p "$work/project/build/glad" "$work/spec"
 cp "$build/diptych" "$build/diptych-gen" "$work/project/build/"

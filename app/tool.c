@@ -1,0 +1,108 @@
+/* Child processes; see tool.h. */
+#include "tool.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* The child leads a process group, so that console_wait can end it with all its own children; signals are
+ * unblocked in it. Returns 0 or an errno. */
+static int start(pid_t *child, char *const argv[], int output)
+{
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    if (output >= 0)
+        posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    else
+        posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    int error = posix_spawnp(child, argv[0], &actions, &attributes, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    return error;
+}
+
+bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
+{
+    const struct dt_log *log = &console->log;
+    pid_t child;
+    int error = start(&child, argv, output);
+    if (error) {
+        report_error(log, "%s: cannot be started: %s; %s", argv[0], strerror(error), tool->hint);
+        return false;
+    }
+    int status = console_wait(console, child);
+    if (status < 0) {
+        report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
+        return false;
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return true;
+    if (WIFSIGNALED(status))
+        report_error(log, "%s was ended by signal %d", tool->what, WTERMSIG(status));
+    else if (!tool->explains)
+        report_error(log, "%s failed with exit status %d; its messages stand above", tool->what,
+                     WEXITSTATUS(status));
+    return false;
+}
+
+/* All that was written to a memory file. */
+static char *contents(int file)
+{
+    struct stat info;
+    char *text = fstat(file, &info) == 0 ? malloc((size_t)info.st_size + 1) : NULL;
+    size_t size = 0;
+    while (text && size < (size_t)info.st_size) {
+        ssize_t got = pread(file, text + size, (size_t)info.st_size - size, (off_t)size);
+        if (got <= 0 && errno != EINTR) {
+            free(text);
+            return NULL;
+        }
+        size += got > 0 ? (size_t)got : 0;
+    }
+    if (text)
+        text[size] = 0;
+    return text;
+}
+
+char *tool_read(const struct tool *tool, char *const argv[], struct console *console)
+{
+    int file = memfd_create("output", MFD_CLOEXEC);
+    char *text = NULL;
+    bool ran = file >= 0 && tool_run(tool, argv, file, console);
+    if (ran)
+        text = contents(file);
+    if (file < 0 || (ran && !text))
+        report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
+    if (file >= 0)
+        close(file);
+    return text;
+}
+
+char *tools_folder(const struct dt_log *log)
+{
+    char *path = realpath("/proc/self/exe", NULL);
+    char *slash = path ? strrchr(path, '/') : NULL;
+    if (!slash || slash == path) {
+        report_error(log, "the executable's own folder cannot be found: %s", strerror(errno));
+        free(path);
+        return NULL;
+    }
+    *slash = 0;
+    return path;
+}

@@ -1,0 +1,27 @@
+/* Programs that the command line runs: the generator, the C compiler, ninja. Called by cache.c, pipeline.c and
+ * sweep.c. */
+#ifndef DIPTYCH_TOOL_H
+#define DIPTYCH_TOOL_H
+
+#include "console.h"
+
+struct tool {
+    const char *what; /* it does */
+    const char *hint; /* when it cannot be started */
+    bool explains;    /* whoever reads its messages needs no other */
+};
+
+/* Runs argv[0] and waits; true when it ends with status 0. Should a signal end this process meanwhile, the
+ * tool and its own children end first. Its stderr is ours; its stdout is `output`, a descriptor, or -1:
+ * dropped, since it would get between our own output and whoever reads that. An error is logged
+ * unless the tool explains what it dislikes itself. */
+bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console);
+
+/* The same, and its stdout as a string; NULL on failure; free(). */
+char *tool_read(const struct tool *tool, char *const argv[], struct console *console);
+
+/* The folder of the executable, where diptych-gen, glad and the cache stand, too; NULL, logged, when it cannot
+ * be found; free(). */
+char *tools_folder(const struct dt_log *log);
+
+#endif
