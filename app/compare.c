@@ -1,401 +1,272 @@
-/* `diptych compare`: both backends in one process, every resource compared after every pass. Each
- * backend runs in a thread of its own, since an OpenGL context belongs to one; after each pass they
- * meet, resource by resource, so that no more than one resource per backend is in memory. */
-#include <stdio.h>
+/* `diptych compare`: the first side against each of the others, every resource compared after every
+ * pass. The sides walk through the passes side by side, and no more than one resource of each is in
+ * memory. */
+#include "compare.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-#include <cjson/cJSON.h>
-
-#include "difference.h"
 #include "files.h"
-#include "options.h"
-#include "session.h"
 
-enum { SIDES = 2, COULD_NOT_RUN = 2 };
+enum { COULD_NOT_RUN = 2 };
 
 /* Resources without history are filled with these before the first frame, so that what no pass has
- * written differs. */
-static const struct {
-    const char *backend;
-    int poison;
-} sides[SIDES] = {{"gl", 0x5a}, {"vk", 0xa5}};
-static const char *const labels[SIDES] = {"gl", "vk"};
+ * written differs in every pair. */
+enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
 
-/* Where the two threads wait for each other. A thread that fails leaves, and the other is let
- * go. */
-struct rendezvous {
-    pthread_mutex_t lock;
-    pthread_cond_t changed;
-    int waiting;
-    uint64_t round;
-    bool left;
-};
+/* ---- One row --------------------------------------------------------------------------------- */
 
-struct row {
-    uint32_t pass, resource, mip;
-    char *name; /* of the resource, with the mip where there are several */
-    struct difference difference;
-};
-
-struct compare;
-
-struct side {
-    struct compare *compare;
-    int index;
-    struct session session;
-    char *device;
-    struct dt_bytes bytes; /* of the resource being compared */
-    uint32_t frame;
-    bool good;
-};
-
-struct compare {
-    struct console *console;
-    const struct options *options;
-    struct pipeline pipeline;
-    struct scene scene;
-    struct rendezvous meeting;
-    struct side sides[SIDES];
-    struct row *rows; /* one per pass, resource that it writes and mip that holds something */
-    uint32_t row_count;
-    uint32_t *first_row; /* by pass, and row_count behind the last */
-    uint32_t compared;   /* rows, over all frames */
-    bool broken;
-    uint32_t broken_frame, broken_row; /* the first that broke its contract */
-};
-
-/* ---- The two threads ------------------------------------------------------------------------- */
-
-static bool meet(struct rendezvous *meeting)
+static bool is_worse(const struct difference *a, const struct difference *b)
 {
-    pthread_mutex_lock(&meeting->lock);
-    uint64_t round = meeting->round;
-    if (!meeting->left && ++meeting->waiting == SIDES) {
-        meeting->waiting = 0;
-        meeting->round++;
-        pthread_cond_broadcast(&meeting->changed);
+    if (difference_verdict(a) != difference_verdict(b))
+        return difference_verdict(a) > difference_verdict(b);
+    if (a->beyond != b->beyond)
+        return a->beyond > b->beyond;
+    if (a->differing != b->differing)
+        return a->differing > b->differing;
+    return a->worst.valid && (!b->worst.valid || a->worst.error > b->worst.error);
+}
+
+static bool compare_pair(struct compare *compare, struct pair *pair, const struct row *row,
+                         uint32_t frame, const struct dt_bytes copies[2])
+{
+    const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
+    pair->found = (struct difference){0};
+    if (!difference_add(&pair->found, resource, frame, copies)) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
     }
-    while (!meeting->left && meeting->round == round)
-        pthread_cond_wait(&meeting->changed, &meeting->lock);
-    bool met = meeting->round != round;
-    pthread_mutex_unlock(&meeting->lock);
-    return met;
+    compare->compared += pair->found.elements;
+    return true;
 }
 
-static void leave(struct rendezvous *meeting)
+/* The margins by which the flips that were just found had been decided. */
+static bool add_margins(struct compare *compare, uint32_t index, const struct row *row)
 {
-    pthread_mutex_lock(&meeting->lock);
-    meeting->left = true;
-    pthread_cond_broadcast(&meeting->changed);
-    pthread_mutex_unlock(&meeting->lock);
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const struct dt_resource *resource = &info->resources[row->resource];
+    const struct row margin = {.pass = row->pass, .resource = resource->contract.margin_resource};
+    struct source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
+    struct dt_bytes copies[2];
+    if (!difference_needs_margins(&compare->pairs[index].found, resource))
+        return true;
+    for (int i = 0; i < 2; i++) {
+        if (!source_ask(sources[i], &margin) || !source_take(sources[i], &margin, &copies[i]))
+            return false;
+    }
+    difference_add_margins(&compare->pairs[index].found, resource,
+                           &info->resources[margin.resource], copies);
+    return true;
 }
 
-/* Both copies are there, and the other thread waits. */
+static void keep_result(struct pair *pair, uint32_t index, uint32_t frame)
+{
+    struct result *result = &pair->results[index];
+    enum verdict verdict = difference_verdict(&pair->found);
+    result->frames_differing += verdict != VERDICT_EQUAL;
+    if (!result->difference.elements || is_worse(&pair->found, &result->difference)) {
+        result->difference = pair->found;
+        result->frame = frame;
+    }
+    if (!pair->broken && verdict == VERDICT_DIFFERS) {
+        pair->broken = true;
+        pair->broken_frame = frame;
+        pair->broken_row = index;
+    }
+}
+
 static bool compare_row(struct compare *compare, uint32_t index, uint32_t frame)
 {
-    struct row *row = &compare->rows[index];
-    const struct dt_bytes copies[SIDES] = {compare->sides[0].bytes, compare->sides[1].bytes};
-    if (!difference_add(&row->difference, &compare->pipeline.info->resources[row->resource], frame,
-                        copies)) {
-        report_error(&compare->console->log, "out of memory");
-        return false;
+    const struct row *row = &compare->rows.outputs.list[index];
+    struct dt_bytes copies[2];
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_ask(&compare->sources[i], row))
+            return false;
     }
-    compare->compared++;
-    if (!compare->broken && difference_verdict(&row->difference) == VERDICT_DIFFERS) {
-        compare->broken = true;
-        compare->broken_frame = frame;
-        compare->broken_row = index;
+    if (!source_take(&compare->sources[0], row, &copies[0]))
+        return false;
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        if (!source_take(&compare->sources[i + 1], row, &copies[1]) ||
+            !compare_pair(compare, &compare->pairs[i], row, frame, copies))
+            return false;
+    }
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        if (!add_margins(compare, i, row))
+            return false;
+        keep_result(&compare->pairs[i], index, frame);
     }
     return true;
 }
 
-static bool after_pass(void *user, uint32_t pass)
-{
-    struct side *side = user;
-    struct compare *compare = side->compare;
-    const struct dt_pass *info = &compare->pipeline.info->passes[pass];
-    console_status(compare->console, "frame %u of %u, pass %s", side->frame + 1,
-                   compare->options->frames, info->name);
-    bool good = true;
-    for (uint32_t i = compare->first_row[pass]; i < compare->first_row[pass + 1] && good; i++) {
-        const struct row *row = &compare->rows[i];
-        good = side->session.runtime->read(side->session.handle, row->resource, row->mip,
-                                           &side->bytes);
-        good = good && meet(&compare->meeting);
-        if (good && side->index == 0)
-            good = compare_row(compare, i, side->frame);
-        good = good && meet(&compare->meeting);
-        free(side->bytes.data);
-        side->bytes = (struct dt_bytes){0};
-    }
-    return good;
-}
+/* ---- The walk -------------------------------------------------------------------------------- */
 
-/* One after the other: opening OpenGL may set environment variables that opening Vulkan reads. */
-static bool open_in_turn(struct side *side)
+static bool advance(struct compare *compare, struct worker_place place)
 {
-    struct compare *compare = side->compare;
-    const struct session_info info = {.backend = sides[side->index].backend,
-                                      .console = compare->console,
-                                      .options = compare->options,
-                                      .pipeline = &compare->pipeline,
-                                      .scene = &compare->scene,
-                                      .poison = sides[side->index].poison,
-                                      .name_in_log = true};
-    if (side->index > 0 && !meet(&compare->meeting))
-        return false;
-    if (!session_open(&side->session, &info))
-        return false;
-    side->device = strdup(side->session.runtime->device_name(side->session.handle));
-    return side->index > 0 || meet(&compare->meeting);
-}
-
-static bool run_frames(struct side *side)
-{
-    const struct dt_observer observer = {.after_pass = after_pass, .user = side};
-    for (side->frame = 0; side->frame < side->compare->options->frames; side->frame++) {
-        if (!session_frame(&side->session, &observer))
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_resume(&compare->sources[i]))
             return false;
     }
-    return session_is_silent(&side->session);
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_reach(&compare->sources[i], place))
+            return false;
+    }
+    return true;
 }
 
-static void *run_side(void *user)
+static bool run_frame(struct compare *compare, uint32_t frame)
 {
-    struct side *side = user;
-    side->good = open_in_turn(side) && session_prepare(&side->session) && run_frames(side);
-    if (!side->good)
-        leave(&side->compare->meeting);
-    session_close(&side->session);
-    return NULL;
-}
-
-static bool run_both(struct compare *compare)
-{
-    pthread_t threads[SIDES];
-    int started = 0;
-    pthread_mutex_init(&compare->meeting.lock, NULL);
-    pthread_cond_init(&compare->meeting.changed, NULL);
-    for (; started < SIDES; started++) {
-        compare->sides[started] = (struct side){.compare = compare, .index = started};
-        int error = pthread_create(&threads[started], NULL, run_side, &compare->sides[started]);
-        if (error) {
-            report_error(&compare->console->log, "cannot start a thread: %s", strerror(error));
-            leave(&compare->meeting);
-            break;
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const uint32_t *first = compare->rows.outputs.first;
+    for (uint32_t pass = 0; pass < info->pass_count; pass++) {
+        console_status(compare->console, "frame %u of %u, pass %s", frame + 1,
+                       compare->options->frames, info->passes[pass].name);
+        if (!advance(compare, (struct worker_place){WORKER_AFTER_PASS, frame, pass}))
+            return false;
+        for (uint32_t i = first[pass]; i < first[pass + 1]; i++) {
+            if (!compare_row(compare, i, frame))
+                return false;
         }
     }
-    bool good = started == SIDES;
-    for (int i = 0; i < started; i++) {
-        pthread_join(threads[i], NULL);
-        good = good && compare->sides[i].good;
-    }
-    pthread_cond_destroy(&compare->meeting.changed);
-    pthread_mutex_destroy(&compare->meeting.lock);
-    return good;
+    return advance(compare, (struct worker_place){WORKER_FRAME_DONE, frame, 0});
 }
 
-/* ---- The table ------------------------------------------------------------------------------- */
-
-static bool add_row(struct compare *compare, uint32_t pass, uint32_t resource, uint32_t mip)
+static bool start(struct compare *compare, uint32_t index)
 {
-    const struct dt_resource *what = &compare->pipeline.info->resources[resource];
-    char *name = what->mips > 1 ? format_string("%s mip %u", what->name, mip) : strdup(what->name);
-    struct row *rows = realloc(compare->rows, (compare->row_count + 1) * sizeof *rows);
-    if (rows)
-        compare->rows = rows;
-    if (!rows || !name) {
-        free(name);
-        report_error(&compare->console->log, "out of memory");
-        return false;
-    }
-    rows[compare->row_count++] =
-        (struct row){.pass = pass, .resource = resource, .mip = mip, .name = name};
-    return true;
+    struct worker_info info = {.session = {.side = &compare->sides.list[index],
+                                           .console = compare->console,
+                                           .options = compare->options,
+                                           .pipeline = &compare->pipeline,
+                                           .scene = &compare->scene,
+                                           .poison = index ? POISON_OTHERS : POISON_FIRST},
+                               .frames = compare->options->frames};
+    if (index == compare->faulty)
+        info.session.fault = compare->fault;
+    return source_start(&compare->sources[index], &info);
 }
 
-static bool add_rows(struct compare *compare, uint32_t pass)
+static bool start_all(struct compare *compare)
 {
-    const struct dt_pass *info = &compare->pipeline.info->passes[pass];
-    for (uint32_t i = 0; i < info->write_count; i++) {
-        uint32_t mips = resource_mips(compare->pipeline.info, pass, info->writes[i]);
-        for (uint32_t mip = 0; mips >> mip; mip++)
-            if ((mips >> mip & 1) && !add_row(compare, pass, info->writes[i], mip))
-                return false;
-    }
-    return true;
-}
-
-static bool make_rows(struct compare *compare)
-{
-    const struct dt_pipeline *info = compare->pipeline.info;
-    compare->first_row = calloc(info->pass_count + 1, sizeof *compare->first_row);
-    if (!compare->first_row) {
-        report_error(&compare->console->log, "out of memory");
-        return false;
-    }
-    for (uint32_t i = 0; i < info->pass_count; i++) {
-        if (!add_rows(compare, i))
+    console_status(compare->console, "opening the devices and creating the programs");
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!start(compare, i))
             return false;
-        compare->first_row[i + 1] = compare->row_count;
     }
-    if (compare->row_count)
-        return true;
-    report_error(&compare->console->log, "%s: no pass writes anything, there is nothing to compare",
-                 info->name);
-    return false;
-}
-
-static void print_row(const struct compare *compare, const struct row *row, const int widths[2])
-{
-    const struct dt_pipeline *info = compare->pipeline.info;
-    const struct dt_resource *resource = &info->resources[row->resource];
-    const struct difference *difference = &row->difference;
-    char *worst = difference_describe_worst(difference, resource, labels);
-    char *flips = difference_list_flips(difference, resource, labels);
-    printf("%-*s  %-*s  %10llu  %10llu  %-7s  %s\n%s", widths[0], info->passes[row->pass].name,
-           widths[1], row->name, (unsigned long long)difference->elements,
-           (unsigned long long)difference->differing, verdict_name(difference_verdict(difference)),
-           worst ? worst : "", flips ? flips : "");
-    free(worst);
-    free(flips);
-}
-
-static void print_agreement(const struct compare *compare)
-{
-    uint32_t resources = 0, passes = 0;
-    for (uint32_t i = 0; i < compare->pipeline.info->pass_count; i++) {
-        uint32_t written = compare->pipeline.info->passes[i].write_count;
-        resources += written;
-        passes += written > 0;
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_reach(&compare->sources[i], (struct worker_place){.stop = WORKER_READY}))
+            return false;
+        compare->devices[i] = strdup(source_device(&compare->sources[i]));
     }
-    printf("\nall %u resources of %u passes agree\n", resources, passes);
+    return true;
 }
 
-static void print_table(const struct compare *compare)
+static bool run_all(struct compare *compare)
 {
-    const struct dt_pipeline *info = compare->pipeline.info;
-    int widths[2] = {4, 8};
-    for (uint32_t i = 0; i < compare->row_count; i++) {
-        int pass = (int)strlen(info->passes[compare->rows[i].pass].name);
-        int resource = (int)strlen(compare->rows[i].name);
-        widths[0] = pass > widths[0] ? pass : widths[0];
-        widths[1] = resource > widths[1] ? resource : widths[1];
-    }
-    printf("gl: %s\nvk: %s\n\n", compare->sides[0].device, compare->sides[1].device);
-    printf("%-*s  %-*s  %10s  %10s  %-7s  %s\n", widths[0], "pass", widths[1], "resource",
-           "elements", "differing", "verdict", "worst error");
-    for (uint32_t i = 0; i < compare->row_count; i++)
-        print_row(compare, &compare->rows[i], widths);
-    if (compare->broken) {
-        const struct row *row = &compare->rows[compare->broken_row];
-        printf("\npass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
-               row->name, compare->broken_frame);
-    } else {
-        print_agreement(compare);
-    }
-}
-
-/* ---- JSON ------------------------------------------------------------------------------------ */
-
-static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row)
-{
-    const struct dt_resource *resource = &info->resources[row->resource];
-    cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
-    cJSON_AddStringToObject(root, "resource", resource->name);
-    if (resource->mips > 1)
-        cJSON_AddNumberToObject(root, "mip", row->mip);
-}
-
-static cJSON *row_json(const struct compare *compare, const struct row *row)
-{
-    const struct dt_pipeline *info = compare->pipeline.info;
-    cJSON *root = cJSON_CreateObject();
-    add_place(root, info, row);
-    difference_json(root, &row->difference, &info->resources[row->resource], labels);
-    return root;
-}
-
-static cJSON *compare_json(const struct compare *compare)
-{
-    const struct dt_pipeline *info = compare->pipeline.info;
-    cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "pipeline", info->name);
-    cJSON_AddStringToObject(root, "scene", compare->options->scene);
-    cJSON_AddNumberToObject(root, "width", compare->options->size[0]);
-    cJSON_AddNumberToObject(root, "height", compare->options->size[1]);
-    cJSON_AddNumberToObject(root, "frames", compare->options->frames);
-    cJSON *devices = cJSON_AddObjectToObject(root, "devices");
-    for (int i = 0; i < SIDES; i++)
-        cJSON_AddStringToObject(devices, sides[i].backend, compare->sides[i].device);
-    cJSON *results = cJSON_AddArrayToObject(root, "results");
-    for (uint32_t i = 0; i < compare->row_count; i++)
-        cJSON_AddItemToArray(results, row_json(compare, &compare->rows[i]));
-    cJSON_AddBoolToObject(root, "agree", !compare->broken);
-    if (!compare->broken) {
-        cJSON_AddNullToObject(root, "first_break");
-        return root;
-    }
-    cJSON *first = cJSON_AddObjectToObject(root, "first_break");
-    add_place(first, info, &compare->rows[compare->broken_row]);
-    cJSON_AddNumberToObject(first, "frame", compare->broken_frame);
-    return root;
-}
-
-static bool write_json(const struct compare *compare)
-{
-    const char *path = compare->options->json;
-    cJSON *root = compare_json(compare);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(compare->console);
-        good = file_write(path, text, strlen(text), &compare->console->log);
-        console_release(compare->console);
-    } else {
-        report_error(&compare->console->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
-    cJSON_Delete(root);
+    uint32_t frames = compare->options->frames;
+    bool good = start_all(compare);
+    for (uint32_t frame = 0; frame < frames && good; frame++)
+        good = run_frame(compare, frame);
+    good =
+        good && advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
+    for (uint32_t i = 0; i < compare->sides.count; i++)
+        source_close(&compare->sources[i]);
     return good;
 }
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
+static bool allocate(struct compare *compare)
+{
+    uint32_t sides = compare->sides.count;
+    compare->pair_count = sides - 1;
+    compare->sources = calloc(sides, sizeof *compare->sources);
+    compare->devices = calloc(sides, sizeof *compare->devices);
+    compare->pairs = calloc(sides, sizeof *compare->pairs);
+    bool good = compare->sources && compare->devices && compare->pairs;
+    for (uint32_t i = 0; i < compare->pair_count && good; i++) {
+        struct pair *pair = &compare->pairs[i];
+        pair->sides[0] = &compare->sides.list[0];
+        pair->sides[1] = &compare->sides.list[i + 1];
+        pair->results = calloc(compare->rows.outputs.count, sizeof *pair->results);
+        good = pair->results;
+    }
+    if (!good)
+        report_error(&compare->console->log, "out of memory");
+    return good;
+}
+
+static void release(struct compare *compare)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++)
+        free(compare->pairs[i].results);
+    for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
+        free(compare->devices[i]);
+    free(compare->pairs);
+    free(compare->devices);
+    free(compare->sources);
+    rows_free(&compare->rows);
+    scene_free(&compare->scene);
+    pipeline_unload(&compare->pipeline);
+    sides_free(&compare->sides);
+}
+
+static bool find_fault(struct compare *compare)
+{
+    const char **labels = calloc(compare->sides.count, sizeof *labels);
+    if (!labels) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < compare->sides.count; i++)
+        labels[i] = compare->sides.list[i].label;
+    bool good =
+        fault_parse(&compare->fault, &compare->faulty, compare->options->fault,
+                    compare->pipeline.info, labels, compare->sides.count, &compare->console->log);
+    free(labels);
+    return good;
+}
+
+/* A comparison of nothing would agree, whatever is wrong. */
+static bool compares_something(const struct compare *compare, uint64_t count, const char *what)
+{
+    if (!count)
+        report_error(&compare->console->log, "%s: %s, there is nothing to compare",
+                     compare->pipeline.info->name, what);
+    return count;
+}
+
 static bool run(struct compare *compare)
 {
     struct console *console = compare->console;
-    if (compare->options->json && !file_can_write(compare->options->json, &console->log))
+    const struct options *options = compare->options;
+    if (!sides_read(&compare->sides, options, &console->log))
         return false;
-    if (!pipeline_load(&compare->pipeline, console, compare->options) || !make_rows(compare))
+    if (options->json && !file_can_write(options->json, &console->log))
         return false;
-    if (!session_load_scene(&compare->scene, console, compare->options) || !run_both(compare))
+    if (!pipeline_load(&compare->pipeline, console, options) ||
+        !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
-    if (compare->compared == compare->row_count * compare->options->frames)
-        return atomic_load(&console->errors) == 0;
-    report_error(&console->log,
-                 "%u results were compared where %u were due: a runtime left out passes",
-                 compare->compared, compare->row_count * compare->options->frames);
-    return false;
+    if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
+        (options->fault && !find_fault(compare)))
+        return false;
+    if (!session_load_scene(&compare->scene, console, options) || !allocate(compare))
+        return false;
+    return run_all(compare) &&
+           compares_something(compare, compare->compared, "all resources are empty") &&
+           atomic_load(&console->errors) == 0;
 }
 
 int verb_compare(struct console *console, const struct options *options)
 {
     struct compare compare = {.console = console, .options = options};
+    bool differ = false;
     bool good = run(&compare);
     if (good && options->json)
-        good = write_json(&compare);
+        good = compare_write_json(&compare);
     console_status(console, "%s", "");
     if (good)
-        print_table(&compare);
-    for (int i = 0; i < SIDES; i++)
-        free(compare.sides[i].device);
-    for (uint32_t i = 0; i < compare.row_count; i++)
-        free(compare.rows[i].name);
-    free(compare.rows);
-    free(compare.first_row);
-    scene_free(&compare.scene);
-    pipeline_unload(&compare.pipeline);
-    return !good ? COULD_NOT_RUN : compare.broken ? EXIT_DIFFER : EXIT_FINE;
+        compare_print(&compare);
+    for (uint32_t i = 0; i < compare.pair_count; i++)
+        differ |= compare.pairs[i].broken;
+    release(&compare);
+    return !good ? COULD_NOT_RUN : differ ? EXIT_DIFFER : EXIT_FINE;
 }

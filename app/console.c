@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -207,6 +208,34 @@ int console_wait(struct console *console, pid_t child)
     pid_t reaped = waitpid(child, &status, 0);
     pthread_mutex_unlock(&console->lock);
     return reaped < 0 ? -1 : status;
+}
+
+static void become_child(struct console *console, pid_t parent)
+{
+    console->watching = false;
+    memset(console->temporaries, 0, sizeof console->temporaries);
+    sigset_t set = watched_signals();
+    signal(SIGINT, SIG_IGN);
+    signal(SIGHUP, SIG_IGN);
+    pthread_sigmask(SIG_UNBLOCK, &set, NULL);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) /* it ended before it could take us along */
+        _exit(EXIT_FAILED);
+}
+
+/* The watcher must not hold a lock at this moment: the child would wait for it for ever. */
+pid_t console_fork(struct console *console)
+{
+    pid_t parent = getpid();
+    pthread_mutex_lock(&console->writing);
+    pthread_mutex_lock(&console->lock);
+    fflush(stdout); /* or both would write what it holds */
+    pid_t child = fork();
+    if (child == 0)
+        become_child(console, parent);
+    pthread_mutex_unlock(&console->lock);
+    pthread_mutex_unlock(&console->writing);
+    return child;
 }
 
 void console_hold(struct console *console)

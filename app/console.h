@@ -64,6 +64,12 @@ void console_forget(struct console *console, const char *path);
  * gives it, or -1 with errno. */
 int console_wait(struct console *console, pid_t child);
 
+/* Forks a process that goes on with this program's memory. In the child (0) the console has neither
+ * watcher nor temporaries, SIGINT and SIGHUP are ignored, since a terminal sends them to both and
+ * the end is the parent's business, and SIGKILL follows the parent's end, whatever that is. -1 with
+ * errno. */
+pid_t console_fork(struct console *console);
+
 /* Brackets a short write that a signal must not cut in half. */
 void console_hold(struct console *console);
 void console_release(struct console *console);

@@ -31,8 +31,10 @@ struct option_row {
 static const struct option_row rows[] = {
     {"--scene", OPTION_STRING, AT(scene), ALL, ALL, "FILE",
      "scene file (YAML): mesh, camera, light"},
-    {"--backend", OPTION_CHOICE, AT(backend), VERB_RENDER, VERB_RENDER, "gl|vk",
-     "OpenGL 4.6 or Vulkan 1.3"},
+    {"--backend", OPTION_STRING, AT(backend), VERB_RENDER, VERB_RENDER, "NAME",
+     "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
+    {"--backend", OPTION_STRING, AT(backend), VERB_COMPARE, 0, "LIST",
+     "the first is held against each of the others, like gl,vk,zink (default: gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; --dump or --timings may stand alone"},
     {"--spec", OPTION_STRING, AT(spec), ALL, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
@@ -57,7 +59,7 @@ static const struct option_row rows[] = {
     {"--glsl", OPTION_FLAG, AT(glsl), ALL, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
     {"--debug", OPTION_FLAG, AT(debug), ALL, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
-    {"--fault", OPTION_STRING, AT(fault), VERB_RENDER, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
+    {"--fault", OPTION_STRING, AT(fault), ALL, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
     {"--help", OPTION_FLAG, AT(help), ALL, 0, NULL, "show this"},
 };

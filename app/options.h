@@ -12,7 +12,7 @@ enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2 };
  * the default. Strings point into argv. */
 struct options {
     const char *scene;
-    const char *backend; /* "gl" or "vk" */
+    const char *backend; /* see side.h */
     const char *output;
     const char *spec;      /* NULL: the project's own */
     const char *templates; /* folder of the GLSL library; NULL: the project's */

@@ -15,6 +15,7 @@
 struct render {
     struct console *console;
     const struct options *options;
+    struct side side;
     struct pipeline pipeline;
     struct scene scene;
     struct session session;
@@ -50,6 +51,14 @@ static bool check_output(struct render *render)
     report_error(&render->console->log, "-o %s: must end in .exr (linear) or .png (tone-mapped)",
                  path);
     return false;
+}
+
+static bool read_side(struct render *render)
+{
+    const struct options *options = render->options;
+    const struct dt_log *log = &render->console->log;
+    return side_read(&render->side, options->backend, options, log) &&
+           sides_heed(&render->side, 1, options, log);
 }
 
 static bool find_shown_by_name(struct render *render)
@@ -140,7 +149,7 @@ static bool after_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
     const struct dt_pass *info = &render->pipeline.info->passes[pass];
-    console_status(render->console, "%s: pass %s", render->session.info.backend, info->name);
+    console_status(render->console, "%s: pass %s", render->side.label, info->name);
     for (uint32_t i = 0; i < info->write_count; i++) {
         uint32_t mips = resource_mips(render->pipeline.info, pass, info->writes[i]);
         for (uint32_t mip = 0; mips >> mip; mip++)
@@ -199,7 +208,7 @@ static bool find_fault(struct render *render)
     uint32_t side;
     return !render->options->fault ||
            fault_parse(&render->fault, &side, render->options->fault, render->pipeline.info,
-                       &render->options->backend, 1, &render->console->log);
+                       (const char *const *)&render->side.label, 1, &render->console->log);
 }
 
 static bool prepare(struct render *render)
@@ -219,11 +228,11 @@ static bool prepare(struct render *render)
         return false;
     if (options->dump && !dump_begin(&render->dump, render->console, render->pipeline.info,
                                      &(struct dump_info){.folder = options->dump,
-                                                         .backend = options->backend,
+                                                         .backend = render->side.label,
                                                          .scene = options->scene,
                                                          .frame = options->frames - 1}))
         return false;
-    const struct session_info info = {.backend = options->backend,
+    const struct session_info info = {.side = &render->side,
                                       .fault = render->fault,
                                       .console = render->console,
                                       .options = options,
@@ -236,8 +245,10 @@ static bool prepare(struct render *render)
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = options};
-    if (!check_output(&render))
+    if (!read_side(&render) || !check_output(&render)) {
+        side_free(&render.side);
         return EXIT_USAGE;
+    }
     bool good = prepare(&render) && run_frames(&render);
     if (good && options->timings)
         good = timings_write(&render.timings, &render.session, options->timings);
@@ -250,6 +261,7 @@ int verb_render(struct console *console, const struct options *options)
     free(render.picture.data);
     timings_free(&render.timings);
     scene_free(&render.scene);
+    side_free(&render.side);
     pipeline_unload(&render.pipeline);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

@@ -15,16 +15,18 @@ static const struct dt_runtime *find_runtime(const char *backend)
 bool session_open(struct session *session, const struct session_info *info)
 {
     const struct options *options = info->options;
-    *session = (struct session){.info = *info, .runtime = find_runtime(info->backend)};
-    session->source = (struct log_source){.log = &info->console->log, .name = info->backend};
+    const struct side *side = info->side;
+    *session = (struct session){
+        .info = *info, .runtime = find_runtime(side->backend), .frame = info->first_frame};
+    session->source = (struct log_source){.log = &info->console->log, .name = side->label};
     session->log = info->name_in_log ? log_from(&session->source) : info->console->log;
-    console_status(info->console, "%s: opening the device", info->backend);
+    console_status(info->console, "%s: opening the device", side->label);
     session->handle = session->runtime->open(&(struct dt_runtime_options){
         .log = session->log,
-        .device = options->device,
-        .context = options->context,
+        .device = side->device,
+        .context = side->context,
         .debug = options->debug,
-        .glsl = options->glsl,
+        .glsl = side->glsl,
         .timing = info->timing,
         .poison = info->poison,
     });
@@ -37,10 +39,10 @@ bool session_prepare(struct session *session)
     const struct dt_panel *panel =
         session->runtime == &runtime_gl ? info->pipeline->gl : info->pipeline->vk;
     const uint32_t *size = info->options->size;
-    console_status(info->console, "%s: uploading the scene", info->backend);
+    console_status(info->console, "%s: uploading the scene", info->side->label);
     if (!session->runtime->set_scene(session->handle, &info->scene->data))
         return false;
-    console_status(info->console, "%s: creating the programs", info->backend);
+    console_status(info->console, "%s: creating the programs", info->side->label);
     return session->runtime->create(session->handle, panel) &&
            session->runtime->resize(session->handle, size[0], size[1]);
 }
@@ -63,7 +65,7 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
     const struct dt_observer spoiling = fault_observer(&fault);
     if (info->fault.kind != FAULT_NONE)
         observer = &spoiling;
-    console_status(info->console, "%s: frame %u of %u", info->backend, session->frame,
+    console_status(info->console, "%s: frame %u of %u", info->side->label, session->frame,
                    info->options->frames);
     return session->runtime->render(session->handle, &frame, info->pipeline->live, observer);
 }

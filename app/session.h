@@ -8,16 +8,18 @@
 #include "options.h"
 #include "pipeline.h"
 #include "scenes/scene.h"
+#include "side.h"
 
 struct session_info {
-    const char *backend; /* "gl" or "vk" */
+    const struct side *side; /* a live one */
     struct console *console;
     const struct options *options;
     const struct pipeline *pipeline;
     const struct scene *scene;
     bool timing;
-    int poison;       /* see struct dt_runtime_options */
-    bool name_in_log; /* put the backend's name before its messages */
+    int poison;           /* see struct dt_runtime_options */
+    bool name_in_log;     /* put the side's label before its messages */
+    uint32_t first_frame; /* index of the first frame to run, mostly 0 */
     struct fault fault;
 };
 

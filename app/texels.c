@@ -183,11 +183,12 @@ static uint32_t image_components(const struct dt_resource *resource, struct comp
     return channels;
 }
 
-uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
 {
     const struct dt_resource *what = &pipeline->resources[resource];
-    uint32_t mask = what->kind == DT_IMAGE && what->history ? (1u << what->mips) - 1 : 0;
-    for (uint32_t i = 0; i <= pass; i++) {
+    uint32_t all = what->kind == DT_IMAGE ? (1u << what->mips) - 1 : 1;
+    uint32_t mask = what->history ? all : 0;
+    for (uint32_t i = 0; i < pass; i++) {
         const struct dt_pass *writer = &pipeline->passes[i];
         for (uint32_t j = 0; j < writer->write_count; j++)
             if (writer->writes[j] == resource)
@@ -205,6 +206,11 @@ char *element_place(const struct dt_resource *resource, const uint32_t extent[3]
     unsigned long long x = element % width, y = element % area / width, layer = element / area;
     return resource->layered ? format_string("(%llu, %llu, layer %llu)", x, y, layer)
                              : format_string("(%llu, %llu)", x, y);
+}
+
+uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+{
+    return resource_mips_before(pipeline, pass + 1, resource);
 }
 
 uint32_t resource_components(const struct dt_resource *resource, struct component **list)

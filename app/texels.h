@@ -28,8 +28,10 @@ struct component {
 
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
 
-/* The mips that hold something once the pass has run, as a mask: those that it or an earlier pass of
- * the frame writes; with history all. A buffer has mip 0. */
+/* The mips that hold something before the pass runs, as a mask: those that an earlier pass of the
+ * frame writes; with history all. A buffer has mip 0. */
+uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
+/* The same once the pass has run. */
 uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
 
 /* How people find it: "[12]" in a buffer, "(3, 4)" in an image of that extent, "(3, 4, layer 5)" in

@@ -93,7 +93,7 @@ bool timings_write(const struct timings *timings, const struct session *session,
     const struct options *options = session->info.options;
     const struct dt_pipeline *pipeline = session->info.pipeline->info;
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "backend", session->info.backend);
+    cJSON_AddStringToObject(root, "backend", session->info.side->label);
     cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
     cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
     cJSON_AddStringToObject(root, "pipeline", pipeline->name);

@@ -1,0 +1,49 @@
+/* What `diptych compare` found out, and how it is told: compare.c fills it, compare_table.c prints
+ * it, compare_json.c writes it. */
+#ifndef DIPTYCH_COMPARE_H
+#define DIPTYCH_COMPARE_H
+
+#include "difference.h"
+#include "options.h"
+#include "pipeline.h"
+#include "rows.h"
+#include "source.h"
+
+/* One row of one pair over all frames. */
+struct result {
+    struct difference difference; /* of the frame in which the two are furthest apart */
+    uint32_t frame;               /* that frame */
+    uint32_t frames_differing;    /* in how many they are not bit for bit equal */
+};
+
+/* The first side, and one of the others. */
+struct pair {
+    const struct side *sides[2];
+    struct result *results;  /* one per row of rows.outputs */
+    struct difference found; /* of the row and frame that is being compared */
+    bool broken;
+    uint32_t broken_frame, broken_row; /* the first that broke its contract */
+};
+
+struct compare {
+    struct console *console;
+    const struct options *options;
+    struct sides sides;
+    struct pipeline pipeline;
+    struct scene scene;
+    struct fault fault;
+    uint32_t faulty; /* index of the side that has it */
+    struct rows rows;
+    struct source *sources; /* one per side */
+    char **devices;         /* what the sides ran on */
+    struct pair *pairs;
+    uint32_t pair_count; /* sides.count - 1 */
+    uint64_t compared;   /* elements, over all rows, pairs and frames */
+};
+
+void compare_print(const struct compare *compare); /* on stdout */
+
+/* --json; logs its error. */
+bool compare_write_json(const struct compare *compare);
+
+#endif

@@ -1,0 +1,104 @@
+/* The JSON that `compare` writes; see compare.h. */
+#include <string.h>
+
+#include <cjson/cJSON.h>
+
+#include "compare.h"
+#include "files.h"
+
+static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row)
+{
+    const struct dt_resource *resource = &info->resources[row->resource];
+    cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
+    cJSON_AddStringToObject(root, "resource", resource->name);
+    if (resource->mips > 1)
+        cJSON_AddNumberToObject(root, "mip", row->mip);
+}
+
+static cJSON *row_json(const struct compare *compare, const struct pair *pair, uint32_t index)
+{
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const struct row *row = &compare->rows.outputs.list[index];
+    const struct result *result = &pair->results[index];
+    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
+    cJSON *root = cJSON_CreateObject();
+    add_place(root, info, row);
+    cJSON_AddNumberToObject(root, "frame", result->frame);
+    cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
+    difference_json(root, &result->difference, &info->resources[row->resource], labels);
+    return root;
+}
+
+/* Where the pair broke first, or null. */
+static cJSON *first_break_json(const struct compare *compare, const struct pair *pair)
+{
+    if (!pair->broken)
+        return cJSON_CreateNull();
+    cJSON *root = cJSON_CreateObject();
+    add_place(root, compare->pipeline.info, &compare->rows.outputs.list[pair->broken_row]);
+    cJSON_AddNumberToObject(root, "frame", pair->broken_frame);
+    return root;
+}
+
+static void add_pair(cJSON *root, const struct compare *compare, const struct pair *pair)
+{
+    cJSON *sides = cJSON_AddArrayToObject(root, "sides");
+    for (int i = 0; i < 2; i++)
+        cJSON_AddItemToArray(sides, cJSON_CreateString(pair->sides[i]->label));
+    cJSON *results = cJSON_AddArrayToObject(root, "results");
+    for (uint32_t i = 0; i < compare->rows.outputs.count; i++)
+        cJSON_AddItemToArray(results, row_json(compare, pair, i));
+}
+
+static void add_outcome(cJSON *root, const struct compare *compare, const struct pair *pair)
+{
+    cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    cJSON_AddItemToObject(root, "first_break", first_break_json(compare, pair));
+}
+
+/* One pair lies in the root itself; of several each lies in "pairs", and the root tells the outcome
+ * of the first that differs. */
+static cJSON *compare_json(const struct compare *compare)
+{
+    const struct pair *told = &compare->pairs[0];
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "pipeline", compare->pipeline.info->name);
+    cJSON_AddStringToObject(root, "scene", compare->options->scene);
+    cJSON_AddNumberToObject(root, "width", compare->options->size[0]);
+    cJSON_AddNumberToObject(root, "height", compare->options->size[1]);
+    cJSON_AddNumberToObject(root, "frames", compare->options->frames);
+    cJSON *devices = cJSON_AddObjectToObject(root, "devices");
+    for (uint32_t i = 0; i < compare->sides.count; i++)
+        cJSON_AddStringToObject(devices, compare->sides.list[i].label, compare->devices[i]);
+    if (compare->pair_count == 1)
+        add_pair(root, compare, told);
+    cJSON *pairs = compare->pair_count > 1 ? cJSON_AddArrayToObject(root, "pairs") : NULL;
+    for (uint32_t i = 0; pairs && i < compare->pair_count; i++) {
+        const struct pair *pair = &compare->pairs[i];
+        cJSON *item = cJSON_CreateObject();
+        add_pair(item, compare, pair);
+        add_outcome(item, compare, pair);
+        cJSON_AddItemToArray(pairs, item);
+        told = pair->broken && !told->broken ? pair : told;
+    }
+    add_outcome(root, compare, told);
+    return root;
+}
+
+bool compare_write_json(const struct compare *compare)
+{
+    const char *path = compare->options->json;
+    cJSON *root = compare_json(compare);
+    char *text = cJSON_Print(root);
+    bool good = false;
+    if (text) {
+        console_hold(compare->console);
+        good = file_write(path, text, strlen(text), &compare->console->log);
+        console_release(compare->console);
+    } else {
+        report_error(&compare->console->log, "%s: out of memory", path);
+    }
+    cJSON_free(text);
+    cJSON_Delete(root);
+    return good;
+}
