@@ -54,7 +54,7 @@ static const struct option_row rows[] = {
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), ALL, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
-    {"--context", OPTION_CHOICE, AT(context), ALL, 0, "egl|osmesa|window",
+    {"--context", OPTION_CHOICE, AT(context), ALL, 0, "egl|zink|osmesa|window",
      "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(glsl), ALL, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
     {"--debug", OPTION_FLAG, AT(debug), ALL, 0, NULL,

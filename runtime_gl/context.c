@@ -1,5 +1,5 @@
-/* Makes an OpenGL 4.6 core context, without a window (EGL surfaceless, OSMesa) or with a hidden
- * one (GLFW), and brings it into the one fixed state in which both backends rasterise alike.
+/* Makes an OpenGL 4.6 core context, without a window (EGL surfaceless, the same through zink,
+ * OSMesa) or with a hidden one (GLFW), and brings it into the one fixed state in which both backends rasterise alike.
  * Called by runtime.c. */
 #include "internal.h"
 
@@ -33,6 +33,7 @@ struct gl_context_kind {
     /* `unload` also lets go of the driver, so that it reads its environment anew when it is
      * loaded again. */
     void (*destroy)(struct gl_context *ctx, bool unload);
+    const char *driver; /* what GL_RENDERER has to name; NULL: whatever comes up is right */
 };
 
 /* ---- EGL without a surface ------------------------------------------------------------------- */
@@ -107,6 +108,20 @@ static void egl_destroy(struct gl_context *ctx, bool unload)
     eglReleaseThread();
     if (unload)
         eglTerminate(ctx->display);
+}
+
+/* ---- zink: EGL without a surface, OpenGL by way of Vulkan ------------------------------------ */
+
+/* Mesa reads its environment once in a process, when the first display is initialised: a process
+ * that opens zink has no other OpenGL driver. Over the CPU's Vulkan driver, unless the caller's
+ * environment says LIBGL_ALWAYS_SOFTWARE=0. Without NODEVICE_SELECT a Vulkan layer of Mesa looks
+ * for a Wayland display, and complains when there is none. */
+static bool zink_make(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why)
+{
+    setenv("GALLIUM_DRIVER", "zink", 1);
+    setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
+    setenv("NODEVICE_SELECT", "1", 0);
+    return egl_make(ctx, major, minor, debug, why);
 }
 
 /* ---- OSMesa: no EGL, no window system; loaded on demand -------------------------------------- */
@@ -219,9 +234,10 @@ static void window_destroy(struct gl_context *ctx, bool unload)
 }
 
 static const struct gl_context_kind kinds[] = {
-    {"egl", egl_make, egl_current, egl_load, egl_destroy},
-    {"osmesa", osmesa_make, osmesa_current, osmesa_load, osmesa_destroy},
-    {"window", window_make, window_current, window_load, window_destroy},
+    {"egl", egl_make, egl_current, egl_load, egl_destroy, NULL},
+    {"zink", zink_make, egl_current, egl_load, egl_destroy, "zink"},
+    {"osmesa", osmesa_make, osmesa_current, osmesa_load, osmesa_destroy, NULL},
+    {"window", window_make, window_current, window_load, window_destroy, NULL},
 };
 
 /* ---- The version ----------------------------------------------------------------------------- */
@@ -403,7 +419,8 @@ bool gl_context_open(struct gl_runtime *rt)
         if (strcmp(kinds[i].name, name) == 0)
             kind = &kinds[i];
     if (!kind) {
-        gl_log(rt, DT_ERROR, "there is no OpenGL context '%s': choose egl, osmesa or window", name);
+        gl_log(rt, DT_ERROR, "there is no OpenGL context '%s': choose egl, zink, osmesa or window",
+               name);
         return false;
     }
     struct reason why = {""};
@@ -412,6 +429,13 @@ bool gl_context_open(struct gl_runtime *rt)
 
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
     snprintf(rt->device_name, sizeof rt->device_name, "%s", renderer);
+    if (kind->driver && !strstr(renderer, kind->driver)) {
+        gl_log(rt, DT_ERROR,
+               "context %s: the driver that came up is %s; Mesa must have %s (Debian: "
+               "libgl1-mesa-dri, mesa-vulkan-drivers), and a process only one OpenGL driver",
+               name, renderer, kind->driver);
+        return false;
+    }
     char missing[512];
     if (!rt->gl.VERSION_4_6 ||
         !has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing)) {

@@ -35,7 +35,6 @@ bool gl_pass_end(struct gl_runtime *rt, uint32_t pass)
         return false;
     if (!GL(rt, name, PopDebugGroup()))
         return false;
-    rt->skips = false;
     const struct dt_observer *observer = rt->observer;
     if (!observer)
         return true;

@@ -46,9 +46,9 @@ struct gl_runtime {
     uint32_t width, height;
 
     const struct dt_observer *observer; /* during render */
-    bool skips;                         /* it has this pass do nothing but its barriers */
-    GLuint *queries;                    /* two per pass: begin, end; NULL without options.timing */
-    bool *ran;                          /* per pass, in the last render */
+    bool skips;      /* as of the last gl_pass_begin: the pass does nothing but its barriers */
+    GLuint *queries; /* two per pass: begin, end; NULL without options.timing */
+    bool *ran;       /* per pass, in the last render */
 };
 
 void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format, ...)

@@ -224,7 +224,6 @@ bool vk_pass_end(struct vk_runtime *rt, uint32_t pass)
         write_timestamp(rt, 2 * pass + 1);
     if (rt->end_label)
         rt->end_label(rt->frame_commands);
-    rt->skips = false;
     if (rt->failed || !observer)
         return !rt->failed;
     return run_commands(rt, rt->frame_commands, name) &&

@@ -57,8 +57,8 @@ struct vk_runtime {
     /* frame.c */
     const struct dt_observer *observer; /* during render */
     bool failed;         /* a recording verb without result has logged an error in this frame */
-    uint32_t pass;       /* the one that is recorded */
-    bool skips;          /* the observer has this pass do nothing but its barriers */
+    uint32_t pass;       /* as of the last vk_pass_begin, as the next */
+    bool skips;          /* the pass does nothing but its barriers */
     uint32_t barriers;   /* recorded so far in this frame */
     VkQueryPool queries; /* two per pass */
     bool *pass_runs;     /* pass_count of them, as the next two */

@@ -2,6 +2,7 @@
  * by hand: scene draws, a layered draw, compute, indirect work, a skipped pass, history. What it
  * must give follows from the geometry: a quad over the left half of the frame at depth 0.25.
  * Every test runs with the debug callback on, which must stay silent. */
+#include <glob.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,6 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 #include <glslang/Include/glslang_c_interface.h>
@@ -400,9 +403,11 @@ static bool record(void *rt, void *memory, const void *live)
     const float clear[4] = {1, 2, 3, 4};
     (void)live;
     return record_draws(rt, s) && record_compute(rt, s) && gl_pass_begin(rt, FULLSCREEN, true) &&
+           gl_clear_targets(rt, s->framebuffers[2], &s->targets[2]) &&
            gl_draw_fullscreen(rt, &s->full, s->framebuffers[2], &s->targets[2]) &&
            gl_pass_end(rt, FULLSCREEN) && gl_pass_begin(rt, SKIP, false) &&
-           gl_clear_image(rt, &s->images[SKIPPED], 0, clear) && gl_pass_end(rt, SKIP);
+           gl_clear_image(rt, &s->images[SKIPPED], 0, clear) &&
+           gl_clear_buffer(rt, &s->buffers[COMMAND]) && gl_pass_end(rt, SKIP);
 }
 
 static void *resource(void *memory, uint32_t index)
@@ -601,6 +606,69 @@ static void test_osmesa(void **state)
     (void)state;
     run_all("osmesa", false);
 }
+
+/* Mesa has one driver in a process: zink runs in one of its own, this program with an argument. */
+static bool zink_is_installed(void)
+{
+    glob_t found;
+    bool installed = glob("/usr/lib/*/dri/zink_dri.so", 0, NULL, &found) == 0;
+    globfree(&found);
+    return installed;
+}
+
+static void test_zink(void **state)
+{
+    (void)state;
+    if (!zink_is_installed()) {
+        print_message("# no /usr/lib/*/dri/zink_dri.so: install libgl1-mesa-dri\n");
+        skip();
+    }
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        setenv("CMOCKA_MESSAGE_OUTPUT", "STDOUT", 1); /* its results are one of ours */
+        execl("/proc/self/exe", "runtime_gl_test", "zink", NULL);
+        _exit(127);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
+static void test_zink_frames(void **state)
+{
+    (void)state;
+    run_all("zink", false);
+    run_all("zink", true);
+}
+
+static void test_zink_is_told(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    struct dt_runtime_options options = options_for(&m, "zink");
+    void *rt = runtime_gl.open(&options);
+    assert_non_null(rt);
+    assert_non_null(strstr(runtime_gl.device_name(rt), "zink"));
+    runtime_gl.close(rt);
+}
+
+/* Where another driver came first, it stays. */
+static void test_zink_too_late(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    struct dt_runtime_options first = options_for(&m, "egl"), second = options_for(&m, "zink");
+    void *rt = runtime_gl.open(&first);
+    assert_non_null(rt);
+    assert_null(runtime_gl.open(&second));
+    assert_int_equal(m.errors, 1);
+    assert_non_null(strstr(m.last, "context zink: the driver that came up is "));
+    assert_non_null(strstr(m.last, runtime_gl.device_name(rt)));
+    runtime_gl.close(rt);
+}
+
 static void test_window(void **state)
 {
     (void)state;
@@ -876,15 +944,28 @@ static void test_debug_messages(void **state)
     runtime_gl.close(rt);
 }
 
-int main(void)
+int main(int count, char **arguments)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spirv),          cmocka_unit_test(test_glsl),
-        cmocka_unit_test(test_osmesa),         cmocka_unit_test(test_window),
-        cmocka_unit_test(test_two_runtimes),   cmocka_unit_test(test_write_before_pass),
-        cmocka_unit_test(test_skipped_passes), cmocka_unit_test(test_stopped_before_pass),
-        cmocka_unit_test(test_errors),         cmocka_unit_test(test_bad_resources),
-        cmocka_unit_test(test_debug_messages),
+    const struct CMUnitTest zink[] = {
+        cmocka_unit_test(test_zink_frames),
+        cmocka_unit_test(test_zink_is_told),
     };
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_zink),
+        cmocka_unit_test(test_spirv),
+        cmocka_unit_test(test_glsl),
+        cmocka_unit_test(test_osmesa),
+        cmocka_unit_test(test_window),
+        cmocka_unit_test(test_two_runtimes),
+        cmocka_unit_test(test_write_before_pass),
+        cmocka_unit_test(test_skipped_passes),
+        cmocka_unit_test(test_stopped_before_pass),
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_bad_resources),
+        cmocka_unit_test(test_debug_messages),
+        cmocka_unit_test(test_zink_too_late),
+    };
+    if (count > 1 && strcmp(arguments[1], "zink") == 0)
+        return cmocka_run_group_tests_name("runtime_gl, zink", zink, NULL, NULL);
     return cmocka_run_group_tests_name("runtime_gl", tests, NULL, NULL);
 }

@@ -435,10 +435,12 @@ static bool record_mask_and_display(struct vk_runtime *rt, struct state *state, 
                      .dst_access = VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
                 },
                 2);
-    if (mask)
+    if (mask) {
         vk_dispatch_indirect(rt, &state->programs[MASK_PASS], &state->groups);
-    else
+    } else {
         vk_clear_image(rt, &state->mask, 0, (const float[4]){7});
+        vk_clear_buffer(rt, &state->groups);
+    }
     if (!vk_pass_end(rt, MASK_PASS) || !vk_pass_begin(rt, DISPLAY_PASS, true))
         return false;
     vk_barriers(rt,
