@@ -12,6 +12,11 @@ static const struct verb verbs[] = {
      "Prints a table; its last line names the first pass whose results break their contract.\n"
      "Exit status: 0 the backends agree, 1 they differ, 2 it could not run.",
      verb_compare},
+    {"reference", VERB_REFERENCE, "path-trace a scene: what the pipelines should come near to",
+     "Surfaces are Lambertian; lights, camera and materials are those that the pipelines get.\n"
+     "The same options give the same bits, whatever the threads and however often interrupted.\n"
+     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
+     verb_reference},
 };
 
 static void help(FILE *stream)
@@ -19,7 +24,7 @@ static void help(FILE *stream)
     fprintf(stream, "diptych: one description of a GPU pipeline, run by OpenGL and by Vulkan\n\n"
                     "usage: diptych VERB [options]\n\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
-        fprintf(stream, "  %-10s%s\n", verbs[i].name, verbs[i].summary);
+        fprintf(stream, "  %-11s%s\n", verbs[i].name, verbs[i].summary);
     fprintf(stream, "\ndiptych VERB --help lists the verb's options.\n");
 }
 

@@ -26,10 +26,11 @@ struct option_row {
 };
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
+#define SCENE     (ALL | VERB_REFERENCE)
 #define AT(field) offsetof(struct options, field)
 
 static const struct option_row rows[] = {
-    {"--scene", OPTION_STRING, AT(scene), ALL, ALL, "FILE",
+    {"--scene", OPTION_STRING, AT(scene), SCENE, SCENE, "FILE",
      "scene file (YAML): mesh, camera, light"},
     {"--backend", OPTION_STRING, AT(backend), VERB_RENDER, VERB_RENDER, "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
@@ -40,7 +41,7 @@ static const struct option_row rows[] = {
     {"--spec", OPTION_STRING, AT(spec), ALL, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_LIST, AT(sets), ALL, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
-    {"--size", OPTION_SIZE, AT(size), ALL, 0, "WxH", "frame size in pixels (default: 1920x1080)"},
+    {"--size", OPTION_SIZE, AT(size), SCENE, 0, "WxH", "frame size in pixels (default: 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
      "frames to run, the last one is kept (default: 1)"},
     {"--dump", OPTION_STRING, AT(dump), VERB_RENDER, 0, "DIR",
@@ -50,7 +51,7 @@ static const struct option_row rows[] = {
     {"--show", OPTION_STRING, AT(show), VERB_RENDER, 0, "RESOURCE",
      "make the picture of this image instead"},
     {"--json", OPTION_STRING, AT(json), VERB_COMPARE, 0, "FILE", "write the table as JSON, too"},
-    {"--scenes", OPTION_STRING, AT(scenes), ALL, 0, "DIR",
+    {"--scenes", OPTION_STRING, AT(scenes), SCENE, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), ALL, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
@@ -61,7 +62,33 @@ static const struct option_row rows[] = {
      "validation and KHR_debug; any message fails the run"},
     {"--fault", OPTION_STRING, AT(fault), ALL, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
-    {"--help", OPTION_FLAG, AT(help), ALL, 0, NULL, "show this"},
+    {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
+     "picture, linear, as render writes it"},
+    {"--spp", OPTION_COUNT, AT(spp), VERB_REFERENCE, 0, "N",
+     "samples per pixel (default: 256), or the most of them with --noise"},
+    {"--noise", OPTION_STRING, AT(noise), VERB_REFERENCE, 0, "TARGET",
+     "stop when a pixel's standard error is that part of the picture's mean, like 0.01"},
+    {"--bounces", OPTION_STRING, AT(bounces), VERB_REFERENCE, 0, "N|unlimited",
+     "most bounces of indirect light, 0: direct light only (default: 2)"},
+    {"--from-bounce", OPTION_STRING, AT(from_bounce), VERB_REFERENCE, 0, "N",
+     "leave out light of fewer bounces, 1: indirect light only (default: 0)"},
+    {"--quantity", OPTION_CHOICE, AT(quantity), VERB_REFERENCE, 0, "radiance|irradiance",
+     "towards the eye, or at the surface, before its albedo (default: radiance)"},
+    {"--filter", OPTION_CHOICE, AT(filter), VERB_REFERENCE, 0, "centre|box",
+     "of a pixel: its centre alone, as the rasterizer sees it, or its area (default: centre)"},
+    {"--emission", OPTION_FLAG, AT(emission), VERB_REFERENCE, 0, NULL,
+     "count the light that materials emit; the shipped pipelines do not"},
+    {"--sampler", OPTION_CHOICE, AT(sampler), VERB_REFERENCE, 0, "sobol|random",
+     "scrambled Sobol points, or independent numbers (default: sobol)"},
+    {"--seed", OPTION_COUNT, AT(seed), VERB_REFERENCE, 0, "N",
+     "another number, other noise (default: 1)"},
+    {"--threads", OPTION_COUNT, AT(threads), VERB_REFERENCE, 0, "N",
+     "they do not change the picture (default: one per processor)"},
+    {"--checkpoint", OPTION_STRING, AT(checkpoint), VERB_REFERENCE, 0, "FILE",
+     "keep the sums there; where the file exists, go on from it"},
+    {"--json", OPTION_STRING, AT(json), VERB_REFERENCE, 0, "FILE",
+     "write settings, samples, noise, mean, rays and seconds as JSON"},
+    {"--help", OPTION_FLAG, AT(help), SCENE, 0, NULL, "show this"},
 };
 
 enum { ROWS = DT_ARRAY_COUNT(rows), MAX_FRAMES = 1000000, MAX_SIZE = 65536 };
@@ -240,7 +267,8 @@ static bool check_required(const struct options *options, const struct verb *ver
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
                    const struct dt_log *log)
 {
-    *options = (struct options){.size = {1920, 1080}, .frames = 1};
+    *options = (struct options){
+        .size = {1920, 1080}, .frames = 1, .bounces = "2", .from_bounce = "0", .seed = 1};
     for (int i = 0; i < argc; i++) {
         size_t length = argv[i][0] == '-' ? strcspn(argv[i], "=") : strlen(argv[i]);
         const struct option_row *row = find_row(verb, argv[i], length);

@@ -6,7 +6,7 @@
 #include "console.h"
 
 /* A verb's bit in the option table. */
-enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2 };
+enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2, VERB_REFERENCE = 16 };
 
 /* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at
  * the default. Strings point into argv. */
@@ -28,6 +28,17 @@ struct options {
     const char *context;
     const char *json;
     const char *fault;
+    uint32_t spp; /* reference: 0: not given */
+    uint32_t seed;
+    uint32_t threads; /* 0: one per processor */
+    const char *noise;
+    const char *bounces;
+    const char *from_bounce;
+    const char *quantity; /* these three as their rows list them, or NULL */
+    const char *filter;
+    const char *sampler;
+    const char *checkpoint;
+    bool emission;
     bool glsl;
     bool debug;
     bool help;
@@ -43,6 +54,7 @@ struct verb {
 
 int verb_render(struct console *console, const struct options *options);
 int verb_compare(struct console *console, const struct options *options);
+int verb_reference(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
  * way. */
