@@ -230,8 +230,8 @@ static void rename_words(struct text *text, const struct renaming *renaming, boo
     const char *from = text->data, *word, *search = from;
     while (search && (word = find_word(search, renaming->from))) {
         const char *behind = word + strlen(renaming->from);
-        search = behind;
-        if (calls && behind[strspn(behind, " \t\n")] != '(')
+        const char *at = search = behind;
+        if (calls && !token_is(token_next(&at), "("))
             continue;
         text_add_bytes(&renamed, from, (size_t)(word - from));
         text_add(&renamed, "%s", renaming->to);

@@ -72,18 +72,19 @@ static void declaration(struct rewrite *rewrite, struct token type, const char *
 /* `return a + b;` at `token`: through a variable. A name or a literal alone stays. */
 static void result(struct rewrite *rewrite, struct token token, const char *cursor)
 {
-    const char *end = strchr(cursor, ';');
-    if (!rewrite->function || !end || end == cursor)
-        return;
-    size_t length = (size_t)(end - cursor);
-    if (strcspn(cursor, "(+-*/") >= length)
+    const char *at = cursor;
+    struct token end = token_next(&at);
+    bool alone = true;
+    for (; end.length && !token_is(end, ";"); end = token_next(&at))
+        alone &= end.length > 1 || !strchr("(+-*/", *end.text);
+    if (!rewrite->function || !end.length || alone)
         return;
     insert(rewrite, token.text, "{ precise ");
     text_add_bytes(rewrite->out, rewrite->result.text, rewrite->result.length);
     text_add(rewrite->out, " result =");
     rewrite->copied = cursor;
-    insert(rewrite, end, "; return result; }");
-    rewrite->copied = end + 1;
+    insert(rewrite, end.text, "; return result; }");
+    rewrite->copied = end.text + 1;
 }
 
 static void walk(struct rewrite *rewrite, struct token token)

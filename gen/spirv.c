@@ -9,6 +9,7 @@
 #include <glslang/Include/glslang_c_interface.h>
 #include <glslang/Public/resource_limits_c.h>
 #include <spirv-tools/libspirv.h>
+#include <spirv/unified1/GLSL.std.450.h>
 #define SPV_ENABLE_UTILITY_CODE /* SpvHasResultAndType */
 #include <spirv/unified1/spirv.h>
 #include <stdlib.h>
@@ -322,6 +323,45 @@ static uint32_t *decorate(const uint32_t *words, size_t count, size_t *new_count
     return out;
 }
 
+/* The functions that glsl_body.c replaces by their names in the text; what is left of them here was
+ * called by another name. */
+static const char *inexact_function(const uint32_t *instruction)
+{
+    static const char *const names[GLSLstd450Count] = {
+        [GLSLstd450Asin] = "asin",
+        [GLSLstd450Acos] = "acos",
+        [GLSLstd450Atan] = "atan",
+        [GLSLstd450Atan2] = "atan",
+        [GLSLstd450FMix] = "mix",
+        [GLSLstd450Length] = "length",
+        [GLSLstd450Distance] = "distance",
+        [GLSLstd450Normalize] = "normalize",
+        [GLSLstd450Reflect] = "reflect",
+        [GLSLstd450Refract] = "refract",
+        [GLSLstd450FaceForward] = "faceforward",
+    };
+    uint32_t opcode = *instruction & 0xffff;
+    if (opcode == SpvOpExtInst && instruction[4] < GLSLstd450Count)
+        return names[instruction[4]];
+    return opcode == SpvOpDot ? "dot" : NULL;
+}
+
+static bool check_functions(const struct pass *pass, const uint32_t *words, size_t count,
+                            struct diag *diag)
+{
+    for (size_t at = 5; at < count; at += words[at] >> 16) {
+        const char *name = inexact_function(words + at);
+        if (!name)
+            continue;
+        diag_error(diag, pass->shader_loc,
+                   "the pass `%s` calls `%s` through a macro, where exact mode cannot put its own "
+                   "function in its place; call it by its name",
+                   pass->name, name);
+        return false;
+    }
+    return true;
+}
+
 static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_count)
 {
     size_t expanded_count = 0;
@@ -340,7 +380,8 @@ static glslang_stage_t stage_of(enum stage stage)
     return stages[stage];
 }
 
-static bool take_words(const struct model *model, glslang_program_t *program, struct shader *shader)
+static bool take_words(const struct model *model, const struct pass *pass,
+                       glslang_program_t *program, struct shader *shader, struct diag *diag)
 {
     size_t count = glslang_program_SPIRV_get_size(program);
     const uint32_t *words = glslang_program_SPIRV_get_ptr(program);
@@ -349,7 +390,7 @@ static bool take_words(const struct model *model, glslang_program_t *program, st
         if (shader->words)
             memcpy(shader->words, words, count * sizeof *words);
         shader->word_count = count;
-    } else {
+    } else if (check_functions(pass, words, count, diag)) {
         shader->words = make_exact(words, count, &shader->word_count);
     }
     return shader->words != NULL;
@@ -411,7 +452,8 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
     if (ok) {
         glslang_spv_options_t options = {.disable_optimizer = true};
         glslang_program_SPIRV_generate_with_options(program, input.stage, &options);
-        ok = take_words(model, program, shader) && validate(pass, backend, shader, diag);
+        ok =
+            take_words(model, pass, program, shader, diag) && validate(pass, backend, shader, diag);
     }
     glslang_program_delete(program);
     glslang_shader_delete(compiled);
