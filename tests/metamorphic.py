@@ -1,0 +1,224 @@
+"""Metamorphic tests: a pipeline and a rewrite of it that must not change a bit are rendered by both backends, and every
+resource after every pass is held against its counterpart, field by field. Prints TAP.
+
+    metamorphic.py [--all] [--only TEXT] BUILD
+
+BUILD is the folder of the executables. Without --all each kind of rewrite is tried on one pipeline, with it on all that
+it fits."""
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import metamorphic_rewrites as rewrites
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+SCENE = os.path.join(ROOT, "scenes/cornell.yaml")
+BACKENDS = ("gl", "vk")
+PIPELINES = {
+    "ssvp": ("templates/ssvp.yaml", {"first_vpls": 24, "second_vpls": 30, "clusters": 3, "kmeans_iterations": 3,
+                                     "rsm_size": 32, "paraboloid_size": 32, "tile": [3, 2]}),
+    "rsm": ("templates/rsm.yaml", {"samples": 8, "rsm_size": 32, "tile": [3, 2]}),
+    "features": ("tests/specs/features.yaml", {}),
+}
+
+
+class Failure(Exception):
+    """Why a test fails, for people."""
+
+
+class Workshop:
+    """Renders pipelines into dumps below one folder. Compiled pipelines are kept there too, by content."""
+
+    def __init__(self, build):
+        self.build = os.path.abspath(build)
+        self.folder = os.path.join(self.build, "tests/metamorphic")
+        self.originals = {}
+
+    def run(self, *command):
+        environment = {**os.environ, "XDG_CACHE_HOME": os.path.join(self.folder, "cache")}
+        done = subprocess.run(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", errors="replace")
+        if done.returncode != 0:
+            raise Failure(f"{' '.join(command)}\nexit status {done.returncode}\n{done.stdout}")
+
+    def render(self, name, spec, settings):
+        """Backend -> dump of the third frame."""
+        dumps = {}
+        for backend in BACKENDS:
+            folder = os.path.join(self.folder, name, backend)
+            sets = [f"--set={key}={value}" for key, value in settings.items()]
+            self.run(os.path.join(self.build, "diptych"), "render", "--scene", SCENE, "--spec", spec, "--backend",
+                     backend, "--size", "19x11", "--frames", "3", "--dump", folder, *sets)
+            dumps[backend] = Dump(folder)
+        return dumps
+
+    def original(self, name):
+        if name not in self.originals:
+            path, settings = PIPELINES[name]
+            self.originals[name] = self.render(f"{name}/original", os.path.join(ROOT, path), settings)
+        return self.originals[name]
+
+    def generate(self, spec, folder):
+        folder = os.path.join(self.folder, folder)
+        shutil.rmtree(folder, ignore_errors=True)
+        self.run(os.path.join(self.build, "diptych-gen"), spec, "-o", folder)
+        return folder
+
+
+class Dump:
+    """What `render --dump` wrote: entries by pass, resource and mip."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        with open(os.path.join(folder, "manifest.json"), encoding="utf-8") as file:
+            entries = json.load(file)["entries"]
+        self.entries = {(entry["pass"], entry["resource"], entry.get("mip", 0)): entry for entry in entries}
+
+    def data(self, entry):
+        with open(os.path.join(self.folder, entry["file"]), "rb") as file:
+            return file.read()
+
+
+NUMBERS = {"float": 1, "int": 1, "uint": 1, "bool": 1, "mat4": 16, **{
+    f"{prefix}vec{n}": n for prefix in ("", "i", "u") for n in (2, 3, 4)}}
+
+
+def field_size(entry, field):
+    return entry["stride"] if field is None else 4 * NUMBERS[field["type"]]
+
+
+def field_bytes(entry, data, field, count):
+    """The bytes of one field in the first `count` elements, without what lies between. `field` is None for the texels
+    of an image."""
+    stride, size, offset = entry["stride"], field_size(entry, field), field["offset"] if field else 0
+    if field and field.get("array_count"):
+        raise Failure(f"{entry['resource']}.{field['name']}: an array; teach field_bytes to read it")
+    if size == stride:
+        return data[:count * stride]
+    return b"".join(data[i * stride + offset:i * stride + offset + size] for i in range(count))
+
+
+def element_count(entry):
+    return entry["count"] if entry["kind"] == "buffer" else entry["width"] * entry["height"] * entry["layers"]
+
+
+def compare_field(where, first, second):
+    """Each: entry, its data, field. Returns how many bytes were compared."""
+    count, size = element_count(first[0]), field_size(first[0], first[2])
+    a, b = field_bytes(*first, count), field_bytes(*second, count)
+    if a == b and len(a) == count * size:
+        return len(a)
+    place = next((i for i, (x, y) in enumerate(zip(a, b)) if x != y), min(len(a), len(b))) // size
+    raise Failure(f"{where}, element {place} of {count}: {a[place * size:(place + 1) * size].hex()} became "
+                  f"{b[place * size:(place + 1) * size].hex()}")
+
+
+def narrow(entry, data, stride):
+    """The first `stride` bytes of every texel: the channels that a format with fewer has."""
+    texels = (data[i:i + stride] for i in range(0, len(data), entry["stride"]))
+    return {**entry, "stride": stride}, b"".join(texels)
+
+
+def compare_entry(original, rewritten, entry, pipeline):
+    """Holds one entry of the original's dump against its counterpart; returns the number of bytes."""
+    mip = entry.get("mip", 0)
+    pass_name = pipeline.pass_names.get(entry["pass"], entry["pass"])
+    fields = entry.get("fields", [None])
+    compared = 0
+    for field in fields:
+        name = field and field["name"]
+        resource, new_name = pipeline.fields.get((entry["resource"], name),
+                                                 (pipeline.names.get(entry["resource"], entry["resource"]), name))
+        where = f"{entry['pass']}: {entry['resource']}{'.' + name if name else ''}"
+        other = rewritten.entries.get((pass_name, resource, mip))
+        if other is None:
+            raise Failure(f"{where}: the rewritten pipeline has no {pass_name}: {resource} mip {mip}")
+        fitting = element_count(other) == element_count(entry) or (
+            pipeline.longer and element_count(other) > element_count(entry))
+        same_size = all(other.get(key) == entry.get(key) for key in ("kind", "width", "height"))
+        if not fitting or not same_size:
+            raise Failure(f"{where}: another size: {entry} became {other}")
+        data = rewritten.data(other)
+        if pipeline.wider and field is None:
+            other, data = narrow(other, data, entry["stride"])
+        new_field = field and next((item for item in other["fields"] if item["name"] == new_name), None)
+        if field and (new_field is None or new_field["type"] != field["type"]):
+            raise Failure(f"{where}: {resource} has no {new_name} of this type")
+        compared += compare_field(where, (entry, original.data(entry), field), (other, data, new_field))
+    return compared
+
+
+def same_files(first, second):
+    done = subprocess.run(["diff", "-r", first, second], check=False, stdout=subprocess.PIPE, encoding="utf-8")
+    if done.returncode != 0:
+        raise Failure(done.stdout)
+    return sum(len(files) for _, _, files in os.walk(first))
+
+
+def changeable(pipeline, settings=None):
+    """What the generator sees, in its order."""
+    return json.dumps([pipeline.spec, pipeline.bodies, settings or pipeline.settings])
+
+
+def try_rewrite(workshop, name, description, function):
+    """Returns what was compared, in words; raises Failure where anything differs."""
+    path, settings = PIPELINES[name]
+    plain = rewrites.Pipeline(os.path.join(ROOT, path))
+    pipeline = rewrites.apply(function, os.path.join(ROOT, path), settings)
+    if not pipeline.same_output and changeable(pipeline) == changeable(plain, settings):
+        raise Failure("the rewrite changed nothing")
+    folder = f"{name}/{'_'.join(description.replace(',', '').replace('`', '').split())}"
+    shutil.rmtree(os.path.join(workshop.folder, folder), ignore_errors=True)
+    spec = pipeline.write(os.path.join(workshop.folder, folder, "spec"))
+    if pipeline.same_output:
+        if pipeline.text == plain.text:
+            raise Failure("the rewrite changed nothing")
+        generated = workshop.generate(os.path.join(ROOT, path), f"{name}/original/generated")
+        return f"{same_files(generated, workshop.generate(spec, folder + '/generated'))} generated files"
+    original = workshop.original(name)
+    rewritten = workshop.render(folder, spec, pipeline.settings)
+    resources = compared = 0
+    for backend in BACKENDS:
+        for entry in original[backend].entries.values():
+            try:
+                compared += compare_entry(original[backend], rewritten[backend], entry, pipeline)
+            except Failure as failure:
+                raise Failure(f"{backend}: {failure}") from None
+            resources += 1
+    if not compared:
+        raise Failure("nothing was compared")
+    return f"{resources} resources, {compared} bytes"
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--all", action="store_true")
+    parser.add_argument("--only", default="")
+    parser.add_argument("build")
+    arguments = parser.parse_args()
+    workshop = Workshop(arguments.build)
+    tests = [(name, description, function, False) for description, (function, names) in rewrites.REWRITES.items()
+             for name in (names if arguments.all else names[:1])]
+    tests += [(name, description, function, True) for description, (function, name) in rewrites.CONTROLS.items()]
+    tests = [test for test in tests if arguments.only in test[1]]
+    failed = 0
+    for number, (name, description, function, must_fail) in enumerate(tests, 1):
+        try:
+            found, good = try_rewrite(workshop, name, description, function), True
+        except Failure as failure:
+            found, good = str(failure), False
+        if must_fail:
+            print(f"{'not ok' if good else 'ok'} {number} - {name}: a change of {description} is noticed")
+            print(f"# {found.splitlines()[0]}", flush=True)
+        else:
+            print(f"{'ok' if good else 'not ok'} {number} - {name}: {description}{': ' + found if good else ''}")
+            print("" if good else "".join(f"# {line}\n" for line in found.splitlines()[:30]), end="", flush=True)
+        failed += good == must_fail
+    print(f"1..{len(tests)}")
+    sys.exit(1 if failed or not tests else 0)
+
+
+main()

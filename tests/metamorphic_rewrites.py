@@ -1,0 +1,790 @@
+"""Rewrites of a pipeline that must not change a bit of what it computes. Each takes a Pipeline, a spec and its GLSL
+bodies as text, changes it in place and notes where the content of the original's resources is found afterwards.
+Above each stands why nothing may change. metamorphic.py applies them and compares."""
+import copy
+import json
+import os
+import re
+
+import yaml
+
+SECTIONS = ("params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves")
+
+# The words that a declared name brings into bodies.
+SUFFIXES = ("_sample_lod", "_class_size", "_count", "_size", "_store", "_sample", "_compare", "_tile", "_classes",
+            "_class", "_split", "_gather")
+
+WORD = r"[A-Za-z_]\w*"
+INDEX = r"(?:[^][]|\[[^]]*\])*"   # of an element, with brackets in it
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*\n', re.M)
+
+
+class Pipeline:
+    """A spec as a tree, its bodies by path, and where a rewrite has put what the original has."""
+
+    def __init__(self, path):
+        self.file = os.path.basename(path)
+        with open(path, encoding="utf-8") as file:
+            self.text = file.read()
+        self.spec = yaml.safe_load(self.text)
+        self.bodies = {}
+        for entry in self.passes():
+            self.load(os.path.dirname(path), entry["shader"])
+        self.settings = {}   # --set of parameters
+        self.pass_names = {}   # of the original -> here; names that are the same are left out
+        self.names = {}        # the same, of resources
+        self.fields = {}       # (resource, field) of the original -> (resource, field) here
+        self.longer = False    # buffers may have more elements than the original's, behind them
+        self.wider = False     # texels may have more channels
+        self.same_output = False   # the generator must write the very same files
+
+    def load(self, folder, path):
+        if path in self.bodies:
+            return
+        with open(os.path.join(folder, path), encoding="utf-8") as file:
+            self.bodies[path] = file.read()
+        for included in INCLUDE.findall(self.bodies[path]):
+            self.load(folder, beside(path, included))
+
+    def passes(self):
+        return self.spec["passes"]
+
+    def section(self, name):
+        return self.spec.get(name, {})
+
+    def resources(self):
+        return {**self.section("buffers"), **self.section("images")}
+
+    def write(self, folder):
+        """Returns the spec's path."""
+        for path, text in {self.file: self.text, **self.bodies}.items():
+            os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
+            with open(os.path.join(folder, path), "w", encoding="utf-8", newline="") as file:
+                file.write(text)
+        return os.path.join(folder, self.file)
+
+
+def beside(path, included):
+    return os.path.normpath(os.path.join(os.path.dirname(path), included))
+
+
+# ---- Reading and editing specs and GLSL ----
+
+def names_of(access):
+    return [entry if isinstance(entry, str) else entry["name"] for entry in access or []]
+
+
+def reads(entry):
+    """What the pass reads, also as arguments of an indirect draw or dispatch and as indices."""
+    return names_of(entry.get("reads")) + [entry[key] for key in ("indirect", "indices") if key in entry]
+
+
+def changes(entry):
+    return names_of(entry.get("writes")) + names_of(entry.get("updates"))
+
+
+def uses_resource(entry, name):
+    return name in reads(entry) + changes(entry)
+
+
+def runs(entry):
+    """False for the passes that the values in force drop."""
+    return "split == 1" not in str(entry.get("when"))
+
+
+def replace_access(entry, old, new):
+    """Puts the name `new` wherever the pass accesses `old`."""
+    for key in ("reads", "writes", "updates"):
+        if key in entry:
+            entry[key] = [new if access == old else
+                          {**access, "name": new} if isinstance(access, dict) and access["name"] == old else access
+                          for access in entry[key]]
+    for part in entry.get("ranges", {}).values():
+        part["of"] = new if part["of"] == old else part["of"]
+
+
+def as_list(value):
+    return value if isinstance(value, list) else [value]
+
+
+def replace_words(text, words):
+    """Whole words that are not a member of something (`frame.width`); a word that is declared, or made from it by a
+    suffix, as `vpls_count`."""
+    def replace(found):
+        word = found.group()
+        if word in words:
+            return words[word]
+        for suffix in SUFFIXES:
+            if word.endswith(suffix) and word[:-len(suffix)] in words:
+                return words[word[:-len(suffix)]] + suffix
+        return word
+    return re.sub(rf"(?<![\w.]){WORD}", replace, text)
+
+
+def expression(text):
+    """A spec's integer expression as GLSL."""
+    text = replace_words(str(text), {"frame": "frame"})
+    text = re.sub(r"\bframe\.(width|height)\b", r"int(frame.\1)", text)
+    return calls(text, "ceil_div", lambda a, b: f"((({a}) + ({b}) - 1) / ({b}))")
+
+
+def calls(text, name, replace):
+    """Rewrites every call of a function from its arguments, inner ones first."""
+    at = 0
+    while True:
+        found = re.compile(rf"(?<![\w.]){name}\s*\(").search(text, at)
+        if not found:
+            return text
+        arguments, depth, begin, end = [], 1, found.end(), found.end()
+        while depth:
+            depth += {"(": 1, "[": 1, ")": -1, "]": -1}.get(text[end], 0)
+            if depth == 0 or (depth == 1 and text[end] == ","):
+                arguments.append(calls(text[begin:end].strip(), name, replace))
+                begin = end + 1
+            end += 1
+        new = replace(*arguments)
+        text = text[:found.start()] + new + text[end:]
+        at = found.start() + len(new)
+
+
+def paste_includes(pipeline, path):
+    return INCLUDE.sub(lambda found: paste_includes(pipeline, beside(path, found.group(1))) + "\n",
+                       pipeline.bodies[path])
+
+
+def body_per_pass(pipeline):
+    """Gives every pass a body of its own, with its includes pasted in, so that it can be edited alone."""
+    bodies = {}
+    for entry in pipeline.passes():
+        path = f"of_{entry['name']}.glsl"
+        bodies[path] = paste_includes(pipeline, entry["shader"])
+        entry["shader"] = path
+    pipeline.bodies = bodies
+
+
+def edit_bodies(pipeline, edit):
+    pipeline.bodies = {path: edit(text) for path, text in pipeline.bodies.items()}
+
+
+def argument_structs(pipeline):
+    """Structs whose layout the graphics API dictates: arguments of indirect draws and dispatches."""
+    return {pipeline.spec["buffers"][entry["indirect"]]["of"] for entry in pipeline.passes() if "indirect" in entry}
+
+
+def ranged_buffers(pipeline):
+    return {part["of"] for entry in pipeline.passes() for part in entry.get("ranges", {}).values()}
+
+
+def image_of_targets(pipeline):
+    return {name for entry in pipeline.passes() if "draw" in entry for name in changes(entry)}
+
+
+def is_filtered(pipeline, name):
+    return any(isinstance(access, dict) and access["name"] == name and "sampler" in access
+               for entry in pipeline.passes() for access in entry.get("reads", []))
+
+
+def only_called(pipeline, name):
+    """The bodies mention the image by calls alone, never by `#define SOURCE name`."""
+    return not any(re.search(rf"(?<![\w.]){name}\b(?!\s*\()", text) for text in pipeline.bodies.values())
+
+
+# ---- The rewrites ----
+
+REWRITES = {}
+
+
+def rewrite(description, *specs):
+    """Registers a rewrite for the specs that it has something to do in; the first of them stands for all in a short
+    run."""
+    def register(function):
+        REWRITES[description] = (function, specs)
+        return function
+    return register
+
+
+# The spec gives the values that the original gets from the command line. All other rewrites do that as well.
+@rewrite("values set in the spec", "ssvp", "rsm")
+def values_in_spec(pipeline):
+    for name, value in pipeline.settings.items():
+        pipeline.spec["params"][name]["value"] = value
+    pipeline.settings = {}
+
+
+# Names carry no meaning: not their length, not their order in the alphabet, not what they resemble.
+@rewrite("everything renamed", "ssvp", "rsm", "features")
+def rename_everything(pipeline):
+    declared = [name for section in SECTIONS for name in pipeline.section(section)]
+    declared += [name for entry in pipeline.passes() for name in entry.get("ranges", {})]
+    words = {name: f"{chr(ord('z') - i % 26)}{i}" for i, name in enumerate(sorted(declared))}
+    fields = sorted({field for fields in pipeline.section("structs").values() for field in fields})
+    members = {field: f"q{len(fields) - i}" for i, field in enumerate(fields) if not re.fullmatch("[xyzw]+", field)}
+    passes = {entry["name"]: f"pass_{chr(ord('z') - i)}" for i, entry in enumerate(pipeline.passes())}
+
+    def rename(node, key=None):
+        if isinstance(node, dict):
+            return {name: rename(value, name) for name, value in node.items()}
+        if isinstance(node, list):
+            return [rename(value, key) for value in node]
+        return replace_words(node, words) if isinstance(node, str) and key not in ("doc", "shader") else node
+
+    def rename_body(text):
+        own = r"(?:frame|view|m)(?:\.\w+)*"   # structs that the generator declares
+        text = re.sub(rf"(?<![\w.])({own})|\.({WORD})",
+                      lambda found: found.group(1) or "." + members.get(found.group(2), found.group(2)), text)
+        return replace_words(text, words)
+
+    spec = rename(pipeline.spec)
+    for section in SECTIONS + ("contracts",):
+        spec[section] = {words.get(name, name): value for name, value in spec.get(section, {}).items()}
+    spec["structs"] = {name: {members.get(field, field): kind for field, kind in fields.items()}
+                       for name, fields in spec["structs"].items()}
+    for metric in spec["metrics"].values():
+        metric.update(position_field=members.get("position", "position"),
+                      normal_field=members.get("normal", "normal"))
+    for entry, original in zip(spec["passes"], pipeline.passes()):
+        entry["name"] = passes[original["name"]]
+        if "draw" in entry:
+            entry["draw"] = original["draw"]
+        if "ranges" in entry:
+            entry["ranges"] = {words[name]: value for name, value in entry["ranges"].items()}
+    spec["pipeline"] = "other"
+    edit_bodies(pipeline, lambda text: "".join(
+        line if INCLUDE.match(line) else rename_body(line) for line in text.splitlines(keepends=True)))
+    for buffer, declaration in pipeline.section("buffers").items():
+        for field in pipeline.section("structs").get(declaration["of"], {}):
+            pipeline.fields[buffer, field] = (words[buffer], members.get(field, field))
+    pipeline.names, pipeline.pass_names, pipeline.spec = words, passes, spec
+
+
+# Passes that share no resource that one of them changes may run in any order.
+@rewrite("independent passes in another order", "ssvp", "rsm", "features")
+def reorder_passes(pipeline):
+    left, order = pipeline.passes(), []
+
+    def depends(later, earlier):
+        return (set(changes(earlier)) & set(reads(later) + changes(later)) or
+                set(changes(later)) & set(reads(earlier)) or earlier["name"] in later.get("after", []))
+
+    while left:
+        ready = [entry for i, entry in enumerate(left) if not any(depends(entry, other) for other in left[:i])]
+        order.append(ready[-1])
+        left = [entry for entry in left if entry is not ready[-1]]
+    pipeline.spec["passes"] = order
+
+
+# What passes read and write says in which order they run, wherever they stand in the list. Content that is kept from
+# frame to frame is what a pass reads that is listed before the one that changes it, so there `after` keeps the order.
+@rewrite("passes listed backwards", "features", "ssvp", "rsm")
+def passes_backwards(pipeline):
+    for i, entry in enumerate(pipeline.passes()):
+        kept = [name for name in reads(entry) if pipeline.resources().get(name, {}).get("history")]
+        after = [earlier["name"] for earlier in pipeline.passes()[:i] if set(kept) & set(changes(earlier))]
+        if after:
+            entry["after"] = entry.get("after", []) + after
+    pipeline.passes().reverse()
+
+
+# Declarations are a set, and so is what a pass reads, writes or uses: bindings and offsets follow their order, content
+# does not.
+@rewrite("declarations and lists backwards", "ssvp", "rsm", "features")
+def declarations_backwards(pipeline):
+    for section in SECTIONS:
+        if section in pipeline.spec:
+            pipeline.spec[section] = dict(reversed(pipeline.spec[section].items()))
+    for i, entry in enumerate(pipeline.passes()):
+        for key in ("reads", "writes", "updates", "uses"):
+            if key in entry:
+                entry[key] = entry[key][::-1]
+        pipeline.passes()[i] = dict(reversed(entry.items()))
+    pipeline.spec = dict(reversed(pipeline.spec.items()))
+
+
+def first_number(pipeline, name):
+    """GLSL: some float from a resource."""
+    if name in pipeline.section("images"):
+        image = pipeline.spec["images"][name]
+        texel = f"{name}({'ivec3' if 'layers' in image else 'ivec2'}(0))"
+        return texel if image["format"] == "d32f" else f"float({texel}.x)"
+    kind, path = pipeline.spec["buffers"][name]["of"], f"{name}[0]"
+    if kind in pipeline.section("structs"):
+        field, kind = next(iter(pipeline.spec["structs"][kind].items()))
+        path += "." + field
+    return f"float({path}{'.x' if 'vec' in kind else ''})"
+
+
+# What nobody reads changes nothing, though it takes part in lifetimes, memory and barriers: the dead passes read all
+# that is there before them.
+@rewrite("dead passes and resources", "ssvp", "rsm", "features")
+def dead_passes(pipeline):
+    spec, passes, alive = pipeline.spec, [], []
+    spec["params"]["dead_weight"] = {"value": 0.5, "live": True}
+    spec.setdefault("constants", {})["dead_count"] = "5 * 3"
+    spec.setdefault("structs", {})["Dead"] = {"weights": "float[3]", "turn": "mat4", "last": "uint"}
+    spec["buffers"]["dead_unused"] = {"of": "Dead", "count": "dead_count"}
+    spec["samplers"]["dead_filter"] = {"kind": "filter", "filter": "linear"}
+    for i, entry in enumerate(pipeline.passes()):
+        passes.append(entry)
+        if runs(entry):
+            alive += [name for name in changes(entry) if name not in alive]
+        seen = alive[-5:]
+        draws = i % 3 == 1
+        name, image, body = f"dead_{i}", f"dead_image_{i}", f"dead_{i}.glsl"
+        spec["images"][image] = {"format": "rgba16f", "size": ["5", "3"]}
+        passes.append({"name": name, "reads": seen, "writes": [image], "shader": body,
+                       **({"draw": "fullscreen"} if draws else {"dispatch": image})})
+        value = "vec4(" + " + ".join(["dead_weight"] + [first_number(pipeline, other) for other in seen]) + ")"
+        store = f"{image} = {value};" if draws else f"{image}_store(invocation().xy, {value});"
+        inside = "" if draws else f"    if (any(greaterThanEqual(invocation().xy, {image}_size())))\n        return;\n"
+        pipeline.bodies[body] = f"void main()\n{{\n{inside}    {store}\n}}\n"
+    spec["passes"] = passes
+
+
+# An element's fields lie side by side or in two buffers: the same numbers.
+@rewrite("two buffers merged into one of structs", "ssvp", "features")
+def merge_buffers(pipeline):
+    buffers = pipeline.spec["buffers"]
+    keep, join = ("vpls", "labels") if "vpls" in buffers else ("histogram", "marks")
+    first, second = buffers.pop(keep), buffers.pop(join)
+    structure = pipeline.spec["structs"][first["of"]]
+    pipeline.spec["structs"]["Merged"] = {"joined": second["of"], **structure}
+    buffers["merged"] = {"of": "Merged", "count": first["count"]}
+    for entry in pipeline.passes():
+        names = set(reads(entry) + changes(entry)) & {keep, join}
+        mode = "writes" if keep in changes(entry) else "updates" if join in changes(entry) else "reads"
+        for key in ("reads", "writes", "updates"):
+            entry[key] = [access for access in entry.get(key, []) if access not in names]
+        entry[mode] += ["merged"] if names else []
+    edit_bodies(pipeline, lambda text: re.sub(rf"(?<![\w.]){join}\[({INDEX})\]", r"merged[\1].joined",
+                                              replace_words(text, {keep: "merged"})))
+    pipeline.fields.update({(keep, field): ("merged", field) for field in structure})
+    pipeline.fields[join, ""] = ("merged", "joined")
+    pipeline.names = {keep: "merged", join: "merged"}
+
+
+def split_buffer(pipeline, buffer):
+    declaration = pipeline.spec["buffers"].pop(buffer)
+    fields = pipeline.spec["structs"][declaration["of"]]
+    for field, kind in fields.items():
+        pipeline.spec["buffers"][f"{buffer}_{field}"] = {**declaration, "of": kind}
+        pipeline.fields[buffer, field] = (f"{buffer}_{field}", "")
+    for entry in pipeline.passes():
+        for key in ("reads", "writes", "updates"):
+            if buffer in entry.get(key, []):
+                entry[key].remove(buffer)
+                entry[key] += [f"{buffer}_{field}" for field in fields]
+    edit_bodies(pipeline, lambda text: re.sub(rf"(?<![\w.]){buffer}\[({INDEX})\]\.({WORD})", rf"{buffer}_\2[\1]",
+                                              text))
+
+
+# The same, the other way: every field in a buffer of its own.
+@rewrite("buffers of structs split", "ssvp", "rsm", "features")
+def split_buffers(pipeline):
+    if "taps" in pipeline.spec["buffers"]:
+        ranges_as_loops(pipeline)   # a range runs over whole elements
+        edit_bodies(pipeline, lambda text: text.replace("Tap tap = taps[(0) + element];", "").replace(
+            "tap.", "taps[element]."))
+    for buffer in ("centres", "cluster_views", "second_vpl", "taps", "histogram"):
+        if buffer in pipeline.spec["buffers"]:
+            split_buffer(pipeline, buffer)
+
+
+def restructure(pipeline, change):
+    structs, dictated = pipeline.section("structs"), argument_structs(pipeline)
+    pipeline.spec["structs"] = {name: fields if name in dictated else change(fields) for name, fields in structs.items()}
+
+
+# Fields that no body mentions only move the others.
+@rewrite("structs padded with unused fields", "ssvp", "rsm", "features")
+def pad_structs(pipeline):
+    kinds = ["float", "vec3", "float[3]", "mat4", "uint", "ivec2"]
+
+    def pad(fields):
+        padded = {"unused": "vec2"}
+        for i, (name, kind) in enumerate(fields.items()):
+            padded.update({name: kind, f"unused_{i}": kinds[i % len(kinds)]})
+        return padded
+    restructure(pipeline, pad)
+
+
+# Bodies name fields and never count on their places.
+@rewrite("fields of structs backwards", "features", "ssvp", "rsm")
+def fields_backwards(pipeline):
+    restructure(pipeline, lambda fields: dict(reversed(fields.items())))
+
+
+# A constant is its expression.
+@rewrite("constants inlined", "ssvp", "rsm", "features")
+def inline_constants(pipeline):
+    constants = {name: f"({value['value'] if isinstance(value, dict) else value})"
+                 for name, value in pipeline.spec.pop("constants").items()}
+
+    def inline(text):
+        while (inlined := re.sub(rf"(?<![\w.]){WORD}", lambda word: constants.get(word.group(), word.group()),
+                                 text)) != text:
+            text = inlined
+        return text
+
+    def walk(node, key=None):
+        if isinstance(node, dict):
+            return {name: walk(value, name) for name, value in node.items()}
+        if isinstance(node, list):
+            return [walk(value, key) for value in node]
+        if not isinstance(node, str) or key in ("doc", "shader", "message"):
+            return node
+        return expression(inline(node)) if key == "first" else inline(node)   # a range's first element is GLSL
+
+    pipeline.spec = {key: walk(value, key) for key, value in pipeline.spec.items()}
+    edit_bodies(pipeline, lambda text: re.sub(
+        rf"(?<![\w.]){WORD}",
+        lambda word: expression(inline(word.group())) if word.group() in constants else word.group(), text))
+
+
+# Integer expressions are exact: x, x + 0, min(x, x), 3 * x / 3, c ? x : x are one number; a condition and its double
+# negation one truth.
+@rewrite("expressions replaced by equal ones", "ssvp", "rsm", "features")
+def equal_expressions(pipeline):
+    forms = ["({0}) + 0", "min({0}, {0})", "3 * ({0}) / 3", "1 < 2 ? ({0}) : ({0}) + 1", "-(0 - ({0}))",
+             "ceil_div(2 * ({0}), 2)"]
+    used = 0
+
+    def equal(value):
+        nonlocal used
+        used += 1
+        return forms[used % len(forms)].format(value)
+
+    spec = pipeline.spec
+    for section, keys in (("buffers", ["count"]), ("images", ["layers"]), ("samplers", ["count"]),
+                          ("interleaves", ["x", "y"])):
+        for declaration in pipeline.section(section).values():
+            for key in set(keys) & set(declaration):
+                declaration[key] = equal(declaration[key])
+    for image in pipeline.section("images").values():
+        size = ["frame.width", "frame.height"] if image["size"] == "frame" else image["size"]
+        image["size"] = [equal(value) for value in size]
+    for entry in pipeline.passes():
+        for key in ("dispatch", "groups", "local"):
+            if key in entry and str(entry[key]) not in spec["images"]:
+                entry[key] = [equal(value) for value in as_list(entry[key])]
+        if "when" in entry:
+            entry["when"] = f"!!({entry['when']})"
+        for part in entry.get("ranges", {}).values():
+            part["count"] = equal(part["count"])
+    for name, value in pipeline.section("constants").items():
+        spec["constants"][name] = equal(value["value"] if isinstance(value, dict) else value)
+
+
+# A value is the same number, known at build time or handed over with the frame. But for denoise_normal: bodies subtract
+# it from 1.0, and glslang computes with constants in double precision, for both backends alike.
+@rewrite("live parameters baked", "ssvp", "rsm", "features")
+def bake_live(pipeline):
+    for name, param in pipeline.spec["params"].items():
+        if isinstance(param, dict) and name != "denoise_normal":
+            param.pop("live", None)
+
+
+# The same, the other way, for those that decide no count and no size.
+@rewrite("baked parameter made live", "ssvp")
+def make_live(pipeline):
+    pipeline.spec["params"]["kmeans_iterations"]["live"] = True
+
+
+def place_ranges(pipeline, storage, loop):
+    for entry in pipeline.passes():
+        for part in entry.get("ranges", {}).values():
+            part.update(storage=storage, loop=loop)
+
+
+# Where a range's elements live, and how its loop is written, is a question of time.
+@rewrite("ranges rolled over a uniform block", "ssvp", "rsm", "features")
+def ranges_uniform(pipeline):
+    place_ranges(pipeline, "uniform", "roll")
+
+
+@rewrite("ranges unrolled over a storage buffer", "rsm", "ssvp", "features")
+def ranges_buffer(pipeline):
+    place_ranges(pipeline, "buffer", "unroll")
+
+
+@rewrite("ranges rolled over shared memory", "features", "ssvp", "rsm")
+def ranges_shared(pipeline):
+    place_ranges(pipeline, "shared", "roll")
+
+
+@rewrite("planned for a GPU", "rsm", "ssvp", "features")
+def plan_for_gpu(pipeline):
+    pipeline.spec["target"] = "gpu"
+
+
+# A range is the run of elements that a plain loop visits.
+@rewrite("ranges written as plain loops", "features", "ssvp", "rsm")
+def ranges_as_loops(pipeline):
+    body_per_pass(pipeline)
+    for entry in pipeline.passes():
+        for name, part in entry.pop("ranges", {}).items():
+            head = (rf"for (int element = 0; element < {expression(part['count'])}; ++element) {{ "
+                    rf"\1 \2 = {part['of']}[({part.get('first', 0)}) + element];")
+            text = pipeline.bodies[entry["shader"]]
+            pipeline.bodies[entry["shader"]] = re.sub(rf"for \(({WORD}) ({WORD}) : {name}\) {{", head, text)
+
+
+# Every invocation does its own part, however they are grouped. Only passes that ask for invocations, and whose bodies
+# turn away or clamp those beyond the last one.
+@rewrite("other workgroups", "ssvp", "rsm", "features")
+def other_workgroups(pipeline):
+    for i, entry in enumerate(pipeline.passes()):
+        if not {"dispatch", "interleave"} & set(entry) or entry["name"] == "remember":
+            continue
+        flat = "interleave" in entry or entry["dispatch"] in pipeline.spec["images"]
+        entry["local"] = [[16, 4], [4, 2], [1, 8]][i % 3] if flat else [96, 7, 1][i % 3]
+
+
+# A dispatch by invocations is one by as many groups as hold them.
+@rewrite("dispatches written as groups", "features", "ssvp", "rsm")
+def dispatch_groups(pipeline):
+    for entry in pipeline.passes():
+        if "dispatch" not in entry:
+            continue
+        size = entry.pop("dispatch")
+        image = pipeline.spec["images"].get(size)
+        size = as_list(size) if not image else (
+            ["frame.width", "frame.height"] if image["size"] == "frame" else image["size"])
+        local = as_list(entry.get("local", [8, 8] if len(size) > 1 else 64))
+        entry["local"] = local
+        entry["groups"] = [f"ceil_div({n}, {local[i] if i < len(local) else 1})" for i, n in enumerate(size)]
+
+
+# An array of one layer holds what an image holds.
+@rewrite("images made arrays of one layer", "ssvp", "rsm", "features")
+def make_layered(pipeline):
+    output = pipeline.spec["output"].values()
+    chosen = [name for name, image in pipeline.spec["images"].items()
+              if "layers" not in image and name not in output and name not in image_of_targets(pipeline)
+              and not is_filtered(pipeline, name) and only_called(pipeline, name)]
+    for name in chosen:
+        pipeline.spec["images"][name]["layers"] = 1
+
+        def add_layer(text, name=name):
+            text = calls(text, name, lambda p: f"{name}(ivec3({p}, 0))")
+            return calls(text, f"{name}_store", lambda p, *value: f"{name}_store(ivec3({p}, 0), {', '.join(value)})")
+        edit_bodies(pipeline, add_layer)
+
+
+# What lies behind the last element that anybody asks for is nobody's business.
+@rewrite("buffers longer than needed", "ssvp", "rsm", "features")
+def longer(pipeline):
+    for name, buffer in pipeline.spec["buffers"].items():
+        if not any(f"{name}_count" in text for text in pipeline.bodies.values()):
+            buffer["count"] = f"({buffer['count']}) + 5"
+    pipeline.longer = True
+
+
+# Whoever writes a resource anew in every frame does not see what it held in the last one.
+@rewrite("history that nobody looks at", "ssvp", "rsm", "features")
+def more_history(pipeline):
+    for resource in list(pipeline.spec["buffers"].values()) + list(pipeline.spec["images"].values()):
+        resource["history"] = True
+
+
+# By texel, and as a target, the largest mip is meant; the others exist.
+@rewrite("mips that nobody looks at", "ssvp", "rsm", "features")
+def more_mips(pipeline):
+    for name, image in pipeline.spec["images"].items():
+        if image["size"] != "frame" and "frame" not in str(image["size"]) and not is_filtered(pipeline, name):
+            image["mips"] = 3
+    if "half_width" in pipeline.spec.get("constants", {}):
+        pipeline.spec["images"]["pattern_mips"] = {"format": "r8", "size": [8, 8], "mips": 2}
+
+
+# A channel that nobody asks for changes nothing in the others, which keep their type.
+@rewrite("formats with more channels", "ssvp", "features")
+def wider_formats(pipeline):
+    wide = {"r32f": "rgba32f", "r32ui": "rg32ui"}
+    for image in pipeline.spec["images"].values():
+        image["format"] = wide.get(image["format"], image["format"])
+    pipeline.wider = True
+
+
+# Interleaved shading in place, or on sub-images that are gathered afterwards: a pixel sees the same VPLs.
+@rewrite("shaded on split images and gathered", "ssvp")
+def split_and_gather(pipeline):
+    pipeline.spec["params"]["split"]["value"] = 1
+    pipeline.pass_names["shade"] = "gather"
+
+
+# A copy is what it was copied from: everything that one pass alone makes goes through one.
+@rewrite("copies handed on in place of the originals", "ssvp", "rsm", "features")
+def copies(pipeline):
+    body_per_pass(pipeline)
+    output, passes = pipeline.spec["output"].values(), []
+    renamed = {}
+    for entry in pipeline.passes():
+        words = {name: renamed[name] for name in names_of(entry.get("reads")) if name in renamed}
+        for old, new in words.items():
+            replace_access(entry, old, new)
+        pipeline.bodies[entry["shader"]] = replace_words(pipeline.bodies[entry["shader"]], words)
+        passes.append(entry)
+        for name in names_of(entry.get("writes")) if runs(entry) else []:
+            makers = [other for other in pipeline.passes() if name in changes(other)]
+            image = pipeline.spec["images"].get(name, {})
+            if len(makers) > 1 or name in output or image.get("format") == "d32f" or any(
+                    name in (other.get("indirect"), other.get("indices")) for other in pipeline.passes()):
+                continue
+            renamed[name] = f"{name}_copy"
+            passes.append(copy_pass(pipeline, name))
+    pipeline.spec["passes"] = passes
+
+
+def copy_pass(pipeline, name):
+    image = pipeline.spec["images"].get(name)
+    body = f"copy_{name}.glsl"
+    if image:
+        pipeline.spec["images"][f"{name}_copy"] = dict(image)
+        position = "invocation()" if "layers" in image else "invocation().xy"
+        guard = f"any(greaterThanEqual(invocation().xy, {name}_size()))"
+        work = f"{name}_copy_store({position}, {name}({position}));"
+        size = ["frame.width", "frame.height"] if image["size"] == "frame" else list(image["size"])
+        size += [image["layers"]] if "layers" in image else []
+    else:
+        buffer = pipeline.spec["buffers"][name]
+        pipeline.spec["buffers"][f"{name}_copy"] = dict(buffer)
+        guard = f"invocation().x >= {name}_count"
+        work = f"{name}_copy[invocation().x] = {name}[invocation().x];"
+        size = buffer["count"]
+    pipeline.bodies[body] = f"void main()\n{{\n    if ({guard})\n        return;\n    {work}\n}}\n"
+    return {"name": f"copy_{name}", "dispatch": size, "reads": [name], "writes": [f"{name}_copy"], "shader": body}
+
+
+# Passes already run after those that are listed before them.
+@rewrite("order said by `after` too", "features", "ssvp", "rsm")
+def redundant_after(pipeline):
+    for i, entry in enumerate(pipeline.passes()):
+        entry["after"] = [earlier["name"] for earlier in pipeline.passes()[:i]]
+
+
+# A condition that always holds.
+@rewrite("every pass under a condition that holds", "ssvp", "rsm", "features")
+def redundant_when(pipeline):
+    pipeline.spec["params"]["always"] = {"value": 3, "live": True}
+    for entry in pipeline.passes():
+        entry["when"] = f"always == 3 && ({entry.get('when', 'true')})"
+
+
+# The metric by its formula in the reference: position * |pa - pb| / scale + normal * (1 - max(na.nb, 0)).
+@rewrite("metrics written out in the bodies", "ssvp", "features")
+def metrics_by_hand(pipeline):
+    body_per_pass(pipeline)
+    for name, metric in pipeline.spec.pop("metrics").items():
+        scale = metric.get("scale", "scene_radius")
+        formula = (f"float {name}(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{{\n"
+                   f"    return {float(metric['position'])} * (length(pa - pb) / "
+                   f"{'frame.scene_radius' if scale == 'scene_radius' else float(scale)}) + "
+                   f"{float(metric['normal'])} * (1.0 - max(dot(na, nb), 0.0));\n}}\n")
+        for entry in pipeline.passes():
+            if name in entry.get("uses", []):
+                entry["uses"].remove(name)
+                pipeline.bodies[entry["shader"]] = formula + pipeline.bodies[entry["shader"]]
+
+
+# ---- Rewrites of the text alone ----
+
+# A body is found by its path, whatever the path.
+@rewrite("bodies moved to other folders", "rsm", "ssvp", "features")
+def move_bodies(pipeline):
+    pipeline.bodies = {os.path.join("far away/from here", path): text for path, text in pipeline.bodies.items()}
+    for entry in pipeline.passes():
+        entry["shader"] = os.path.join("far away/from here", entry["shader"])
+
+
+# An include stands for its text.
+@rewrite("includes pasted in", "ssvp", "rsm")
+def includes_pasted(pipeline):
+    body_per_pass(pipeline)
+
+
+# Comments and white space are nothing, also where they look like code.
+@rewrite("bodies full of comments, with other line ends", "ssvp", "rsm", "features")
+def comments_in_bodies(pipeline):
+    nothing = '/* } for (Vpl v : nothing) { vpls[0]; "*/'
+
+    def disturb(text):
+        text = re.sub(r"/\*.*?\*/", lambda comment: "\n" * comment.group().count("\n") + " ", text, flags=re.S)
+        lines = [line if line.lstrip().startswith("#") else
+                 re.sub(r" (?=\S)|\b(?=[(\[])|(?<=\.)(?=[a-z])", f" {nothing}\t", line.split("//")[0]) + " // \\ labels[0] = 1; } #endif"
+                 for line in text.splitlines()]
+        return "\r\n".join(lines) + "\r\n"
+    edit_bodies(pipeline, lambda text: disturb(text))
+
+
+# YAML is a notation. Two specs that read as the same tree give the very same files.
+@rewrite("spec written as JSON", "ssvp", "rsm", "features")
+def as_json(pipeline):
+    pipeline.text = json.dumps(pipeline.spec, indent=3)
+    pipeline.same_output = True
+
+
+class Anchors(yaml.SafeDumper):
+    """Block style with strings in quotes, and an anchor for whatever occurs twice."""
+
+    def represent_quoted(self, text):
+        return self.represent_scalar("tag:yaml.org,2002:str", text, style='"')
+
+
+Anchors.add_representer(str, Anchors.represent_quoted)
+
+
+@rewrite("spec written with anchors, quotes, comments and other key order", "features", "ssvp", "rsm")
+def other_yaml(pipeline):
+    known = {}
+
+    def share(node):
+        if isinstance(node, dict):
+            node = {key: share(value) for key, value in node.items()}
+        elif isinstance(node, list):
+            node = [share(value) for value in node]
+        else:
+            return node
+        return known.setdefault(repr(node), node)
+
+    spec = dict(reversed(pipeline.spec.items()))   # the sections, whose order means nothing
+    spec["passes"] = [dict(reversed(entry.items())) for entry in spec["passes"]]
+    text = yaml.dump(share(spec), Dumper=Anchors, sort_keys=False, width=60, indent=3)
+    lines = [line + ("   # : { [" if re.search(r"[\w\]]$", line) else "") for line in text.splitlines()]
+    pipeline.text = "%YAML 1.2\n---\n# {\n" + "\n\n".join(lines) + "\n...\n"
+    pipeline.same_output = True
+
+
+# ---- Controls: what must be noticed ----
+
+def other_metric(pipeline):
+    pipeline.spec["metrics"]["vpl_distance"]["normal"] = 4.0
+
+
+def last_bit(pipeline):
+    body_per_pass(pipeline)
+    pipeline.bodies["of_mark.glsl"] = pipeline.bodies["of_mark.glsl"].replace(
+        "+ uint(i);", "+ (i == 5 ? uint(i) ^ 1u : uint(i));")
+
+
+def no_change(pipeline):
+    pipeline.spec = copy.deepcopy(pipeline.spec)
+
+
+CONTROLS = {
+    "a metric's weight": (other_metric, "ssvp"),
+    "the last bit of one element": (last_bit, "features"),
+    "nothing": (no_change, "rsm"),
+}
+
+
+def apply(function, path, settings):
+    """A pipeline from the file, rewritten. The text is written anew from the tree unless the rewrite wrote it."""
+    pipeline = Pipeline(path)
+    original = pipeline.text
+    pipeline.settings = dict(settings)
+    if function not in (as_json, other_yaml, no_change):
+        values_in_spec(pipeline)
+    function(pipeline)
+    if pipeline.text == original:
+        pipeline.text = yaml.dump(pipeline.spec, Dumper=yaml.SafeDumper, sort_keys=False, width=110)
+    return pipeline
