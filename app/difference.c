@@ -176,9 +176,10 @@ static void add_elements(struct difference *difference, struct frame *frame)
     const uint8_t *const data[2] = {frame->copies[0].data, frame->copies[1].data};
     size_t stride = numbers->stride, size = difference->elements * stride;
     enum number_kind kind = numbers->components[0].kind;
+    bool equal = memcmp(data[0], data[1], size) == 0;
     bool finite = numbers->packed && !any_not_finite(kind, data[0], size) &&
-                  !any_not_finite(kind, data[1], size);
-    if (finite && memcmp(data[0], data[1], size) == 0)
+                  (equal || !any_not_finite(kind, data[1], size));
+    if (finite && equal)
         return;
     for (uint64_t i = 0; i < difference->elements; i++)
         if (!finite || memcmp(data[0] + i * stride, data[1] + i * stride, stride) != 0)
