@@ -75,6 +75,9 @@ bool is_reserved(const char *name);
 /* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */
 void check_passes(struct checker *c);
 
+/* check_contracts.c: of the right kind of resource; resolves margins. After references and sizes. */
+void check_contracts(struct checker *c);
+
 /* check_bodies.c */
 void check_bodies(struct checker *c); /* files, and names in them that the pass does not list */
 void check_unused(struct checker *c); /* warnings */

@@ -169,21 +169,31 @@ static void emit_fields(const struct c_output *c)
     }
 }
 
-static void emit_contract(struct text *out, const struct dt_contract *contract)
+static void emit_contract(const struct c_output *c, const struct dt_contract *contract)
 {
     static const char *const kinds[] = {
-        [DT_CONTRACT_EXACT] = "DT_CONTRACT_EXACT",
-        [DT_CONTRACT_ULP] = "DT_CONTRACT_ULP",
-        [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",
-        [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
+        [DT_CONTRACT_EXACT] = "DT_CONTRACT_EXACT", [DT_CONTRACT_ULP] = "DT_CONTRACT_ULP",
+        [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",     [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
+        [DT_CONTRACT_IMAGE] = "DT_CONTRACT_IMAGE", [DT_CONTRACT_FLIPS] = "DT_CONTRACT_FLIPS",
     };
 
-    text_add(out, "        .contract = {.kind = %s", kinds[contract->kind]);
+    text_add(c->out, "        .contract = {.kind = %s", kinds[contract->kind]);
     if (contract->kind != DT_CONTRACT_EXACT) {
-        text_add(out, ", .tolerance = ");
-        c_double(out, contract->tolerance);
+        text_add(c->out, ", .tolerance = ");
+        c_double(c->out, contract->tolerance);
     }
-    text_add(out, "},\n");
+    if (contract->kind == DT_CONTRACT_IMAGE) {
+        text_add(c->out, ", .outliers = ");
+        c_double(c->out, contract->outliers);
+    }
+    if (contract->kind == DT_CONTRACT_FLIPS && contract->margin_field >= 0) {
+        text_add(c->out, ", .margin_resource = ");
+        c_enumerator(c, "RESOURCE", c->pipeline->resources[contract->margin_resource].name);
+    }
+    if (contract->kind == DT_CONTRACT_FLIPS) {
+        text_add(c->out, ", .margin_field = %d", contract->margin_field);
+    }
+    text_add(c->out, "},\n");
 }
 
 static void emit_resource(const struct c_output *c, const struct resource *resource)
@@ -195,7 +205,7 @@ static void emit_resource(const struct c_output *c, const struct resource *resou
     text_add(c->out, ",\n        .kind = %s,\n        .history = %s,\n",
              resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
              resource->history ? "true" : "false");
-    emit_contract(c->out, &resource->contract);
+    emit_contract(c, &resource->contract.allowed);
     if (resource->kind == DT_BUFFER) {
         text_add(
             c->out,

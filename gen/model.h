@@ -79,12 +79,19 @@ enum access_kind {
     ACCESS_CLEAR = 1 << 9          /* cleared by the runtime because the pass was skipped */
 };
 
+struct contract {
+    struct dt_contract allowed; /* check resolves the margin */
+    struct loc loc;
+    const char *margin; /* BUFFER or BUFFER.FIELD; NULL: none */
+    struct loc margin_loc;
+};
+
 struct resource {
     const char *name, *doc;
     struct loc loc;
     enum dt_kind kind;
     bool history;
-    struct dt_contract contract;
+    struct contract contract;
     /* buffers */
     const char *of; /* struct or type name */
     struct loc of_loc;

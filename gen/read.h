@@ -58,6 +58,8 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 
 const char *node_text(struct reader *reader, struct fy_node *node);     /* NULL unless a scalar */
 bool is_identifier(const char *text);
 bool text_number(const char *text, double *value);
+bool text_amount(const char *text, double *value); /* a number, A/B or P% */
+bool is_member(const char *text);                  /* NAME or NAME.FIELD */
 
 /* read_fields.c: false when the node is no map; `loc` is the place for missing keys. */
 bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
@@ -68,6 +70,8 @@ struct loc field_loc(const struct reader *reader, const struct fields *fields, c
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
 bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback);
 double field_number(struct reader *reader, const struct fields *fields, const char *key,
+                    double fallback);
+double field_amount(struct reader *reader, const struct fields *fields, const char *key,
                     double fallback);
 int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback);
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);

@@ -81,6 +81,35 @@ bool text_number(const char *text, double *value)
     return end != text && !*end && isfinite(*value);
 }
 
+bool text_amount(const char *text, double *value)
+{
+    char parts[2][64];
+    double divisor = 100;
+    size_t length = strcspn(text, "/%");
+    const char *rest = text + length + (text[length] == '/');
+    if (!text[length])
+        return text_number(text, value);
+    snprintf(parts[0], sizeof parts[0], "%.*s", (int)length, text);
+    snprintf(parts[1], sizeof parts[1], "%s", rest + strspn(rest, " "));
+    for (size_t end = strlen(parts[0]); end && parts[0][end - 1] == ' ';)
+        parts[0][--end] = '\0';
+    bool good = text[length] == '/' ? text_number(parts[1], &divisor) && divisor > 0
+                                    : !strcmp(parts[1], "%");
+    if (!good || !text_number(parts[0], value))
+        return false;
+    *value /= divisor;
+    return true;
+}
+
+bool is_member(const char *text)
+{
+    char first[128];
+    size_t length = strcspn(text, ".");
+    snprintf(first, sizeof first, "%.*s", (int)length, text);
+    return length < sizeof first && is_identifier(first) &&
+           (!text[length] || is_identifier(text + length + 1));
+}
+
 /* ---- Overrides ------------------------------------------------------------------------------- */
 
 /* One `--set PATH=VALUE` on its way down the document. */

@@ -71,6 +71,8 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     switch (key->type) {
     case KEY_NAME:
         return scalar && is_identifier(text);
+    case KEY_MEMBER:
+        return scalar && is_member(text);
     case KEY_TEXT:
     case KEY_EXPR:
     case KEY_CHOICE:
@@ -80,6 +82,8 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
         return scalar && (!strcmp(text, "true") || !strcmp(text, "false"));
     case KEY_NUMBER:
         return scalar && text_number(text, &number);
+    case KEY_AMOUNT:
+        return scalar && text_amount(text, &number);
     case KEY_INTEGER:
         return scalar && is_natural(text);
     case KEY_EXPRS:
@@ -281,6 +285,14 @@ double field_number(struct reader *reader, const struct fields *fields, const ch
     const char *text = field_text(reader, fields, key);
     double value;
     return text && text_number(text, &value) ? value : fallback;
+}
+
+double field_amount(struct reader *reader, const struct fields *fields, const char *key,
+                    double fallback)
+{
+    const char *text = field_text(reader, fields, key);
+    double value;
+    return text && text_amount(text, &value) ? value : fallback;
 }
 
 int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback)

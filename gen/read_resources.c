@@ -272,25 +272,55 @@ void read_interleaves(struct reader *reader, const struct fields *top)
 
 /* ---- Contracts ------------------------------------------------------------------------------- */
 
-static struct dt_contract read_contract(struct reader *reader, const struct named *named)
+static double read_tolerance(struct reader *reader, const struct fields *fields, const char *key)
 {
-    static const char *const kinds[] = {"ulp", "abs", "rel"};
-    struct dt_contract contract = {.kind = DT_CONTRACT_EXACT, .margin_field = -1};
+    double tolerance = field_amount(reader, fields, key, 0);
+    if (tolerance < 0)
+        diag_error(reader->diag, field_loc(reader, fields, key), "a tolerance cannot be negative");
+    return tolerance;
+}
+
+static void read_image_contract(struct reader *reader, struct fy_node *node, struct loc loc,
+                                struct dt_contract *contract)
+{
     struct fields fields;
+    if (!fields_read(reader, node, SECTION_IMAGE_CONTRACT, loc, &fields))
+        return;
+    contract->tolerance = read_tolerance(reader, &fields, "max");
+    contract->outliers = field_amount(reader, &fields, "outliers", 0);
+    if (contract->outliers < 0 || contract->outliers > 1)
+        diag_error(reader->diag, field_loc(reader, &fields, "outliers"),
+                   "a share is 0 to 1, or 0%% to 100%%");
+}
+
+static struct contract read_contract(struct reader *reader, const struct named *named)
+{
+    static const char *const kinds[] = {"ulp", "abs", "rel", "image", "flips"};
+    struct contract contract = {.allowed = {.margin_field = -1}, .loc = named->loc};
+    struct dt_contract *allowed = &contract.allowed;
+    struct fields fields;
+    size_t found = 0;
     if (fy_node_get_type(named->value) != FYNT_MAPPING ||
         !fields_read(reader, named->value, SECTION_CONTRACT, named->loc, &fields))
         return contract;
-    for (int i = 0; i < 3; i++) {
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
         if (!field_node(&fields, kinds[i]))
             continue;
-        contract.kind = (enum dt_contract_kind)(DT_CONTRACT_ULP + i);
-        contract.tolerance = field_number(reader, &fields, kinds[i], 0);
-        if (contract.tolerance < 0)
-            diag_error(reader->diag, field_loc(reader, &fields, kinds[i]),
-                       "a tolerance cannot be negative");
+        found++;
+        contract.loc = field_loc(reader, &fields, kinds[i]);
+        allowed->kind = (enum dt_contract_kind)(DT_CONTRACT_ULP + i);
+        if (allowed->kind == DT_CONTRACT_IMAGE)
+            read_image_contract(reader, field_node(&fields, "image"), contract.loc, allowed);
+        else
+            allowed->tolerance = read_tolerance(reader, &fields, kinds[i]);
     }
-    if (fields.count != 1)
-        diag_error(reader->diag, named->loc, "a contract has exactly one of `ulp`, `abs`, `rel`");
+    contract.margin = field_text(reader, &fields, "margin");
+    contract.margin_loc = field_loc(reader, &fields, "margin");
+    if (contract.margin && !field_node(&fields, "flips"))
+        diag_error(reader->diag, contract.margin_loc, "`margin` stands beside `flips` alone");
+    if (found != 1 && fields.count == found + !!contract.margin)
+        diag_error(reader->diag, named->loc,
+                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`");
     return contract;
 }
 
@@ -324,7 +354,13 @@ void read_contracts(struct reader *reader, const struct fields *top)
     for (uint32_t i = 0; i < list.count; i++) {
         if (strcmp(list.items[i].name, "default"))
             continue;
-        struct dt_contract contract = read_contract(reader, &list.items[i]);
+        struct contract contract = read_contract(reader, &list.items[i]);
+        if (contract.allowed.kind >= DT_CONTRACT_IMAGE) {
+            diag_error(reader->diag, contract.loc,
+                       "`%s` is for single resources, not for the default",
+                       contract.allowed.kind == DT_CONTRACT_IMAGE ? "image" : "flips");
+            continue;
+        }
         for (uint32_t k = 0; k < pipeline->resource_count; k++)
             pipeline->resources[k].contract = contract;
     }

@@ -48,7 +48,12 @@ static void add_scalar_type(struct text *out, const struct key *key)
         [KEY_NAME] = "{\"$ref\": \"#/$defs/NAME\"}",
         [KEY_TEXT] = "{\"type\": [\"string\", \"number\", \"boolean\"]}",
         [KEY_BOOL] = "{\"type\": \"boolean\"}",
+        [KEY_MEMBER] = "{\"type\": \"string\", \"pattern\": "
+                       "\"^[A-Za-z_][A-Za-z0-9_]*(\\\\.[A-Za-z_][A-Za-z0-9_]*)?$\"}",
         [KEY_NUMBER] = "{\"type\": \"number\"}",
+        [KEY_AMOUNT] =
+            "{\"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, {\"type\": \"string\", "
+            "\"pattern\": \"^[0-9.]+([eE][-+]?[0-9]+)?( */ *[0-9.]+([eE][-+]?[0-9]+)?| *%)$\"}]}",
         [KEY_INTEGER] = "{\"type\": \"integer\", \"minimum\": 0}",
         [KEY_EXPR] = "{\"$ref\": \"#/$defs/EXPR\"}",
         [KEY_EXPRS] = "{\"anyOf\": [{\"$ref\": \"#/$defs/EXPR\"}, {\"type\": \"array\", \"items\": "

@@ -106,10 +106,17 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "{that: clusters <= 64, level: error, message: \"{clusters} clusters are too many\"}"},
     [SECTION_CONTRACTS] =
         {"`contracts`", "contracts", "contracts",
-         "How far the two backends may differ: the same bits, or within a tolerance.",
+         "How far the two backends may differ: the same bits, or within a tolerance. NaN and "
+         "infinity never pass.",
          "default: exact"},
     [SECTION_CONTRACT] = {"a contract", "contracts.NAME", "contract",
-                          "A tolerance; exactly one of the keys.", "{ulp: 4}"},
+                          "A tolerance: exactly one of the keys, but for `margin`, which stands "
+                          "beside `flips`. Tolerances are numbers, fractions or percentages.",
+                          "{ulp: 4}"},
+    [SECTION_IMAGE_CONTRACT] =
+        {"the contract `image`", "contracts.NAME.image", "image_contract",
+         "A bound for every channel of every texel, and the share of texels that may break it.",
+         "{max: 5/255, outliers: 0.1%}"},
     [SECTION_OUTPUT] = {"`output`", "output", "output", "Which images are the picture.",
                         "{display: picture}"},
 };
@@ -357,11 +364,26 @@ const struct key table_keys[] = {
     {SECTION_CONTRACTS, "*", KEY_CHOICE, SECTION_CONTRACT, "exact", OPTIONAL, NULL,
      "For one resource, by its name.", "{ulp: 4}"},
     {SECTION_CONTRACT, "ulp", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL,
-     "Units in the last place.", "4"},
-    {SECTION_CONTRACT, "abs", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Units in the last place: of float and half, codes of 8 bit formats, 1 for integers.", "4"},
+    {SECTION_CONTRACT, "abs", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Absolute difference.", "0.001"},
-    {SECTION_CONTRACT, "rel", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL,
-     "Difference relative to the larger value.", "0.01"},
+    {SECTION_CONTRACT, "rel", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Difference relative to the larger value.", "1%"},
+    {SECTION_CONTRACT, "image", KEY_MAP, SECTION_IMAGE_CONTRACT, NULL, OPTIONAL, NULL,
+     "Of images: an absolute difference that a share of the texels may exceed.",
+     "{max: 5/255, outliers: 0.1%}"},
+    {SECTION_CONTRACT, "flips", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Of integers that name things, like labels: elements that may have another value, in a frame. "
+     "Each is reported.",
+     "1"},
+    {SECTION_CONTRACT, "margin", KEY_MEMBER, SECTION_NONE, NULL, OPTIONAL, "none",
+     "flips: a buffer of float, or a float field of one, `BUFFER.FIELD`, that holds for every "
+     "element how narrowly it was decided; written by the pass that writes the labels.",
+     "label_margins"},
+    {SECTION_IMAGE_CONTRACT, "max", KEY_AMOUNT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "Largest absolute difference of a texel that is no outlier.", "5/255"},
+    {SECTION_IMAGE_CONTRACT, "outliers", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, "0",
+     "Share of the texels that may differ by more, 0 to 1.", "0.1%"},
     {SECTION_OUTPUT, "linear", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Image with linear radiance, for EXR.", "radiance"},
     {SECTION_OUTPUT, "display", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
@@ -402,9 +424,11 @@ const char *table_type_text(enum key_type type)
 {
     static const char *const texts[] = {
         [KEY_NAME] = "a name",
+        [KEY_MEMBER] = "a name or NAME.FIELD",
         [KEY_TEXT] = "text",
         [KEY_BOOL] = "true or false",
         [KEY_NUMBER] = "a number",
+        [KEY_AMOUNT] = "a number, a fraction like 5/255 or a percentage like 0.1%",
         [KEY_INTEGER] = "an integer, 0 or more",
         [KEY_EXPR] = "an integer expression",
         [KEY_EXPRS] = "an integer expression or a list of 1 to 3",

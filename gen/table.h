@@ -35,6 +35,7 @@ enum section {
     SECTION_ASSERT,
     SECTION_CONTRACTS,
     SECTION_CONTRACT,
+    SECTION_IMAGE_CONTRACT,
     SECTION_OUTPUT,
     SECTION_COUNT
 };
@@ -43,9 +44,11 @@ enum section {
  * (KEY_MAP: only a map; KEY_LIST and KEY_NAMES: as elements of the list). */
 enum key_type {
     KEY_NAME,    /* identifier */
+    KEY_MEMBER,  /* identifier, or two with a dot between them */
     KEY_TEXT,    /* any scalar */
     KEY_BOOL,    /* true or false */
     KEY_NUMBER,  /* real */
+    KEY_AMOUNT,  /* real, as a number, a fraction A/B or a percentage */
     KEY_INTEGER, /* 0, 1, 2... */
     KEY_EXPR,    /* integer expression */
     KEY_EXPRS,   /* integer expression, or a list of 1 to 3 */

@@ -1,0 +1,4 @@
+void main()
+{
+    alone[gl_GlobalInvocationID.x] = 1;
+}
