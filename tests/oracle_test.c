@@ -243,7 +243,7 @@ static double metric(const float *pa, const float *na, const float *pb, const fl
     return 0.6 * distance3(pa, pb) / 0.5 + 0.4 * (1 - fmax(dot3(na, nb), 0));
 }
 
-/* Each label is the argmin over the centres, each mean the mean of its members; frame 3 starts from frame 2's means. */
+/* Each label is the argmin over the centres, its margin the distance to the next best; each mean the mean of its members; frame 3 starts from frame 2's means. */
 static void clusters_are_those_of_kmeans(void **state)
 {
     (void)state;
@@ -252,25 +252,32 @@ static void clusters_are_those_of_kmeans(void **state)
         render(&dump, "spot", backends[b], "--frames 3");
         struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
                           labels = dump_read(&dump, NULL, "labels");
+        struct dump_entry margins = dump_read(&dump, NULL, "label_margins");
         struct dump_entry centres = dump_read(&dump, NULL, "centres");
         assert_int_equal(centres.count, CLUSTERS);
         double mean[CLUSTERS][3] = {{0}}, normal[CLUSTERS][3] = {{0}};
         int members[CLUSTERS] = {0};
         for (unsigned k = 0; k < FIRST_VPLS; ++k) {
             int label;
+            float margin;
             memcpy(&label, dump_field(&labels, k, ""), sizeof label);
+            memcpy(&margin, dump_field(&margins, k, ""), sizeof margin);
             const float *x = vec(&vpls, k, "position"), *n = vec(&vpls, k, "normal");
             if (dot3(vec(&vpls, k, "flux"), (const float[]){1, 1, 1}) == 0) {
                 assert_int_equal(label, -1);
+                assert_true(margin == -1);
                 continue;
             }
             assert_in_range(label, 0, CLUSTERS - 1);
             double own = metric(x, n, vec(&centres, (size_t)label, "position"),
                                 vec(&centres, (size_t)label, "normal"));
-            for (size_t c = 0; c < CLUSTERS; ++c)
-                assert_true(own <=
-                            metric(x, n, vec(&centres, c, "position"), vec(&centres, c, "normal")) +
-                                1e-6);
+            double second = INFINITY;
+            for (size_t c = 0; c < CLUSTERS; ++c) {
+                double d = metric(x, n, vec(&centres, c, "position"), vec(&centres, c, "normal"));
+                assert_true(own <= d + 1e-6);
+                second = (int)c == label ? second : fmin(second, d);
+            }
+            expect_near(margin, second - own, 0, 2e-6);
             members[label]++;
             for (int i = 0; i < 3; ++i) {
                 mean[label][i] += x[i];
@@ -294,6 +301,7 @@ static void clusters_are_those_of_kmeans(void **state)
         }
         dump_entry_free(&vpls);
         dump_entry_free(&labels);
+        dump_entry_free(&margins);
         dump_entry_free(&centres);
         dump_close(&dump);
     }

@@ -5,7 +5,8 @@
  *
  * Afterwards label[k] is the argmin over centres[].position and .normal, the centres that the
  * last iteration began with, and centres[].mean and .mean_normal are the means of the members so
- * labelled. Next frame begins with the means. */
+ * labelled. Next frame begins with the means. label_margins[k] is how much farther than its own the
+ * second nearest of those centres is. */
 #include "../shared/space.glsl"
 
 shared vec3 centre_position[clusters];
@@ -47,17 +48,22 @@ void assign(int k)
 {
     int nearest = 0;
     float least = 0.0;
+    float second = 0.0;
     for (int c = 0; c < clusters; c++) {
         float d = vpl_distance(vpls[k].position, vpls[k].normal, centre_position[c],
                                centre_normal[c]);
         if (c == 0 || d < least) {
+            second = least;
             least = d;
             nearest = c;
+        } else if (c == 1 || d < second) {
+            second = d;
         }
     }
     bool lives = power(vpls[k].flux) > 0.0;
     label[k] = lives ? nearest : -1;
     apart[k] = lives ? least : -1.0;
+    label_margins[k] = lives && clusters > 1 ? second - least : -1.0;
 }
 
 /* Mean of the positions, normalised sum of the normals. Where normals cancel out, the normal of the
