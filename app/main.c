@@ -17,6 +17,12 @@ static const struct verb verbs[] = {
      "The same options give the same bits, whatever the threads and however often interrupted.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_reference},
+    {"metrics", VERB_METRICS, "measure how far a picture is from its reference",
+     "RMSE, relative MSE, PSNR and FLIP, of the linear light and after tone mapping, both at one\n"
+     "exposure; OpenImageIO's version of Yee's metric, which misses differences of lightness "
+     "alone.\n"
+     "Exit status: 0 done, 1 it failed, 2 wrong usage.",
+     verb_metrics},
 };
 
 static void help(FILE *stream)

@@ -2,15 +2,19 @@
 #include "options.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "flip.h"
 
 enum option_kind {
     OPTION_FLAG,
     OPTION_STRING,
     OPTION_CHOICE,
     OPTION_COUNT,
+    OPTION_NUMBER,
     OPTION_SIZE,
     OPTION_LIST
 };
@@ -50,7 +54,18 @@ static const struct option_row rows[] = {
      "write milliseconds per pass"},
     {"--show", OPTION_STRING, AT(show), VERB_RENDER, 0, "RESOURCE",
      "make the picture of this image instead"},
-    {"--json", OPTION_STRING, AT(json), VERB_COMPARE, 0, "FILE", "write the table as JSON, too"},
+    {"--reference", OPTION_STRING, AT(reference), VERB_METRICS, VERB_METRICS, "FILE",
+     "the picture that is right: .exr (linear), or .png"},
+    {"--test", OPTION_STRING, AT(test), VERB_METRICS, VERB_METRICS, "FILE",
+     "the picture to measure"},
+    {"-o", OPTION_STRING, AT(output), VERB_METRICS, 0, "DIR",
+     "write error maps there: flip_ldr.png, flip_hdr.png"},
+    {"--exposure", OPTION_NUMBER, AT(exposure), VERB_METRICS, 0, "FACTOR",
+     "of both pictures (default: log-average luminance of the reference to 0.18)"},
+    {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
+     "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
+    {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_METRICS, 0, "FILE",
+     "write the table as JSON, too"},
     {"--scenes", OPTION_STRING, AT(scenes), SCENE, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), ALL, 0, "NAME|INDEX",
@@ -88,7 +103,7 @@ static const struct option_row rows[] = {
      "keep the sums there; where the file exists, go on from it"},
     {"--json", OPTION_STRING, AT(json), VERB_REFERENCE, 0, "FILE",
      "write settings, samples, noise, mean, rays and seconds as JSON"},
-    {"--help", OPTION_FLAG, AT(help), SCENE, 0, NULL, "show this"},
+    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_METRICS, 0, NULL, "show this"},
 };
 
 enum { ROWS = DT_ARRAY_COUNT(rows), MAX_FRAMES = 1000000, MAX_SIZE = 65536 };
@@ -184,6 +199,16 @@ static const char *read_count(const char *text, char end, uint32_t max, uint32_t
     return end ? rest + 1 : rest;
 }
 
+static bool read_number(const char *text, double *value)
+{
+    char *rest = NULL;
+    double number = strtod(text, &rest);
+    if (rest == text || *rest || !(number > 0 && number < HUGE_VAL))
+        return false;
+    *value = number;
+    return true;
+}
+
 static bool is_choice(const char *choices, const char *value)
 {
     size_t length = strlen(value);
@@ -228,6 +253,11 @@ static bool store(struct options *options, const struct option_row *row, const c
         report_error(log, "%s %s: must be a whole number from 1 to %d", row->name, value,
                      MAX_FRAMES);
         return false;
+    case OPTION_NUMBER:
+        if (read_number(value, (double *)(void *)place))
+            return true;
+        report_error(log, "%s %s: must be a number above 0", row->name, value);
+        return false;
     case OPTION_SIZE: {
         const char *height = read_count(value, 'x', MAX_SIZE, &numbers[0]);
         if (height && read_count(height, 0, MAX_SIZE, &numbers[1]))
@@ -267,8 +297,12 @@ static bool check_required(const struct options *options, const struct verb *ver
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
                    const struct dt_log *log)
 {
-    *options = (struct options){
-        .size = {1920, 1080}, .frames = 1, .bounces = "2", .from_bounce = "0", .seed = 1};
+    *options = (struct options){.size = {1920, 1080},
+                                .frames = 1,
+                                .bounces = "2",
+                                .from_bounce = "0",
+                                .seed = 1,
+                                .pixels_per_degree = FLIP_PIXELS_PER_DEGREE};
     for (int i = 0; i < argc; i++) {
         size_t length = argv[i][0] == '-' ? strcspn(argv[i], "=") : strlen(argv[i]);
         const struct option_row *row = find_row(verb, argv[i], length);

@@ -6,7 +6,7 @@
 #include "console.h"
 
 /* A verb's bit in the option table. */
-enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2, VERB_REFERENCE = 16 };
+enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2, VERB_REFERENCE = 16, VERB_METRICS = 32 };
 
 /* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at
  * the default. Strings point into argv. */
@@ -39,6 +39,10 @@ struct options {
     const char *sampler;
     const char *checkpoint;
     bool emission;
+    const char *reference; /* picture files */
+    const char *test;
+    double exposure; /* factor; 0: of the reference's log-average luminance */
+    double pixels_per_degree;
     bool glsl;
     bool debug;
     bool help;
@@ -55,6 +59,7 @@ struct verb {
 int verb_render(struct console *console, const struct options *options);
 int verb_compare(struct console *console, const struct options *options);
 int verb_reference(struct console *console, const struct options *options);
+int verb_metrics(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
  * way. */

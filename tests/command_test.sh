@@ -44,6 +44,28 @@ refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
 check "values that are valid only together are" \
     "${render[@]}" --backend vk -o "$work/a.png" --set passes.shade.ranges.first_range.storage=uniform \
     --set 'tile=[1,1]' --set first_vpls=64
+# Pictures against a reference.
+"$diptych" render --scene "$scene" --size 16x8 --backend vk -o "$work/a.exr"
+"$diptych" render --scene "$scene" --size 16x8 --backend vk -o "$work/a.png"
+"$diptych" render --scene "$scene" --size 8x8 --backend vk -o "$work/b.exr"
+metrics=("$diptych" metrics --reference "$work/a.exr")
+refused 2 '--test FILE is missing' "${metrics[@]}"
+refused 2 '--exposure 0: must be a number above 0' "${metrics[@]}" --test "$work/a.exr" --exposure 0
+refused 1 'has 16x8 pixels and' "${metrics[@]}" --test "$work/b.exr"
+refused 1 'one holds light and the other 8-bit codes' "${metrics[@]}" --test "$work/a.png"
+refused 1 'absent.exr' "${metrics[@]}" --test "$work/absent.exr"
+refused 1 'must be from 1 to 4096' "${metrics[@]}" --test "$work/a.exr" --pixels-per-degree 5000
+# shellcheck disable=SC2317
+no_error() {
+    "${metrics[@]}" --test "$work/a.exr" -o "$work/maps" --json "$work/metrics.json" &&
+        [ -s "$work/maps/flip_ldr.png" ] && [ -s "$work/maps/flip_hdr.png" ] &&
+        python3 -c 'import json, sys
+m = json.load(open(sys.argv[1]))
+for kind in m["ldr"], m["hdr"]:
+    assert kind["rmse"] == 0 and kind["psnr"] is None and kind["flip"]["max"] == 0 and kind["mean_test"] > 0
+assert m["ldr"]["yee"]["failing"] == 0' "$work/metrics.json"
+}
+check "a picture has no error against itself" no_error
 
 # A pipeline of one's own is compiled on the spot. Its cache is its own, too: a copy of the tools without sources beside them.
 mkdir -p "$work/project/build/glad" "$work/spec"
