@@ -77,6 +77,8 @@ static const struct option_row rows[] = {
      "validation and KHR_debug; any message fails the run"},
     {"--fault", OPTION_STRING, AT(fault), ALL, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
+    {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
+     "1 to 255: fill all memory with it first, to see that no pass reads what nobody wrote"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
      "picture, linear, as render writes it"},
     {"--spp", OPTION_COUNT, AT(spp), VERB_REFERENCE, 0, "N",

@@ -28,7 +28,8 @@ struct options {
     const char *context;
     const char *json;
     const char *fault;
-    uint32_t spp; /* reference: 0: not given */
+    uint32_t poison; /* render: a byte, 0: none */
+    uint32_t spp;    /* reference: 0: not given */
     uint32_t seed;
     uint32_t threads; /* 0: one per processor */
     const char *noise;

@@ -53,6 +53,15 @@ static bool check_output(struct render *render)
     return false;
 }
 
+static bool check_poison(const struct render *render)
+{
+    if (render->options->poison <= UINT8_MAX)
+        return true;
+    report_error(&render->console->log, "--poison %u: must be a byte, from 1 to %d",
+                 render->options->poison, UINT8_MAX);
+    return false;
+}
+
 static bool read_side(struct render *render)
 {
     const struct options *options = render->options;
@@ -238,14 +247,15 @@ static bool prepare(struct render *render)
                                       .options = options,
                                       .pipeline = &render->pipeline,
                                       .scene = &render->scene,
-                                      .timing = options->timings};
+                                      .timing = options->timings,
+                                      .poison = (int)options->poison};
     return session_open(&render->session, &info) && session_prepare(&render->session);
 }
 
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = options};
-    if (!read_side(&render) || !check_output(&render)) {
+    if (!read_side(&render) || !check_output(&render) || !check_poison(&render)) {
         side_free(&render.side);
         return EXIT_USAGE;
     }

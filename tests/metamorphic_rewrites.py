@@ -350,7 +350,7 @@ def merge_buffers(pipeline):
     pipeline.spec["structs"]["Merged"] = {"joined": second["of"], **structure}
     buffers["merged"] = {"of": "Merged", "count": first["count"]}
     for entry in pipeline.passes():
-        names = set(reads(entry) + changes(entry)) & {keep, join}
+        names = [name for name in (keep, join) if uses_resource(entry, name)]
         mode = "writes" if keep in changes(entry) else "updates" if join in changes(entry) else "reads"
         for key in ("reads", "writes", "updates"):
             entry[key] = [access for access in entry.get(key, []) if access not in names]

@@ -1,0 +1,4 @@
+void main()
+{
+    tickets[invocation().x] = atomicAdd(counter[0], 1u);
+}

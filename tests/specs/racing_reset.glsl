@@ -1,0 +1,4 @@
+void main()
+{
+    counter[0] = 0u;
+}

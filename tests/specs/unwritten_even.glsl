@@ -1,0 +1,6 @@
+void main()
+{
+    int i = invocation().x;
+    if (i < 32)
+        halves[2 * i] = uint(i);
+}
