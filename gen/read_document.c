@@ -205,17 +205,19 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
         reader->out_of_memory = true;
 }
 
-/* A key that the table knows but the document does not have yet. */
-static void add_value(struct reader *reader, struct setting *setting, struct fy_node *map)
+/* A key that the table knows but the document does not have yet; returns its value, NULL after an
+ * error. */
+static struct fy_node *add_value(struct reader *reader, struct setting *setting,
+                                 struct fy_node *map, const char *text)
 {
     size_t length = strlen(setting->segment);
     char *name = arena_strndup(reader->model->arena, setting->segment, length);
     struct fy_node *key = name ? build_node(reader, setting, name, setting->column, length) : NULL;
     int column = (int)(setting->value - setting->source->text) + 1;
-    struct fy_node *value =
-        key ? build_node(reader, setting, setting->value, column, strlen(setting->value)) : NULL;
+    struct fy_node *value = key ? build_node(reader, setting, text, column, strlen(text)) : NULL;
     if (value && fy_node_mapping_append(map, key, value))
         reader->out_of_memory = true;
+    return value;
 }
 
 static void report_path(struct reader *reader, const struct setting *setting, const char *where,
@@ -303,20 +305,23 @@ static void apply_below(struct reader *reader, struct setting *setting, const st
                "`--set %s`: `%s` has no keys below it", setting->source->text, setting->segment);
 }
 
+/* Names are declared in the document, but those of contracts are declared elsewhere. */
 static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map,
                          enum section section)
 {
     const struct key *key = table_find(section, setting->segment);
     struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, setting->segment, FY_NT);
-    bool free_name = key && !strcmp(key->name, "*");
-    if (!key || (free_name && !pair) || (!pair && !is_last(setting)))
+    bool declares = key && !strcmp(key->name, "*") && section != SECTION_CONTRACTS;
+    bool opens = key && key->type != KEY_LIST && key->child == SECTION_CONTRACTS;
+    if (!key || (!pair && (declares || (!opens && !is_last(setting)))))
         report_unknown_key(reader, setting, map, section);
     else if (!is_last(setting))
-        apply_below(reader, setting, key, fy_node_pair_value(pair));
+        apply_below(reader, setting, key,
+                    pair ? fy_node_pair_value(pair) : add_value(reader, setting, map, "{}"));
     else if (pair)
         replace_value(reader, setting, key, pair);
     else
-        add_value(reader, setting, map);
+        add_value(reader, setting, map, setting->value);
 }
 
 static bool is_scalar_key(const char *name)

@@ -44,6 +44,9 @@ check "... names the --set" says "\`--set bussy=7\`: no \`bussy\` in \`params\`;
 check "--set of a wrong type points into the option" says "--set:1:6: error: \`busy\` is int" \
     "$gen" --check $spec --set busy=1.5
 check "--set adds a key" says "mip_filter" "$gen" --check $spec --set samplers.points.mip_filter=linear
+check "--set adds a contract, where there is none" "$gen" --check $spec --set 'contracts.other={rel: 1%}'
+check "--set of a contract for nothing" says "no buffer or image \`bussy\`" \
+    "$gen" --check $spec --set contracts.bussy=exact
 check "--set without a value" says "expected PATH=VALUE" "$gen" --check $spec --set busy
 
 check "generates" "$gen" $spec -o "$work/out" --depfile "$work/out/gen.d"
