@@ -63,6 +63,8 @@ static bool egl_make(struct gl_context *ctx, int major, int minor, bool debug, s
                  (unsigned)eglGetError());
         return false;
     }
+    const char *extensions = eglQueryString(ctx->display, EGL_EXTENSIONS);
+    bool robust = extensions && strstr(extensions, "EGL_EXT_create_context_robustness");
     const EGLint attributes[] = {
         EGL_CONTEXT_MAJOR_VERSION,
         major,
@@ -72,6 +74,9 @@ static bool egl_make(struct gl_context *ctx, int major, int minor, bool debug, s
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
         EGL_CONTEXT_OPENGL_DEBUG,
         debug,
+        /* without, a lost device goes unnoticed */
+        robust ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
+        EGL_LOSE_CONTEXT_ON_RESET,
         EGL_NONE,
     };
     if (eglBindAPI(EGL_OPENGL_API))
@@ -201,6 +206,7 @@ static bool window_make(struct gl_context *ctx, int major, int minor, bool debug
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
         glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug);
+        glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET); /* if it can */
         ctx->window = glfwCreateWindow(64, 64, "diptych", NULL, NULL);
     }
     if (!ctx->window) {
@@ -434,6 +440,12 @@ bool gl_context_open(struct gl_runtime *rt)
                "context %s: the driver that came up is %s; Mesa must have %s (Debian: "
                "libgl1-mesa-dri, mesa-vulkan-drivers), and a process only one OpenGL driver",
                name, renderer, kind->driver);
+        return false;
+    }
+    GLint flags = 0;
+    rt->gl.GetIntegerv(GL_CONTEXT_FLAGS, &flags);
+    if (flags & GL_CONTEXT_FLAG_NO_ERROR_BIT) {
+        gl_log(rt, DT_ERROR, "%s was told to find no errors: unset MESA_NO_ERROR", renderer);
         return false;
     }
     char missing[512];

@@ -19,6 +19,7 @@ bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
 {
     const char *name = rt->panel->pipeline->passes[pass].name;
     enum dt_action action = ask_observer(rt, pass);
+    rt->pass = name;
     rt->skips = action == DT_SKIP;
     rt->ran[pass] = runs && action == DT_RUN;
     if (action == DT_STOP)
@@ -38,7 +39,7 @@ bool gl_pass_end(struct gl_runtime *rt, uint32_t pass)
     const struct dt_observer *observer = rt->observer;
     if (!observer)
         return true;
-    return GL(rt, name, Finish()) &&
+    return gl_finish(rt, name) &&
            (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
            gl_context_current(rt);
 }

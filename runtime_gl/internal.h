@@ -45,6 +45,7 @@ struct gl_runtime {
     void *state;
     uint32_t width, height;
 
+    const char *pass;                   /* the one that is recorded; NULL: none */
     const struct dt_observer *observer; /* during render */
     bool skips;      /* as of the last gl_pass_begin: the pass does nothing but its barriers */
     GLuint *queries; /* two per pass: begin, end; NULL without options.timing */
@@ -58,6 +59,9 @@ void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format
  * and the object. */
 #define GL(rt, object, call) ((rt)->gl.call, gl_check((rt), #call, (object)))
 bool gl_check(const struct gl_runtime *rt, const char *call, const char *object);
+
+/* glFinish, and an error when the device was reset meanwhile. */
+bool gl_finish(const struct gl_runtime *rt, const char *object);
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 

@@ -43,11 +43,31 @@ static const char *error_text(GLenum error)
         return "stack overflow";
     case GL_STACK_UNDERFLOW:
         return "stack underflow";
-    case GL_CONTEXT_LOST:
-        return "the device was lost: start again";
     default:
         return "unknown error";
     }
+}
+
+static const char *reset_text(GLenum status)
+{
+    switch (status) {
+    case GL_GUILTY_CONTEXT_RESET:
+        return "because of this program, perhaps a pass that ran too long: try a smaller frame";
+    case GL_INNOCENT_CONTEXT_RESET:
+        return "because of another program: start again";
+    default:
+        return "and does not say why: see the system log, and start again";
+    }
+}
+
+/* Names the pass in which it was noticed: the guilty one when an observer has every pass finish
+ * before the next. */
+static bool device_lost(const struct gl_runtime *rt, const char *call, const char *object,
+                        GLenum status)
+{
+    gl_log(rt, DT_ERROR, "%s%s: gl%.*s: the device was reset %s", rt->pass ? "pass " : "",
+           rt->pass ? rt->pass : object, (int)strcspn(call, "("), call, reset_text(status));
+    return false;
 }
 
 bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
@@ -55,6 +75,8 @@ bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
     GLenum error = rt->gl.GetError();
     if (error == GL_NO_ERROR)
         return true;
+    if (error == GL_CONTEXT_LOST)
+        return device_lost(rt, call, object, rt->gl.GetGraphicsResetStatus());
     gl_log(rt, DT_ERROR, "%s: gl%.*s: %s", object, (int)strcspn(call, "("), call,
            error_text(error));
     /* The next call must not be blamed for what this one left behind; a lost context repeats its
@@ -62,6 +84,14 @@ bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
     for (int i = 0; i < 8 && error != GL_NO_ERROR && error != GL_CONTEXT_LOST; i++)
         error = rt->gl.GetError();
     return false;
+}
+
+bool gl_finish(const struct gl_runtime *rt, const char *object)
+{
+    if (!GL(rt, object, Finish()))
+        return false;
+    GLenum status = rt->gl.GetGraphicsResetStatus();
+    return status == GL_NO_ERROR || device_lost(rt, "Finish", object, status);
 }
 
 /* ---- Open ------------------------------------------------------------------------------------ */
@@ -186,7 +216,7 @@ static bool runtime_resize(void *runtime, uint32_t width, uint32_t height)
 {
     struct gl_runtime *rt = runtime;
     rt->width = rt->height = 0; /* until it is done nothing can be rendered or read */
-    if (!gl_context_current(rt) || !GL(rt, "resize", Finish()) ||
+    if (!gl_context_current(rt) || !gl_finish(rt, "resize") ||
         !rt->panel->resize(rt, rt->state, width, height))
         return false;
     memset(rt->ran, 0, rt->panel->pipeline->pass_count * sizeof *rt->ran);
@@ -222,7 +252,8 @@ static bool runtime_render(void *runtime, const struct dt_frame *frame, const vo
     rt->observer = observer;
     bool ok = rt->panel->record(rt, rt->state, values);
     rt->observer = NULL;
-    return ok && GL(rt, "frame", Finish());
+    rt->pass = NULL;
+    return ok && gl_finish(rt, "frame");
 }
 
 /* One mip of an image, or a buffer: one of the two is NULL. */

@@ -2,6 +2,8 @@
  * by hand: scene draws, a layered draw, compute, indirect work, a skipped pass, history. What it
  * must give follows from the geometry: a quad over the left half of the frame at depth 0.25.
  * Every test runs with the debug callback on, which must stay silent. */
+#include <EGL/egl.h>
+#include <dlfcn.h>
 #include <glob.h>
 #include <math.h>
 #include <setjmp.h>
@@ -92,8 +94,7 @@ static const char full_frag[] = "#version 460\n"
                                 "layout(location = 0) out vec4 color;\n"
                                 "void main() { color = vec4(0.5, 0.0, 1.0, 0.5); }\n";
 
-/* The module of one stage, to be freed by the caller. */
-static struct gl_code compile(glslang_stage_t stage, const char *text)
+static struct gl_code compile_anew(glslang_stage_t stage, const char *text)
 {
     const glslang_input_t input = {
         .language = GLSLANG_SOURCE_GLSL,
@@ -126,6 +127,19 @@ static struct gl_code compile(glslang_stage_t stage, const char *text)
     glslang_shader_delete(shader);
     glslang_finalize_process();
     return (struct gl_code){words, size, text};
+}
+
+/* The module of one stage. It lives as long as the program: glslang takes longer than all else. */
+static struct gl_code compile(glslang_stage_t stage, const char *text)
+{
+    static struct gl_code made[16];
+    size_t i = 0;
+    while (made[i].glsl && made[i].glsl != text)
+        i++;
+    assert_true(i + 1 < DT_ARRAY_COUNT(made));
+    if (!made[i].glsl)
+        made[i] = compile_anew(stage, text);
+    return made[i];
 }
 
 /* ---- The panel ------------------------------------------------------------------------------- */
@@ -243,59 +257,49 @@ static const struct dt_pipeline pipeline = {
     .display_output = DISPLAY,
 };
 
-static bool create_one(struct gl_runtime *rt, struct gl_program *program,
-                       struct gl_program_info info)
-{
-    bool ok = gl_program_create(rt, program, &info);
-    free((void *)info.compute.words);
-    free((void *)info.vertex.words);
-    free((void *)info.fragment.words);
-    return ok;
-}
-
 static bool create_draws(struct gl_runtime *rt, struct state *s)
 {
-    return create_one(
+    return gl_program_create(
                rt, &s->draw,
-               (struct gl_program_info){.name = "draw",
-                                        .vertex = compile(GLSLANG_STAGE_VERTEX, draw_vert),
-                                        .fragment = compile(GLSLANG_STAGE_FRAGMENT, draw_frag),
-                                        .scene_vertices = true,
-                                        .depth_test = true,
-                                        .depth_write = true,
-                                        .depth_compare = GL_LESS,
-                                        .cull = GL_BACK}) &&
-           create_one(
+               &(struct gl_program_info){.name = "draw",
+                                         .vertex = compile(GLSLANG_STAGE_VERTEX, draw_vert),
+                                         .fragment = compile(GLSLANG_STAGE_FRAGMENT, draw_frag),
+                                         .scene_vertices = true,
+                                         .depth_test = true,
+                                         .depth_write = true,
+                                         .depth_compare = GL_LESS,
+                                         .cull = GL_BACK}) &&
+           gl_program_create(
                rt, &s->layers,
-               (struct gl_program_info){.name = "layered",
-                                        .vertex = compile(GLSLANG_STAGE_VERTEX, layers_vert),
-                                        .fragment = compile(GLSLANG_STAGE_FRAGMENT, layers_frag),
-                                        .scene_vertices = true,
-                                        .depth_test = true,
-                                        .depth_write = true,
-                                        .depth_compare = GL_LEQUAL,
-                                        .cull = GL_NONE}) &&
-           create_one(
+               &(struct gl_program_info){.name = "layered",
+                                         .vertex = compile(GLSLANG_STAGE_VERTEX, layers_vert),
+                                         .fragment = compile(GLSLANG_STAGE_FRAGMENT, layers_frag),
+                                         .scene_vertices = true,
+                                         .depth_test = true,
+                                         .depth_write = true,
+                                         .depth_compare = GL_LEQUAL,
+                                         .cull = GL_NONE}) &&
+           gl_program_create(
                rt, &s->full,
-               (struct gl_program_info){.name = "fullscreen",
-                                        .vertex = compile(GLSLANG_STAGE_VERTEX, full_vert),
-                                        .fragment = compile(GLSLANG_STAGE_FRAGMENT, full_frag),
-                                        .cull = GL_NONE,
-                                        .blend_add = true});
+               &(struct gl_program_info){.name = "fullscreen",
+                                         .vertex = compile(GLSLANG_STAGE_VERTEX, full_vert),
+                                         .fragment = compile(GLSLANG_STAGE_FRAGMENT, full_frag),
+                                         .cull = GL_NONE,
+                                         .blend_add = true});
 }
 
 static bool create(void *rt, void *memory)
 {
     struct state *s = memory;
     return create_draws(rt, s) &&
-           create_one(
+           gl_program_create(
                rt, &s->compute,
-               (struct gl_program_info){.name = "compute",
-                                        .compute = compile(GLSLANG_STAGE_COMPUTE, compute_comp)}) &&
-           create_one(
+               &(struct gl_program_info){
+                   .name = "compute", .compute = compile(GLSLANG_STAGE_COMPUTE, compute_comp)}) &&
+           gl_program_create(
                rt, &s->indirect,
-               (struct gl_program_info){.name = "indirect",
-                                        .compute = compile(GLSLANG_STAGE_COMPUTE, indirect_comp)});
+               &(struct gl_program_info){.name = "indirect",
+                                         .compute = compile(GLSLANG_STAGE_COMPUTE, indirect_comp)});
 }
 
 static void release(struct gl_runtime *rt, struct state *s)
@@ -654,21 +658,6 @@ static void test_zink_is_told(void **state)
     runtime_gl.close(rt);
 }
 
-/* Where another driver came first, it stays. */
-static void test_zink_too_late(void **state)
-{
-    (void)state;
-    struct messages m = {0};
-    struct dt_runtime_options first = options_for(&m, "egl"), second = options_for(&m, "zink");
-    void *rt = runtime_gl.open(&first);
-    assert_non_null(rt);
-    assert_null(runtime_gl.open(&second));
-    assert_int_equal(m.errors, 1);
-    assert_non_null(strstr(m.last, "context zink: the driver that came up is "));
-    assert_non_null(strstr(m.last, runtime_gl.device_name(rt)));
-    runtime_gl.close(rt);
-}
-
 static void test_window(void **state)
 {
     (void)state;
@@ -837,6 +826,111 @@ static void test_stopped_before_pass(void **state)
     runtime_gl.close(rt);
 }
 
+/* ---- A lost device --------------------------------------------------------------------------- */
+
+/* The driver says so by the status alone, as Mesa does, or by every call's error as well. */
+static struct {
+    GLenum status; /* GL_NO_ERROR: none was lost */
+    bool errors;
+    PFNGLGETERRORPROC error;
+    PFNGLGETGRAPHICSRESETSTATUSPROC reset_status;
+} lost;
+
+static GLenum GLAD_API_PTR lost_error(void)
+{
+    return lost.status && lost.errors ? GL_CONTEXT_LOST : lost.error();
+}
+
+static GLenum GLAD_API_PTR lost_status(void)
+{
+    return lost.status ? lost.status : lost.reset_status();
+}
+
+/* Stands before the function of libEGL, through which glad loads OpenGL's. */
+__eglMustCastToProperFunctionPointerType eglGetProcAddress(const char *name)
+{
+    __typeof__(&eglGetProcAddress) real;
+    *(void **)&real = dlsym(RTLD_NEXT, "eglGetProcAddress");
+    __eglMustCastToProperFunctionPointerType function = real(name);
+    if (strcmp(name, "glGetError") == 0) {
+        lost.error = (PFNGLGETERRORPROC)function;
+        return (__eglMustCastToProperFunctionPointerType)lost_error;
+    }
+    if (strcmp(name, "glGetGraphicsResetStatus") == 0) {
+        lost.reset_status = (PFNGLGETGRAPHICSRESETSTATUSPROC)function;
+        return (__eglMustCastToProperFunctionPointerType)lost_status;
+    }
+    return function;
+}
+
+struct loss {
+    GLenum status;
+    uint32_t pass;
+};
+
+static enum dt_action lose(void *user, uint32_t pass)
+{
+    const struct loss *loss = user;
+    if (pass == loss->pass)
+        lost.status = loss->status;
+    return DT_RUN;
+}
+
+static void check_loss(bool errors)
+{
+    static const struct {
+        struct loss loss;
+        const char *pass, *why;
+    } cases[] = {
+        {{GL_GUILTY_CONTEXT_RESET, COMPUTE}, "pass compute: gl", "because of this program"},
+        {{GL_INNOCENT_CONTEXT_RESET, DRAW}, "pass draw: gl", "because of another program"},
+        {{GL_UNKNOWN_CONTEXT_RESET, SKIP}, "pass skip: gl", "does not say why"},
+    };
+    const struct dt_frame frame = {.index = 0};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        struct messages m = {0};
+        void *rt = open_ready(&m, 20, 10);
+        struct loss loss = cases[i].loss;
+        const struct dt_observer observer = {.before_pass = lose, .user = &loss};
+        lost.errors = errors;
+        assert_false(runtime_gl.render(rt, &frame, NULL, &observer));
+        assert_int_equal(m.errors, 1);
+        assert_non_null(strstr(m.last, cases[i].pass));
+        assert_non_null(strstr(m.last, cases[i].why));
+        assert_false(runtime_gl.render(rt, &frame, NULL, NULL)); /* it stays lost */
+        assert_int_equal(m.errors, 2);
+        runtime_gl.close(rt);
+        lost.status = GL_NO_ERROR;
+    }
+}
+
+static void test_lost_device(void **state)
+{
+    (void)state;
+    check_loss(false);
+    check_loss(true);
+}
+
+/* What is lost can only be told by a context that was made to tell. */
+static void test_loss_is_told(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    void *rt = open_ready(&m, 20, 10);
+    const char *extensions = eglQueryString(eglGetCurrentDisplay(), EGL_EXTENSIONS);
+    if (!strstr(extensions, "EGL_EXT_create_context_robustness")) {
+        print_message("# EGL has no EGL_EXT_create_context_robustness\n");
+        runtime_gl.close(rt);
+        skip();
+    }
+    PFNGLGETINTEGERVPROC get = (PFNGLGETINTEGERVPROC)eglGetProcAddress("glGetIntegerv");
+    GLint strategy = 0;
+    get(GL_RESET_NOTIFICATION_STRATEGY, &strategy);
+    assert_int_equal(strategy, GL_LOSE_CONTEXT_ON_RESET);
+    runtime_gl.close(rt);
+    assert_int_equal(m.errors, 0);
+}
+
 /* ---- Errors ---------------------------------------------------------------------------------- */
 
 static void expect_error(struct messages *m, const char *part)
@@ -882,6 +976,19 @@ static void test_errors(void **state)
     assert_true(runtime_gl.set_scene(rt, &scene) && runtime_gl.render(rt, &frame, NULL, NULL));
     runtime_gl.close(rt);
     runtime_gl.close(NULL);
+}
+
+/* Mesa can be told to find no errors; a run under it would prove nothing. */
+static void test_no_error_context(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    struct dt_runtime_options options = options_for(&m, NULL);
+    options.debug = false;
+    setenv("MESA_NO_ERROR", "1", 1);
+    assert_null(runtime_gl.open(&options));
+    unsetenv("MESA_NO_ERROR");
+    expect_error(&m, "unset MESA_NO_ERROR");
 }
 
 static void test_bad_resources(void **state)
@@ -944,6 +1051,22 @@ static void test_debug_messages(void **state)
     runtime_gl.close(rt);
 }
 
+/* ---- zink, after another driver: that one stays ---------------------------------------------- */
+
+static void test_zink_too_late(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    struct dt_runtime_options first = options_for(&m, "egl"), second = options_for(&m, "zink");
+    void *rt = runtime_gl.open(&first);
+    assert_non_null(rt);
+    assert_null(runtime_gl.open(&second));
+    assert_int_equal(m.errors, 1);
+    assert_non_null(strstr(m.last, "context zink: the driver that came up is "));
+    assert_non_null(strstr(m.last, runtime_gl.device_name(rt)));
+    runtime_gl.close(rt);
+}
+
 int main(int count, char **arguments)
 {
     const struct CMUnitTest zink[] = {
@@ -963,6 +1086,9 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_bad_resources),
         cmocka_unit_test(test_debug_messages),
+        cmocka_unit_test(test_lost_device),
+        cmocka_unit_test(test_no_error_context),
+        cmocka_unit_test(test_loss_is_told),
         cmocka_unit_test(test_zink_too_late),
     };
     if (count > 1 && strcmp(arguments[1], "zink") == 0)

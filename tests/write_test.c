@@ -188,9 +188,12 @@ static bool vk_make(void *rt, struct vk_state *state, uint32_t i)
            vk_slot_bind(rt, &state->slots[i], &user, 1) && vk_initialise(rt, &user, false);
 }
 
+static struct vk_state *vk_present; /* whose layouts a test looks at */
+
 static bool vk_resize(void *rt, void *place, uint32_t width, uint32_t height)
 {
     (void)width, (void)height;
+    vk_present = place;
     for (uint32_t i = 0; i < RESOURCES; i++)
         if (!vk_make(rt, place, i))
             return false;
@@ -397,6 +400,25 @@ static void vulkan_reads_what_was_written(void **state)
     (void)state;
     round_trip(&vk);
 }
+
+/* A pass that comes without a barrier of its own relies on it. Poison left GENERAL. */
+static void vulkan_keeps_the_layout(void **state)
+{
+    (void)state;
+    void *rt = open_ready(&vk);
+    for (uint32_t i = 0; i < SMALL; i++) {
+        struct dt_bytes bytes;
+        assert_int_equal(vk_present->images[i].layout, VK_IMAGE_LAYOUT_GENERAL);
+        assert_true(runtime_vk.read(rt, i, 1, &bytes));
+        assert_int_equal(vk_present->images[i].layout, VK_IMAGE_LAYOUT_GENERAL);
+        assert_true(runtime_vk.write(rt, i, 1, &bytes));
+        assert_int_equal(vk_present->images[i].layout, VK_IMAGE_LAYOUT_GENERAL);
+        free(bytes.data);
+    }
+    assert_int_equal(runtime_vk.messages(rt), 0);
+    runtime_vk.close(rt);
+    assert_int_equal(heard.errors, 0);
+}
 static void opengl_refuses_what_does_not_fit(void **state)
 {
     (void)state;
@@ -414,6 +436,7 @@ int main(void)
         cmocka_unit_test(opengl_reads_what_was_written),
         cmocka_unit_test(osmesa_reads_what_was_written),
         cmocka_unit_test(vulkan_reads_what_was_written),
+        cmocka_unit_test(vulkan_keeps_the_layout),
         cmocka_unit_test(opengl_refuses_what_does_not_fit),
         cmocka_unit_test(vulkan_refuses_what_does_not_fit),
     };
