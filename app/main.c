@@ -23,6 +23,14 @@ static const struct verb verbs[] = {
      "alone.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics},
+    {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",
+     "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
+     "ninja,\n"
+     "so that a sweep goes on where it was interrupted; commands, a line per run to paste; runs/, "
+     "what\n"
+     "each run said; summary.json and summary.csv. --set fixes a value in every run.\n"
+     "Exit status: 0 all runs agree, 1 some differ, 2 some could not run.",
+     verb_sweep},
 };
 
 static void help(FILE *stream)

@@ -16,7 +16,8 @@ enum option_kind {
     OPTION_COUNT,
     OPTION_NUMBER,
     OPTION_SIZE,
-    OPTION_LIST
+    OPTION_LIST,
+    OPTION_TEXTS
 };
 
 struct option_row {
@@ -31,6 +32,8 @@ struct option_row {
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
 #define SCENE     (ALL | VERB_REFERENCE)
+#define SPEC      (ALL | VERB_SWEEP)
+#define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
 
 static const struct option_row rows[] = {
@@ -38,12 +41,12 @@ static const struct option_row rows[] = {
      "scene file (YAML): mesh, camera, light"},
     {"--backend", OPTION_STRING, AT(backend), VERB_RENDER, VERB_RENDER, "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_COMPARE, 0, "LIST",
+    {"--backend", OPTION_STRING, AT(backend), COMPARING, 0, "LIST",
      "the first is held against each of the others, like gl,vk,zink (default: gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; --dump or --timings may stand alone"},
-    {"--spec", OPTION_STRING, AT(spec), ALL, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
-    {"--set", OPTION_LIST, AT(sets), ALL, 0, "PATH=VALUE",
+    {"--spec", OPTION_STRING, AT(spec), SPEC, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
+    {"--set", OPTION_LIST, AT(sets), SPEC, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
     {"--size", OPTION_SIZE, AT(size), SCENE, 0, "WxH", "frame size in pixels (default: 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
@@ -66,16 +69,16 @@ static const struct option_row rows[] = {
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
     {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_METRICS, 0, "FILE",
      "write the table as JSON, too"},
-    {"--scenes", OPTION_STRING, AT(scenes), SCENE, 0, "DIR",
+    {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
-    {"--device", OPTION_STRING, AT(device), ALL, 0, "NAME|INDEX",
+    {"--device", OPTION_STRING, AT(device), SPEC, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
-    {"--context", OPTION_CHOICE, AT(context), ALL, 0, "egl|zink|osmesa|window",
+    {"--context", OPTION_CHOICE, AT(context), SPEC, 0, "egl|zink|osmesa|window",
      "OpenGL context (default: egl)"},
-    {"--glsl", OPTION_FLAG, AT(glsl), ALL, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
-    {"--debug", OPTION_FLAG, AT(debug), ALL, 0, NULL,
+    {"--glsl", OPTION_FLAG, AT(glsl), SPEC, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
+    {"--debug", OPTION_FLAG, AT(debug), SPEC, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
-    {"--fault", OPTION_STRING, AT(fault), ALL, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
+    {"--fault", OPTION_STRING, AT(fault), SPEC, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
      "1 to 255: fill all memory with it first, to see that no pass reads what nobody wrote"},
@@ -105,7 +108,30 @@ static const struct option_row rows[] = {
      "keep the sums there; where the file exists, go on from it"},
     {"--json", OPTION_STRING, AT(json), VERB_REFERENCE, 0, "FILE",
      "write settings, samples, noise, mean, rays and seconds as JSON"},
-    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_METRICS, 0, NULL, "show this"},
+    {"-o", OPTION_STRING, AT(output), VERB_SWEEP, VERB_SWEEP, "DIR",
+     "folder of the sweep; one that holds the same sweep is continued"},
+    {"--scene", OPTION_TEXTS, AT(scene_list), VERB_SWEEP, 0, "FILE",
+     "scene file; may be repeated, random runs take turns, a grid runs on each"},
+    {"--random", OPTION_COUNT, AT(random), VERB_SWEEP, 0, "N",
+     "N random variations of the spec that are valid"},
+    {"--seed", OPTION_COUNT, AT(seed), VERB_SWEEP, 0, "S",
+     "--random: the same seed, the same variations, on any machine (default: 1)"},
+    {"--memory", OPTION_COUNT, AT(memory), VERB_SWEEP, 0, "MIB",
+     "--random: most that the resources of one run may take (default: 64)"},
+    {"--grid", OPTION_TEXTS, AT(grid), VERB_SWEEP, 0, "PATH=V1,V2,...",
+     "every one of these values; repeated, every combination"},
+    {"--size", OPTION_TEXTS, AT(size_list), VERB_SWEEP, 0, "WxH",
+     "frame size; may be repeated (default: drawn, of a grid 64x64)"},
+    {"--frames", OPTION_COUNT, AT(run_frames), VERB_SWEEP, 0, "N",
+     "frames of every run (default: drawn, of a grid 1)"},
+    {"--verb", OPTION_CHOICE, AT(verb), VERB_SWEEP, 0, "compare", "what every run does"},
+    {"--jobs", OPTION_COUNT, AT(jobs), VERB_SWEEP, 0, "J",
+     "runs at a time (default: one per processor)"},
+    {"--slurm", OPTION_FLAG, AT(slurm), VERB_SWEEP, 0, NULL,
+     "run nothing, write a Slurm job array over the runs and submit.sh"},
+    {"--collect", OPTION_FLAG, AT(collect), VERB_SWEEP, 0, NULL,
+     "run nothing, sum up the runs of the sweep in DIR that are over"},
+    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_SWEEP | VERB_METRICS, 0, NULL, "show this"},
 };
 
 enum { ROWS = DT_ARRAY_COUNT(rows), MAX_FRAMES = 1000000, MAX_SIZE = 65536 };
@@ -221,6 +247,26 @@ static bool is_choice(const char *choices, const char *value)
     return false;
 }
 
+bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
+{
+    const char *height = read_count(text, 'x', MAX_SIZE, &size[0]);
+    if (height && read_count(height, 0, MAX_SIZE, &size[1]))
+        return true;
+    report_error(log, "--size %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080", text,
+                 MAX_SIZE);
+    return false;
+}
+
+static bool append_text(struct text_list *list, const char *text)
+{
+    const char **grown = realloc(list->items, (list->count + 1) * sizeof *grown);
+    if (!grown)
+        return false;
+    list->items = grown;
+    list->items[list->count++] = text;
+    return true;
+}
+
 static bool append_set(struct options *options, const char *value)
 {
     const char **grown = realloc(options->sets, (options->set_count + 1) * sizeof *grown);
@@ -260,20 +306,19 @@ static bool store(struct options *options, const struct option_row *row, const c
             return true;
         report_error(log, "%s %s: must be a number above 0", row->name, value);
         return false;
-    case OPTION_SIZE: {
-        const char *height = read_count(value, 'x', MAX_SIZE, &numbers[0]);
-        if (height && read_count(height, 0, MAX_SIZE, &numbers[1]))
-            return true;
-        report_error(log, "%s %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080",
-                     row->name, value, MAX_SIZE);
-        return false;
-    }
+    case OPTION_SIZE:
+        return option_size(value, numbers, log);
     case OPTION_LIST:
         if (!strchr(value, '=') || value[0] == '=') {
             report_error(log, "%s %s: must be PATH=VALUE, like clusters=16", row->name, value);
             return false;
         }
         if (append_set(options, value))
+            return true;
+        report_error(log, "out of memory");
+        return false;
+    case OPTION_TEXTS:
+        if (append_text((struct text_list *)(void *)place, value))
             return true;
         report_error(log, "out of memory");
         return false;
@@ -331,8 +376,12 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
 void options_free(struct options *options)
 {
     free(options->sets);
+    free(options->scene_list.items);
+    free(options->size_list.items);
+    free(options->grid.items);
     options->sets = NULL;
     options->set_count = 0;
+    options->scene_list = options->size_list = options->grid = (struct text_list){0};
 }
 
 void options_help(const struct verb *verb)

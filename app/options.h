@@ -6,7 +6,19 @@
 #include "console.h"
 
 /* A verb's bit in the option table. */
-enum verb_id { VERB_RENDER = 1, VERB_COMPARE = 2, VERB_REFERENCE = 16, VERB_METRICS = 32 };
+enum verb_id {
+    VERB_RENDER = 1,
+    VERB_COMPARE = 2,
+    VERB_SWEEP = 8,
+    VERB_REFERENCE = 16,
+    VERB_METRICS = 32
+};
+
+/* The values of an option that may be repeated. */
+struct text_list {
+    const char **items;
+    uint32_t count;
+};
 
 /* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at
  * the default. Strings point into argv. */
@@ -44,6 +56,12 @@ struct options {
     const char *test;
     double exposure; /* factor; 0: of the reference's log-average luminance */
     double pixels_per_degree;
+    struct text_list scene_list; /* sweep: these two in place of scene and size */
+    struct text_list size_list;
+    struct text_list grid;
+    const char *verb;
+    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given */
+    bool slurm, collect;
     bool glsl;
     bool debug;
     bool help;
@@ -61,6 +79,7 @@ int verb_render(struct console *console, const struct options *options);
 int verb_compare(struct console *console, const struct options *options);
 int verb_reference(struct console *console, const struct options *options);
 int verb_metrics(struct console *console, const struct options *options);
+int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
  * way. */
@@ -68,6 +87,9 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
                    const struct dt_log *log);
 void options_free(struct options *options);
 void options_help(const struct verb *verb); /* on stdout */
+
+/* Reads WIDTHxHEIGHT as --size has it; logs the error. */
+bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);
 
 /* Of names[0..count), the one that `word` is most likely a slip of, or NULL. */
 const char *closest_name(const char *word, const char *const *names, uint32_t count);

@@ -23,15 +23,17 @@ char *project_folder(const struct dt_log *log)
     return path;
 }
 
-static char *spec_path(const char *spec, const char *project, const struct dt_log *log)
+char *pipeline_spec_path(const char *spec, const struct dt_log *log)
 {
-    char *own = spec ? NULL : format_string("%s/templates/ssvp.yaml", project);
+    char *project = spec ? NULL : project_folder(log);
+    char *own = project ? format_string("%s/templates/ssvp.yaml", project) : NULL;
     const char *wanted = spec ? spec : own;
     char *path = wanted ? realpath(wanted, NULL) : NULL;
     if (!path)
         report_error(log, "%s: the spec cannot be read: %s", wanted ? wanted : "spec",
                      strerror(errno));
     free(own);
+    free(project);
     return path;
 }
 
@@ -268,7 +270,7 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
     *pipeline = (struct pipeline){0};
     char *tools = tools_folder(&console->log);
     char *project = tools ? project_folder(&console->log) : NULL;
-    char *spec = project ? spec_path(options->spec, project, &console->log) : NULL;
+    char *spec = project ? pipeline_spec_path(options->spec, &console->log) : NULL;
     char *templates = !project             ? NULL
                       : options->templates ? realpath(options->templates, NULL)
                                            : format_string("%s/templates", project);

@@ -13,7 +13,8 @@ enum { MOST_ATTEMPTS = 1000 };
 
 struct variation {
     uint32_t frame[2], frame_count;
-    bool fast; /* by the spec itself */
+    uint32_t number; /* of the draw: twins share it */
+    bool fast;       /* by the spec itself */
     bool twin; /* comes twice: with `exactness: fast`, then as the spec has it, which is exact */
 };
 
@@ -140,18 +141,19 @@ static void add_variation(struct text *out, const struct draws *draws,
                           const struct variation *variation, bool fast)
 {
     text_add(out,
-             "%s\n    {\"width\": %u, \"height\": %u, \"frames\": %u, \"exact\": %s, \"sets\": ",
-             out->length ? "," : "", variation->frame[0], variation->frame[1],
+             "%s\n    {\"draw\": %u, \"width\": %u, \"height\": %u, \"frames\": %u, \"exact\": %s, "
+             "\"sets\": ",
+             out->length ? "," : "", variation->number, variation->frame[0], variation->frame[1],
              variation->frame_count, fast ? "false" : "true");
     add_list(out, draws->sets, draws->set_count);
     text_add(out, "}");
 }
 
-static void add_refusal(struct text *out, const struct draws *draws, uint32_t number,
-                        const struct diag *diag)
+static void add_refusal(struct text *out, const struct draws *draws,
+                        const struct variation *variation, const struct diag *diag)
 {
     const char *reason = diag_first_error(diag);
-    text_add(out, "%s\n    {\"variation\": %u, \"reason\": ", out->length ? "," : "", number + 1);
+    text_add(out, "%s\n    {\"draw\": %u, \"reason\": ", out->length ? "," : "", variation->number);
     text_add_json(out, reason ? reason : "");
     text_add(out, ", \"sets\": ");
     add_list(out, draws->sets, draws->set_count);
@@ -165,17 +167,17 @@ struct listing {
 };
 
 /* Draws until it is valid. */
-static bool find(struct draws *draws, uint32_t number, struct variation *variation,
-                 struct listing *listing, struct diag *diag)
+static bool find(struct draws *draws, struct variation *variation, struct listing *listing,
+                 struct diag *diag)
 {
     for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
         struct attempt state = {.draws = draws, .variation = variation, .diag = diag_create()};
         bool good = false;
         if (state.diag) {
-            draws_start(draws, number, attempt);
+            draws_start(draws, variation->number, attempt);
             good = draw(&state);
             if (!good)
-                add_refusal(&listing->refusals, draws, number, state.diag);
+                add_refusal(&listing->refusals, draws, variation, state.diag);
         }
         draws->out_of_memory |= !state.diag;
         arena_free(state.model.arena);
@@ -224,15 +226,14 @@ bool vary(const struct vary_request *request, struct text *out, struct diag *dia
     struct draws draws = {.request = request, .arena = arena_create()};
     struct model model = {.arena = arena_create(), .templates_dir = request->templates_dir};
     struct listing listing = {{0}, {0}};
-    struct variation variation;
+    struct variation variation = {.number = 0};
     bool good = draws.arena && model.arena && take(&model, &draws, COMPILED, diag);
-    uint32_t number = 0;
-    while (good && number < request->count) {
-        good = find(&draws, number, &variation, &listing, diag);
-        variation.twin = variation.twin && number + 1 < request->count;
+    for (uint32_t listed = 0; good && listed < request->count; variation.number++) {
+        good = find(&draws, &variation, &listing, diag);
+        variation.twin = variation.twin && listed + 1 < request->count;
         if (good)
             list(&draws, &variation, &listing);
-        number += variation.twin ? 2 : 1;
+        listed += variation.twin ? 2 : 1;
     }
     if (good)
         print(&model, &listing, out);
