@@ -149,32 +149,49 @@ static char *next_word(char **at, bool *target)
     return word;
 }
 
-/* Adds "HASH PATH" to the stamp for every prerequisite outside `folder`, which is about to be
- * renamed. */
+bool depfile_read(const char *path, bool (*take)(void *user, const char *file), void *user,
+                  const struct dt_log *log)
+{
+    size_t size;
+    char *text = file_read(path, &size, log);
+    bool good = text;
+    bool target = false;
+    char *at = text;
+    for (char *word = good ? next_word(&at, &target) : NULL; word && good;
+         word = next_word(&at, &target))
+        good = target || take(user, word);
+    free(text);
+    return good;
+}
+
+struct stamping {
+    FILE *stamp;
+    const char *depfile;
+    const char *folder; /* about to be renamed: what lies in it is left out */
+    const struct dt_log *log;
+};
+
+/* Adds "HASH PATH" to the stamp. */
+static bool stamp_file(void *user, const char *file)
+{
+    const struct stamping *stamping = user;
+    char *path = realpath(file, NULL);
+    bool good = path;
+    if (path && strncmp(path, stamping->folder, strlen(stamping->folder)) != 0) {
+        uint64_t hash = content_hash(path, &good);
+        fprintf(stamping->stamp, "%016" PRIx64 " %s\n", hash, path);
+    }
+    if (!good)
+        report_error(stamping->log, "%s: names %s, which cannot be read", stamping->depfile, file);
+    free(path);
+    return good;
+}
+
 static bool stamp_depfile(FILE *stamp, const char *depfile, const char *folder,
                           const struct dt_log *log)
 {
-    size_t size;
-    char *text = file_read(depfile, &size, log);
-    if (!text)
-        return false;
-    bool good = true;
-    bool target = false;
-    char *at = text;
-    for (char *word = next_word(&at, &target); word && good; word = next_word(&at, &target)) {
-        char *path = target ? NULL : realpath(word, NULL);
-        if (path && strncmp(path, folder, strlen(folder)) != 0) {
-            uint64_t hash = content_hash(path, &good);
-            fprintf(stamp, "%016" PRIx64 " %s\n", hash, path);
-        }
-        if (!target && !path)
-            good = false;
-        if (!good)
-            report_error(log, "%s: names %s, which cannot be read", depfile, word);
-        free(path);
-    }
-    free(text);
-    return good;
+    struct stamping stamping = {stamp, depfile, folder, log};
+    return depfile_read(depfile, stamp_file, &stamping, log);
 }
 
 /* The stamp of what was built in `folder`, as text; the version is the hash of its lines. */

@@ -75,25 +75,31 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
     }
 }
 
-static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource *resource,
-                      uint32_t mip, const char *file, const struct dt_bytes *bytes)
+void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mip,
+                   const uint32_t extent[3])
 {
+    static const char *const names[] = {"width", "height", "layers"};
     bool buffer = resource->kind == DT_BUFFER;
-    cJSON *entry = cJSON_CreateObject();
-    cJSON_AddStringToObject(entry, "pass", dump->pipeline->passes[pass].name);
     cJSON_AddStringToObject(entry, "resource", resource->name);
     if (resource->mips > 1)
         cJSON_AddNumberToObject(entry, "mip", mip);
-    cJSON_AddStringToObject(entry, "file", file);
     cJSON_AddStringToObject(entry, "kind", buffer ? "buffer" : "image");
     if (buffer)
         add_fields(entry, resource);
     else
         cJSON_AddStringToObject(entry, "format", format_name(resource->format));
     cJSON_AddNumberToObject(entry, "stride", resource_stride(resource));
-    static const char *const names[] = {"width", "height", "layers"};
     for (int i = 0; i < (buffer ? 1 : 3); i++)
-        cJSON_AddNumberToObject(entry, buffer ? "count" : names[i], bytes->extent[i]);
+        cJSON_AddNumberToObject(entry, buffer ? "count" : names[i], extent[i]);
+}
+
+static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource *resource,
+                      uint32_t mip, const char *file, const struct dt_bytes *bytes)
+{
+    cJSON *entry = cJSON_CreateObject();
+    cJSON_AddStringToObject(entry, "pass", dump->pipeline->passes[pass].name);
+    cJSON_AddStringToObject(entry, "file", file);
+    dump_describe(entry, resource, mip, bytes->extent);
     return cJSON_AddItemToArray(dump->entries, entry);
 }
 

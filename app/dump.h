@@ -31,6 +31,11 @@ bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipe
 /* One mip of a resource, 0 for a buffer. Sets the padding between fields in bytes to zero. */
 bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
               struct dt_bytes *bytes);
+/* What lies in a file of one mip of a resource, as keys of a JSON object: resource, mip where there
+ * are several, kind, fields or format, stride, and count or width, height and layers. */
+void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mip,
+                   const uint32_t extent[3]);
+
 /* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed
  * dump. */
 bool dump_end(struct dump *dump, bool keep);

@@ -168,15 +168,12 @@ static uint64_t mix(uint64_t seed)
 static uint64_t count_numbers(const struct fault_run *run, const struct dt_resource *resource,
                               uint32_t mip)
 {
-    uint32_t extent[3] = {0, 1, 1};
+    uint32_t extent[3];
     struct component *components = NULL;
     uint64_t count = resource_components(resource, &components);
     free(components);
-    resource->extent(run->size[0], run->size[1], extent);
-    if (resource->kind == DT_BUFFER)
-        return count * extent[0];
-    uint32_t width = extent[0] >> mip, height = extent[1] >> mip;
-    return count * (width ? width : 1) * (height ? height : 1) * extent[2];
+    resource_extent(resource, run->size, mip, extent);
+    return count * resource_elements(resource, extent);
 }
 
 static bool choose_place(const struct fault_run *run, struct place *place)

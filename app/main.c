@@ -12,6 +12,10 @@ static const struct verb verbs[] = {
      "Prints a table; its last line names the first pass whose results break their contract.\n"
      "Exit status: 0 the backends agree, 1 they differ, 2 it could not run.",
      verb_compare},
+    {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",
+     "Prints how what the pass leaves differs from what was expected of it.\n"
+     "Exit status: 0 as expected, 1 it differs, 2 it could not run.",
+     verb_replay},
     {"reference", VERB_REFERENCE, "path-trace a scene: what the pipelines should come near to",
      "Surfaces are Lambertian; lights, camera and materials are those that the pipelines get.\n"
      "The same options give the same bits, whatever the threads and however often interrupted.\n"

@@ -21,7 +21,7 @@ enum option_kind {
 };
 
 struct option_row {
-    const char *name;
+    const char *name; /* without a dash: an argument that stands alone */
     enum option_kind kind;
     size_t offset;        /* into struct options */
     unsigned verbs;       /* that take it */
@@ -37,9 +37,12 @@ struct option_row {
 #define AT(field) offsetof(struct options, field)
 
 static const struct option_row rows[] = {
+    {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
+     "folder that compare --bisect wrote"},
     {"--scene", OPTION_STRING, AT(scene), SCENE, SCENE, "FILE",
      "scene file (YAML): mesh, camera, light"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_RENDER, VERB_RENDER, "NAME",
+    {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY, VERB_RENDER | VERB_REPLAY,
+     "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(backend), COMPARING, 0, "LIST",
      "the first is held against each of the others, like gl,vk,zink (default: gl,vk)"},
@@ -67,18 +70,19 @@ static const struct option_row rows[] = {
      "of both pictures (default: log-average luminance of the reference to 0.18)"},
     {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
-    {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_METRICS, 0, "FILE",
+    {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_REPLAY | VERB_METRICS, 0, "FILE",
      "write the table as JSON, too"},
     {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
-    {"--device", OPTION_STRING, AT(device), SPEC, 0, "NAME|INDEX",
+    {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
-    {"--context", OPTION_CHOICE, AT(context), SPEC, 0, "egl|zink|osmesa|window",
+    {"--context", OPTION_CHOICE, AT(context), SPEC | VERB_REPLAY, 0, "egl|zink|osmesa|window",
      "OpenGL context (default: egl)"},
-    {"--glsl", OPTION_FLAG, AT(glsl), SPEC, 0, NULL, "give OpenGL the GLSL text instead of SPIR-V"},
-    {"--debug", OPTION_FLAG, AT(debug), SPEC, 0, NULL,
+    {"--glsl", OPTION_FLAG, AT(glsl), SPEC | VERB_REPLAY, 0, NULL,
+     "give OpenGL the GLSL text instead of SPIR-V"},
+    {"--debug", OPTION_FLAG, AT(debug), SPEC | VERB_REPLAY, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
-    {"--fault", OPTION_STRING, AT(fault), SPEC, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
+    {"--fault", OPTION_STRING, AT(fault), SPEC | VERB_REPLAY, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
      "1 to 255: fill all memory with it first, to see that no pass reads what nobody wrote"},
@@ -131,7 +135,8 @@ static const struct option_row rows[] = {
      "run nothing, write a Slurm job array over the runs and submit.sh"},
     {"--collect", OPTION_FLAG, AT(collect), VERB_SWEEP, 0, NULL,
      "run nothing, sum up the runs of the sweep in DIR that are over"},
-    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_SWEEP | VERB_METRICS, 0, NULL, "show this"},
+    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_SWEEP | VERB_METRICS | VERB_REPLAY, 0, NULL,
+     "show this"},
 };
 
 enum { ROWS = DT_ARRAY_COUNT(rows), MAX_FRAMES = 1000000, MAX_SIZE = 65536 };
@@ -179,13 +184,26 @@ const char *closest_name(const char *word, const char *const *names, uint32_t co
 static const struct option_row *find_row(const struct verb *verb, const char *name, size_t length)
 {
     for (size_t i = 0; i < ROWS; i++) {
-        if (!(rows[i].verbs & verb->id))
+        if (!(rows[i].verbs & verb->id) || rows[i].name[0] != '-')
             continue;
         if (strlen(rows[i].name) == length && strncmp(rows[i].name, name, length) == 0)
             return &rows[i];
     }
     if (length == 2 && strncmp(name, "-h", 2) == 0)
         return find_row(verb, "--help", 6);
+    return NULL;
+}
+
+/* The row of an argument that stands alone and has not been given yet, or NULL. */
+static const struct option_row *find_alone(const struct options *options, const struct verb *verb,
+                                           const char *argument)
+{
+    for (size_t i = 0; i < ROWS && argument[0] != '-'; i++) {
+        const char *place = (const char *)options + rows[i].offset;
+        if ((rows[i].verbs & verb->id) && rows[i].name[0] != '-' &&
+            !*(const char *const *)(const void *)place)
+            return &rows[i];
+    }
     return NULL;
 }
 
@@ -334,8 +352,9 @@ static bool check_required(const struct options *options, const struct verb *ver
             continue;
         if (*(const char *const *)(const void *)((const char *)options + rows[i].offset))
             continue;
-        report_error(log, "%s: %s %s is missing; see diptych %s --help", verb->name, rows[i].name,
-                     rows[i].argument, verb->name);
+        report_error(log, "%s: %s%s%s is missing; see diptych %s --help", verb->name, rows[i].name,
+                     rows[i].argument ? " " : "", rows[i].argument ? rows[i].argument : "",
+                     verb->name);
         return false;
     }
     return true;
@@ -352,6 +371,12 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
                                 .pixels_per_degree = FLIP_PIXELS_PER_DEGREE};
     for (int i = 0; i < argc; i++) {
         size_t length = argv[i][0] == '-' ? strcspn(argv[i], "=") : strlen(argv[i]);
+        const struct option_row *alone = find_alone(options, verb, argv[i]);
+        if (alone) {
+            if (!store(options, alone, argv[i], log))
+                return false;
+            continue;
+        }
         const struct option_row *row = find_row(verb, argv[i], length);
         if (!row)
             return unknown_option(verb, argv[i], length, log);
@@ -389,7 +414,8 @@ void options_help(const struct verb *verb)
     printf("diptych %s: %s\n\nusage: diptych %s", verb->name, verb->summary, verb->name);
     for (size_t i = 0; i < ROWS; i++) {
         if (rows[i].required & verb->id)
-            printf(" %s %s", rows[i].name, rows[i].argument);
+            printf(" %s%s%s", rows[i].name, rows[i].argument ? " " : "",
+                   rows[i].argument ? rows[i].argument : "");
     }
     printf(" [options]\n\n");
     for (size_t i = 0; i < ROWS; i++) {

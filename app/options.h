@@ -9,6 +9,7 @@
 enum verb_id {
     VERB_RENDER = 1,
     VERB_COMPARE = 2,
+    VERB_REPLAY = 4,
     VERB_SWEEP = 8,
     VERB_REFERENCE = 16,
     VERB_METRICS = 32
@@ -40,8 +41,10 @@ struct options {
     const char *context;
     const char *json;
     const char *fault;
-    uint32_t poison; /* render: a byte, 0: none */
-    uint32_t spp;    /* reference: 0: not given */
+    const char *bisect; /* folder to write */
+    const char *folder; /* of an earlier bisect */
+    uint32_t poison;    /* render: a byte, 0: none */
+    uint32_t spp;       /* reference: 0: not given */
     uint32_t seed;
     uint32_t threads; /* 0: one per processor */
     const char *noise;
@@ -77,6 +80,7 @@ struct verb {
 
 int verb_render(struct console *console, const struct options *options);
 int verb_compare(struct console *console, const struct options *options);
+int verb_replay(struct console *console, const struct options *options);
 int verb_reference(struct console *console, const struct options *options);
 int verb_metrics(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);

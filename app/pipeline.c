@@ -88,6 +88,8 @@ void pipeline_unload(struct pipeline *pipeline)
 {
     free(pipeline->live);
     free(pipeline->generated);
+    free(pipeline->templates);
+    free(pipeline->spec);
     if (pipeline->object)
         dlclose(pipeline->object);
     *pipeline = (struct pipeline){0};
@@ -281,11 +283,11 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
         report_error(&console->log, "%s: cannot be read: %s",
                      options->templates ? options->templates : "templates", strerror(errno));
     bool good = spec && templates && sets && load_request(pipeline, console, options, &request);
+    pipeline->templates = templates;
+    pipeline->spec = spec;
     if (!good)
         pipeline_unload(pipeline);
     free(sets);
-    free(templates);
-    free(spec);
     free(project);
     free(tools);
     return good;

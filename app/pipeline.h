@@ -16,6 +16,7 @@ struct pipeline {
     /* where it was generated: gl/PASS.comp, vk/PASS.comp and so on, and gen.d, which names the files
      * that it was made from; owned */
     char *generated;
+    char *spec, *templates; /* real paths of what it was generated from; owned */
 };
 
 /* The project's folder (that holds templates/), found from the executable's place; free(). */

@@ -21,6 +21,7 @@ struct session_info {
     bool name_in_log;     /* put the side's label before its messages */
     uint32_t first_frame; /* index of the first frame to run, mostly 0 */
     struct fault fault;
+    const struct dt_frame *frame_block; /* NULL: as the scene and the frame's number make it */
 };
 
 struct session {

@@ -127,6 +127,20 @@ uint32_t resource_stride(const struct dt_resource *resource)
     return resource->kind == DT_BUFFER ? resource->stride : format_size(resource->format);
 }
 
+void resource_extent(const struct dt_resource *resource, const uint32_t size[2], uint32_t mip,
+                     uint32_t extent[3])
+{
+    memset(extent, 0, 3 * sizeof *extent);
+    resource->extent(size[0], size[1], extent);
+    for (int axis = 0; axis < 2 && resource->kind == DT_IMAGE; axis++)
+        extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
+}
+
+uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3])
+{
+    return resource->kind == DT_BUFFER ? extent[0] : (uint64_t)extent[0] * extent[1] * extent[2];
+}
+
 static enum number_kind type_number(enum dt_type type)
 {
     enum dt_type scalar = type_scalar(type);

@@ -28,6 +28,12 @@ struct component {
 
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
 
+/* Extent of one mip in a frame of that size, as a runtime's read gives it: elements of a buffer, or
+ * width, height and layers; and how many elements or texels that is. */
+void resource_extent(const struct dt_resource *resource, const uint32_t size[2], uint32_t mip,
+                     uint32_t extent[3]);
+uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3]);
+
 /* The mips that hold something before the pass runs, as a mask: those that an earlier pass of the
  * frame writes; with history all. A buffer has mip 0. */
 uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);

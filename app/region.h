@@ -1,0 +1,24 @@
+/* Where in a resource two copies fail their contract: how many elements, the box around them, and
+ * the smallest region that still fails, found by halving that box. Called by bisect and replay. */
+#ifndef DIPTYCH_REGION_H
+#define DIPTYCH_REGION_H
+
+#include "diptych.h"
+
+/* Axes are x, y and layer; a buffer has x alone, its index. Bounds are inclusive. */
+struct region {
+    uint64_t failing; /* elements; 0: the rest is meaningless */
+    uint32_t low[3], high[3];
+    uint32_t smallest[3]; /* one element */
+};
+
+/* Copies have one size. Fails, with the error logged, only when out of memory. */
+bool region_find(struct region *region, const struct dt_resource *resource,
+                 const struct dt_bytes copies[2], const struct dt_log *log);
+
+/* "3 elements differ within x 4..9, y 0..2, layer 1; smallest: (4, 2, layer 1)", or without layers, or
+ * "3 elements
+ * differ within [4..9]; smallest: [4]"; malloc'ed, NULL when out of memory. */
+char *region_describe(const struct region *region, const struct dt_resource *resource);
+
+#endif
