@@ -1,0 +1,24 @@
+/* A difference as a picture: the first copy, the second and what is between them, side by side.
+ * Called by compare for --pictures. */
+#ifndef DIPTYCH_STRIP_H
+#define DIPTYCH_STRIP_H
+
+#include "diptych.h"
+
+/* What a strip shows. */
+struct strip {
+    uint32_t layer; /* the one with the largest difference */
+    /* what differences are multiplied by before 1 is full brightness, a power of two; 0 for integers,
+     * whose differences are white */
+    double amplification;
+};
+
+/* Writes a PNG of one image resource: left the first copy, in the middle the second, both by one
+ * mapping (see picture_codes), right their difference, channel by channel; one in alpha is grey. The
+ * brightness of a difference is the square root of the amplified number, and no difference is darker
+ * than dark grey; NaN and Inf are magenta. Small images are enlarged by whole numbers. Fails, with the
+ * error logged, for a buffer, for copies of different sizes and for an empty image. */
+bool strip_write(struct strip *strip, const char *path, const struct dt_resource *resource,
+                 const struct dt_bytes copies[2], const struct dt_log *log);
+
+#endif

@@ -1,0 +1,192 @@
+/* Strips, read back from their files: which layer, how bright, where. Expected codes come from the
+ * definition: the square root of the amplified difference, dark grey at least. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "app/files.h"
+#include "app/strip.h"
+#include "scenes/image.h"
+
+enum { SEPARATOR = 4, READABLE = 256 };
+
+static int errors;
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    (void)message;
+    errors += level == DT_ERROR;
+}
+
+static const struct dt_log listener = {.message = hear};
+
+/* A strip that was written and read back. */
+struct seen {
+    struct strip strip;
+    uint32_t width, height, scale, panel;
+    uint8_t *texels; /* RGBA */
+};
+
+static struct seen look(const struct dt_resource *resource, const void *left, const void *right,
+                        size_t size, const uint32_t extent[3])
+{
+    char folder[] = "/tmp/diptych-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    char *path = format_string("%s/strip.png", folder);
+    struct dt_bytes copies[2] = {{.data = (uint8_t *)left, .size = size},
+                                 {.data = (uint8_t *)right, .size = size}};
+    memcpy(copies[0].extent, extent, sizeof copies[0].extent);
+    memcpy(copies[1].extent, extent, sizeof copies[1].extent);
+    struct seen seen = {.width = 0};
+    assert_true(strip_write(&seen.strip, path, resource, copies, &listener));
+    assert_true(image_read_rgba8(path, &seen.width, &seen.height, &seen.texels, &listener));
+    seen.scale = seen.height / extent[1];
+    seen.panel = extent[0] * seen.scale;
+    assert_int_equal(seen.width, 3 * seen.panel + 2 * SEPARATOR);
+    file_remove_tree(folder);
+    free(path);
+    return seen;
+}
+
+/* The code of texel (x, y), y upwards, in a panel: both its corners, since it was enlarged. */
+static void expect_code(const struct seen *seen, uint32_t panel, uint32_t x, uint32_t y,
+                        uint32_t red, uint32_t green, uint32_t blue)
+{
+    uint32_t left = panel * (seen->panel + SEPARATOR) + x * seen->scale;
+    uint32_t bottom = seen->height - 1 - y * seen->scale;
+    const uint32_t expected[3] = {red, green, blue};
+    for (int corner = 0; corner < 2; corner++) {
+        uint32_t at_x = left + (corner ? seen->scale - 1 : 0);
+        uint32_t at_y = bottom - (corner ? seen->scale - 1 : 0);
+        const uint8_t *code = seen->texels + ((size_t)at_y * seen->width + at_x) * 4;
+        for (int c = 0; c < 3; c++)
+            if (code[c] != expected[c])
+                fail_msg("panel %u, texel (%u, %u), channel %d: %u, expected %u", panel, x, y, c,
+                         code[c], expected[c]);
+    }
+}
+
+static void codes_stand_side_by_side(void **state)
+{
+    (void)state;
+    static const uint8_t left[4][4] = {{10, 20, 30, 0}, {1, 2, 3, 0}, {0}, {0}};
+    static const uint8_t right[4][4] = {{10, 21, 30, 0}, {1, 2, 3, 2}, {0}, {0}};
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
+    struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){2, 2, 1});
+    assert_int_equal(seen.scale, READABLE / 2);
+    assert_true(seen.strip.amplification == 64); /* 2/255 * 64 is in 1/2..1 */
+    expect_code(&seen, 0, 0, 0, 10, 20, 30);
+    expect_code(&seen, 1, 0, 0, 10, 21, 30);
+    const uint32_t one = (uint32_t)lrint(255 * sqrt(64 / 255.0));
+    const uint32_t two = (uint32_t)lrint(255 * sqrt(128 / 255.0));
+    expect_code(&seen, 2, 0, 0, 0, one, 0);
+    expect_code(&seen, 2, 1, 0, two, two, two); /* alpha alone */
+    expect_code(&seen, 2, 0, 1, 0, 0, 0);
+    const uint8_t *separator = seen.texels + (size_t)seen.panel * 4;
+    assert_int_equal(separator[0], 128);
+    assert_int_equal(separator[(size_t)SEPARATOR * 4], 0); /* the second copy begins */
+    free(seen.texels);
+}
+
+/* The smallest difference beside the largest is still seen; both copies share one mapping. */
+static void no_difference_is_black(void **state)
+{
+    (void)state;
+    const float left[3] = {-1e6f, 1, 0.5f}, right[3] = {1e6f, 1, nextafterf(0.5f, 1)};
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
+    struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){3, 1, 1});
+    assert_true(seen.strip.amplification == 0x1p-21);
+    expect_code(&seen, 0, 0, 0, 0, 0, 0);
+    expect_code(&seen, 1, 0, 0, 255, 255, 255);
+    const uint32_t largest = (uint32_t)lrint(255 * sqrt(2e6 / 0x1p21));
+    expect_code(&seen, 2, 0, 0, largest, largest, largest);
+    expect_code(&seen, 2, 1, 0, 0, 0, 0);
+    expect_code(&seen, 2, 2, 0, 48, 48, 48);
+    free(seen.texels);
+}
+
+static void worst_layer_is_shown(void **state)
+{
+    (void)state;
+    const float left[4] = {0.25f, 0.5f, 1, 1};
+    float right[4] = {0.25f, 0.75f, 2, 1};
+    const struct dt_resource resource = {
+        .name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F, .layered = true};
+    const uint32_t extent[3] = {1, 1, 4};
+    struct seen seen = look(&resource, left, right, sizeof left, extent);
+    assert_int_equal(seen.strip.layer, 2);
+    assert_true(seen.strip.amplification == 1);
+    free(seen.texels);
+    right[3] = NAN;
+    seen = look(&resource, left, right, sizeof left, extent);
+    assert_int_equal(seen.strip.layer, 3);
+    expect_code(&seen, 1, 0, 0, 255, 0, 255);
+    expect_code(&seen, 2, 0, 0, 255, 0, 255);
+    free(seen.texels);
+}
+
+static void labels_differ_or_not(void **state)
+{
+    (void)state;
+    static const uint32_t left[2] = {3, 4}, right[2] = {3, 1000000};
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32UI};
+    struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){2, 1, 1});
+    assert_true(seen.strip.amplification == 0);
+    expect_code(&seen, 2, 0, 0, 0, 0, 0);
+    expect_code(&seen, 2, 1, 0, 255, 255, 255);
+    free(seen.texels);
+}
+
+static void large_images_keep_their_size(void **state)
+{
+    (void)state;
+    enum { WIDTH = 300, HEIGHT = 3 };
+    static uint8_t left[HEIGHT][WIDTH], right[HEIGHT][WIDTH];
+    right[2][299] = 255;
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R8};
+    struct seen seen =
+        look(&resource, left, right, sizeof left, (const uint32_t[]){WIDTH, HEIGHT, 1});
+    assert_int_equal(seen.scale, 1);
+    expect_code(&seen, 1, 299, 2, 255, 255, 255);
+    expect_code(&seen, 0, 299, 2, 0, 0, 0);
+    expect_code(&seen, 2, 299, 2, 255, 255, 255);
+    free(seen.texels);
+}
+
+static void others_are_refused(void **state)
+{
+    (void)state;
+    static uint8_t bytes[16];
+    const struct dt_bytes copies[2] = {{.data = bytes, .size = 16, .extent = {4, 1, 1}},
+                                       {.data = bytes, .size = 16, .extent = {2, 2, 1}}};
+    const struct dt_bytes none[2] = {{.data = bytes, .size = 0, .extent = {0, 4, 1}},
+                                     {.data = bytes, .size = 0, .extent = {0, 4, 1}}};
+    const struct dt_resource image = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
+    const struct dt_resource buffer = {.name = "b", .kind = DT_BUFFER};
+    const char *path = "/tmp/diptych-never-written.png";
+    struct strip strip;
+    errors = 0;
+    assert_false(strip_write(&strip, path, &image, copies, &listener));
+    assert_false(strip_write(&strip, path, &image, none, &listener));
+    assert_false(strip_write(&strip, path, &buffer, copies, &listener));
+    assert_int_equal(errors, 3);
+    assert_false(file_exists(path));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(codes_stand_side_by_side),     cmocka_unit_test(no_difference_is_black),
+        cmocka_unit_test(worst_layer_is_shown),         cmocka_unit_test(labels_differ_or_not),
+        cmocka_unit_test(large_images_keep_their_size), cmocka_unit_test(others_are_refused),
+    };
+    return cmocka_run_group_tests_name("strip", tests, NULL, NULL);
+}
