@@ -134,11 +134,17 @@ static void paint_difference(const struct strip *strip, const struct dt_resource
         codes[c] = DARKEST;
 }
 
+static uint8_t *allocate_codes(uint32_t width, uint32_t height)
+{
+    size_t texels = (size_t)width * height;
+    return calloc(texels ? texels : 1, 3);
+}
+
 /* Three channels, row 0 at the top, as picture_codes has them. */
 static uint8_t *paint_differences(const struct strip *strip, const struct pair *pair)
 {
     size_t size = format_size(pair->resource->format);
-    uint8_t *codes = malloc((size_t)pair->width * pair->height * 3);
+    uint8_t *codes = allocate_codes(pair->width, pair->height);
     for (uint32_t y = 0; codes && y < pair->height; y++) {
         size_t row = (size_t)(pair->height - 1 - y) * pair->width;
         for (uint32_t x = 0; x < pair->width; x++) {
@@ -198,7 +204,7 @@ static bool write_panels(const char *path, const struct pair *pair, const struct
     struct canvas canvas = {.width = PANELS * panel + (PANELS - 1) * SEPARATOR,
                             .height = pair->height * scale,
                             .scale = scale};
-    canvas.codes = malloc((size_t)canvas.width * canvas.height * 3);
+    canvas.codes = allocate_codes(canvas.width, canvas.height);
     if (!canvas.codes) {
         report_error(log, "%s: out of memory for a picture of %ux%u", pair->resource->name,
                      canvas.width, canvas.height);
