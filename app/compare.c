@@ -27,17 +27,40 @@ static bool is_worse(const struct difference *a, const struct difference *b)
     return a->worst.valid && (!b->worst.valid || a->worst.error > b->worst.error);
 }
 
-static bool compare_pair(struct compare *compare, struct pair *pair, const struct row *row,
-                         uint32_t frame, const struct dt_bytes copies[2])
+/* All sides' copies of one row at the present stop: what each pair finds lies in pair->found. */
+static bool compare_copies(struct compare *compare, const struct row *row, uint32_t frame,
+                           uint64_t *hash)
 {
     const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
-    pair->found = (struct difference){0};
-    if (!difference_add(&pair->found, resource, frame, copies)) {
-        report_error(&compare->console->log, "out of memory");
-        return false;
+    struct dt_bytes copies[2];
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_ask(&compare->sources[i], row))
+            return false;
     }
-    compare->compared += pair->found.elements;
-    return true;
+    if (!source_take(&compare->sources[0], row, &copies[0]))
+        return false;
+    bool good = fingerprint(resource, &copies[0], hash);
+    for (uint32_t i = 0; i < compare->pair_count && good; i++) {
+        struct pair *pair = &compare->pairs[i];
+        pair->found = (struct difference){0};
+        if (!source_take(&compare->sources[i + 1], row, &copies[1]))
+            return false;
+        good = difference_add(&pair->found, resource, frame, copies);
+    }
+    if (!good)
+        report_error(&compare->console->log, "out of memory");
+    return good;
+}
+
+static bool bits_differ(const struct difference *found)
+{
+    return found->differing || found->size_differs;
+}
+
+/* What later frames look like is of no use for the blame. */
+static bool wants_frame(const struct pair *pair, uint32_t frame)
+{
+    return !pair->broken || pair->broken_frame == frame;
 }
 
 /* The margins by which the flips that were just found had been decided. */
@@ -75,25 +98,38 @@ static void keep_result(struct pair *pair, uint32_t index, uint32_t frame)
     }
 }
 
-static bool compare_row(struct compare *compare, uint32_t index, uint32_t frame)
+static bool compare_output(struct compare *compare, uint32_t index, uint32_t frame)
 {
     const struct row *row = &compare->rows.outputs.list[index];
-    struct dt_bytes copies[2];
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
-        if (!source_ask(&compare->sources[i], row))
-            return false;
-    }
-    if (!source_take(&compare->sources[0], row, &copies[0]))
+    uint64_t hash = 0;
+    if (!compare_copies(compare, row, frame, &hash))
         return false;
     for (uint32_t i = 0; i < compare->pair_count; i++) {
-        if (!source_take(&compare->sources[i + 1], row, &copies[1]) ||
-            !compare_pair(compare, &compare->pairs[i], row, frame, copies))
-            return false;
-    }
-    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
         if (!add_margins(compare, i, row))
             return false;
-        keep_result(&compare->pairs[i], index, frame);
+        keep_result(pair, index, frame);
+        compare->compared += pair->found.elements;
+        if (wants_frame(pair, frame)) {
+            pair->outputs_differ[index] = bits_differ(&pair->found);
+            pair->fingerprints[index] = hash;
+        }
+    }
+    return true;
+}
+
+/* What the frame finds of earlier ones. */
+static bool compare_history(struct compare *compare, uint32_t frame)
+{
+    for (uint32_t i = 0; i < compare->rows.history.count; i++) {
+        uint64_t hash;
+        if (!compare_copies(compare, &compare->rows.history.list[i], frame, &hash))
+            return false;
+        for (uint32_t k = 0; k < compare->pair_count; k++) {
+            struct pair *pair = &compare->pairs[k];
+            if (wants_frame(pair, frame))
+                pair->history_differs[i] = bits_differ(&pair->found);
+        }
     }
     return true;
 }
@@ -117,20 +153,24 @@ static bool run_frame(struct compare *compare, uint32_t frame)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
     const uint32_t *first = compare->rows.outputs.first;
+    if (compare->rows.history.count &&
+        (!advance(compare, (struct worker_place){WORKER_BEFORE_PASS, frame, 0}) ||
+         !compare_history(compare, frame)))
+        return false;
     for (uint32_t pass = 0; pass < info->pass_count; pass++) {
         console_status(compare->console, "frame %u of %u, pass %s", frame + 1,
                        compare->options->frames, info->passes[pass].name);
         if (!advance(compare, (struct worker_place){WORKER_AFTER_PASS, frame, pass}))
             return false;
         for (uint32_t i = first[pass]; i < first[pass + 1]; i++) {
-            if (!compare_row(compare, i, frame))
+            if (!compare_output(compare, i, frame))
                 return false;
         }
     }
     return advance(compare, (struct worker_place){WORKER_FRAME_DONE, frame, 0});
 }
 
-static bool start(struct compare *compare, uint32_t index)
+static struct worker_info describe_worker(struct compare *compare, uint32_t index)
 {
     struct worker_info info = {.session = {.side = &compare->sides.list[index],
                                            .console = compare->console,
@@ -138,17 +178,19 @@ static bool start(struct compare *compare, uint32_t index)
                                            .pipeline = &compare->pipeline,
                                            .scene = &compare->scene,
                                            .poison = index ? POISON_OTHERS : POISON_FIRST},
-                               .frames = compare->options->frames};
+                               .frames = compare->options->frames,
+                               .stops_before = compare->rows.history.count > 0};
     if (index == compare->faulty)
         info.session.fault = compare->fault;
-    return source_start(&compare->sources[index], &info);
+    return info;
 }
 
 static bool start_all(struct compare *compare)
 {
     console_status(compare->console, "opening the devices and creating the programs");
     for (uint32_t i = 0; i < compare->sides.count; i++) {
-        if (!start(compare, i))
+        const struct worker_info info = describe_worker(compare, i);
+        if (!source_start(&compare->sources[i], &info))
             return false;
     }
     for (uint32_t i = 0; i < compare->sides.count; i++) {
@@ -172,7 +214,40 @@ static bool run_all(struct compare *compare)
     return good;
 }
 
+/* Only pairs that differ are run again. */
+static bool find_blame(struct compare *compare)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        const struct replay replay = {
+            .console = compare->console,
+            .rows = &compare->rows,
+            .workers = {describe_worker(compare, 0), describe_worker(compare, i + 1)},
+            .frame = pair->broken_frame};
+        const struct first_run first = {.broken_row = pair->broken_row,
+                                        .outputs_differ = pair->outputs_differ,
+                                        .history_differs = pair->history_differs,
+                                        .fingerprints = pair->fingerprints};
+        if (pair->broken && !blame_find(&pair->blame, &replay, &first))
+            return false;
+    }
+    return true;
+}
+
 /* ---- The verb -------------------------------------------------------------------------------- */
+
+static bool allocate_pair(struct compare *compare, uint32_t index)
+{
+    const struct rows *rows = &compare->rows;
+    struct pair *pair = &compare->pairs[index];
+    pair->sides[0] = &compare->sides.list[0];
+    pair->sides[1] = &compare->sides.list[index + 1];
+    pair->results = calloc(rows->outputs.count, sizeof *pair->results);
+    pair->outputs_differ = calloc(rows->outputs.count, sizeof *pair->outputs_differ);
+    pair->history_differs = calloc(rows->history.count + 1, sizeof *pair->history_differs);
+    pair->fingerprints = calloc(rows->outputs.count, sizeof *pair->fingerprints);
+    return pair->results && pair->outputs_differ && pair->history_differs && pair->fingerprints;
+}
 
 static bool allocate(struct compare *compare)
 {
@@ -180,15 +255,10 @@ static bool allocate(struct compare *compare)
     compare->pair_count = sides - 1;
     compare->sources = calloc(sides, sizeof *compare->sources);
     compare->devices = calloc(sides, sizeof *compare->devices);
-    compare->pairs = calloc(sides, sizeof *compare->pairs);
+    compare->pairs = calloc(compare->pair_count, sizeof *compare->pairs);
     bool good = compare->sources && compare->devices && compare->pairs;
-    for (uint32_t i = 0; i < compare->pair_count && good; i++) {
-        struct pair *pair = &compare->pairs[i];
-        pair->sides[0] = &compare->sides.list[0];
-        pair->sides[1] = &compare->sides.list[i + 1];
-        pair->results = calloc(compare->rows.outputs.count, sizeof *pair->results);
-        good = pair->results;
-    }
+    for (uint32_t i = 0; i < compare->pair_count && good; i++)
+        good = allocate_pair(compare, i);
     if (!good)
         report_error(&compare->console->log, "out of memory");
     return good;
@@ -196,8 +266,14 @@ static bool allocate(struct compare *compare)
 
 static void release(struct compare *compare)
 {
-    for (uint32_t i = 0; i < compare->pair_count; i++)
-        free(compare->pairs[i].results);
+    for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        blame_free(&pair->blame);
+        free(pair->results);
+        free(pair->outputs_differ);
+        free(pair->history_differs);
+        free(pair->fingerprints);
+    }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
         free(compare->devices[i]);
     free(compare->pairs);
@@ -250,9 +326,9 @@ static bool run(struct compare *compare)
         return false;
     if (!session_load_scene(&compare->scene, console, options) || !allocate(compare))
         return false;
-    return run_all(compare) &&
-           compares_something(compare, compare->compared, "all resources are empty") &&
-           atomic_load(&console->errors) == 0;
+    compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
+                        compares_something(compare, compare->compared, "all resources are empty");
+    return compare->complete && find_blame(compare) && atomic_load(&console->errors) == 0;
 }
 
 int verb_compare(struct console *console, const struct options *options)
@@ -260,13 +336,14 @@ int verb_compare(struct console *console, const struct options *options)
     struct compare compare = {.console = console, .options = options};
     bool differ = false;
     bool good = run(&compare);
-    if (good && options->json)
-        good = compare_write_json(&compare);
+    /* what was found out before something went wrong is worth knowing, too */
+    if (compare.complete && options->json)
+        good = compare_write_json(&compare) && good;
     console_status(console, "%s", "");
-    if (good)
+    if (compare.complete)
         compare_print(&compare);
     for (uint32_t i = 0; i < compare.pair_count; i++)
-        differ |= compare.pairs[i].broken;
+        differ |= compare.pairs && compare.pairs[i].broken;
     release(&compare);
     return !good ? COULD_NOT_RUN : differ ? EXIT_DIFFER : EXIT_FINE;
 }

@@ -3,6 +3,7 @@
 #ifndef DIPTYCH_COMPARE_H
 #define DIPTYCH_COMPARE_H
 
+#include "blame.h"
 #include "difference.h"
 #include "options.h"
 #include "pipeline.h"
@@ -23,6 +24,10 @@ struct pair {
     struct difference found; /* of the row and frame that is being compared */
     bool broken;
     uint32_t broken_frame, broken_row; /* the first that broke its contract */
+    /* of the frame that broke first, or else of the one that is being compared: see blame.h */
+    bool *outputs_differ, *history_differs;
+    uint64_t *fingerprints;
+    struct blame blame;
 };
 
 struct compare {
@@ -39,6 +44,7 @@ struct compare {
     struct pair *pairs;
     uint32_t pair_count; /* sides.count - 1 */
     uint64_t compared;   /* elements, over all rows, pairs and frames */
+    bool complete;       /* all rows were compared */
 };
 
 void compare_print(const struct compare *compare); /* on stdout */

@@ -26,18 +26,27 @@ static cJSON *row_json(const struct compare *compare, const struct pair *pair, u
     cJSON_AddNumberToObject(root, "frame", result->frame);
     cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
     difference_json(root, &result->difference, &info->resources[row->resource], labels);
+    if (pair->blame.outcome == BLAME_NOT_RUN)
+        return root;
+    bool differ = pair->blame.inputs_differ[row->pass];
+    cJSON_AddStringToObject(root, "inputs", differ ? "differ" : "equal");
+    difference_json(cJSON_AddObjectToObject(root, "own_error"), &pair->blame.own[index],
+                    &info->resources[row->resource], labels);
     return root;
 }
 
-/* Where the pair broke first, or null. */
-static cJSON *first_break_json(const struct compare *compare, const struct pair *pair)
+/* Adds where in the frames something is, or null. */
+static cJSON *add_event(cJSON *root, const char *name, const struct compare *compare, bool happened,
+                        uint32_t row, uint32_t frame)
 {
-    if (!pair->broken)
-        return cJSON_CreateNull();
-    cJSON *root = cJSON_CreateObject();
-    add_place(root, compare->pipeline.info, &compare->rows.outputs.list[pair->broken_row]);
-    cJSON_AddNumberToObject(root, "frame", pair->broken_frame);
-    return root;
+    if (!happened) {
+        cJSON_AddNullToObject(root, name);
+        return NULL;
+    }
+    cJSON *event = cJSON_AddObjectToObject(root, name);
+    add_place(event, compare->pipeline.info, &compare->rows.outputs.list[row]);
+    cJSON_AddNumberToObject(event, "frame", frame);
+    return event;
 }
 
 static void add_pair(cJSON *root, const struct compare *compare, const struct pair *pair)
@@ -53,7 +62,18 @@ static void add_pair(cJSON *root, const struct compare *compare, const struct pa
 static void add_outcome(cJSON *root, const struct compare *compare, const struct pair *pair)
 {
     cJSON_AddBoolToObject(root, "agree", !pair->broken);
-    cJSON_AddItemToObject(root, "first_break", first_break_json(compare, pair));
+    add_event(root, "first_break", compare, pair->broken, pair->broken_row, pair->broken_frame);
+    const struct blame *blame = &pair->blame;
+    cJSON *guilty = add_event(root, "guilty", compare, blame->outcome == BLAME_GUILTY, blame->row,
+                              blame->frame);
+    const struct row *row = &compare->rows.outputs.list[blame->row];
+    const char *shader = compare->pipeline.info->passes[row->pass].shader;
+    if (guilty && shader)
+        cJSON_AddStringToObject(guilty, "shader", shader);
+    cJSON *strayed = add_event(root, "not_repeatable", compare,
+                               blame->outcome == BLAME_NOT_REPEATABLE, blame->row, blame->frame);
+    if (strayed)
+        cJSON_AddStringToObject(strayed, "side", blame->side->label);
 }
 
 /* One pair lies in the root itself; of several each lies in "pairs", and the root tells the outcome

@@ -9,6 +9,20 @@ struct widths {
     int pass, resource;
 };
 
+/* Two more columns: were the inputs of the pass the same, and what it got wrong when they were. */
+static void print_blame(const struct pair *pair, uint32_t index, uint32_t pass)
+{
+    const struct difference *own = &pair->blame.own[index];
+    char error[32] = "none";
+    if (own->size_differs)
+        snprintf(error, sizeof error, "size");
+    else if (own->differing)
+        snprintf(error, sizeof error, "%llu differ", (unsigned long long)own->differing);
+    else if (own->not_finite)
+        snprintf(error, sizeof error, "not finite");
+    printf("%-6s  %-12s  ", pair->blame.inputs_differ[pass] ? "differ" : "equal", error);
+}
+
 static void print_row(const struct compare *compare, const struct pair *pair, uint32_t index,
                       const struct widths *widths)
 {
@@ -19,10 +33,12 @@ static void print_row(const struct compare *compare, const struct pair *pair, ui
     const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
     char *worst = difference_describe_worst(difference, resource, labels);
     char *flips = difference_list_flips(difference, resource, labels);
-    printf("%-*s  %-*s  %10llu  %10llu  %-7s  %s\n%s", widths->pass, info->passes[row->pass].name,
+    printf("%-*s  %-*s  %10llu  %10llu  %-7s  ", widths->pass, info->passes[row->pass].name,
            widths->resource, row->name, (unsigned long long)difference->elements,
-           (unsigned long long)difference->differing, verdict_name(difference_verdict(difference)),
-           worst ? worst : "", flips ? flips : "");
+           (unsigned long long)difference->differing, verdict_name(difference_verdict(difference)));
+    if (pair->blame.outcome != BLAME_NOT_RUN)
+        print_blame(pair, index, row->pass);
+    printf("%s\n%s", worst ? worst : "", flips ? flips : "");
     free(worst);
     free(flips);
 }
@@ -37,7 +53,34 @@ static void print_agreement(const struct dt_pipeline *info)
     printf("all %u resources of %u passes agree\n", resources, passes);
 }
 
-/* The one sentence that says how a pair ended. */
+static void print_verdict(const struct compare *compare, const struct pair *pair)
+{
+    const struct blame *blame = &pair->blame;
+    const struct row *row = &compare->rows.outputs.list[blame->row];
+    const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
+    switch (blame->outcome) {
+    case BLAME_GUILTY:
+        printf("guilty: pass %s", pass->name);
+        if (pass->shader)
+            printf(" (shader %s)", pass->shader);
+        printf(": resource %s, in frame %u\n", row->name, blame->frame);
+        break;
+    case BLAME_INHERITED:
+        printf(
+            "no pass is guilty alone: the error of pass %s, resource %s, in frame %u, adds up from "
+            "errors that their contracts allow\n",
+            pass->name, row->name, blame->frame);
+        break;
+    case BLAME_NOT_REPEATABLE:
+        printf("%s is not repeatable: pass %s wrote another %s when it ran again, in frame %u\n",
+               blame->side->label, pass->name, row->name, blame->frame);
+        break;
+    case BLAME_NOT_RUN:
+        break;
+    }
+}
+
+/* How a pair ended. */
 static void print_outcome(const struct compare *compare, const struct pair *pair)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
@@ -48,6 +91,7 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     const struct row *row = &compare->rows.outputs.list[pair->broken_row];
     printf("pass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
            row->name, pair->broken_frame);
+    print_verdict(compare, pair);
 }
 
 static struct widths measure(const struct compare *compare)
@@ -68,27 +112,31 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     const struct widths widths = measure(compare);
     if (compare->pair_count > 1)
         printf("\n%s against %s\n", pair->sides[1]->label, pair->sides[0]->label);
-    printf("\n%-*s  %-*s  %10s  %10s  %-7s  %s\n", widths.pass, "pass", widths.resource, "resource",
-           "elements", "differing", "verdict", "largest error");
+    bool replayed = pair->blame.outcome != BLAME_NOT_RUN;
+    printf("\n%-*s  %-*s  %10s  %10s  %-7s  %slargest error\n", widths.pass, "pass",
+           widths.resource, "resource", "elements", "differing", "verdict",
+           replayed ? "inputs  own error     " : "");
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++)
         print_row(compare, pair, i, &widths);
 }
 
 void compare_print(const struct compare *compare)
 {
+    bool several = compare->pair_count > 1;
     const struct pair *told = &compare->pairs[0]; /* the first that differs */
     for (uint32_t i = 0; i < compare->sides.count; i++)
         printf("%s: %s\n", compare->sides.list[i].label, compare->devices[i]);
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];
         print_pair(compare, pair);
+        printf("\n");
+        if (several)
+            print_outcome(compare, pair);
         told = pair->broken && !told->broken ? pair : told;
     }
-    printf("\n");
-    for (uint32_t i = 0; i < compare->pair_count && compare->pair_count > 1; i++) {
-        printf("%s against %s: ", compare->pairs[i].sides[1]->label,
-               compare->pairs[i].sides[0]->label);
-        print_outcome(compare, &compare->pairs[i]);
-    }
+    if (several && told->broken)
+        printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);
+    else if (several)
+        printf("\n%u pairs agree\n", compare->pair_count);
     print_outcome(compare, told);
 }

@@ -103,28 +103,6 @@ static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource
     return cJSON_AddItemToArray(dump->entries, entry);
 }
 
-/* Padding between fields holds whatever the memory held before: zero, so that equal content gives
- * equal files. */
-static bool clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes)
-{
-    struct component *list = NULL;
-    uint32_t stride = resource_stride(resource);
-    uint32_t count = resource_components(resource, &list);
-    uint8_t *padding = malloc(stride);
-    bool good = padding && count;
-    if (good) {
-        memset(padding, 1, stride);
-        for (uint32_t i = 0; i < count; i++)
-            memset(padding + list[i].offset, 0, number_size(list[i].kind));
-        for (size_t at = 0; at < bytes->size; at++)
-            if (padding[at % stride])
-                bytes->data[at] = 0;
-    }
-    free(padding);
-    free(list);
-    return good;
-}
-
 static char *file_name(const struct dump *dump, uint32_t pass, const char *resource, uint32_t mip)
 {
     const char *name = dump->pipeline->passes[pass].name;
@@ -136,7 +114,7 @@ bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
               struct dt_bytes *bytes)
 {
     const struct dt_resource *what = &dump->pipeline->resources[resource];
-    if (what->kind == DT_BUFFER && !clear_padding(what, bytes)) {
+    if (!resource_clear_padding(what, bytes)) {
         report_error(&dump->console->log, "out of memory");
         return false;
     }

@@ -139,7 +139,7 @@ static bool run(struct lone_pass *alone)
                                                  .frame_block = &evidence->frame},
                                      .frames = frame + 1,
                                      .first_observed = frame,
-                                     .before_pass = true};
+                                     .stops_before = UINT32_MAX};
     bool good = worker_start(&alone->worker, &info) && run_pass(alone);
     worker_close(&alone->worker);
     if (good && !alone->differences)

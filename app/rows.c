@@ -66,13 +66,23 @@ static bool append_inputs(struct rows *rows, uint32_t pass)
     return true;
 }
 
+static bool append_history(struct rows *rows)
+{
+    for (uint32_t i = 0; i < rows->pipeline->resource_count; i++) {
+        if (!append_mips(&rows->history, rows->pipeline, 0, i,
+                         resource_mips_before(rows->pipeline, 0, i)))
+            return false;
+    }
+    return true;
+}
+
 bool rows_make(struct rows *rows, const struct dt_pipeline *pipeline, const struct dt_log *log)
 {
     uint32_t passes = pipeline->pass_count;
     *rows = (struct rows){.pipeline = pipeline};
     rows->outputs.first = calloc(passes + 1, sizeof *rows->outputs.first);
     rows->inputs.first = calloc(passes + 1, sizeof *rows->inputs.first);
-    bool good = rows->outputs.first && rows->inputs.first;
+    bool good = rows->outputs.first && rows->inputs.first && append_history(rows);
     for (uint32_t pass = 0; pass < passes && good; pass++) {
         good = append_outputs(rows, pass) && append_inputs(rows, pass);
         rows->outputs.first[pass + 1] = rows->outputs.count;
@@ -81,6 +91,24 @@ bool rows_make(struct rows *rows, const struct dt_pipeline *pipeline, const stru
     if (!good)
         report_error(log, "out of memory");
     return good;
+}
+
+static bool is_same(const struct row *a, const struct row *b)
+{
+    return a->resource == b->resource && a->mip == b->mip;
+}
+
+bool rows_origin(const struct rows *rows, const struct row *input, uint32_t *index)
+{
+    for (uint32_t i = rows->outputs.first[input->pass]; i-- > 0;) {
+        *index = i;
+        if (is_same(&rows->outputs.list[i], input))
+            return true;
+    }
+    *index = 0;
+    while (*index < rows->history.count && !is_same(&rows->history.list[*index], input))
+        ++*index;
+    return false;
 }
 
 static void free_list(struct row_list *rows)
@@ -95,5 +123,6 @@ void rows_free(struct rows *rows)
 {
     free_list(&rows->outputs);
     free_list(&rows->inputs);
+    free_list(&rows->history);
     *rows = (struct rows){0};
 }

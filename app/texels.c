@@ -236,3 +236,24 @@ uint32_t resource_components(const struct dt_resource *resource, struct componen
         return 0;
     return buffer ? buffer_components(resource, *list) : image_components(resource, *list);
 }
+
+bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes)
+{
+    struct component *list = NULL;
+    uint32_t stride = resource_stride(resource);
+    uint32_t count = resource_components(resource, &list);
+    uint8_t *kept = calloc(stride, 1); /* 0xff where a number lies */
+    uint32_t numbers = 0;
+    for (uint32_t i = 0; i < count && kept; i++) {
+        memset(kept + list[i].offset, 0xff, number_size(list[i].kind));
+        numbers += number_size(list[i].kind);
+    }
+    for (size_t at = 0; kept && numbers < stride && at + stride <= bytes->size; at += stride) {
+        for (uint32_t i = 0; i < stride; i++)
+            bytes->data[at + i] &= kept[i];
+    }
+    bool good = count && kept;
+    free(kept);
+    free(list);
+    return good;
+}

@@ -48,4 +48,8 @@ char *element_place(const struct dt_resource *resource, const uint32_t extent[3]
  * when out of memory. */
 uint32_t resource_components(const struct dt_resource *resource, struct component **list);
 
+/* Sets the padding between the numbers to zero: it holds whatever the memory held before, and equal
+ * content shall be equal bytes. False when out of memory. */
+bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes);
+
 #endif

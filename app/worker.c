@@ -156,7 +156,8 @@ static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32
 
 static enum dt_action before_pass(void *user, uint32_t pass)
 {
-    return stop_at(user, WORKER_BEFORE_PASS, pass);
+    struct child *child = user;
+    return pass < child->info->stops_before ? stop_at(child, WORKER_BEFORE_PASS, pass) : DT_RUN;
 }
 
 static bool after_pass(void *user, uint32_t pass)
@@ -167,9 +168,8 @@ static bool after_pass(void *user, uint32_t pass)
 static bool run_frames(struct child *child)
 {
     const struct worker_info *info = child->info;
-    const struct dt_observer observer = {.before_pass = info->before_pass ? before_pass : NULL,
-                                         .after_pass = after_pass,
-                                         .user = child};
+    const struct dt_observer observer = {
+        .before_pass = before_pass, .after_pass = after_pass, .user = child};
     for (child->frame = info->session.first_frame; child->frame < info->frames; child->frame++) {
         bool observed = child->frame >= info->first_observed;
         if (!session_frame(&child->session, observed ? &observer : NULL))
@@ -322,7 +322,8 @@ static bool receive_answer(struct worker *worker, struct message *message)
             continue;
         }
         worker->spoke |= message->code == DT_ERROR;
-        log->message(log->user, (enum dt_level)message->code, text);
+        if (!worker->info.quiet || message->code >= DT_WARNING)
+            log->message(log->user, (enum dt_level)message->code, text);
         free(text);
     }
 }

@@ -10,7 +10,7 @@
 
 enum worker_stop {
     WORKER_READY,       /* programs and resources are there, no frame has run */
-    WORKER_BEFORE_PASS, /* with info.before_pass only */
+    WORKER_BEFORE_PASS, /* of the first info.stops_before passes */
     WORKER_AFTER_PASS,
     WORKER_FRAME_DONE,
     WORKER_FINISHED /* all frames ran, and the validation layers were silent */
@@ -25,7 +25,8 @@ struct worker_info {
     struct session_info session; /* name_in_log is set by the worker */
     uint32_t frames;             /* the last is frames - 1, counted from 0 */
     uint32_t first_observed;     /* frames before this one run without a stop inside */
-    bool before_pass;            /* stop before every observed pass, too */
+    uint32_t stops_before;       /* in an observed frame, before how many passes it stops, too */
+    bool quiet;                  /* hand on warnings and errors only, no news */
 };
 
 struct worker {

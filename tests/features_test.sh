@@ -60,7 +60,7 @@ check_status 1 "a fault in mip 1 is found" \
     "$diptych" compare --scene "$scene" --spec "$work/mip/mips.yaml" --size 17x9 --json "$work/mip.json"
 cp "$work/output" "$work/table"
 check "... its pass and mip are named on the last line" \
-    bash -c "tail -n 1 '$work/table' | grep -F 'pass halve is the first to break: pyramid mip 1, in frame 0' || { cat '$work/table'; false; }"
+    bash -c "tail -n 1 '$work/table' | grep -Fx 'guilty: pass halve (shader mips_halve.glsl): resource pyramid mip 1, in frame 0' || { cat '$work/table'; false; }"
 check "... the texel in the table, where the mip alone differs" \
     bash -c "grep -E '^halve +pyramid mip 1 +1024 +1 +DIFFERS .*\(4, 6\)' '$work/table' && [ \$(grep -c DIFFERS '$work/table') = 2 ]"
 check "... and both in the JSON" \
