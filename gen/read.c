@@ -84,7 +84,7 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
         diag_error(diag, (struct loc){0}, "out of memory while reading `%s`", path);
     for (size_t i = 0; i < reader.override_count;
          i++) /* those that found no place belong to nobody */
-        if (!fy_node_is_attached(reader.overrides[i].node))
+        if (reader.overrides[i].node && !fy_node_is_attached(reader.overrides[i].node))
             fy_node_free(reader.overrides[i].node);
     free(reader.overrides);
     if (reader.document)

@@ -10,7 +10,7 @@
 
 /* A node that a `--set` put in: its places are in the text of the option. */
 struct override {
-    struct fy_node *node;
+    struct fy_node *node; /* NULL: a later one replaced it */
     const struct source *source;
     int column; /* 1-based, of the node's text within the option */
     /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float

@@ -182,6 +182,25 @@ static int former_type(struct reader *reader, const struct key *key, struct fy_n
     return param_value(reader, old, value, &components, &type) ? (int)type : -1;
 }
 
+/* What an earlier --set put at or below `node` goes with it when it is replaced. */
+static void forget_overrides(struct reader *reader, struct fy_node *node)
+{
+    void *iterator = NULL;
+    struct fy_node *item;
+    struct fy_node_pair *pair;
+    for (size_t i = 0; i < reader->override_count; i++)
+        if (reader->overrides[i].node == node)
+            reader->overrides[i].node = NULL;
+    if (node && fy_node_get_type(node) == FYNT_SEQUENCE)
+        while ((item = fy_node_sequence_iterate(node, &iterator)))
+            forget_overrides(reader, item);
+    if (node && fy_node_get_type(node) == FYNT_MAPPING)
+        while ((pair = fy_node_mapping_iterate(node, &iterator))) {
+            forget_overrides(reader, fy_node_pair_key(pair));
+            forget_overrides(reader, fy_node_pair_value(pair));
+        }
+}
+
 static void replace_value(struct reader *reader, struct setting *setting, const struct key *key,
                           struct fy_node_pair *pair)
 {
@@ -201,6 +220,7 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
     if (!node)
         return;
     reader->overrides[reader->override_count - 1].type = type;
+    forget_overrides(reader, old);
     if (fy_node_pair_set_value(pair, node))
         reader->out_of_memory = true;
 }

@@ -38,6 +38,10 @@ check "--version" says "diptych-gen" "$gen" --version
 spec=tests/bad/warn_unused.yaml
 check "--set of a parameter" says "7 is not above" "$gen" --check $spec --set busy=7 --set 'asserts.0.that=busy > 9' \
     --set 'asserts.0.message="{busy} is not above 9"'
+check "--set of one value twice: the last counts" says "9 is not above" "$gen" --check $spec --set busy=7 --set busy=9 \
+    --set 'asserts.0.that=busy > 9' --set 'asserts.0.message="{busy} is not above 9"'
+check "--set within a map that a later one replaces" "$gen" --check templates/rsm.yaml --set images.display.format=rgba16f \
+    --set 'images.display={format: rgba8, size: frame}' --set images.display.format=rgba16f
 check_status 1 "--set below an unknown name" "$gen" --check $spec --set bussy=7
 check "... names the --set" says "\`--set bussy=7\`: no \`bussy\` in \`params\`; did you mean \`busy\`?" \
     "$gen" --check $spec --set bussy=7
