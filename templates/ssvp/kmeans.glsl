@@ -6,7 +6,12 @@
  * Afterwards label[k] is the argmin over centres[].position and .normal, the centres that the
  * last iteration began with, and centres[].mean and .mean_normal are the means of the members so
  * labelled. Next frame begins with the means. label_margins[k] is how much farther than its own the
- * second nearest of those centres is. */
+ * second nearest of those centres is.
+ *
+ * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
+ * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So long loops take a block at a turn, whose
+ * loop of constant length the compiler unrolls: with every parameter at its max there are about
+ * 48,000 turns. */
 #include "../shared/space.glsl"
 
 shared vec3 centre_position[clusters];
@@ -16,6 +21,9 @@ shared vec3 mean_normal[clusters];
 shared int member_count[clusters];
 shared int label[first_vpls];
 shared float apart[first_vpls];
+shared int candidate[64]; /* by lane */
+
+const int BLOCK = 8;
 
 float power(vec3 flux)
 {
@@ -49,15 +57,20 @@ void assign(int k)
     int nearest = 0;
     float least = 0.0;
     float second = 0.0;
-    for (int c = 0; c < clusters; c++) {
-        float d = vpl_distance(vpls[k].position, vpls[k].normal, centre_position[c],
-                               centre_normal[c]);
-        if (c == 0 || d < least) {
-            second = least;
-            least = d;
-            nearest = c;
-        } else if (c == 1 || d < second) {
-            second = d;
+    for (int first = 0; first < clusters; first += BLOCK) {
+        for (int j = 0; j < BLOCK; j++) {
+            int c = first + j;
+            if (c >= clusters)
+                break;
+            float d = vpl_distance(vpls[k].position, vpls[k].normal, centre_position[c],
+                                   centre_normal[c]);
+            if (c == 0 || d < least) {
+                second = least;
+                least = d;
+                nearest = c;
+            } else if (c == 1 || d < second) {
+                second = d;
+            }
         }
     }
     bool lives = power(vpls[k].flux) > 0.0;
@@ -75,15 +88,18 @@ void average(int c)
     vec3 dominant = centre_normal[c];
     float brightest = 0.0;
     int members = 0;
-    for (int k = 0; k < first_vpls; k++) {
-        if (label[k] != c)
-            continue;
-        position += vpls[k].position;
-        normal += vpls[k].normal;
-        members++;
-        if (power(vpls[k].flux) > brightest) {
-            brightest = power(vpls[k].flux);
-            dominant = vpls[k].normal;
+    for (int first = 0; first < first_vpls; first += BLOCK) {
+        for (int j = 0; j < BLOCK; j++) {
+            int k = first + j;
+            if (k < first_vpls && label[k] == c) {
+                position += vpls[k].position;
+                normal += vpls[k].normal;
+                members++;
+                if (power(vpls[k].flux) > brightest) {
+                    brightest = power(vpls[k].flux);
+                    dominant = vpls[k].normal;
+                }
+            }
         }
     }
     float count = float(max(members, 1));
@@ -93,25 +109,55 @@ void average(int c)
     member_count[c] = members;
 }
 
-/* An empty cluster moves to the VPL that is farthest from its own centre; two of them take two
- * VPLs. One that finds none keeps its centre. */
-void reseed_empty()
+/* Of the VPLs lane, lane + lanes, ..., the one that is farthest from its own centre; -1: none is
+ * apart. */
+int farthest_of(int lane, int lanes)
 {
-    for (int c = 0; c < clusters; c++) {
-        if (member_count[c] > 0)
-            continue;
-        int farthest = 0;
-        float most = 0.0;
-        for (int k = 0; k < first_vpls; k++) {
-            if (apart[k] > most) {
+    int farthest = -1;
+    float most = 0.0;
+    for (int first = lane; first < first_vpls; first += BLOCK * lanes) {
+        for (int j = 0; j < BLOCK; j++) {
+            int k = first + j * lanes;
+            if (k < first_vpls && apart[k] > most) {
                 most = apart[k];
                 farthest = k;
             }
         }
-        if (most > 0.0) {
-            mean_position[c] = vpls[farthest].position;
-            mean_normal[c] = unit_or(vpls[farthest].normal, centre_normal[c]);
-            apart[farthest] = -1.0;
+    }
+    return farthest;
+}
+
+bool beats(int k, int other)
+{
+    if (k < 0 || other < 0)
+        return k >= 0;
+    return apart[k] > apart[other] || (apart[k] == apart[other] && k < other);
+}
+
+void move_to_farthest(int c, int lanes)
+{
+    int farthest = -1;
+    for (int first = 0; first < lanes; first += BLOCK)
+        for (int j = 0; j < BLOCK; j++)
+            farthest = beats(candidate[first + j], farthest) ? candidate[first + j] : farthest;
+    if (farthest >= 0) {
+        mean_position[c] = vpls[farthest].position;
+        mean_normal[c] = unit_or(vpls[farthest].normal, centre_normal[c]);
+        apart[farthest] = -1.0;
+    }
+}
+
+/* An empty cluster moves to the VPL that is farthest from its own centre; two of them take two
+ * VPLs. One that finds none keeps its centre. */
+void reseed_empty(int lane, int lanes)
+{
+    for (int c = 0; c < clusters; c++) {
+        if (member_count[c] == 0) {
+            candidate[lane] = farthest_of(lane, lanes);
+            barrier();
+            if (lane == 0)
+                move_to_farthest(c, lanes);
+            barrier();
         }
     }
 }
@@ -130,8 +176,7 @@ void main()
         if (lane < clusters)
             average(lane);
         barrier();
-        if (lane == 0)
-            reseed_empty();
+        reseed_empty(lane, lanes);
         barrier();
         if (lane < clusters && i + 1 < kmeans_iterations) {
             centre_position[lane] = mean_position[lane];
