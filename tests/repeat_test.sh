@@ -90,6 +90,12 @@ for poison in 0 1; do
     check "unwritten, vk, LVP_POISON_MEMORY=$poison" renders 1 tests/specs/unwritten vk LVP_POISON_MEMORY=$poison
 done
 check "... differs, which is noticed: $(counts "$work/hashes_unwritten_vk")" differs "$work/hashes_unwritten_vk" 2
+rm -f "$work/hashes_unwritten_vk"
+for poison in 0 1; do
+    check "unwritten, vk, LVP_POISON_MEMORY=$poison, memory poisoned with 85" \
+        renders 1 tests/specs/unwritten vk LVP_POISON_MEMORY=$poison --poison 85
+done
+check "... is the same: the driver's poison comes first" one_hash_each "$work/hashes_unwritten_vk" 2
 check_status 2 "more than a byte of poison is refused" \
     "$diptych" render --scene "$scene" --backend gl --dump "$work/dump" --poison 256
 finish
