@@ -166,7 +166,7 @@ static bool find(struct vk_runtime *rt, const char *verb, uint32_t resource, uin
 static bool runtime_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)
 {
     struct vk_runtime *rt = runtime;
-    struct place place;
+    struct place place = {0};
     *out = (struct dt_bytes){0};
     if (!find(rt, "read", resource, mip, &place))
         return false;
@@ -179,7 +179,7 @@ static bool runtime_write(void *runtime, uint32_t resource, uint32_t mip,
                           const struct dt_bytes *bytes)
 {
     struct vk_runtime *rt = runtime;
-    struct place place;
+    struct place place = {0};
     if (!find(rt, "write", resource, mip, &place))
         return false;
     const uint32_t *given = bytes->extent, *own = place.shape.extent;
