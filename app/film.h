@@ -29,7 +29,7 @@ void film_add(struct film *film, size_t pixel, uint32_t sample, const float rgb[
 /* Standard error of a pixel's luminance (ITU-R BT.709), root mean square over the picture, relative
  * to the mean luminance of the picture. From the difference of the two sums, so it needs two
  * samples: INFINITY before that; 0 for a black picture. Right for independent samples; where they
- * avoid one another, as Sobol points do, a little more than the truth. */
+ * avoid one another, as Sobol points do, up to half more than the truth. */
 double film_noise(const struct film *film);
 
 /* Checkpoints: all or nothing. `settings` is one line that tells everything that the sums depend on

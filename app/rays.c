@@ -239,14 +239,12 @@ static void describe(const struct ray_scene *rays, const struct place *place, st
     hit->emission = vec3_of(material->emission);
 }
 
-static struct RTCRay ray_from(struct vec3 origin, struct vec3 direction, float nearest,
-                              float farthest)
+static struct RTCRay ray_from(struct vec3 origin, struct vec3 direction, float farthest)
 {
     return (struct RTCRay){
         .org_x = origin.x,
         .org_y = origin.y,
         .org_z = origin.z,
-        .tnear = nearest,
         .dir_x = direction.x,
         .dir_y = direction.y,
         .dir_z = direction.z,
@@ -256,10 +254,10 @@ static struct RTCRay ray_from(struct vec3 origin, struct vec3 direction, float n
 }
 
 bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
-                 float nearest, struct ray_hit *hit)
+                 struct ray_hit *hit)
 {
     struct RTCRayHit query = {
-        .ray = ray_from(origin, direction, nearest, INFINITY),
+        .ray = ray_from(origin, direction, INFINITY),
         .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .primID = RTC_INVALID_GEOMETRY_ID},
     };
 #if RTC_VERSION_MAJOR >= 4
@@ -280,7 +278,7 @@ bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 d
 bool ray_blocked(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
                  float farthest)
 {
-    struct RTCRay ray = ray_from(origin, direction, 0, farthest);
+    struct RTCRay ray = ray_from(origin, direction, farthest);
 #if RTC_VERSION_MAJOR >= 4
     rtcOccluded1(rays->scene, &ray, NULL);
 #else

@@ -28,10 +28,10 @@ struct ray_scene;
 struct ray_scene *ray_scene_open(const struct dt_scene *scene, const struct dt_log *log);
 void ray_scene_close(struct ray_scene *rays); /* takes NULL */
 
-/* The first surface beyond origin + nearest * direction, `direction` being a unit vector. Holes of
- * alpha-tested textures are none. Textures are read from mip 0, bilinear, repeated. */
+/* The first surface that a ray meets; `direction` is a unit vector. Holes of alpha-tested textures are
+ * none. Textures are read from mip 0, bilinear, repeated. */
 bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
-                 float nearest, struct ray_hit *hit);
+                 struct ray_hit *hit);
 
 /* Whether anything lies between origin and origin + farthest * direction; INFINITY is allowed. */
 bool ray_blocked(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,

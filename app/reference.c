@@ -295,6 +295,9 @@ static bool write_results(const struct reference *reference)
     const struct film *film = &reference->film;
     const struct options *options = reference->options;
     double seconds = seconds_now() - reference->start, mean[3] = {0, 0, 0};
+    char noise[32] = "unknown";
+    if (isfinite(film_noise(film)))
+        snprintf(noise, sizeof noise, "%.2g %%", 100 * film_noise(film));
     size_t pixels = (size_t)film->width * film->height;
     float *texels = malloc(pixels * 3 * sizeof *texels);
     if (!texels) {
@@ -313,8 +316,8 @@ static bool write_results(const struct reference *reference)
         good = write_summary(reference, mean, seconds);
     if (good)
         report_message(&reference->console->log, DT_INFO,
-                       "%s: %u samples per pixel, noise %.2g %%, %.1f s, %.1f Mrays/s",
-                       options->output, film->samples, 100 * film_noise(film), seconds,
+                       "%s: %u samples per pixel, noise %s, %.1f s, %.1f Mrays/s", options->output,
+                       film->samples, noise, seconds,
                        1e-6 * (double)tracer_rays(reference->tracer) / fmax(seconds, 1e-9));
     return good;
 }

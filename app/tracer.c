@@ -134,7 +134,7 @@ static bool next_hit(struct tracer_thread *thread, struct ray_hit *hit, const fl
     if (dot(direction, hit->geometric) <= 0)
         return false; /* into the body that an interpolated normal leans over */
     thread->rays++;
-    return ray_closest(thread->tracer->rays, ray_origin(hit), direction, 0, hit);
+    return ray_closest(thread->tracer->rays, ray_origin(hit), direction, hit);
 }
 
 /* One sample of the radiance that reaches the hit from other surfaces, averaged over the hemisphere
@@ -168,22 +168,36 @@ static struct vec3 indirect_radiance(struct tracer_thread *thread, struct ray_hi
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/* What the camera sees at a place of the picture, in pixels from its upper left corner. Nothing
- * nearer than the near plane, as in the rasterizer. */
+/* The point of the camera's view volume at normalized device coordinates. */
+static void unproject(const struct dt_view *camera, const double ndc[3], double point[3])
+{
+    const float(*m)[4] = camera->inverse_view_projection;
+    double clip[4];
+    for (int row = 0; row < 4; row++)
+        clip[row] = m[0][row] * ndc[0] + m[1][row] * ndc[1] + m[2][row] * ndc[2] + m[3][row];
+    for (int i = 0; i < 3; i++)
+        point[i] = clip[i] / clip[3];
+}
+
+/* What the camera sees at a place of the picture, in pixels from its upper left corner. The ray goes
+ * from the near plane to the far one, by the very matrix that the rasterizer inverts. */
 static bool camera_hit(struct tracer_thread *thread, double x, double y, struct ray_hit *hit)
 {
     const struct dt_frame *frame = &thread->tracer->frame;
-    const struct dt_view *camera = &frame->camera;
-    double right = (2 * x / frame->width - 1) / camera->projection[0][0];
-    double up = (1 - 2 * y / frame->height) / camera->projection[1][1];
-    double length = sqrt(right * right + up * up + 1), direction[3];
+    double ndc[3] = {2 * x / frame->width - 1, 1 - 2 * y / frame->height, 0};
+    double near[3], far[3], length = 0;
+    float origin[3], direction[3];
+    unproject(&frame->camera, ndc, near);
+    ndc[2] = 1;
+    unproject(&frame->camera, ndc, far);
     for (int i = 0; i < 3; i++)
-        direction[i] =
-            (right * camera->view[i][0] + up * camera->view[i][1] - camera->view[i][2]) / length;
+        length += (far[i] - near[i]) * (far[i] - near[i]);
+    for (int i = 0; i < 3; i++) {
+        origin[i] = (float)near[i];
+        direction[i] = (float)((far[i] - near[i]) / sqrt(length));
+    }
     thread->rays++;
-    return ray_closest(thread->tracer->rays, vec3_of(camera->position),
-                       (struct vec3){(float)direction[0], (float)direction[1], (float)direction[2]},
-                       (float)(camera->near_plane * length), hit);
+    return ray_closest(thread->tracer->rays, vec3_of(origin), vec3_of(direction), hit);
 }
 
 /* What a pixel shows of light that has come by no other surface. */

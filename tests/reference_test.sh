@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# `reference` on the command line: the same bits whatever the threads and interruptions, what it refuses, what it leaves. TAP.
+. "$(dirname "$0")/tap.sh"
+reference=("$diptych" reference --scene "$root/scenes/cornell.yaml" --size 24x16)
+
+# shellcheck disable=SC2317 # called through check
+refuses() { # status text argument...
+    local want=$1 text=$2 got
+    shift 2
+    "${reference[@]}" "$@" >"$work/said" 2>&1 </dev/null
+    got=$?
+    cat "$work/said"
+    [ "$got" = "$want" ] && [ "$(grep -c 'error:' "$work/said")" = 1 ] && grep -qF -- "$text" "$work/said"
+}
+
+check "wants a place for the picture" refuses 2 '-o FILE.exr is missing'
+check "writes linear pictures only" refuses 2 'must end in .exr' -o "$work/a.png"
+check "wants a number of bounces" refuses 2 '--bounces many: must be a whole number' -o "$work/a.exr" --bounces many
+check "wants the first bounce before the last" refuses 2 '--from-bounce 3' -o "$work/a.exr" --from-bounce 3 --bounces 2
+check "wants a noise below one" refuses 2 '--noise 2: must be a number between 0 and 1' -o "$work/a.exr" --noise 2
+check "looks at the folder before it works" refuses 1 'absent/a.exr: cannot be written' -o "$work/absent/a.exr"
+
+# shellcheck disable=SC2317
+threads_leave_no_trace() {
+    "${reference[@]}" --spp 9 --threads 1 -o "$work/one.exr" && "${reference[@]}" --spp 9 --threads 7 -o "$work/seven.exr" &&
+        cmp "$work/one.exr" "$work/seven.exr"
+}
+check "one thread and seven write the same file" threads_leave_no_trace
+
+# A run that is interrupted, then goes on from its checkpoint, against one that never was.
+# shellcheck disable=SC2317
+interruption_leaves_no_trace() {
+    local pid got samples
+    "${reference[@]}" --noise 0.00001 --checkpoint "$work/sums" -o "$work/cut.exr" &
+    pid=$!
+    for _ in {1..200}; do
+        [ ! -e "$work/sums" ] || break
+        sleep 0.05
+    done
+    kill -INT "$pid"
+    wait "$pid"
+    got=$?
+    [ "$got" = 130 ] || { echo "ended with $got, not 130"; return 1; }
+    [ ! -e "$work/cut.exr" ] || { echo "an interrupted run wrote a picture"; return 1; }
+    ! compgen -G "$work/*tmp*" || return 1
+    samples=$(($(sed -n 3p "$work/sums") + 3))
+    "${reference[@]}" --spp "$samples" --checkpoint "$work/sums" -o "$work/cut.exr" && "${reference[@]}" --spp "$samples" -o "$work/whole.exr" &&
+        cmp "$work/cut.exr" "$work/whole.exr"
+}
+check "an interruption leaves no trace" interruption_leaves_no_trace
+check "a checkpoint of another seed is refused" refuses 1 'is a checkpoint of other settings' \
+    -o "$work/a.exr" --checkpoint "$work/sums" --spp 1000000 --seed 2
+check "a checkpoint that knows more is refused" refuses 1 'ask for more than --spp 1' -o "$work/a.exr" --checkpoint "$work/sums" --spp 1
+
+# shellcheck disable=SC2317
+noise_is_reached() {
+    "${reference[@]}" --noise 0.2 --json "$work/a.json" -o "$work/a.exr" &&
+        python3 -c '
+import json, sys
+a = json.load(open(sys.argv[1]))
+assert 0.1 < a["noise"] <= 0.2 and 16 <= a["samples"] < 1024 and all(x > 0 for x in a["mean"]), a
+' "$work/a.json"
+}
+check "stops at the noise that is asked for" noise_is_reached
+finish
