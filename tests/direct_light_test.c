@@ -62,7 +62,7 @@ static void hold_against(const char *scene, double odd)
             continue;
         sum[0] += shown[i];
         sum[1] += traced[i];
-        off += fabs(shown[i] - traced[i]) > 2e-3 * traced[i];
+        off += fabsf(shown[i] - traced[i]) > 2e-3f * traced[i];
         lit += traced[i] > 0;
     }
     print_message("# %s: ratio of means %.5f, %.4f of the numbers off, %.3f lit\n", scene,
