@@ -82,12 +82,19 @@ static bool add_margins(struct compare *compare, uint32_t index, const struct ro
     return true;
 }
 
+/* Whether what was just found is worse than in all frames before. */
+static bool is_kept(const struct pair *pair, uint32_t index)
+{
+    const struct difference *before = &pair->results[index].difference;
+    return !before->elements || is_worse(&pair->found, before);
+}
+
 static void keep_result(struct pair *pair, uint32_t index, uint32_t frame)
 {
     struct result *result = &pair->results[index];
     enum verdict verdict = difference_verdict(&pair->found);
     result->frames_differing += verdict != VERDICT_EQUAL;
-    if (!result->difference.elements || is_worse(&pair->found, &result->difference)) {
+    if (is_kept(pair, index)) {
         result->difference = pair->found;
         result->frame = frame;
     }
@@ -106,7 +113,8 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
         return false;
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
-        if (!add_margins(compare, i, row))
+        if (!add_margins(compare, i, row) ||
+            (is_kept(pair, index) && !compare_add_picture(compare, i, index)))
             return false;
         keep_result(pair, index, frame);
         compare->compared += pair->found.elements;
@@ -269,6 +277,8 @@ static void release(struct compare *compare)
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         blame_free(&pair->blame);
+        for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
+            free(pair->results[k].picture);
         free(pair->results);
         free(pair->outputs_differ);
         free(pair->history_differs);
@@ -316,7 +326,8 @@ static bool run(struct compare *compare)
     const struct options *options = compare->options;
     if (!sides_read(&compare->sides, options, &console->log))
         return false;
-    if (options->json && !file_can_write(options->json, &console->log))
+    if ((options->json && !file_can_write(options->json, &console->log)) ||
+        (options->pictures && !file_make_folders(options->pictures, &console->log)))
         return false;
     if (!pipeline_load(&compare->pipeline, console, options) ||
         !rows_make(&compare->rows, compare->pipeline.info, &console->log))

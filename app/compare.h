@@ -9,12 +9,15 @@
 #include "pipeline.h"
 #include "rows.h"
 #include "source.h"
+#include "strip.h"
 
 /* One row of one pair over all frames. */
 struct result {
     struct difference difference; /* of the frame in which the two are furthest apart */
     uint32_t frame;               /* that frame */
     uint32_t frames_differing;    /* in how many they are not bit for bit equal */
+    char *picture;                /* file of that frame's strip, NULL: none; owned */
+    struct strip strip;           /* what it shows */
 };
 
 /* The first side, and one of the others. */
@@ -46,6 +49,10 @@ struct compare {
     uint64_t compared;   /* elements, over all rows, pairs and frames */
     bool complete;       /* all rows were compared */
 };
+
+/* With --pictures, and when what the pair found last, in this row of rows.outputs, is an image that
+ * differs: writes its strip and notes that in the result. Logs its error. */
+bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
 
 void compare_print(const struct compare *compare); /* on stdout */
 

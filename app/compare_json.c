@@ -15,6 +15,17 @@ static void add_place(cJSON *root, const struct dt_pipeline *info, const struct 
         cJSON_AddNumberToObject(root, "mip", row->mip);
 }
 
+static cJSON *picture_json(const struct dt_resource *resource, const struct result *result)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "file", result->picture);
+    if (resource->layered)
+        cJSON_AddNumberToObject(root, "layer", result->strip.layer);
+    if (result->strip.amplification > 0)
+        cJSON_AddNumberToObject(root, "amplification", result->strip.amplification);
+    return root;
+}
+
 static cJSON *row_json(const struct compare *compare, const struct pair *pair, uint32_t index)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
@@ -26,6 +37,9 @@ static cJSON *row_json(const struct compare *compare, const struct pair *pair, u
     cJSON_AddNumberToObject(root, "frame", result->frame);
     cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
     difference_json(root, &result->difference, &info->resources[row->resource], labels);
+    if (result->picture)
+        cJSON_AddItemToObject(root, "picture",
+                              picture_json(&info->resources[row->resource], result));
     if (pair->blame.outcome == BLAME_NOT_RUN)
         return root;
     bool differ = pair->blame.inputs_differ[row->pass];

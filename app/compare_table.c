@@ -23,6 +23,20 @@ static void print_blame(const struct pair *pair, uint32_t index, uint32_t pass)
     printf("%-6s  %-12s  ", pair->blame.inputs_differ[pass] ? "differ" : "equal", error);
 }
 
+/* Where the strip is, and how to read it. */
+static void print_picture(const struct dt_resource *resource, const struct result *result)
+{
+    if (!result->picture)
+        return;
+    printf("  picture %s: ", result->picture);
+    if (resource->layered)
+        printf("layer %u, ", result->strip.layer);
+    if (result->strip.amplification > 0)
+        printf("difference x %.10g\n", result->strip.amplification);
+    else
+        printf("differences are white\n");
+}
+
 static void print_row(const struct compare *compare, const struct pair *pair, uint32_t index,
                       const struct widths *widths)
 {
@@ -39,6 +53,7 @@ static void print_row(const struct compare *compare, const struct pair *pair, ui
     if (pair->blame.outcome != BLAME_NOT_RUN)
         print_blame(pair, index, row->pass);
     printf("%s\n%s", worst ? worst : "", flips ? flips : "");
+    print_picture(resource, &pair->results[index]);
     free(worst);
     free(flips);
 }

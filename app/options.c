@@ -70,6 +70,8 @@ static const struct option_row rows[] = {
      "of both pictures (default: log-average luminance of the reference to 0.18)"},
     {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
+    {"--pictures", OPTION_STRING, AT(pictures), VERB_COMPARE, 0, "DIR",
+     "write a PNG strip of each image that differs: one side, the other, the difference"},
     {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_REPLAY | VERB_METRICS, 0, "FILE",
      "write the table as JSON, too"},
     {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP, 0, "DIR",

@@ -40,6 +40,7 @@ struct options {
     const char *device;
     const char *context;
     const char *json;
+    const char *pictures;
     const char *fault;
     const char *bisect; /* folder to write */
     const char *folder; /* of an earlier bisect */

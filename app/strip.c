@@ -15,7 +15,9 @@ enum {
     READABLE = 256, /* smaller panels are enlarged up to this many pixels */
     SEPARATOR = 4,  /* pixels between panels */
     SEPARATOR_GREY = 128,
-    DARKEST = 48 /* code of the smallest difference */
+    DARKEST = 48,    /* code of the smallest difference */
+    SATURATED = 100, /* one in so many differing texels may be brighter than full */
+    FRAME = 8        /* pixels from the worst texel to the frame around it */
 };
 
 /* Both copies of the layer that is shown. */
@@ -23,6 +25,7 @@ struct pair {
     const struct dt_resource *resource;
     const uint8_t *layers[2];
     uint32_t width, height;
+    uint32_t worst[2]; /* x and y of the largest difference */
 };
 
 static bool is_label(const struct dt_resource *resource)
@@ -44,69 +47,95 @@ static double channel_difference(const struct dt_resource *resource, const uint8
     return isfinite(values[0]) && isfinite(values[1]) ? fabs(values[0] - values[1]) : NAN;
 }
 
-struct extreme {
-    double largest; /* finite difference of a channel */
-    bool not_finite;
-};
+/* The exponent of the least power of two that is no smaller: no difference of floats is beyond
+ * 2^129, or below 2^-149. */
+enum { LEAST_EXPONENT = -149, EXPONENTS = 129 + 149 + 1 };
 
-static struct extreme layer_extreme(const struct dt_resource *resource,
-                                    const uint8_t *const layers[2], size_t texels)
-{
-    size_t size = format_size(resource->format);
-    struct extreme extreme = {0, false};
-    for (size_t i = 0; i < texels; i++) {
-        const uint8_t *const places[2] = {layers[0] + i * size, layers[1] + i * size};
-        for (uint32_t c = 0; c < format_channels(resource->format); c++) {
-            double difference = channel_difference(resource, places, c);
-            extreme.not_finite |= isnan(difference);
-            extreme.largest = fmax(extreme.largest, difference);
-        }
-    }
-    return extreme;
-}
-
-/* The power of two that brings the largest difference above 1/2, to 1 at most. */
-static double amplify(double largest)
+static int exponent_of(double difference)
 {
     int exponent;
-    if (!(largest > 0))
-        return 1;
-    bool power = frexp(largest, &exponent) == 0.5;
-    return ldexp(1, power ? 1 - exponent : -exponent);
+    bool power = frexp(difference, &exponent) == 0.5;
+    exponent -= power;
+    return exponent < LEAST_EXPONENT ? LEAST_EXPONENT : exponent;
 }
 
-/* Chooses the layer; one with NaN or Inf is worse than any without. */
+/* The differences of one layer: of a texel that of the channel where it is largest. */
+struct survey {
+    double largest;    /* INFINITY where there is a NaN or Inf, -1 where nothing differs */
+    uint32_t worst[2]; /* x and y of it */
+    size_t differing;
+    size_t by_exponent[EXPONENTS];
+};
+
+static double texel_difference(const struct dt_resource *resource, const uint8_t *const texels[2])
+{
+    bool differs = memcmp(texels[0], texels[1], format_size(resource->format)) != 0;
+    double most = differs ? 0 : -1;
+    for (uint32_t c = 0; c < format_channels(resource->format); c++) {
+        double difference = channel_difference(resource, texels, c);
+        if (isnan(difference))
+            return INFINITY;
+        most = differs ? fmax(most, difference) : most;
+    }
+    return most;
+}
+
+static void survey_layer(struct survey *survey, const struct dt_resource *resource,
+                         const uint8_t *const layers[2], const uint32_t extent[3])
+{
+    size_t size = format_size(resource->format), at = 0;
+    *survey = (struct survey){.largest = -1};
+    for (uint32_t y = 0; y < extent[1]; y++) {
+        for (uint32_t x = 0; x < extent[0]; x++, at += size) {
+            const uint8_t *const texels[2] = {layers[0] + at, layers[1] + at};
+            double difference = texel_difference(resource, texels);
+            if (difference > survey->largest) {
+                survey->largest = difference;
+                survey->worst[0] = x;
+                survey->worst[1] = y;
+            }
+            survey->differing += difference >= 0;
+            if (difference > 0 && isfinite(difference))
+                survey->by_exponent[exponent_of(difference) - LEAST_EXPONENT]++;
+        }
+    }
+}
+
+/* A few outliers may be brighter than full, so that the others are seen. */
+static double amplify(const struct survey *survey)
+{
+    size_t beyond = 0;
+    int at = EXPONENTS;
+    while (at > 0 && beyond + survey->by_exponent[at - 1] <= survey->differing / SATURATED)
+        beyond += survey->by_exponent[--at];
+    return at > 0 ? ldexp(1, -(at - 1 + LEAST_EXPONENT)) : 1;
+}
+
 static struct pair choose_layer(struct strip *strip, const struct dt_resource *resource,
                                 const struct dt_bytes copies[2])
 {
     const uint32_t *extent = copies[0].extent;
-    size_t texels = (size_t)extent[0] * extent[1];
-    size_t size = texels * format_size(resource->format);
-    struct extreme worst = {-1, false};
+    size_t size = (size_t)extent[0] * extent[1] * format_size(resource->format);
+    struct survey worst = {.largest = -2}, survey;
     for (uint32_t layer = 0; layer < extent[2]; layer++) {
         const uint8_t *const layers[2] = {copies[0].data + layer * size,
                                           copies[1].data + layer * size};
-        struct extreme found = layer_extreme(resource, layers, texels);
-        if (found.not_finite > worst.not_finite ||
-            (found.not_finite == worst.not_finite && found.largest > worst.largest)) {
-            worst = found;
+        survey_layer(&survey, resource, layers, extent);
+        if (survey.largest > worst.largest) {
+            worst = survey;
             strip->layer = layer;
         }
     }
-    strip->amplification = is_label(resource) ? 0 : amplify(worst.largest);
+    strip->amplification = is_label(resource) ? 0 : amplify(&worst);
     return (struct pair){
         .resource = resource,
         .layers = {copies[0].data + strip->layer * size, copies[1].data + strip->layer * size},
         .width = extent[0],
-        .height = extent[1]};
+        .height = extent[1],
+        .worst = {worst.worst[0], worst.worst[1]}};
 }
 
 /* ---- Painting -------------------------------------------------------------------------------- */
-
-static uint8_t brightness(double amplified)
-{
-    return (uint8_t)lrint(255 * sqrt(fmin(amplified, 1)));
-}
 
 /* The difference of one texel as codes. */
 static void paint_difference(const struct strip *strip, const struct dt_resource *resource,
@@ -127,11 +156,9 @@ static void paint_difference(const struct strip *strip, const struct dt_resource
         differences[1] = differences[2] = differences[0];
     for (uint32_t c = 0; c < 3; c++) {
         double shown = fmax(differences[c], differences[3]) * strip->amplification;
-        codes[c] = is_label(resource) ? (differs ? 255 : 0) : brightness(shown);
+        double light = is_label(resource) ? 1 : sqrt(fmin(shown, 1));
+        codes[c] = differs ? (uint8_t)lrint(DARKEST + (255 - DARKEST) * light) : 0;
     }
-    bool dark = codes[0] < DARKEST && codes[1] < DARKEST && codes[2] < DARKEST;
-    for (uint32_t c = 0; c < 3 && differs && dark; c++)
-        codes[c] = DARKEST;
 }
 
 static uint8_t *allocate_codes(uint32_t width, uint32_t height)
@@ -195,6 +222,28 @@ static void place_panel(struct canvas *canvas, uint32_t left, const uint8_t *cod
     }
 }
 
+/* A yellow square around the worst texel of the last panel: one texel in two million is not seen. */
+static void frame_worst(struct canvas *canvas, const struct pair *pair, uint32_t panel)
+{
+    static const uint8_t yellow[3] = {255, 255, 0};
+    int64_t scale = canvas->scale, side = scale + 2 * (int64_t)FRAME;
+    int64_t left = pair->worst[0] * scale - FRAME;
+    int64_t top = (pair->height - 1 - pair->worst[1]) * scale - FRAME;
+    for (int64_t i = 0; i < side; i++) {
+        const int64_t places[4][2] = {{left + i, top},
+                                      {left + i, top + side - 1},
+                                      {left, top + i},
+                                      {left + side - 1, top + i}};
+        for (int k = 0; k < 4; k++) {
+            int64_t x = places[k][0], y = places[k][1];
+            if (x < 0 || y < 0 || x >= panel || y >= canvas->height)
+                continue;
+            size_t at = (size_t)y * canvas->width + (PANELS - 1) * (panel + SEPARATOR) + (size_t)x;
+            memcpy(canvas->codes + at * 3, yellow, sizeof yellow);
+        }
+    }
+}
+
 static bool write_panels(const char *path, const struct pair *pair, const struct picture *copies,
                          const uint8_t *differences, const struct dt_log *log)
 {
@@ -214,7 +263,9 @@ static bool write_panels(const char *path, const struct pair *pair, const struct
     for (uint32_t i = 0; i < 2; i++)
         place_panel(&canvas, i * (panel + SEPARATOR), copies->codes, i * pair->width, copies->width,
                     pair->width);
-    place_panel(&canvas, 2 * (panel + SEPARATOR), differences, 0, pair->width, pair->width);
+    place_panel(&canvas, (PANELS - 1) * (panel + SEPARATOR), differences, 0, pair->width,
+                pair->width);
+    frame_worst(&canvas, pair, panel);
     bool good = image_write_png(path, canvas.width, canvas.height, 3, canvas.codes, log);
     free(canvas.codes);
     return good;

@@ -1,5 +1,6 @@
 /* Strips, read back from their files: which layer, how bright, where. Expected codes come from the
- * definition: the square root of the amplified difference, dark grey at least. */
+ * definition: from dark grey, 48, to 255 with the square root of the amplified difference. */
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -74,6 +75,11 @@ static void expect_code(const struct seen *seen, uint32_t panel, uint32_t x, uin
     }
 }
 
+static uint32_t bright(double amplified)
+{
+    return (uint32_t)lrint(48 + (255 - 48) * sqrt(amplified));
+}
+
 static void codes_stand_side_by_side(void **state)
 {
     (void)state;
@@ -85,9 +91,8 @@ static void codes_stand_side_by_side(void **state)
     assert_true(seen.strip.amplification == 64); /* 2/255 * 64 is in 1/2..1 */
     expect_code(&seen, 0, 0, 0, 10, 20, 30);
     expect_code(&seen, 1, 0, 0, 10, 21, 30);
-    const uint32_t one = (uint32_t)lrint(255 * sqrt(64 / 255.0));
-    const uint32_t two = (uint32_t)lrint(255 * sqrt(128 / 255.0));
-    expect_code(&seen, 2, 0, 0, 0, one, 0);
+    const uint32_t one = bright(64 / 255.0), two = bright(128 / 255.0);
+    expect_code(&seen, 2, 0, 0, 48, one, 48);
     expect_code(&seen, 2, 1, 0, two, two, two); /* alpha alone */
     expect_code(&seen, 2, 0, 1, 0, 0, 0);
     const uint8_t *separator = seen.texels + (size_t)seen.panel * 4;
@@ -106,7 +111,7 @@ static void no_difference_is_black(void **state)
     assert_true(seen.strip.amplification == 0x1p-21);
     expect_code(&seen, 0, 0, 0, 0, 0, 0);
     expect_code(&seen, 1, 0, 0, 255, 255, 255);
-    const uint32_t largest = (uint32_t)lrint(255 * sqrt(2e6 / 0x1p21));
+    const uint32_t largest = bright(2e6 / 0x1p21);
     expect_code(&seen, 2, 0, 0, largest, largest, largest);
     expect_code(&seen, 2, 1, 0, 0, 0, 0);
     expect_code(&seen, 2, 2, 0, 48, 48, 48);
@@ -130,6 +135,62 @@ static void worst_layer_is_shown(void **state)
     assert_int_equal(seen.strip.layer, 3);
     expect_code(&seen, 1, 0, 0, 255, 0, 255);
     expect_code(&seen, 2, 0, 0, 255, 0, 255);
+    free(seen.texels);
+}
+
+/* Of 200 texels that differ, two may be beyond full brightness; not three. */
+static void outliers_do_not_hide_the_rest(void **state)
+{
+    (void)state;
+    enum { TEXELS = 210 };
+    float left[TEXELS] = {0}, right[TEXELS] = {0};
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
+    for (int i = 0; i < 200; i++)
+        right[i] = 0x1p-10f;
+    right[7] = right[90] = 100;
+    struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){TEXELS, 1, 1});
+    assert_true(seen.strip.amplification == 0x1p10);
+    expect_code(&seen, 2, 0, 0, 255, 255, 255);
+    expect_code(&seen, 2, 90, 0, 255, 255, 255);
+    expect_code(&seen, 2, 205, 0, 0, 0, 0);
+    free(seen.texels);
+    right[91] = 100;
+    seen = look(&resource, left, right, sizeof left, (const uint32_t[]){TEXELS, 1, 1});
+    assert_true(seen.strip.amplification == 0x1p-7);
+    free(seen.texels);
+}
+
+/* The two ends of the floats. */
+static void extremes_are_amplified(void **state)
+{
+    (void)state;
+    const float left[2] = {-FLT_MAX, 0}, right[2] = {FLT_MAX, FLT_TRUE_MIN};
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
+    const uint32_t extent[3] = {1, 1, 1};
+    struct seen seen = look(&resource, &left[0], &right[0], sizeof left[0], extent);
+    assert_true(seen.strip.amplification == 0x1p-129);
+    free(seen.texels);
+    seen = look(&resource, &left[1], &right[1], sizeof left[1], extent);
+    assert_true(seen.strip.amplification == 0x1p149);
+    expect_code(&seen, 2, 0, 0, 255, 255, 255);
+    free(seen.texels);
+}
+
+static void largest_is_framed(void **state)
+{
+    (void)state;
+    enum { SIDE = 300 };
+    static uint8_t left[SIDE][SIDE], right[SIDE][SIDE];
+    right[20][100] = 9;
+    right[200][100] = 8;
+    const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R8};
+    struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){SIDE, SIDE, 1});
+    expect_code(&seen, 2, 100 - 8, 20 - 8, 255, 255, 0);
+    expect_code(&seen, 2, 100 + 8, 20 + 8, 255, 255, 0);
+    expect_code(&seen, 2, 100, 20 - 8, 255, 255, 0);
+    expect_code(&seen, 2, 100 + 8, 20, 255, 255, 0);
+    expect_code(&seen, 2, 100, 20 - 7, 0, 0, 0);
+    expect_code(&seen, 2, 100 - 8, 200 - 8, 0, 0, 0);
     free(seen.texels);
 }
 
@@ -184,9 +245,11 @@ static void others_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(codes_stand_side_by_side),     cmocka_unit_test(no_difference_is_black),
-        cmocka_unit_test(worst_layer_is_shown),         cmocka_unit_test(labels_differ_or_not),
-        cmocka_unit_test(large_images_keep_their_size), cmocka_unit_test(others_are_refused),
+        cmocka_unit_test(codes_stand_side_by_side), cmocka_unit_test(no_difference_is_black),
+        cmocka_unit_test(worst_layer_is_shown),     cmocka_unit_test(outliers_do_not_hide_the_rest),
+        cmocka_unit_test(extremes_are_amplified),   cmocka_unit_test(largest_is_framed),
+        cmocka_unit_test(labels_differ_or_not),     cmocka_unit_test(large_images_keep_their_size),
+        cmocka_unit_test(others_are_refused),
     };
     return cmocka_run_group_tests_name("strip", tests, NULL, NULL);
 }
