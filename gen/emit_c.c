@@ -312,7 +312,8 @@ static void image_groups(const struct c_output *c, const struct pass *pass, stru
     }
 }
 
-void c_groups(const struct c_output *c, const struct pass *pass, struct text *out)
+/* "x, y, z": workgroups of a dispatch. */
+static void emit_groups(const struct c_output *c, const struct pass *pass, struct text *out)
 {
     if (pass->size == SIZE_IMAGE) {
         image_groups(c, pass, out);
@@ -399,6 +400,119 @@ void c_targets(const struct c_output *c)
         text_free(&body);
         text_free(&locals);
     }
+}
+
+/* ---- Record functions of passes -------------------------------------------------------------- */
+
+/* The first arguments of a draw. OpenGL has a framebuffer for it. */
+static void emit_draw(const struct c_output *c, const struct pass *pass, const char *verb)
+{
+    text_add(c->out, "%s_%s(rt, &state->programs.%s, ", backend_prefix(c), verb, pass->name);
+    if (c->backend == BACKEND_GL) {
+        text_add(c->out, "state->framebuffers.%s, ", pass->name);
+    }
+    text_add(c->out, "&targets");
+}
+
+static void emit_indirect_draw(const struct c_output *c, const struct pass *pass)
+{
+    const char *arguments = pass->indirect_resource->name;
+
+    emit_draw(c, pass, "draw_scene_indirect");
+    text_add(c->out, pass->index_resource ? ", &state->buffers.%s" : ", NULL",
+             pass->index_resource ? pass->index_resource->name : "");
+    text_add(c->out, ", &state->buffers.%s, (uint32_t)(state->buffers.%s.size / %s))", arguments,
+             arguments, c->backend == BACKEND_GL ? "20" : "sizeof(VkDrawIndexedIndirectCommand)");
+}
+
+void c_work(const struct c_output *c, const struct pass *pass)
+{
+    const char *api = backend_prefix(c);
+
+    if (pass->kind == PASS_FULLSCREEN) {
+        emit_draw(c, pass, "draw_fullscreen");
+        text_add(c->out, ")");
+    } else if (pass->kind == PASS_SCENE && pass->indirect_resource) {
+        emit_indirect_draw(c, pass);
+    } else if (pass->kind == PASS_SCENE) {
+        emit_draw(c, pass, "draw_scene");
+        text_add(c->out, ", targets.layers)");
+    } else if (pass->size == SIZE_INDIRECT) {
+        text_add(c->out, "%s_dispatch_indirect(rt, &state->programs.%s, &state->buffers.%s)", api,
+                 pass->name, pass->indirect_resource->name);
+    } else {
+        text_add(c->out, "%s_dispatch(rt, &state->programs.%s, ", api, pass->name);
+        emit_groups(c, pass, c->out);
+        text_add(c->out, ")");
+    }
+}
+
+void c_skip(const struct c_output *c, const struct pass *pass, const char *between)
+{
+    const char *api = backend_prefix(c);
+    bool any = pass_draws(pass) && pass_clears_targets(pass);
+
+    if (any && c->backend == BACKEND_GL) {
+        text_add(c->out, "gl_clear_targets(rt, state->framebuffers.%s, &targets)", pass->name);
+    } else if (any) {
+        text_add(c->out, "vk_clear_targets(rt, &targets)");
+    }
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+
+        if (!access->resource || access->mode != MODE_WRITE ||
+            access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
+            continue;
+        }
+        text_add(c->out, "%s", any ? between : "");
+        any = true;
+        if (access->resource->kind == DT_BUFFER) {
+            text_add(c->out, "%s_clear_buffer(rt, &state->buffers.%s)", api,
+                     access->resource->name);
+        } else {
+            text_add(c->out, "%s_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])",
+                     api, access->resource->name, access->mip_value);
+            c_clear(c->out, access->resource);
+            text_add(c->out, ")");
+        }
+    }
+}
+
+void c_pass(const struct c_output *c, const struct pass *pass, const struct text *locals,
+            const struct text *body)
+{
+    const char *api = backend_prefix(c), *name = c->pipeline->name;
+    struct text rest = {0};
+
+    if (pass->conditional) {
+        text_add(&rest, "    const bool runs = (");
+        c_expr(&rest, pass->when, 1);
+        text_add(&rest, ") != 0;\n");
+    }
+    text_add(&rest, "%s", body->data ? body->data : "");
+    if (pass->doc) {
+        text_add(c->out, "/* ");
+        c_comment(c->out, pass->doc);
+        text_add(c->out, " */\n");
+    }
+    text_add(c->out, "static bool record_%s(struct %s_runtime *rt, %sstruct %s_%s_state *state",
+             pass->name, api, c->backend == BACKEND_GL ? "const " : "", name, api);
+    if (c_pass_uses_live(pass)) {
+        text_add(c->out, ",\n    const struct %s_live *live", name);
+    }
+    text_add(c->out, ")\n{\n");
+    size_t head = c->out->length;
+    text_add(c->out, "%s", locals->data ? locals->data : "");
+    if (pass_draws(pass)) {
+        text_add(c->out, "    const struct %s_targets targets = targets_%s(state);\n", api,
+                 pass->name);
+    }
+    c_size_locals(c->out, rest.data, "state->width", "state->height");
+    /* a function does not begin with a blank line */
+    bool blank = rest.data && rest.data[0] == '\n' && c->out->length == head;
+    text_add(c->out, "%s}\n\n", rest.data ? rest.data + blank : "");
+    c->out->failed |= locals->failed || body->failed || rest.failed;
+    text_free(&rest);
 }
 
 /* ---- Scaffolds ------------------------------------------------------------------------------- */

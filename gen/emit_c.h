@@ -51,8 +51,15 @@ void c_expr(struct text *out, const struct expr *expr, int64_t otherwise);
  * names them. */
 void c_size_locals(struct text *out, const char *body, const char *from_width,
                    const char *from_height);
-/* "x, y, z": workgroups of a dispatch; images as `state->images.NAME`. */
-void c_groups(const struct c_output *c, const struct pass *pass, struct text *out);
+/* The call that does a pass's work. */
+void c_work(const struct c_output *c, const struct pass *pass);
+/* The calls that clear what a skipped pass would have written, with `between` between them; writes
+ * nothing when there is nothing to clear. */
+void c_skip(const struct c_output *c, const struct pass *pass, const char *between);
+/* A pass's record function. `locals` declares what `body` works with; the targets, the size of the
+ * frame and whether the pass runs are declared here, where the pass has them. */
+void c_pass(const struct c_output *c, const struct pass *pass, const struct text *locals,
+            const struct text *body);
 /* `state->buffers.vpls` or `builtin->vertices`: what an access is bound to. */
 void c_object(struct text *out, const struct access *access);
 const char *c_group(const struct resource *resource); /* "buffers" or "images" */

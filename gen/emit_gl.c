@@ -319,132 +319,53 @@ static void emit_bits(struct text *out, unsigned bits)
     }
 }
 
-/* The call that does the pass's work, as a condition. */
-static void emit_work(const struct c_output *c, const struct pass *pass)
+/* What the pass does when it runs, and instead when it does not, as conditions. */
+static void emit_run(const struct c_output *c, const struct pass *pass)
 {
-    const char *name = pass->name;
-
-    if (pass->kind == PASS_FULLSCREEN) {
-        text_add(c->out,
-                 "gl_draw_fullscreen(rt, &state->programs.%s, state->framebuffers.%s, &targets)",
-                 name, name);
-    } else if (pass->kind == PASS_SCENE && pass->indirect_resource) {
-        text_add(
-            c->out,
-            "gl_draw_scene_indirect(rt, &state->programs.%s, state->framebuffers.%s, &targets, ",
-            name, name);
-        text_add(c->out, pass->index_resource ? "&state->buffers.%s, " : "NULL, ",
-                 pass->index_resource ? pass->index_resource->name : "");
-        text_add(c->out, "&state->buffers.%s, (uint32_t)(state->buffers.%s.size / 20))",
-                 pass->indirect_resource->name, pass->indirect_resource->name);
-    } else if (pass->kind == PASS_SCENE) {
-        text_add(c->out,
-                 "gl_draw_scene(rt, &state->programs.%s, state->framebuffers.%s, &targets, "
-                 "targets.layers)",
-                 name, name);
-    } else if (pass->size == SIZE_INDIRECT) {
-        text_add(c->out, "gl_dispatch_indirect(rt, &state->programs.%s, &state->buffers.%s)", name,
-                 pass->indirect_resource->name);
-    } else {
-        text_add(c->out, "gl_dispatch(rt, &state->programs.%s, ", name);
-        c_groups(c, pass, c->out);
-        text_add(c->out, ")");
-    }
-}
-
-/* What a skipped pass does instead, as a condition; writes nothing when there is nothing to
- * clear. */
-static void emit_skip(const struct c_output *c, const struct pass *pass)
-{
-    bool any = pass_draws(pass) && pass_clears_targets(pass);
-
-    if (any) {
-        text_add(c->out, "gl_clear_targets(rt, state->framebuffers.%s, &targets)", pass->name);
-    }
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
-
-        if (!access->resource || access->mode != MODE_WRITE ||
-            access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
-            continue;
-        }
-        text_add(c->out, any ? " &&\n             " : "");
-        any = true;
-        if (access->resource->kind == DT_BUFFER) {
-            text_add(c->out, "gl_clear_buffer(rt, &state->buffers.%s)", access->resource->name);
-        } else {
-            text_add(c->out, "gl_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])",
-                     access->resource->name, access->mip_value);
-            c_clear(c->out, access->resource);
-            text_add(c->out, ")");
-        }
-    }
-}
-
-static void emit_run(const struct c_output *c, const struct pass *pass, unsigned bits)
-{
+    const char *bind = "ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));\n";
     struct text skip = {0};
     struct c_output inner = *c;
 
     inner.out = &skip;
-    text_add(c->out, "    bool ok = gl_pass_begin(rt, ");
-    c_enumerator(c, "PASS", pass->name);
-    text_add(c->out, pass->conditional ? ", runs);\n\n" : ", true);\n\n");
-    if (bits) {
-        text_add(c->out, "    ok = ok && gl_barrier(rt, ");
-        emit_bits(c->out, bits);
-        text_add(c->out, ");\n");
-    }
-    if (pass->conditional) {
-        emit_skip(&inner, pass);
-        text_add(c->out, "    if (runs) {\n        ok = ok && gl_bind(rt, bindings, "
-                         "DT_ARRAY_COUNT(bindings));\n        ok = ok && ");
-        emit_work(c, pass);
-        text_add(c->out,
-                 skip.data ? ";\n    } else {\n        ok = ok && %s;\n    }\n" : ";\n    }\n",
-                 skip.data);
-        text_free(&skip);
-    } else {
-        text_add(
-            c->out,
-            "    ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));\n    ok = ok && ");
-        emit_work(c, pass);
+    if (!pass->conditional) {
+        text_add(c->out, "    %s    ok = ok && ", bind);
+        c_work(c, pass);
         text_add(c->out, ";\n");
+        return;
     }
-    text_add(c->out, "    return ok && gl_pass_end(rt, ");
-    c_enumerator(c, "PASS", pass->name);
-    text_add(c->out, ");\n");
+    text_add(c->out, "    if (runs) {\n        %s        ok = ok && ", bind);
+    c_work(c, pass);
+    c_skip(&inner, pass, " &&\n             ");
+    text_add(c->out, skip.data ? ";\n    } else {\n        ok = ok && %s;\n    }\n" : ";\n    }\n",
+             skip.data);
+    text_free(&skip);
 }
 
 static void emit_pass(const struct c_output *c, const struct pass *pass, unsigned bits)
 {
-    struct text body = {0};
-    struct c_output inner = *c;
+    struct text locals = {0}, body = {0};
+    struct c_output top = *c, inner = *c;
+
+    top.out = &locals;
+    text_add(&locals, "    const struct gl_builtin *builtin = gl_builtin(rt);\n");
+    emit_bindings(&top, pass);
 
     inner.out = &body;
-    if (pass->conditional) {
-        text_add(&body, "    const bool runs = (");
-        c_expr(&body, pass->when, 1);
-        text_add(&body, ") != 0;\n");
+    text_add(&body, "    bool ok = gl_pass_begin(rt, ");
+    c_enumerator(&inner, "PASS", pass->name);
+    text_add(&body, ", %s);\n\n", pass->conditional ? "runs" : "true");
+    if (bits) {
+        text_add(&body, "    ok = ok && gl_barrier(rt, ");
+        emit_bits(&body, bits);
+        text_add(&body, ");\n");
     }
-    emit_run(&inner, pass, bits);
-    if (pass->doc) {
-        text_add(c->out, "/* ");
-        c_comment(c->out, pass->doc);
-        text_add(c->out, " */\n");
-    }
-    text_add(c->out, "static bool record_%s(struct gl_runtime *rt, const struct %s_gl_state *state",
-             pass->name, c->pipeline->name);
-    if (c_pass_uses_live(pass)) {
-        text_add(c->out, ",\n    const struct %s_live *live", c->pipeline->name);
-    }
-    text_add(c->out, ")\n{\n    const struct gl_builtin *builtin = gl_builtin(rt);\n");
-    emit_bindings(c, pass);
-    if (pass_draws(pass)) {
-        text_add(c->out, "    const struct gl_targets targets = targets_%s(state);\n", pass->name);
-    }
-    c_size_locals(c->out, body.data, "state->width", "state->height");
-    text_add(c->out, "%s}\n\n", body.data ? body.data : "");
+    emit_run(&inner, pass);
+    text_add(&body, "    return ok && gl_pass_end(rt, ");
+    c_enumerator(&inner, "PASS", pass->name);
+    text_add(&body, ");\n");
+
+    c_pass(c, pass, &locals, &body);
+    text_free(&locals);
     text_free(&body);
 }
 

@@ -564,117 +564,48 @@ static void emit_barriers(const struct c_output *c, const struct pass *pass)
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-static void emit_work(const struct c_output *c, const struct pass *pass)
-{
-    const char *name = pass->name;
-
-    if (pass->kind == PASS_FULLSCREEN) {
-        text_add(c->out, "vk_draw_fullscreen(rt, &state->programs.%s, &targets);\n", name);
-    } else if (pass->kind == PASS_SCENE && pass->indirect_resource) {
-        text_add(c->out, "vk_draw_scene_indirect(rt, &state->programs.%s, &targets, ", name);
-        text_add(c->out, pass->index_resource ? "&state->buffers.%s, " : "NULL, ",
-                 pass->index_resource ? pass->index_resource->name : "");
-        text_add(c->out,
-                 "&state->buffers.%s,\n        (uint32_t)(state->buffers.%s.size / "
-                 "sizeof(VkDrawIndexedIndirectCommand)));\n",
-                 pass->indirect_resource->name, pass->indirect_resource->name);
-    } else if (pass->kind == PASS_SCENE) {
-        text_add(c->out, "vk_draw_scene(rt, &state->programs.%s, &targets, targets.layers);\n",
-                 name);
-    } else if (pass->size == SIZE_INDIRECT) {
-        text_add(c->out, "vk_dispatch_indirect(rt, &state->programs.%s, &state->buffers.%s);\n",
-                 name, pass->indirect_resource->name);
-    } else {
-        text_add(c->out, "vk_dispatch(rt, &state->programs.%s, ", name);
-        c_groups(c, pass, c->out);
-        text_add(c->out, ");\n");
-    }
-}
-
-/* What a skipped pass does instead; writes nothing when there is nothing to clear. */
-static void emit_skip(const struct c_output *c, const struct pass *pass)
-{
-    if (pass_draws(pass) && pass_clears_targets(pass)) {
-        text_add(c->out, "        vk_clear_targets(rt, &targets);\n");
-    }
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
-
-        if (!access->resource || access->mode != MODE_WRITE ||
-            access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
-            continue;
-        }
-        if (access->resource->kind == DT_BUFFER) {
-            text_add(c->out, "        vk_clear_buffer(rt, &state->buffers.%s);\n",
-                     access->resource->name);
-        } else {
-            text_add(c->out,
-                     "        vk_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])",
-                     access->resource->name, access->mip_value);
-            c_clear(c->out, access->resource);
-            text_add(c->out, ");\n");
-        }
-    }
-}
-
+/* What the pass does when it runs, and instead when it does not. */
 static void emit_run(const struct c_output *c, const struct pass *pass)
 {
     struct text skip = {0};
     struct c_output inner = *c;
 
     inner.out = &skip;
-    text_add(c->out, "    if (!vk_pass_begin(rt, ");
-    c_enumerator(c, "PASS", pass->name);
-    text_add(c->out, ", %s))\n        return false;\n", pass->conditional ? "runs" : "true");
-    if (pass->barrier_count) {
-        text_add(c->out, "    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));\n");
-    }
-    if (pass->conditional) {
-        emit_skip(&inner, pass);
-        text_add(c->out, "    if (runs) {\n        ");
-        emit_work(c, pass);
-        text_add(c->out, skip.data ? "    } else {\n%s    }\n" : "    }\n", skip.data);
-        text_free(&skip);
-    } else {
+    if (!pass->conditional) {
         text_add(c->out, "    ");
-        emit_work(c, pass);
+        c_work(c, pass);
+        text_add(c->out, ";\n");
+        return;
     }
-    text_add(c->out, "    return vk_pass_end(rt, ");
-    c_enumerator(c, "PASS", pass->name);
-    text_add(c->out, ");\n");
+    text_add(c->out, "    if (runs) {\n        ");
+    c_work(c, pass);
+    c_skip(&inner, pass, ";\n        ");
+    text_add(c->out, skip.data ? ";\n    } else {\n        %s;\n    }\n" : ";\n    }\n", skip.data);
+    text_free(&skip);
 }
 
 static void emit_pass(const struct c_output *c, const struct pass *pass)
 {
-    struct text body = {0};
-    struct c_output inner = *c;
+    struct text locals = {0}, body = {0};
+    struct c_output top = *c, inner = *c;
+
+    top.out = &locals;
+    emit_barriers(&top, pass);
 
     inner.out = &body;
-    if (pass->conditional) {
-        text_add(&body, "    const bool runs = (");
-        c_expr(&body, pass->when, 1);
-        text_add(&body, ") != 0;\n");
+    text_add(&body, "\n    if (!vk_pass_begin(rt, ");
+    c_enumerator(&inner, "PASS", pass->name);
+    text_add(&body, ", %s))\n        return false;\n", pass->conditional ? "runs" : "true");
+    if (pass->barrier_count) {
+        text_add(&body, "    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));\n");
     }
-    text_add(&body, "\n");
     emit_run(&inner, pass);
-    if (pass->doc) {
-        text_add(c->out, "/* ");
-        c_comment(c->out, pass->doc);
-        text_add(c->out, " */\n");
-    }
-    text_add(c->out, "static bool record_%s(struct vk_runtime *rt, struct %s_vk_state *state",
-             pass->name, c->pipeline->name);
-    if (c_pass_uses_live(pass)) {
-        text_add(c->out, ",\n    const struct %s_live *live", c->pipeline->name);
-    }
-    text_add(c->out, ")\n{\n");
-    emit_barriers(c, pass);
-    if (pass_draws(pass)) {
-        text_add(c->out, "    const struct vk_targets targets = targets_%s(state);\n", pass->name);
-    }
-    c_size_locals(c->out, body.data, "state->width", "state->height");
-    bool declares = c->out->length < 2 || c->out->data[c->out->length - 2] != '{';
-    text_add(c->out, "%s}\n\n", body.data ? body.data + (!declares && *body.data == '\n') : "");
+    text_add(&body, "    return vk_pass_end(rt, ");
+    c_enumerator(&inner, "PASS", pass->name);
+    text_add(&body, ");\n");
+
+    c_pass(c, pass, &locals, &body);
+    text_free(&locals);
     text_free(&body);
 }
 
