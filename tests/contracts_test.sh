@@ -47,6 +47,9 @@ check "one flip too many is a difference" finds 1 "pass decide is the first to b
     "${flip[@]}" "${loose[@]}" --set contracts.sides.flips=0
 check "an exact resource beside it is held to the bit" finds 1 "pass decide is the first to break: side_margins" "${flip[@]}"
 
+check "infinity in both is a difference under any tolerance" finds 1 \
+    "24 numbers are NaN or Inf, the first at [0], frame 0: gl Inf (0x7f800000), vk Inf (0x7f800000)" "${compare[@]}" --set parts=0
+
 # shellcheck disable=SC2317
 pictures() { # expected number of strips; options...
     local expected=$1 found file

@@ -11,5 +11,5 @@ void main()
     margins[i].margin = abs(second - first);
     sides[i] = places[i].x > 0.5 ? 1u : 0u;
     side_margins[i] = abs(places[i].x - 0.5);
-    sums[i] = places[i].x + places[i].y;
+    sums[i] = (places[i].x + places[i].y) / parts;
 }
