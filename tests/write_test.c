@@ -1,6 +1,7 @@
 /* The verb write of both runtimes: what is written is read back, bit for bit, in every format and
  * mip, and nothing beside it changes. The panels have no pass that does anything; the bytes come
  * from here. Validation, with synchronization checking, and KHR_debug must stay silent. */
+#include <glob.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,6 +9,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -383,6 +386,7 @@ static void refusals(const struct bench *bench)
 
 static const struct bench egl = {&runtime_gl, &gl_panel, "egl"};
 static const struct bench osmesa = {&runtime_gl, &gl_panel, "osmesa"};
+static const struct bench zink = {&runtime_gl, &gl_panel, "zink"};
 static const struct bench vk = {&runtime_vk, &vk_panel, NULL};
 
 static void opengl_reads_what_was_written(void **state)
@@ -419,6 +423,37 @@ static void vulkan_keeps_the_layout(void **state)
     runtime_vk.close(rt);
     assert_int_equal(heard.errors, 0);
 }
+static void zink_itself(void **state)
+{
+    (void)state;
+    round_trip(&zink);
+}
+
+/* Mesa has one OpenGL driver in a process: zink has one of its own, this program with an
+ * argument. */
+static void zink_reads_what_was_written(void **state)
+{
+    (void)state;
+    glob_t found;
+    bool installed = glob("/usr/lib/*/dri/zink_dri.so", 0, NULL, &found) == 0;
+    globfree(&found);
+    if (!installed) {
+        print_message("# no /usr/lib/*/dri/zink_dri.so: install libgl1-mesa-dri\n");
+        skip();
+    }
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        setenv("CMOCKA_MESSAGE_OUTPUT", "STDOUT", 1); /* its results are one of ours */
+        execl("/proc/self/exe", "write_test", "zink", NULL);
+        _exit(127);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 0);
+}
+
 static void opengl_refuses_what_does_not_fit(void **state)
 {
     (void)state;
@@ -430,9 +465,11 @@ static void vulkan_refuses_what_does_not_fit(void **state)
     refusals(&vk);
 }
 
-int main(void)
+int main(int count, char **arguments)
 {
+    const struct CMUnitTest alone[] = {cmocka_unit_test(zink_itself)};
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(zink_reads_what_was_written),
         cmocka_unit_test(opengl_reads_what_was_written),
         cmocka_unit_test(osmesa_reads_what_was_written),
         cmocka_unit_test(vulkan_reads_what_was_written),
@@ -440,5 +477,7 @@ int main(void)
         cmocka_unit_test(opengl_refuses_what_does_not_fit),
         cmocka_unit_test(vulkan_refuses_what_does_not_fit),
     };
+    if (count > 1 && strcmp(arguments[1], "zink") == 0)
+        return cmocka_run_group_tests_name("write, zink", alone, name_resources, NULL);
     return cmocka_run_group_tests_name("write", tests, name_resources, NULL);
 }
