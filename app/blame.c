@@ -64,7 +64,7 @@ static bool start(const struct replay *replay, struct source sources[2])
         info.quiet = true;
         if (i == 1)
             info.session.first_frame = replay->frame;
-        if (!source_start(&sources[i], &info))
+        if (!source_start(&sources[i], &info, i == 0 ? replay->dump : NULL))
             return false;
     }
     const struct worker_place ready = {.stop = WORKER_READY, .frame = 0};

@@ -12,6 +12,7 @@ struct replay {
     struct console *console;
     const struct rows *rows;
     struct worker_info workers[2]; /* as in the first run; frames and stops are set here */
+    struct dump_reader *dump;      /* the first side, if it is one */
     uint32_t frame;
 };
 

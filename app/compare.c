@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "identity.h"
 
 enum { COULD_NOT_RUN = 2 };
 
@@ -167,7 +168,7 @@ static bool run_frame(struct compare *compare, uint32_t frame)
         return false;
     for (uint32_t pass = 0; pass < info->pass_count; pass++) {
         console_status(compare->console, "frame %u of %u, pass %s", frame + 1,
-                       compare->options->frames, info->passes[pass].name);
+                       compare->options.frames, info->passes[pass].name);
         if (!advance(compare, (struct worker_place){WORKER_AFTER_PASS, frame, pass}))
             return false;
         for (uint32_t i = first[pass]; i < first[pass + 1]; i++) {
@@ -178,15 +179,27 @@ static bool run_frame(struct compare *compare, uint32_t frame)
     return advance(compare, (struct worker_place){WORKER_FRAME_DONE, frame, 0});
 }
 
+/* A dump has one frame, the last. */
+static uint32_t first_frame(const struct compare *compare)
+{
+    return compare->options.against ? compare->options.frames - 1 : 0;
+}
+
+static struct dump_reader *dump_of(struct compare *compare, uint32_t side)
+{
+    return compare->sides.list[side].folder ? &compare->dump : NULL;
+}
+
 static struct worker_info describe_worker(struct compare *compare, uint32_t index)
 {
     struct worker_info info = {.session = {.side = &compare->sides.list[index],
                                            .console = compare->console,
-                                           .options = compare->options,
+                                           .options = &compare->options,
                                            .pipeline = &compare->pipeline,
                                            .scene = &compare->scene,
                                            .poison = index ? POISON_OTHERS : POISON_FIRST},
-                               .frames = compare->options->frames,
+                               .frames = compare->options.frames,
+                               .first_observed = first_frame(compare),
                                .stops_before = compare->rows.history.count > 0};
     if (index == compare->faulty)
         info.session.fault = compare->fault;
@@ -198,7 +211,7 @@ static bool start_all(struct compare *compare)
     console_status(compare->console, "opening the devices and creating the programs");
     for (uint32_t i = 0; i < compare->sides.count; i++) {
         const struct worker_info info = describe_worker(compare, i);
-        if (!source_start(&compare->sources[i], &info))
+        if (!source_start(&compare->sources[i], &info, dump_of(compare, i)))
             return false;
     }
     for (uint32_t i = 0; i < compare->sides.count; i++) {
@@ -211,9 +224,9 @@ static bool start_all(struct compare *compare)
 
 static bool run_all(struct compare *compare)
 {
-    uint32_t frames = compare->options->frames;
+    uint32_t frames = compare->options.frames;
     bool good = start_all(compare);
-    for (uint32_t frame = 0; frame < frames && good; frame++)
+    for (uint32_t frame = first_frame(compare); frame < frames && good; frame++)
         good = run_frame(compare, frame);
     good =
         good && advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
@@ -231,6 +244,7 @@ static bool find_blame(struct compare *compare)
             .console = compare->console,
             .rows = &compare->rows,
             .workers = {describe_worker(compare, 0), describe_worker(compare, i + 1)},
+            .dump = dump_of(compare, 0),
             .frame = pair->broken_frame};
         const struct first_run first = {.broken_row = pair->broken_row,
                                         .outputs_differ = pair->outputs_differ,
@@ -289,6 +303,7 @@ static void release(struct compare *compare)
     free(compare->pairs);
     free(compare->devices);
     free(compare->sources);
+    dump_reader_close(&compare->dump);
     rows_free(&compare->rows);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
@@ -305,7 +320,7 @@ static bool find_fault(struct compare *compare)
     for (uint32_t i = 0; i < compare->sides.count; i++)
         labels[i] = compare->sides.list[i].label;
     bool good =
-        fault_parse(&compare->fault, &compare->faulty, compare->options->fault,
+        fault_parse(&compare->fault, &compare->faulty, compare->options.fault,
                     compare->pipeline.info, labels, compare->sides.count, &compare->console->log);
     free(labels);
     return good;
@@ -320,14 +335,37 @@ static bool compares_something(const struct compare *compare, uint64_t count, co
     return count;
 }
 
-static bool run(struct compare *compare)
+/* Before anything is loaded: size and frame are the dump's. */
+static bool open_dump(struct compare *compare)
+{
+    const char *folder = compare->options.against;
+    const struct dt_log *log = &compare->console->log;
+    return dump_reader_open(&compare->dump, folder, log) &&
+           identity_take_frame(compare->dump.manifest, folder, &compare->options, log);
+}
+
+/* That it is a dump of this very pipeline and scene, with these parameters. */
+static bool check_dump(struct compare *compare)
+{
+    const struct options *options = &compare->options;
+    const struct dt_log *log = &compare->console->log;
+    const cJSON *manifest = compare->dump.manifest;
+    const struct identity identity = {.pipeline = &compare->pipeline,
+                                      .scene = &compare->scene,
+                                      .scene_path = options->scene,
+                                      .size = {options->size[0], options->size[1]},
+                                      .frame = options->frames - 1};
+    compare->dump.pipeline = compare->pipeline.info;
+    memcpy(compare->dump.size, options->size, sizeof compare->dump.size);
+    return identity_check(manifest, options->against, &identity, log) &&
+           identity_take_live(manifest, options->against, options, &compare->pipeline, log);
+}
+
+static bool load(struct compare *compare)
 {
     struct console *console = compare->console;
-    const struct options *options = compare->options;
-    if (!sides_read(&compare->sides, options, &console->log))
-        return false;
-    if ((options->json && !file_can_write(options->json, &console->log)) ||
-        (options->pictures && !file_make_folders(options->pictures, &console->log)))
+    const struct options *options = &compare->options;
+    if (options->against && !open_dump(compare))
         return false;
     if (!pipeline_load(&compare->pipeline, console, options) ||
         !rows_make(&compare->rows, compare->pipeline.info, &console->log))
@@ -335,7 +373,20 @@ static bool run(struct compare *compare)
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
         (options->fault && !find_fault(compare)))
         return false;
-    if (!session_load_scene(&compare->scene, console, options) || !allocate(compare))
+    return session_load_scene(&compare->scene, console, options) &&
+           (!options->against || check_dump(compare));
+}
+
+static bool run(struct compare *compare)
+{
+    struct console *console = compare->console;
+    const struct options *options = &compare->options;
+    if (!sides_read(&compare->sides, options, &console->log))
+        return false;
+    if ((options->json && !file_can_write(options->json, &console->log)) ||
+        (options->pictures && !file_make_folders(options->pictures, &console->log)))
+        return false;
+    if (!load(compare) || !allocate(compare))
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
@@ -344,7 +395,7 @@ static bool run(struct compare *compare)
 
 int verb_compare(struct console *console, const struct options *options)
 {
-    struct compare compare = {.console = console, .options = options};
+    struct compare compare = {.console = console, .options = *options};
     bool differ = false;
     bool good = run(&compare);
     /* what was found out before something went wrong is worth knowing, too */

@@ -35,7 +35,8 @@ struct pair {
 
 struct compare {
     struct console *console;
-    const struct options *options;
+    struct options options;  /* with the frame of --against */
+    struct dump_reader dump; /* the first side, with --against */
     struct sides sides;
     struct pipeline pipeline;
     struct scene scene;

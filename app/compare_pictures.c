@@ -28,7 +28,7 @@ static char *file_name(const struct compare *compare, const struct pair *pair,
     char *mip = row->mip ? format_string(".mip%u", row->mip) : strdup("");
     char *side = compare->pair_count > 1 ? word_of(pair->sides[1]->label) : strdup("");
     char *name = mip && side
-                     ? format_string("%s/%02u.%s.%s%s%s%s.png", compare->options->pictures,
+                     ? format_string("%s/%02u.%s.%s%s%s%s.png", compare->options.pictures,
                                      row->pass, pass, resource, mip, side[0] ? "." : "", side)
                      : NULL;
     free(mip);
@@ -45,7 +45,7 @@ bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t 
     struct source *sources[2] = {&compare->sources[0], &compare->sources[pair_index + 1]};
     struct result *result = &pair->results[output];
     struct dt_bytes copies[2];
-    if (!compare->options->pictures || resource->kind != DT_IMAGE || pair->found.size_differs ||
+    if (!compare->options.pictures || resource->kind != DT_IMAGE || pair->found.size_differs ||
         difference_verdict(&pair->found) == VERDICT_EQUAL)
         return true;
     for (int i = 0; i < 2; i++) {

@@ -35,10 +35,10 @@ static char *without_slash(const char *folder)
 }
 
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
-                const struct dump_info *info)
+                const char *folder)
 {
-    *dump = (struct dump){
-        .console = console, .pipeline = pipeline, .folder = without_slash(info->folder)};
+    *dump =
+        (struct dump){.console = console, .pipeline = pipeline, .folder = without_slash(folder)};
     if (!dump->folder || !may_replace(dump->folder, &console->log))
         return false;
     char *temporary = format_string("%s.tmp-%d", dump->folder, (int)getpid());
@@ -49,13 +49,11 @@ bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipe
     dump->temporary = temporary;
     console_temporary(console, temporary);
     dump->manifest = cJSON_CreateObject();
-    cJSON_AddStringToObject(dump->manifest, "backend", info->backend);
-    cJSON_AddStringToObject(dump->manifest, "scene", info->scene);
-    cJSON_AddNumberToObject(dump->manifest, "frame", info->frame);
-    dump->entries = cJSON_AddArrayToObject(dump->manifest, "entries");
-    if (!dump->entries)
+    dump->history = cJSON_CreateArray();
+    dump->entries = cJSON_CreateArray();
+    if (!dump->manifest || !dump->history || !dump->entries)
         report_error(&console->log, "out of memory");
-    return dump->entries;
+    return dump->manifest && dump->history && dump->entries;
 }
 
 static void add_fields(cJSON *entry, const struct dt_resource *resource)
@@ -97,17 +95,22 @@ static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource
                       uint32_t mip, const char *file, const struct dt_bytes *bytes)
 {
     cJSON *entry = cJSON_CreateObject();
-    cJSON_AddStringToObject(entry, "pass", dump->pipeline->passes[pass].name);
+    if (pass != DUMP_HISTORY)
+        cJSON_AddStringToObject(entry, "pass", dump->pipeline->passes[pass].name);
     cJSON_AddStringToObject(entry, "file", file);
     dump_describe(entry, resource, mip, bytes->extent);
-    return cJSON_AddItemToArray(dump->entries, entry);
+    return cJSON_AddItemToArray(pass == DUMP_HISTORY ? dump->history : dump->entries, entry);
 }
 
+/* The place in the order of the passes stands first, so that a folder's listing is in order. */
 static char *file_name(const struct dump *dump, uint32_t pass, const char *resource, uint32_t mip)
 {
-    const char *name = dump->pipeline->passes[pass].name;
-    return mip ? format_string("%02u.%s.%s.mip%u.raw", pass, name, resource, mip)
-               : format_string("%02u.%s.%s.raw", pass, name, resource);
+    char number[16] = "history";
+    if (pass != DUMP_HISTORY)
+        snprintf(number, sizeof number, "%02u.", pass);
+    const char *name = pass == DUMP_HISTORY ? "" : dump->pipeline->passes[pass].name;
+    return mip ? format_string("%s%s.%s.mip%u.raw", number, name, resource, mip)
+               : format_string("%s%s.%s.raw", number, name, resource);
 }
 
 bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
@@ -133,6 +136,9 @@ bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
 static bool put_in_place(struct dump *dump)
 {
     const struct dt_log *log = &dump->console->log;
+    cJSON_AddItemToObject(dump->manifest, "history", dump->history);
+    cJSON_AddItemToObject(dump->manifest, "entries", dump->entries);
+    dump->history = dump->entries = NULL;
     char *text = cJSON_Print(dump->manifest);
     char *path = format_string("%s/manifest.json", dump->temporary);
     bool good = text && path && file_write(path, text, strlen(text), log);
@@ -159,6 +165,8 @@ bool dump_end(struct dump *dump, bool keep)
         file_remove_tree(dump->temporary); /* nothing is there when it was put in its place */
         console_forget(dump->console, dump->temporary);
     }
+    cJSON_Delete(dump->history);
+    cJSON_Delete(dump->entries);
     cJSON_Delete(dump->manifest);
     free(dump->temporary);
     free(dump->folder);

@@ -11,26 +11,23 @@
 struct dump {
     struct console *console;
     const struct dt_pipeline *pipeline;
-    char *folder;    /* its place */
-    char *temporary; /* NULL when there is nothing to clean up */
-    cJSON *manifest;
-    cJSON *entries; /* of the manifest */
-};
-
-struct dump_info {
-    const char *folder;
-    const char *backend;
-    const char *scene;
-    uint32_t frame; /* index of the frame that is dumped */
+    char *folder;             /* its place */
+    char *temporary;          /* NULL when there is nothing to clean up */
+    cJSON *manifest;          /* what is dumped is the caller's to add; see identity.h */
+    cJSON *history, *entries; /* of the manifest, last */
 };
 
 /* Refuses a folder that exists and is not an earlier dump. On false the error is logged; dump_end
  * either way. */
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
-                const struct dump_info *info);
-/* One mip of a resource, 0 for a buffer. Sets the padding between fields in bytes to zero. */
+                const char *folder);
+
+/* One mip of a resource, 0 for a buffer, after a pass; with DUMP_HISTORY as pass: as the frame found
+ * it. Sets the padding between fields in bytes to zero. */
+#define DUMP_HISTORY UINT32_MAX
 bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
               struct dt_bytes *bytes);
+
 /* What lies in a file of one mip of a resource, as keys of a JSON object: resource, mip where there
  * are several, kind, fields or format, stride, and count or width, height and layers. */
 void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mip,

@@ -74,6 +74,8 @@ static const struct option_row rows[] = {
      "write a PNG strip of each image that differs: one side, the other, the difference"},
     {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_REPLAY | VERB_METRICS, 0, "FILE",
      "write the table as JSON, too"},
+    {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
+     "a dump, of another machine or driver, is the first side; size and frame are its own"},
     {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
@@ -141,7 +143,7 @@ static const struct option_row rows[] = {
      "show this"},
 };
 
-enum { ROWS = DT_ARRAY_COUNT(rows), MAX_FRAMES = 1000000, MAX_SIZE = 65536 };
+enum { ROWS = DT_ARRAY_COUNT(rows) };
 
 static unsigned smallest(unsigned a, unsigned b, unsigned c)
 {
@@ -269,11 +271,11 @@ static bool is_choice(const char *choices, const char *value)
 
 bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
 {
-    const char *height = read_count(text, 'x', MAX_SIZE, &size[0]);
-    if (height && read_count(height, 0, MAX_SIZE, &size[1]))
+    const char *height = read_count(text, 'x', OPTIONS_MAX_SIZE, &size[0]);
+    if (height && read_count(height, 0, OPTIONS_MAX_SIZE, &size[1]))
         return true;
     report_error(log, "--size %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080", text,
-                 MAX_SIZE);
+                 OPTIONS_MAX_SIZE);
     return false;
 }
 
@@ -316,10 +318,10 @@ static bool store(struct options *options, const struct option_row *row, const c
         report_error(log, "%s %s: must be one of %s", row->name, value, row->argument);
         return false;
     case OPTION_COUNT:
-        if (read_count(value, 0, MAX_FRAMES, numbers))
+        if (read_count(value, 0, OPTIONS_MAX_FRAMES, numbers))
             return true;
         report_error(log, "%s %s: must be a whole number from 1 to %d", row->name, value,
-                     MAX_FRAMES);
+                     OPTIONS_MAX_FRAMES);
         return false;
     case OPTION_NUMBER:
         if (read_number(value, (double *)(void *)place))
@@ -362,15 +364,21 @@ static bool check_required(const struct options *options, const struct verb *ver
     return true;
 }
 
+/* What a dump would tell. */
+static void fill_in(struct options *options)
+{
+    if (!options->size[0]) {
+        options->size[0] = 1920;
+        options->size[1] = 1080;
+    }
+    options->frames = options->frames ? options->frames : 1;
+}
+
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
                    const struct dt_log *log)
 {
-    *options = (struct options){.size = {1920, 1080},
-                                .frames = 1,
-                                .bounces = "2",
-                                .from_bounce = "0",
-                                .seed = 1,
-                                .pixels_per_degree = FLIP_PIXELS_PER_DEGREE};
+    *options = (struct options){
+        .bounces = "2", .from_bounce = "0", .seed = 1, .pixels_per_degree = FLIP_PIXELS_PER_DEGREE};
     for (int i = 0; i < argc; i++) {
         size_t length = argv[i][0] == '-' ? strcspn(argv[i], "=") : strlen(argv[i]);
         const struct option_row *alone = find_alone(options, verb, argv[i]);
@@ -397,6 +405,8 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
         if (!store(options, row, value, log))
             return false;
     }
+    if (!options->against)
+        fill_in(options);
     return options->help || check_required(options, verb, log);
 }
 

@@ -31,8 +31,9 @@ struct options {
     const char *templates; /* folder of the GLSL library; NULL: the project's */
     const char **sets;
     uint32_t set_count; /* NAME=VALUE each */
-    uint32_t size[2];
+    uint32_t size[2];   /* this and frames: 0 with --against where not given */
     uint32_t frames;
+    const char *against; /* folder of a dump */
     const char *dump;
     const char *timings;
     const char *show;
@@ -70,6 +71,9 @@ struct options {
     bool debug;
     bool help;
 };
+
+/* Most that an option gives; a size is that of one side. */
+enum { OPTIONS_MAX_FRAMES = 1000000, OPTIONS_MAX_SIZE = 65536 };
 
 struct verb {
     const char *name;

@@ -5,6 +5,7 @@
 
 #include "dump.h"
 #include "files.h"
+#include "identity.h"
 #include "options.h"
 #include "picture.h"
 #include "scenes/image.h"
@@ -153,6 +154,20 @@ static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32
     return good;
 }
 
+/* In the last frame only: what it finds of earlier ones is dumped, too. */
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    struct render *render = user;
+    const struct dt_pipeline *info = render->pipeline.info;
+    for (uint32_t i = 0; i < info->resource_count && pass == 0; i++) {
+        uint32_t mips = resource_mips_before(info, 0, i);
+        for (uint32_t mip = 0; mips >> mip; mip++)
+            if ((mips >> mip & 1) && !take(render, DUMP_HISTORY, i, mip))
+                return DT_STOP;
+    }
+    return DT_RUN;
+}
+
 /* In the last frame only: reads what is dumped and what is shown. */
 static bool after_pass(void *user, uint32_t pass)
 {
@@ -171,7 +186,8 @@ static bool after_pass(void *user, uint32_t pass)
 static bool run_frames(struct render *render)
 {
     const struct options *options = render->options;
-    const struct dt_observer observer = {.after_pass = after_pass, .user = render};
+    const struct dt_observer observer = {
+        .before_pass = before_pass, .after_pass = after_pass, .user = render};
     for (uint32_t i = 0; i < options->frames; i++) {
         bool last = i + 1 == options->frames;
         double start = milliseconds_now();
@@ -220,6 +236,21 @@ static bool find_fault(struct render *render)
                        (const char *const *)&render->side.label, 1, &render->console->log);
 }
 
+/* The dump's manifest tells what it is of. */
+static bool identify(struct render *render)
+{
+    const struct options *options = render->options;
+    const struct session *session = &render->session;
+    const struct identity identity = {.backend = render->side.label,
+                                      .device = session->runtime->device_name(session->handle),
+                                      .pipeline = &render->pipeline,
+                                      .scene = &render->scene,
+                                      .scene_path = options->scene,
+                                      .size = {options->size[0], options->size[1]},
+                                      .frame = options->frames - 1};
+    return identity_add(render->dump.manifest, &identity, &render->console->log);
+}
+
 static bool prepare(struct render *render)
 {
     const struct options *options = render->options;
@@ -235,11 +266,8 @@ static bool prepare(struct render *render)
     if (options->timings &&
         !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
         return false;
-    if (options->dump && !dump_begin(&render->dump, render->console, render->pipeline.info,
-                                     &(struct dump_info){.folder = options->dump,
-                                                         .backend = render->side.label,
-                                                         .scene = options->scene,
-                                                         .frame = options->frames - 1}))
+    if (options->dump &&
+        !dump_begin(&render->dump, render->console, render->pipeline.info, options->dump))
         return false;
     const struct session_info info = {.side = &render->side,
                                       .fault = render->fault,
@@ -249,7 +277,8 @@ static bool prepare(struct render *render)
                                       .scene = &render->scene,
                                       .timing = options->timings,
                                       .poison = (int)options->poison};
-    return session_open(&render->session, &info) && session_prepare(&render->session);
+    return session_open(&render->session, &info) && (!options->dump || identify(render)) &&
+           session_prepare(&render->session);
 }
 
 int verb_render(struct console *console, const struct options *options)

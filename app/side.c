@@ -169,17 +169,33 @@ static bool read_entries(struct sides *sides, const char *list, const struct opt
     }
 }
 
+static bool add_dump(struct sides *sides, const char *folder, const struct dt_log *log)
+{
+    struct side *side = append(sides, log);
+    if (!side)
+        return false;
+    *side = (struct side){.label = strdup("dump"), .folder = folder};
+    if (!side->label)
+        report_error(log, "out of memory");
+    return side->label;
+}
+
 bool sides_read(struct sides *sides, const struct options *options, const struct dt_log *log)
 {
     const char *list = options->backend ? options->backend : "gl,vk";
     *sides = (struct sides){0};
+    if (options->against && !add_dump(sides, options->against, log))
+        return false;
     if (!read_entries(sides, list, options, log) ||
         !sides_heed(sides->list, sides->count, options, log))
         return false;
     if (sides->count > 1)
         return true;
     report_error(
-        log, "--backend %s: one side has nothing to be compared with; name two, like gl,vk", list);
+        log,
+        "--backend %s: one side has nothing to be compared with; name two, like gl,vk, or a dump "
+        "by --against",
+        list);
     return false;
 }
 

@@ -1,20 +1,24 @@
 /* Where the bytes of one side come from while a comparison walks through the passes: a worker that
- * runs them. Called by compare and blame. */
+ * runs them, or a dump in which they lie. Called by compare and blame. */
 #ifndef DIPTYCH_SOURCE_H
 #define DIPTYCH_SOURCE_H
 
+#include "dump_reader.h"
 #include "rows.h"
 #include "worker.h"
 
 struct source {
     const struct side *side;
     struct worker worker;
+    struct dump_reader *dump; /* NULL: the worker */
+    struct worker_place place;
 };
 
 /* All log their errors. Between source_resume and source_reach, and between source_ask and
  * source_take, other sources may be told the same, so that they work at once. */
 
-bool source_start(struct source *source, const struct worker_info *info);
+/* With a dump, which is borrowed, nothing is started, and every stop is reached at once. */
+bool source_start(struct source *source, const struct worker_info *info, struct dump_reader *dump);
 bool source_resume(struct source *source);
 
 /* Waits for the next stop, which must be this one. */
@@ -25,6 +29,8 @@ bool source_ask(struct source *source, const struct row *row);
 bool source_take(struct source *source, const struct row *row, struct dt_bytes *bytes);
 
 const char *source_device(const struct source *source); /* once WORKER_READY was reached */
-void source_close(struct source *source);               /* takes a zeroed one */
+
+/* Ends the worker; takes a zeroed source. */
+void source_close(struct source *source);
 
 #endif
