@@ -67,7 +67,8 @@ pictures() { # expected number of strips; options...
     done
 }
 check "equal images have no picture" pictures 0
-check "an image that differs has one" pictures 1 --fault vk:paint:texel
+check "an image that differs has one" pictures 1 --fault vk:paint:texel:9
+check "... of both sides: 1.25 against 0" grep -qF "02.paint.stripes.png: difference x 0.5" "$work/found"
 check "a missing pass has one of each" pictures 3 --fault vk:paint:missing
 check_status 2 "a folder that cannot be made" "${compare[@]}" --pictures "$0/folder"
 finish

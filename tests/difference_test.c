@@ -156,6 +156,7 @@ static void nan_never_passes(void **state)
         assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
         assert_int_equal(difference.not_finite, 2);
         assert_int_equal(difference.differing, 0);
+        assert_int_equal(difference.beyond, 1);
         assert_told(difference_describe_worst(&difference, &resource, labels),
                     "2 numbers are NaN or Inf, the first at [0].v.y, frame 4: gl NaN (0x7fc00000), "
                     "vk NaN (0x7fc00000)");
