@@ -1,7 +1,8 @@
 /* What each pass waits for: Vulkan's barriers from the accesses of the frame so far, and OpenGL's
  * memory barrier bits. Called by plan.c (Vulkan) and emit_gl.c (OpenGL). Frames are separated by a
- * wait for the device, which leaves all earlier writes available: the first touch in a frame
- * depends on nothing but the user of the same memory before it. */
+ * wait for the device, and each opens with a full barrier, so that all earlier writes are visible: the
+ * first touch in a frame depends on nothing but the user of the same memory before it. That every
+ * barrier is needed, and that they are enough, is for tests/barrier_audit.c to say. */
 #include "plan.h"
 
 enum { KIND_COUNT = 10 };
@@ -21,20 +22,35 @@ enum image_layout layout_of(unsigned kind)
 
 /* ---- Vulkan ---------------------------------------------------------------------------------- */
 
-/* What happened to one resource in the frame so far. Readers count since the last write or change
- * of layout; both are writes to the readers after them, but a change of layout leaves nothing to be
- * made available. */
-struct history {
-    bool touched;
+/* What happened to one mip in the frame so far. Readers count since the last write or change of
+ * layout; both are writes to the readers after them, but a change of layout leaves nothing to be made
+ * available. */
+struct mip_history {
+    bool used;           /* since the last change of layout; before the frame counts for nothing */
     bool changed_layout; /* after the last write */
-    enum image_layout layout;
+    bool surely_read;    /* by a pass that always runs */
     unsigned write_kind, write_stages; /* the last write; 0: none in this frame */
+    /* readers; or who waited for the change of layout */
     unsigned read_kind, read_stages;
     /* per kind of access: stages to which the content was made visible */
     unsigned visible[KIND_COUNT];
 };
 
-static bool sees(const struct history *past, const struct touch *touch)
+struct history {
+    bool touched, layout_known;
+    enum image_layout layout; /* of all mips */
+    uint32_t mip_count;
+    struct mip_history *mips;
+};
+
+static void show(struct mip_history *past, unsigned kinds, unsigned stages)
+{
+    for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
+        past->visible[kind] |= kinds & 1u << kind ? stages : 0;
+    }
+}
+
+static bool sees(const struct mip_history *past, const struct touch *touch)
 {
     for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
         if (touch->kind & 1u << kind && touch->stages & ~past->visible[kind]) {
@@ -44,17 +60,33 @@ static bool sees(const struct history *past, const struct touch *touch)
     return true;
 }
 
-/* Readers wait for the write themselves, so whoever waits for all readers waits for the write too,
- * and finds it available. */
-static void wait_for(struct barrier *barrier, const struct history *past)
+static void wait_for_write(struct barrier *barrier, const struct mip_history *past)
 {
-    if (past->read_stages) {
-        barrier->from = past->read_kind;
-        barrier->from_stages = past->read_stages;
+    barrier->from |= past->write_kind & write_kinds;
+    barrier->from_stages |= past->write_stages;
+    barrier->from_writes |= past->write_stages != 0;
+}
+
+/* Readers wait for the write themselves, so whoever waits for all readers waits for the write too, and
+ * finds it available. But where all of them may be skipped, synchronization validation (1.3.239) sees
+ * the write alone and wants it named. */
+static void wait_for_all(struct barrier *barrier, const struct mip_history *past)
+{
+    barrier->from |= past->read_kind;
+    barrier->from_stages |= past->read_stages;
+    if (!past->read_stages || (past->used && !past->changed_layout && !past->surely_read)) {
+        wait_for_write(barrier, past);
+    }
+}
+
+/* For a reader alone. */
+static void wait_for_content(struct barrier *barrier, const struct mip_history *past)
+{
+    if (past->write_stages && !past->changed_layout) {
+        wait_for_write(barrier, past);
     } else {
-        barrier->from = past->write_kind & write_kinds;
-        barrier->from_stages = past->write_stages;
-        barrier->from_writes = past->write_stages != 0;
+        barrier->from |= past->read_kind;
+        barrier->from_stages |= past->read_stages;
     }
 }
 
@@ -83,85 +115,163 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
 
 /* The last user of the memory waited for those before it, but made available only what lies in its
  * own bytes: what others wrote beyond those, and nobody read, is still to be made available. */
-static void wait_for_unread(struct barrier *barrier, const struct pipeline *pipeline,
+static void wait_for_memory(struct barrier *barrier, const struct pipeline *pipeline,
                             const struct history *past)
 {
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
-        const struct history *own = &past[i];
 
-        if (other != barrier->alias && used_before(other, barrier->resource) && own->write_stages &&
-            !own->read_stages) {
-            barrier->from |= own->write_kind & write_kinds;
-            barrier->from_stages |= own->write_stages;
-            barrier->from_writes = true;
+        for (uint32_t mip = 0; mip < past[i].mip_count; mip++) {
+            const struct mip_history *own = &past[i].mips[mip];
+
+            if (other == barrier->alias) {
+                wait_for_all(barrier, own);
+            } else if (used_before(other, barrier->resource) && own->write_stages &&
+                       !own->read_stages) {
+                wait_for_write(barrier, own);
+            }
         }
     }
 }
 
-/* Returns whether the touch needs the barrier that it fills. */
-static bool first_touch(const struct pipeline *pipeline, const struct history *past,
-                        const struct touch *touch, struct barrier *barrier)
+static void wait_for_mips(struct barrier *barrier, const struct history *past,
+                          const struct touch *touch)
 {
-    const struct resource *resource = touch->resource;
-    const struct resource *alias = alias_before(pipeline, resource);
+    for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+        const struct mip_history *own = &past->mips[mip];
+        bool waits = touch->writes ? own->used || !sees(own, touch) : !sees(own, touch);
 
-    barrier->discard = !resource->history;
-    barrier->alias = alias;
-    if (alias) {
-        wait_for(barrier, &past[alias->index]);
-        wait_for_unread(barrier, pipeline, past);
+        if (!(touch->mips >> mip & 1) || !waits) {
+            continue;
+        }
+        if (touch->writes) {
+            wait_for_all(barrier, own);
+        } else {
+            wait_for_content(barrier, own);
+        }
+        barrier->to |= touch->kind;
+        barrier->to_stages |= touch->stages;
     }
-    return resource->kind == DT_IMAGE || resource->history || alias;
 }
 
-static bool later_touch(const struct history *past, const struct touch *touch,
+/* ---- One pass and one resource --------------------------------------------------------------- */
+
+/* What a pass does to a resource: one touch, or several of different mips. */
+struct visit {
+    struct resource *resource;
+    const struct touch *touches; /* of the pass; those of other resources are none of it */
+    uint32_t count;
+    unsigned kinds, stages;
+    bool always; /* the pass is never skipped */
+    bool changes_layout;
+};
+
+static struct visit visit_of(const struct pass *pass, const struct touch *touches, uint32_t count,
+                             struct resource *resource)
+{
+    struct visit visit = {
+        .resource = resource, .touches = touches, .count = count, .always = !pass->conditional};
+
+    for (uint32_t i = 0; i < count; i++) {
+        visit.kinds |= touches[i].resource == resource ? touches[i].kind : 0;
+        visit.stages |= touches[i].resource == resource ? touches[i].stages : 0;
+    }
+    return visit;
+}
+
+/* Whether the visit needs the barrier that it fills. */
+static bool first_visit(const struct pipeline *pipeline, const struct history *past,
+                        const struct visit *visit, struct barrier *barrier)
+{
+    barrier->discard = true;
+    barrier->alias = alias_before(pipeline, visit->resource);
+    barrier->to = visit->kinds;
+    barrier->to_stages = visit->stages;
+    if (barrier->alias) {
+        wait_for_memory(barrier, pipeline, past);
+    }
+    return visit->changes_layout || barrier->alias;
+}
+
+static bool later_visit(const struct history *past, const struct visit *visit,
                         struct barrier *barrier)
 {
-    bool changes = touch->resource->kind == DT_IMAGE && layout_of(touch->kind) != past->layout;
-
-    if (touch->writes || changes) {
-        wait_for(barrier, past);
+    if (visit->changes_layout) {
+        for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+            wait_for_all(barrier, &past->mips[mip]);
+        }
+        barrier->to = visit->kinds;
+        barrier->to_stages = visit->stages;
         return true;
     }
-    if (sees(past, touch)) {
-        return false;
+    for (uint32_t i = 0; i < visit->count; i++) {
+        if (visit->touches[i].resource == visit->resource) {
+            wait_for_mips(barrier, past, &visit->touches[i]);
+        }
     }
-    if (past->write_stages && !past->changed_layout) {
-        barrier->from = past->write_kind & write_kinds;
-        barrier->from_stages = past->write_stages;
-        barrier->from_writes = true;
-    } else {
-        barrier->from = past->read_kind;
-        barrier->from_stages = past->read_stages;
-    }
-    return true;
+    return barrier->to != 0;
 }
 
-static void remember(struct history *past, const struct touch *touch, bool waited)
+static void remember_touch(struct mip_history *past, const struct touch *touch, bool always)
 {
-    bool image = touch->resource->kind == DT_IMAGE;
-    bool changes = image && (!past->touched || layout_of(touch->kind) != past->layout);
-
-    if (touch->writes || changes) {
-        for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
-            past->visible[kind] = 0;
-        }
-        past->read_kind = past->read_stages = 0;
-        past->changed_layout = !touch->writes;
-    }
-    past->touched = true;
-    past->layout = image ? layout_of(touch->kind) : LAYOUT_GENERAL;
     if (touch->writes) {
-        past->write_kind = touch->kind;
-        past->write_stages = touch->stages;
+        *past = (struct mip_history){
+            .used = true, .write_kind = touch->kind, .write_stages = touch->stages};
         return;
     }
+    if (!past->used) {
+        past->read_kind = past->read_stages = 0;
+    }
+    past->used = true;
+    past->surely_read |= always;
     past->read_kind |= touch->kind;
     past->read_stages |= touch->stages;
-    for (unsigned kind = 0; kind < KIND_COUNT && waited; kind++) {
-        past->visible[kind] |= touch->kind & 1u << kind ? touch->stages : 0;
+    show(past, touch->kind, touch->stages);
+}
+
+static void remember_layout(struct mip_history *past, const struct visit *visit)
+{
+    past->used = false;
+    past->changed_layout = past->surely_read = true;
+    past->read_kind = visit->kinds & ~write_kinds;
+    past->read_stages = visit->stages;
+    for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
+        past->visible[kind] = 0;
     }
+    for (uint32_t i = 0; i < visit->count; i++) {
+        if (visit->touches[i].resource == visit->resource) {
+            show(past, visit->touches[i].kind, visit->touches[i].stages);
+        }
+    }
+}
+
+static void remember(struct history *past, const struct visit *visit)
+{
+    for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+        if (visit->changes_layout) {
+            remember_layout(&past->mips[mip], visit);
+        }
+        for (uint32_t i = 0; i < visit->count; i++) {
+            if (visit->touches[i].resource == visit->resource &&
+                visit->touches[i].mips >> mip & 1) {
+                remember_touch(&past->mips[mip], &visit->touches[i], visit->always);
+            }
+        }
+    }
+    past->touched = past->layout_known = true;
+    past->layout = layout_of(visit->kinds);
+}
+
+/* ---- The frame ------------------------------------------------------------------------------- */
+
+static bool visited_before(const struct touch *touches, uint32_t index)
+{
+    for (uint32_t i = 0; i < index; i++) {
+        if (touches[i].resource == touches[index].resource) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static void plan_pass_barriers(struct model *model, struct pass *pass, struct history *past)
@@ -172,19 +282,57 @@ static void plan_pass_barriers(struct model *model, struct pass *pass, struct hi
     pass->barrier_count = 0;
     pass->barriers = arena_alloc(model->arena, (count + 1) * sizeof *pass->barriers);
     for (uint32_t i = 0; i < count && pass->barriers; i++) {
-        const struct touch *touch = &touches[i];
-        struct history *own = &past[touch->resource->index];
-        struct barrier barrier = {.resource = touch->resource,
-                                  .to = touch->kind,
-                                  .to_stages = touch->stages,
-                                  .to_writes = touch->writes};
-        bool waits = own->touched ? later_touch(own, touch, &barrier)
-                                  : first_touch(&model->pipeline, past, touch, &barrier);
+        struct visit visit = visit_of(pass, touches, count, touches[i].resource);
+        struct history *own = &past[visit.resource->index];
+        struct barrier barrier = {.resource = visit.resource};
 
-        if (waits) {
+        if (visited_before(touches, i)) {
+            continue;
+        }
+        visit.changes_layout = visit.resource->kind == DT_IMAGE &&
+                               (!own->layout_known || layout_of(visit.kinds) != own->layout);
+        if (own->touched ? later_visit(own, &visit, &barrier)
+                         : first_visit(&model->pipeline, past, &visit, &barrier)) {
             pass->barriers[pass->barrier_count++] = barrier;
         }
-        remember(own, touch, waits);
+        remember(own, &visit);
+    }
+}
+
+/* The layout that a frame leaves an image in. */
+static enum image_layout last_layout(const struct model *model, struct resource *image)
+{
+    enum image_layout layout = LAYOUT_GENERAL;
+
+    for (uint32_t i = 0; i < model->pipeline.pass_count; i++) {
+        const struct pass *pass = model->pipeline.order[i];
+        struct touch *touches =
+            arena_alloc(model->arena, (pass->access_count + 2) * sizeof *touches);
+        struct visit visit =
+            visit_of(pass, touches, touches ? pass_touches(pass, touches) : 0, image);
+
+        layout = visit.kinds ? layout_of(visit.kinds) : layout;
+    }
+    return layout;
+}
+
+/* What keeps its content begins the frame visible to all, by the full barrier that opens it. It is
+ * made in the general layout; where the frame ends in another one, the first pass has to change it. */
+static void begin_history(const struct model *model, struct resource *resource,
+                          struct history *past)
+{
+    past->mip_count = resource_mips(resource);
+    past->mips = arena_alloc(model->arena, past->mip_count * sizeof *past->mips);
+    past->mip_count = past->mips ? past->mip_count : 0;
+    if (!resource->history) {
+        return;
+    }
+    past->touched = true;
+    past->layout = LAYOUT_GENERAL;
+    past->layout_known =
+        resource->kind == DT_IMAGE && last_layout(model, resource) == LAYOUT_GENERAL;
+    for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+        show(&past->mips[mip], ~0u, ~0u);
     }
 }
 
@@ -193,6 +341,9 @@ void plan_barriers(struct model *model)
     struct pipeline *pipeline = &model->pipeline;
     struct history *past = arena_alloc(model->arena, pipeline->resource_count * sizeof *past + 1);
 
+    for (uint32_t i = 0; i < pipeline->resource_count && past; i++) {
+        begin_history(model, &pipeline->resources[i], &past[i]);
+    }
     for (uint32_t i = 0; i < pipeline->pass_count && past; i++) {
         plan_pass_barriers(model, pipeline->order[i], past);
     }

@@ -470,6 +470,8 @@ static void emit_destroy(const struct c_output *c)
 
 /* ---- Barriers -------------------------------------------------------------------------------- */
 
+/* Clears: vkCmdFillBuffer runs in the stage of clears or in that of copies, depending on whom one asks
+ * (validation layers 1.3.239: copies). */
 static void emit_stages(struct text *out, unsigned stages)
 {
     static const struct flag flags[] = {
@@ -481,7 +483,7 @@ static void emit_stages(struct text *out, unsigned stages)
         {STAGE_DEPTH, "VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT"},
         {STAGE_INDIRECT, "VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT"},
         {STAGE_INDEX, "VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT"},
-        {STAGE_CLEAR, "VK_PIPELINE_STAGE_2_CLEAR_BIT"},
+        {STAGE_CLEAR, "VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT"},
     };
 
     emit_flags(out, stages, flags, DT_ARRAY_COUNT(flags), "VK_PIPELINE_STAGE_2_NONE");
@@ -516,7 +518,7 @@ static void emit_accesses(struct text *out, const struct barrier *barrier, const
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
 
-        if (access->resource == barrier->resource && access->kind & ACCESS_COLOR &&
+        if (access->resource == barrier->resource && access->kind & barrier->to & ACCESS_COLOR &&
             (access->mode == MODE_UPDATE || pass->blend_add)) {
             kinds |= COLOR_READ;
         }
@@ -544,7 +546,7 @@ static void emit_barrier(const struct c_output *c, const struct pass *pass,
     text_add(c->out, ",\n         .dst_access = ");
     emit_accesses(c->out, barrier, pass);
     if (resource->kind == DT_IMAGE) {
-        text_add(c->out, ",\n         .layout = %s", layout_name(barrier->to));
+        text_add(c->out, ",\n         .layout = %s", layout_name(kinds_in_pass(pass, resource)));
         text_add(c->out, barrier->discard ? ",\n         .discard = true" : "");
     }
     text_add(c->out, "},\n");

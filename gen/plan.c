@@ -308,7 +308,7 @@ static unsigned stages_of(const struct pass *pass, const struct access *access)
 static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch touch)
 {
     for (uint32_t i = 0; i < count; i++) {
-        if (touches[i].resource == touch.resource) {
+        if (touches[i].resource == touch.resource && touches[i].mips == touch.mips) {
             touches[i].kind |= touch.kind;
             touches[i].stages |= touch.stages;
             touches[i].reads |= touch.reads;
@@ -327,28 +327,43 @@ bool access_sees_one_mip(const struct access *access)
            (access->mip || access->kind & ACCESS_FETCH);
 }
 
+uint32_t resource_mips(const struct resource *resource)
+{
+    return expr_value(resource->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+}
+
+static uint32_t touched_mips(const struct access *access)
+{
+    uint32_t mips = resource_mips(access->resource);
+    bool one = access_sees_one_mip(access) || !(access->kind & (ACCESS_FETCH | ACCESS_SAMPLED));
+
+    return one ? 1u << access->mip_value : mips < 32 ? (1u << mips) - 1 : UINT32_MAX;
+}
+
 uint32_t pass_touches(const struct pass *pass, struct touch *touches)
 {
     uint32_t count = 0;
 
     if (pass->indirect_resource) {
-        count = merge_touch(
-            touches, count,
-            (struct touch){pass->indirect_resource, ACCESS_INDIRECT, STAGE_INDIRECT, true, false});
+        count = merge_touch(touches, count,
+                            (struct touch){pass->indirect_resource, ACCESS_INDIRECT, STAGE_INDIRECT,
+                                           true, false, 1});
     }
     if (pass->index_resource) {
         count = merge_touch(
             touches, count,
-            (struct touch){pass->index_resource, ACCESS_INDEX, STAGE_INDEX, true, false});
+            (struct touch){pass->index_resource, ACCESS_INDEX, STAGE_INDEX, true, false, 1});
     }
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
-        struct touch touch = {access->resource, access->kind, stages_of(pass, access),
-                              access->mode != MODE_WRITE, access->mode != MODE_READ};
+        struct touch touch = {access->resource,          access->kind,
+                              stages_of(pass, access),   access->mode != MODE_WRITE,
+                              access->mode != MODE_READ, 1};
 
         if (!access->resource) {
             continue;
         }
+        touch.mips = touched_mips(access);
         /* Skipped at run time, a pass clears what it would have written: targets as targets, the
          * rest by commands. */
         if (pass->conditional && access->mode == MODE_WRITE &&

@@ -29,7 +29,7 @@ struct format_info {
 };
 const struct format_info *format_info(enum dt_format format);
 
-/* ---- plan.c: what one pass does to one resource, its accesses combined ----------------------- */
+/* ---- plan.c: what one pass does to the same mips of one resource, its accesses combined ------- */
 
 /* Whether a texture access looks at a single mip of an image with several: by texel, or by its spec's
  * `mip`. Then the others may be written in the same pass. */
@@ -40,10 +40,13 @@ struct touch {
     unsigned kind;   /* mask of enum access_kind */
     unsigned stages; /* mask of enum stage_bit */
     bool reads, writes;
+    uint32_t mips; /* mask; 1 for a buffer */
 };
-/* Fills touches (room for access_count + 2) with one entry per resource, in the order of the spec;
- * returns how many. */
+/* Fills touches (room for access_count + 2) with one entry per resource and set of mips, in the order
+ * of the spec; returns how many. */
 uint32_t pass_touches(const struct pass *pass, struct touch *touches);
+
+uint32_t resource_mips(const struct resource *resource); /* 1 for a buffer */
 
 /* Value of an expression that check has verified, NULL: otherwise. Clamped to 0..UINT32_MAX. */
 uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise);

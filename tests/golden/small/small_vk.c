@@ -794,12 +794,6 @@ static bool record_follow(struct vk_runtime *rt, struct small_vk_state *state)
          .dst_stage = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
          .dst_access = VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
          .layout = VK_IMAGE_LAYOUT_GENERAL},
-        {.image = &state->images.trail,
-         .src_stage = VK_PIPELINE_STAGE_2_NONE,
-         .src_access = VK_ACCESS_2_NONE,
-         .dst_stage = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-         .dst_access = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
-         .layout = VK_IMAGE_LAYOUT_GENERAL},
     };
 
     if (!vk_pass_begin(rt, SMALL_PASS_FOLLOW, true))
