@@ -42,6 +42,7 @@ struct options {
     const char *context;
     const char *json;
     const char *pictures;
+    uint32_t drop_barrier, drop_dependency; /* of Vulkan's frame, counted from 1; 0: none */
     const char *fault;
     const char *bisect; /* folder to write */
     const char *folder; /* of an earlier bisect */

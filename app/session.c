@@ -29,6 +29,8 @@ bool session_open(struct session *session, const struct session_info *info)
         .glsl = side->glsl,
         .timing = info->timing,
         .poison = info->poison,
+        .drop_barrier = options->drop_barrier,
+        .drop_dependency = options->drop_dependency,
     });
     return session->handle;
 }

@@ -174,8 +174,10 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
     if (!rt->panel->record(rt, rt->state, live) || rt->failed ||
         !run_commands(rt, rt->frame_commands, pipeline->name))
         return false;
-    if (rt->drop_barrier > rt->barriers)
-        return vk_error(rt, "barrier %u: the frame has %u; drop one of those", rt->drop_barrier,
+    uint32_t dropped =
+        rt->drop_barrier > rt->drop_dependency ? rt->drop_barrier : rt->drop_dependency;
+    if (dropped > rt->barriers)
+        return vk_error(rt, "barrier %u: the frame has %u; drop one of those", dropped,
                         rt->barriers);
     return !rt->timing || read_timestamps(rt);
 }
@@ -268,17 +270,26 @@ static VkImageMemoryBarrier2 image_barrier(const struct vk_barrier *barrier)
     };
 }
 
-/* Counts the barrier; true for the one that options.drop_barrier wants left out. Its image stays
- * in the layout that it has. */
-static bool is_dropped(struct vk_runtime *rt, const struct vk_barrier *barrier)
+/* Leaves out what options.drop_barrier and drop_dependency name. False: nothing is left of the
+ * barrier; all that follows in the frame takes its layout for granted, as hand-written code would. */
+static bool keep_barrier(struct vk_runtime *rt, struct vk_barrier *barrier)
 {
-    const struct vk_image *image = barrier->image;
-    if (++rt->barriers != rt->drop_barrier)
-        return false;
-    vk_info(rt, "dropped barrier %u: pass %s, resource %s, %s", rt->barriers,
-            rt->panel->pipeline->passes[rt->pass].name, image ? image->name : barrier->buffer->name,
+    const char *pass = rt->panel->pipeline->passes[rt->pass].name;
+    struct vk_image *image = barrier->image;
+    const char *name = image ? image->name : barrier->buffer->name;
+    rt->barriers++;
+    if (rt->barriers == rt->drop_dependency) {
+        vk_info(rt, "barrier %u waits for nothing: pass %s, resource %s", rt->barriers, pass, name);
+        barrier->src_stage = VK_PIPELINE_STAGE_2_NONE;
+        barrier->src_access = VK_ACCESS_2_NONE;
+    }
+    if (rt->barriers != rt->drop_barrier)
+        return true;
+    vk_info(rt, "dropped barrier %u: pass %s, resource %s, %s", rt->barriers, pass, name,
             image && image->layout != barrier->layout ? "layout change" : "no layout change");
-    return true;
+    if (image)
+        image->layout = barrier->layout;
+    return false;
 }
 
 void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count)
@@ -293,12 +304,13 @@ void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint3
             .pImageMemoryBarriers = images,
         };
         for (uint32_t i = 0; i < batch; i++) {
-            if (is_dropped(rt, &barriers[i]))
+            struct vk_barrier barrier = barriers[i];
+            if (!keep_barrier(rt, &barrier))
                 continue;
-            if (barriers[i].buffer)
-                buffers[info.bufferMemoryBarrierCount++] = buffer_barrier(&barriers[i]);
+            if (barrier.buffer)
+                buffers[info.bufferMemoryBarrierCount++] = buffer_barrier(&barrier);
             else
-                images[info.imageMemoryBarrierCount++] = image_barrier(&barriers[i]);
+                images[info.imageMemoryBarrierCount++] = image_barrier(&barrier);
         }
         if (info.bufferMemoryBarrierCount + info.imageMemoryBarrierCount > 0)
             vkCmdPipelineBarrier2(rt->frame_commands, &info);
@@ -470,8 +482,7 @@ void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets)
     vkCmdEndRendering(rt->frame_commands);
 }
 
-/* The plan's barriers are for the stages of the pass as it runs; a clear is another stage, hence
- * a full barrier on both sides of it. Skipped passes are rare and cost nothing else. */
+/* The plan's barriers order the clears of a pass that may be skipped, too. */
 void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
                     const float clear[4])
 {
@@ -479,16 +490,12 @@ void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
     VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
     if (rt->skips)
         return;
-    vk_full_barrier(rt->frame_commands);
     vkCmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
-    vk_full_barrier(rt->frame_commands);
 }
 
 void vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
     if (rt->skips)
         return;
-    vk_full_barrier(rt->frame_commands);
     vkCmdFillBuffer(rt->frame_commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
-    vk_full_barrier(rt->frame_commands);
 }

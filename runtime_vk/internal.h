@@ -17,7 +17,8 @@ struct vk_runtime {
     struct dt_log log;
     bool debug, timing;
     int poison;
-    uint32_t drop_barrier; /* number of the barrier to leave out; 0: none */
+    uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
+    uint32_t drop_dependency; /* of the one that waits for nothing */
     uint32_t messages;
 
     /* context.c */

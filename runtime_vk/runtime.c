@@ -52,6 +52,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->timing = options->timing;
     rt->poison = options->poison;
     rt->drop_barrier = options->drop_barrier;
+    rt->drop_dependency = options->drop_dependency;
     if (!vk_context_open(rt, options->device) ||
         !vk_mapped_create(rt, &rt->builtin.frame, &rt->frame_memory, &frame)) {
         runtime_close(rt);

@@ -187,7 +187,8 @@ struct vk_barrier {
     VkImageLayout layout; /* images: the layout from here on */
     bool discard;         /* images: the old content is not needed, old layout is UNDEFINED */
 };
-/* One vkCmdPipelineBarrier2 for up to 64 of them; all but the one of options.drop_barrier. */
+/* One vkCmdPipelineBarrier2 for up to 64 of them; but for options.drop_barrier and
+ * drop_dependency. */
 void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count);
 
 void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,

@@ -419,22 +419,24 @@ static bool record_mask_and_display(struct vk_runtime *rt, struct state *state, 
         .color = {{.image = &state->display}}, .color_count = 1, .layers = 1};
     if (!vk_pass_begin(rt, MASK_PASS, mask))
         return false;
-    vk_barriers(rt,
-                (const struct vk_barrier[]){
-                    {.image = &state->mask,
-                     .src_stage = DEPTH_TESTS,
-                     .src_access = DEPTH_WRITE,
-                     .dst_stage = COMPUTE,
-                     .dst_access = STORAGE_WRITE,
-                     .layout = VK_IMAGE_LAYOUT_GENERAL,
-                     .discard = true},
-                    {.buffer = &state->groups,
-                     .src_stage = COMPUTE,
-                     .src_access = STORAGE_WRITE,
-                     .dst_stage = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                     .dst_access = VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
-                },
-                2);
+    vk_barriers(
+        rt,
+        (const struct vk_barrier[]){
+            {.image = &state->mask,
+             .src_stage = DEPTH_TESTS,
+             .src_access = DEPTH_WRITE,
+             .dst_stage = COMPUTE | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+             .dst_access = STORAGE_WRITE | VK_ACCESS_2_TRANSFER_WRITE_BIT,
+             .layout = VK_IMAGE_LAYOUT_GENERAL,
+             .discard = true},
+            {.buffer = &state->groups,
+             .src_stage = COMPUTE,
+             .src_access = STORAGE_WRITE,
+             .dst_stage =
+                 VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+             .dst_access = VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT},
+        },
+        2);
     if (mask) {
         vk_dispatch_indirect(rt, &state->programs[MASK_PASS], &state->groups);
     } else {
@@ -857,12 +859,11 @@ static void an_observer_may_stop_before_a_pass(void **unused)
 
 /* The frame's barriers in the order of recording: 1 color and 2 depth of the scene pass, 3 draws
  * and 4 layers, 5 color of the count pass, 6 mask and 7 groups, 8 color and 9 display. */
-static void drop(uint32_t number, const char *message, const char *hazard)
+static void drop(const struct dt_runtime_options *options, const char *message, const char *hazard)
 {
     struct dt_frame frame = frame_at(0);
     heard.errors = 0;
-    void *rt = runtime_vk.open(&(struct dt_runtime_options){
-        .log = {.message = on_message}, .debug = true, .drop_barrier = number});
+    void *rt = runtime_vk.open(options);
     assert_true(rt && runtime_vk.set_scene(rt, &scene) && runtime_vk.create(rt, &panel) &&
                 runtime_vk.resize(rt, 16, 8));
     assert_int_equal(heard.errors, 0);
@@ -875,14 +876,23 @@ static void drop(uint32_t number, const char *message, const char *hazard)
 
 static void a_dropped_barrier_is_named_and_missed(void **unused)
 {
+    struct dt_runtime_options options = {.log = {.message = on_message}, .debug = true};
     (void)unused;
-    drop(3, "dropped barrier 3: pass layers, resource draws, no layout change",
+    options.drop_barrier = 3;
+    drop(&options, "dropped barrier 3: pass layers, resource draws, no layout change",
          "SYNC-HAZARD-READ-AFTER-WRITE");
-    drop(5, "dropped barrier 5: pass count, resource color, layout change",
+    options.drop_barrier = 5;
+    drop(&options, "dropped barrier 5: pass count, resource color, layout change",
+         "VUID-VkImageMemoryBarrier2-oldLayout-01197");
+    options.drop_barrier = 7;
+    drop(&options, "dropped barrier 7: pass mask, resource groups, no layout change",
          "SYNC-HAZARD-READ-AFTER-WRITE");
-    drop(7, "dropped barrier 7: pass mask, resource groups, no layout change",
-         "SYNC-HAZARD-READ-AFTER-WRITE");
-    drop(9, "dropped barrier 9: pass display, resource display, layout change", "VUID-");
+    options.drop_barrier = 6;
+    drop(&options, "dropped barrier 6: pass mask, resource mask, layout change", "ImageLayout");
+    options.drop_barrier = 0;
+    options.drop_dependency = 8; /* color is read by the pass before */
+    drop(&options, "barrier 8 waits for nothing: pass display, resource color",
+         "SYNC-HAZARD-WRITE-AFTER-READ");
 }
 
 static void a_barrier_that_is_not_there_cannot_be_dropped(void **unused)

@@ -264,6 +264,8 @@ struct dt_runtime_options {
      * out, to see whether anything notices; 0: none. Logged with its pass and resource. An observer
      * waits after every pass, and hides it. */
     uint32_t drop_barrier;
+    /* vk: the same for what a barrier waits for: it still changes the layout, but after nothing. */
+    uint32_t drop_dependency;
 };
 
 /* One texel or element array, tightly packed: buffers as they lie; one mip of an image layer by

@@ -1,0 +1,55 @@
+#!/usr/bin/env bash
+# Every barrier of every pipeline is needed, and no other: each is dropped in turn, and each that changes a layout is made
+# to wait for nothing; the validation layers, or a model of the specification where they are known to be silent, must
+# miss it (tests/barrier_audit.c). The counts are printed as comments. Long: more frame sizes.
+. "$(dirname "$0")/tap.sh"
+specs=$root/tests/specs
+tiny=(--set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set paraboloid_size=32)
+bounces=(--live bounces=1 --live bounces=0)
+
+audit() { # description arguments...
+    local description=$1
+    shift
+    check "$description: every barrier is missed when it is left out" "$build/barrier-audit" "$@"
+    grep -hE '^(dropped|weakened|bits):' "$work/output" | sed 's/^/# /'
+}
+
+pipelines() { # size
+    audit "ssvp at $1" "$root/templates/ssvp.yaml" "${tiny[@]}" "${bounces[@]}" --size "$1"
+    audit "ssvp, split, at $1" "$root/templates/ssvp.yaml" "${tiny[@]}" --set split=1 "${bounces[@]}" --size "$1"
+    audit "rsm at $1" "$root/templates/rsm.yaml" --set rsm_size=32 --live bounces=0 --size "$1"
+    audit "features at $1" "$specs/features.yaml" --live blur=false --size "$1"
+    audit "mips at $1" "$specs/mips.yaml" --live shrink=false --size "$1"
+    audit "layout at $1" "$specs/layout.yaml" --size "$1"
+    audit "kinds at $1" "$specs/kinds.yaml" --size "$1"
+}
+
+pipelines 24x16
+if [ -n "${DIPTYCH_LONG:-}" ]; then
+    pipelines 1x1
+    pipelines 17x9
+    pipelines 97x65
+fi
+
+# The recorder stands before functions of Vulkan: what it does not stand before it does not see.
+check "every command that the runtime records is seen by the audit" \
+    bash -c "for name in \$(grep -ohE 'vkCmd[A-Za-z0-9]+' '$root'/runtime_vk/*.c | sort -u); do
+        case \$name in
+        vkCmdBeginDebugUtilsLabelEXT | vkCmdEndDebugUtilsLabelEXT | vkCmdResetQueryPool | vkCmdSetScissor | vkCmdSetViewport | vkCmdWriteTimestamp2) continue ;;
+        esac
+        grep -q \"^\(void\|VkResult\) \$name(\" '$root/tests/tape.c' || { echo \"\$name\"; exit 1; }
+    done"
+
+# The same from the command line.
+render() { # arguments...
+    "$diptych" render --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk \
+        --timings "$work/timings.json" "$@"
+}
+check "without dropping validation is silent" render --debug
+check_status 1 "--drop-barrier 7 fails a run with --debug" render --debug --drop-barrier 7
+cp "$work/output" "$work/dropped"
+check "... which names its pass and resource" \
+    grep -q "dropped barrier 7: pass halves, resource draw_arguments" "$work/dropped"
+check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependency 35
+check_status 1 "a barrier that the frame does not have is an error" render --drop-barrier 1000
+finish
