@@ -64,7 +64,7 @@ spec_of() { # name
 generate_elsewhere() ( # name
     spec=$(spec_of "$1")
     mkdir -p "$work/elsewhere" && cd "$work/elsewhere" || exit
-    TZ=Asia/Tokyo HOME=/ "$gen" --templates "$root/templates" "$root/$spec" -o "./$1/"
+    TZ=Asia/Tokyo HOME=/ LC_ALL=tr_TR.UTF-8 MALLOC_PERTURB_=171 "$gen" --templates "$root/templates" "$root/$spec" -o "./$1/"
 )
 
 for name in small kinds ssvp rsm; do

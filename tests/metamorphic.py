@@ -17,6 +17,7 @@ import metamorphic_rewrites as rewrites
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 SCENE = os.path.join(ROOT, "scenes/cornell.yaml")
 BACKENDS = ("gl", "vk")
+TIMEOUT = 120   # seconds for one command, most of which take less than two
 PIPELINES = {
     "ssvp": ("templates/ssvp.yaml", {"first_vpls": 24, "second_vpls": 30, "clusters": 3, "kmeans_iterations": 3,
                                      "rsm_size": 32, "paraboloid_size": 32, "tile": [3, 2]}),
@@ -39,8 +40,12 @@ class Workshop:
 
     def run(self, *command):
         environment = {**os.environ, "XDG_CACHE_HOME": os.path.join(self.folder, "cache")}
-        done = subprocess.run(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, check=False,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", errors="replace")
+        try:
+            done = subprocess.run(command, cwd=ROOT, env=environment, stdin=subprocess.DEVNULL, check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", errors="replace",
+                                  timeout=TIMEOUT)
+        except subprocess.TimeoutExpired:
+            raise Failure(f"{' '.join(command)}\nnot done after {TIMEOUT} s") from None
         if done.returncode != 0:
             raise Failure(f"{' '.join(command)}\nexit status {done.returncode}\n{done.stdout}")
 
@@ -49,9 +54,8 @@ class Workshop:
         dumps = {}
         for backend in BACKENDS:
             folder = os.path.join(self.folder, name, backend)
-            sets = [f"--set={key}={value}" for key, value in settings.items()]
             self.run(os.path.join(self.build, "diptych"), "render", "--scene", SCENE, "--spec", spec, "--backend",
-                     backend, "--size", "19x11", "--frames", "3", "--dump", folder, *sets)
+                     backend, "--size", "19x11", "--frames", "3", "--dump", folder, *overrides(settings))
             dumps[backend] = Dump(folder)
         return dumps
 
@@ -61,11 +65,15 @@ class Workshop:
             self.originals[name] = self.render(f"{name}/original", os.path.join(ROOT, path), settings)
         return self.originals[name]
 
-    def generate(self, spec, folder):
+    def generate(self, spec, settings, folder):
         folder = os.path.join(self.folder, folder)
         shutil.rmtree(folder, ignore_errors=True)
-        self.run(os.path.join(self.build, "diptych-gen"), spec, "-o", folder)
+        self.run(os.path.join(self.build, "diptych-gen"), spec, "-o", folder, *overrides(settings))
         return folder
+
+
+def overrides(settings):
+    return [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
 
 
 class Dump:
@@ -158,26 +166,20 @@ def same_files(first, second):
     return sum(len(files) for _, _, files in os.walk(first))
 
 
-def changeable(pipeline, settings=None):
-    """What the generator sees, in its order."""
-    return json.dumps([pipeline.spec, pipeline.bodies, settings or pipeline.settings])
-
-
 def try_rewrite(workshop, name, description, function):
     """Returns what was compared, in words; raises Failure where anything differs."""
     path, settings = PIPELINES[name]
-    plain = rewrites.Pipeline(os.path.join(ROOT, path))
-    pipeline = rewrites.apply(function, os.path.join(ROOT, path), settings)
-    if not pipeline.same_output and changeable(pipeline) == changeable(plain, settings):
+    path = os.path.join(ROOT, path)
+    pipeline = rewrites.apply(function, path, settings)
+    if pipeline is None:
         raise Failure("the rewrite changed nothing")
     folder = f"{name}/{'_'.join(description.replace(',', '').replace('`', '').split())}"
     shutil.rmtree(os.path.join(workshop.folder, folder), ignore_errors=True)
     spec = pipeline.write(os.path.join(workshop.folder, folder, "spec"))
     if pipeline.same_output:
-        if pipeline.text == plain.text:
-            raise Failure("the rewrite changed nothing")
-        generated = workshop.generate(os.path.join(ROOT, path), f"{name}/original/generated")
-        return f"{same_files(generated, workshop.generate(spec, folder + '/generated'))} generated files"
+        generated = [workshop.generate(path, settings, f"{name}/original/generated"),
+                     workshop.generate(spec, pipeline.settings, folder + "/generated")]
+        return f"{same_files(*generated)} generated files"
     original = workshop.original(name)
     rewritten = workshop.render(folder, spec, pipeline.settings)
     resources = compared = 0

@@ -25,8 +25,10 @@ class Pipeline:
     def __init__(self, path):
         self.file = os.path.basename(path)
         with open(path, encoding="utf-8") as file:
-            self.text = file.read()
-        self.spec = yaml.safe_load(self.text)
+            self.spec = yaml.safe_load(file)
+            file.seek(0)
+            self.original_text = file.read()
+        self.text = None   # of the spec, where a rewrite is about the text itself; else the tree is written
         self.bodies = {}
         for entry in self.passes():
             self.load(os.path.dirname(path), entry["shader"])
@@ -46,6 +48,10 @@ class Pipeline:
         for included in INCLUDE.findall(self.bodies[path]):
             self.load(folder, beside(path, included))
 
+    def visible(self):
+        """What the generator sees, in its order."""
+        return json.dumps([self.text or self.original_text, self.spec, self.bodies, self.settings])
+
     def passes(self):
         return self.spec["passes"]
 
@@ -57,7 +63,8 @@ class Pipeline:
 
     def write(self, folder):
         """Returns the spec's path."""
-        for path, text in {self.file: self.text, **self.bodies}.items():
+        spec = self.text or yaml.dump(self.spec, Dumper=yaml.SafeDumper, sort_keys=False, width=110)
+        for path, text in {self.file: spec, **self.bodies}.items():
             os.makedirs(os.path.dirname(os.path.join(folder, path)), exist_ok=True)
             with open(os.path.join(folder, path), "w", encoding="utf-8", newline="") as file:
                 file.write(text)
@@ -203,8 +210,20 @@ def rewrite(description, *specs):
     return register
 
 
-# The spec gives the values that the original gets from the command line. All other rewrites do that as well.
+# The spec gives the values that the original gets from the command line. So does every rewrite that renders.
 @rewrite("values set in the spec", "ssvp", "rsm")
+def values_set_in_spec(pipeline):
+    values_in_spec(pipeline)
+    pipeline.same_output = True
+
+
+# Overrides of different values do not meet.
+@rewrite("overrides in another order", "ssvp", "rsm")
+def overrides_backwards(pipeline):
+    pipeline.settings = dict(reversed(pipeline.settings.items()))
+    pipeline.same_output = True
+
+
 def values_in_spec(pipeline):
     for name, value in pipeline.settings.items():
         pipeline.spec["params"][name]["value"] = value
@@ -496,7 +515,7 @@ def place_ranges(pipeline, storage, loop):
 
 
 # Where a range's elements live, and how its loop is written, is a question of time.
-@rewrite("ranges rolled over a uniform block", "ssvp", "rsm", "features")
+@rewrite("ranges rolled over a uniform block", "ssvp", "features")
 def ranges_uniform(pipeline):
     place_ranges(pipeline, "uniform", "roll")
 
@@ -517,7 +536,7 @@ def plan_for_gpu(pipeline):
 
 
 # A range is the run of elements that a plain loop visits.
-@rewrite("ranges written as plain loops", "features", "ssvp", "rsm")
+@rewrite("ranges written as plain loops", "ssvp", "rsm", "features")
 def ranges_as_loops(pipeline):
     body_per_pass(pipeline)
     for entry in pipeline.passes():
@@ -536,7 +555,7 @@ def other_workgroups(pipeline):
         if not {"dispatch", "interleave"} & set(entry) or entry["name"] == "remember":
             continue
         flat = "interleave" in entry or entry["dispatch"] in pipeline.spec["images"]
-        entry["local"] = [[16, 4], [4, 2], [1, 8]][i % 3] if flat else [96, 7, 1][i % 3]
+        entry["local"] = [[16, 4], [4, 2], [1, 8]][i % 3] if flat else [96, 37, 63][i % 3]
 
 
 # A dispatch by invocations is one by as many groups as hold them.
@@ -570,11 +589,13 @@ def make_layered(pipeline):
         edit_bodies(pipeline, add_layer)
 
 
-# What lies behind the last element that anybody asks for is nobody's business.
+# What lies behind the last element that anybody asks for is nobody's business. Every element of an indirect draw's
+# arguments is asked for.
 @rewrite("buffers longer than needed", "ssvp", "rsm", "features")
 def longer(pipeline):
     for name, buffer in pipeline.spec["buffers"].items():
-        if not any(f"{name}_count" in text for text in pipeline.bodies.values()):
+        counted = any(f"{name}_count" in text for text in pipeline.bodies.values())
+        if not counted and all(name != entry.get("indirect") for entry in pipeline.passes()):
             buffer["count"] = f"({buffer['count']}) + 5"
     pipeline.longer = True
 
@@ -748,7 +769,7 @@ def other_yaml(pipeline):
 
     spec = dict(reversed(pipeline.spec.items()))   # the sections, whose order means nothing
     spec["passes"] = [dict(reversed(entry.items())) for entry in spec["passes"]]
-    text = yaml.dump(share(spec), Dumper=Anchors, sort_keys=False, width=60, indent=3)
+    text = yaml.dump(share(spec), Dumper=Anchors, sort_keys=False, width=10000, indent=3)
     lines = [line + ("   # : { [" if re.search(r"[\w\]]$", line) else "") for line in text.splitlines()]
     pipeline.text = "%YAML 1.2\n---\n# {\n" + "\n\n".join(lines) + "\n...\n"
     pipeline.same_output = True
@@ -778,13 +799,11 @@ CONTROLS = {
 
 
 def apply(function, path, settings):
-    """A pipeline from the file, rewritten. The text is written anew from the tree unless the rewrite wrote it."""
+    """The pipeline in a file, rewritten; None where the rewrite has done nothing that the generator could see."""
     pipeline = Pipeline(path)
-    original = pipeline.text
     pipeline.settings = dict(settings)
-    if function not in (as_json, other_yaml, no_change):
+    if function not in (values_set_in_spec, overrides_backwards, as_json, other_yaml):
         values_in_spec(pipeline)
+    before = pipeline.visible()
     function(pipeline)
-    if pipeline.text == original:
-        pipeline.text = yaml.dump(pipeline.spec, Dumper=yaml.SafeDumper, sort_keys=False, width=110)
-    return pipeline
+    return pipeline if pipeline.visible() != before else None
