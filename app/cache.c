@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "files.h"
@@ -265,7 +266,9 @@ static bool read_stamp(struct cache_entry *entry, const char *folder)
 /* The real path, since depfiles are compared with it. */
 static char *usable_folder(char *folder, const struct dt_log *log)
 {
-    bool usable = folder && file_make_folders(folder, log) && access(folder, W_OK) == 0;
+    struct stat info;
+    bool usable = folder && file_make_folders(folder, log) && access(folder, W_OK) == 0 &&
+                  stat(folder, &info) == 0 && S_ISDIR(info.st_mode);
     char *real = usable ? realpath(folder, NULL) : NULL;
     free(folder);
     return real;

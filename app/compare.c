@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bisect.h"
 #include "files.h"
 #include "identity.h"
 
@@ -256,6 +257,30 @@ static bool find_blame(struct compare *compare)
     return true;
 }
 
+/* --bisect: of the first pair with a guilty pass. */
+static bool keep_evidence(struct compare *compare)
+{
+    const char *folder = compare->options.bisect;
+    for (uint32_t i = 0; i < compare->pair_count && folder; i++) {
+        const struct blame *blame = &compare->pairs[i].blame;
+        const struct replay replay = {
+            .console = compare->console,
+            .rows = &compare->rows,
+            .workers = {describe_worker(compare, 0), describe_worker(compare, i + 1)},
+            .dump = dump_of(compare, 0),
+            .frame = blame->frame};
+        const char *const devices[2] = {compare->devices[0], compare->devices[i + 1]};
+        if (blame->outcome != BLAME_GUILTY)
+            continue;
+        compare->region = bisect(&replay, blame->row, devices, folder);
+        return compare->region;
+    }
+    if (folder)
+        report_message(&compare->console->log, DT_INFO,
+                       "--bisect %s: no pass is guilty, nothing was written", folder);
+    return true;
+}
+
 /* ---- The verb -------------------------------------------------------------------------------- */
 
 static bool allocate_pair(struct compare *compare, uint32_t index)
@@ -300,6 +325,7 @@ static void release(struct compare *compare)
     }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
         free(compare->devices[i]);
+    free(compare->region);
     free(compare->pairs);
     free(compare->devices);
     free(compare->sources);
@@ -367,6 +393,8 @@ static bool load(struct compare *compare)
     const struct options *options = &compare->options;
     if (options->against && !open_dump(compare))
         return false;
+    if (options->bisect && !evidence_can_write(console, options->bisect))
+        return false;
     if (!pipeline_load(&compare->pipeline, console, options) ||
         !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
@@ -390,7 +418,8 @@ static bool run(struct compare *compare)
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
-    return compare->complete && find_blame(compare) && atomic_load(&console->errors) == 0;
+    return compare->complete && find_blame(compare) && keep_evidence(compare) &&
+           atomic_load(&console->errors) == 0;
 }
 
 int verb_compare(struct console *console, const struct options *options)

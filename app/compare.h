@@ -49,6 +49,7 @@ struct compare {
     uint32_t pair_count; /* sides.count - 1 */
     uint64_t compared;   /* elements, over all rows, pairs and frames */
     bool complete;       /* all rows were compared */
+    char *region;        /* of the guilty resource, in words; with --bisect */
 };
 
 /* With --pictures, and when what the pair found last, in this row of rows.outputs, is an image that

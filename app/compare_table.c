@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "compare.h"
+#include "files.h"
 
 struct widths {
     int pass, resource;
@@ -109,6 +110,26 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     print_verdict(compare, pair);
 }
 
+/* Where to look next: the region and its folder, and what the backends made of the pass's body. */
+static void print_clues(const struct compare *compare, const struct pair *pair)
+{
+    static const char *const backends[] = {"gl", "vk"}, *const stages[] = {"comp", "vert", "frag"};
+    const struct row *row = &compare->rows.outputs.list[pair->blame.row];
+    const char *pass = compare->pipeline.info->passes[row->pass].name;
+    if (pair->blame.outcome != BLAME_GUILTY)
+        return;
+    if (compare->region)
+        printf("%s: %s\nkept in %s: diptych replay %s --backend %s\n", row->name, compare->region,
+               compare->options.bisect, compare->options.bisect, pair->sides[1]->label);
+    for (int i = 0; i < 6; i++) {
+        char *file = format_string("%s/%s/%s.%s", compare->pipeline.generated, backends[i / 3],
+                                   pass, stages[i % 3]);
+        if (file && file_exists(file))
+            printf("generated: %s\n", file);
+        free(file);
+    }
+}
+
 static struct widths measure(const struct compare *compare)
 {
     struct widths widths = {4, 8};
@@ -153,5 +174,6 @@ void compare_print(const struct compare *compare)
         printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);
     else if (several)
         printf("\n%u pairs agree\n", compare->pair_count);
+    print_clues(compare, told);
     print_outcome(compare, told);
 }

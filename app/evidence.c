@@ -21,6 +21,8 @@
 #include "files.h"
 #include "folder.h"
 
+#define OPTION "--bisect"
+
 struct writing {
     const struct evidence *evidence;
     struct folder folder;
@@ -459,16 +461,20 @@ static void begin_manifest(const struct writing *writing)
     cJSON_AddNumberToObject(manifest, "height", evidence->options->size[1]);
 }
 
+bool evidence_can_write(struct console *console, const char *place)
+{
+    return folder_can_write(console, OPTION, place, EVIDENCE_MARK);
+}
+
 bool evidence_write(const struct evidence *evidence, const char *place)
 {
     struct writing writing = {
         .evidence = evidence, .log = &evidence->console->log, .manifest = cJSON_CreateObject()};
     begin_manifest(&writing);
-    bool good =
-        folder_begin(&writing.folder, evidence->console, "--bisect", place, EVIDENCE_MARK) &&
-        copy_spec(&writing) && copy_generated(&writing) && write_rows(&writing) &&
-        write_blocks(&writing) && write_scene(&writing) && write_readme(&writing) &&
-        write_script(&writing) && write_manifest(&writing);
+    bool good = folder_begin(&writing.folder, evidence->console, OPTION, place, EVIDENCE_MARK) &&
+                copy_spec(&writing) && copy_generated(&writing) && write_rows(&writing) &&
+                write_blocks(&writing) && write_scene(&writing) && write_readme(&writing) &&
+                write_script(&writing) && write_manifest(&writing);
     good = folder_end(&writing.folder, good) && good;
     cJSON_Delete(writing.manifest);
     free(writing.spec_name);

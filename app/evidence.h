@@ -33,6 +33,9 @@ struct evidence {
     struct dt_bytes *outputs[2]; /* of both sides given these inputs: one per output row */
 };
 
+/* Whether there is room for the folder, asked before hours of work; logs its error. */
+bool evidence_can_write(struct console *console, const char *place);
+
 /* Writes the folder whole or not at all; logs its error. */
 bool evidence_write(const struct evidence *evidence, const char *place);
 

@@ -1,6 +1,7 @@
 /* Folders whole or not at all; see folder.h. */
 #include "folder.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,13 +35,24 @@ static bool is_marked(const char *place, const char *mark)
     return marked;
 }
 
+static bool is_empty(const char *place)
+{
+    DIR *listing = opendir(place);
+    int entries = 0;
+    while (listing && readdir(listing))
+        entries++;
+    if (listing)
+        closedir(listing);
+    return entries == 2; /* itself and its parent */
+}
+
 static bool may_replace(const struct folder *folder)
 {
     struct stat info;
     if (lstat(folder->place, &info) != 0 && errno == ENOENT)
         return true;
     if (S_ISDIR(info.st_mode) &&
-        (is_marked(folder->place, folder->mark) || rmdir(folder->place) == 0))
+        (is_marked(folder->place, folder->mark) || is_empty(folder->place)))
         return true;
     report_error(&folder->console->log,
                  "%s %s: exists and was not written by an earlier %s; name another folder",
@@ -54,6 +66,16 @@ static char *without_slash(const char *place)
     while (length > 1 && place[length - 1] == '/')
         length--;
     return strndup(place, length);
+}
+
+bool folder_can_write(struct console *console, const char *option, const char *place,
+                      const char *mark)
+{
+    const struct folder folder = {
+        .console = console, .option = option, .mark = mark, .place = without_slash(place)};
+    bool good = folder.place && may_replace(&folder);
+    free(folder.place);
+    return good;
 }
 
 bool folder_begin(struct folder *folder, struct console *console, const char *option,

@@ -18,6 +18,10 @@ struct folder {
 bool folder_begin(struct folder *folder, struct console *console, const char *option,
                   const char *place, const char *mark);
 
+/* Whether what stands in that place may be replaced, asked before hours of work; logs as it would. */
+bool folder_can_write(struct console *console, const char *option, const char *place,
+                      const char *mark);
+
 /* Writes a file, whose name may lead through folders: they are made. */
 bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size);
 

@@ -90,6 +90,8 @@ static const struct option_row rows[] = {
      "leave out the N-th barrier of Vulkan's frame, to see whether --debug misses it"},
     {"--drop-dependency", OPTION_COUNT, AT(drop_dependency), VERB_RENDER | VERB_COMPARE, 0, "N",
      "let it change its image's layout, but wait for nothing"},
+    {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
+     "on a difference, write a folder with all that it takes to run the guilty pass alone"},
     {"--fault", OPTION_STRING, AT(fault), SPEC | VERB_REPLAY, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",

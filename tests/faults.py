@@ -1,0 +1,119 @@
+"""Faults put in on purpose, and found: for every pass of both shipped pipelines, either backend and every
+kind, compare must name exactly the pass that has it, the resource and the frame. What was put in is told by
+the log, what was found by the last line; neither knows the other. TAP; called by fault_test.sh with the
+command, the project's folder and a folder to work in."""
+
+import json
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+DIPTYCH, ROOT, WORK = sys.argv[1:]
+CHANGES = ("bit", "texel", "sign")
+KINDS = (*CHANGES, "missing")
+SMALL = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "16x16", "--set", "rsm_size=16"]
+SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", "--set", "first_vpls=16",
+                "--set", "second_vpls=16", "--set", "clusters=2", "--set", "paraboloid_size=16"]
+FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
+RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]
+
+results = []
+
+
+def report(good, description, reasons=()):
+    results.append(good)
+    print(f"{'ok' if good else 'not ok'} {len(results)} - {description}")
+    for reason in reasons:
+        print("\n".join("# " + line for line in reason.splitlines()))
+    sys.stdout.flush()
+
+
+def compare(options):
+    return subprocess.run([DIPTYCH, "compare", *options], capture_output=True, text=True, check=False)
+
+
+def passes_of(options):
+    """The passes in order, from a comparison that must agree."""
+    path = f"{WORK}/passes.json"
+    run = compare([*options, "--json", path])
+    if run.returncode != 0:
+        return [], run.stdout + run.stderr
+    with open(path, encoding="utf-8") as file:
+        return list(dict.fromkeys(row["pass"] for row in json.load(file)["results"])), ""
+
+
+def is_named(fault, options):
+    """Puts one fault in; returns the resource that has it, or None and why it was not found."""
+    side, name, kind = re.split("[:@]", fault)[:3]
+    frame = fault.split("@")[1] if "@" in fault else "0"
+    run = compare([*options, "--fault", fault])
+    told = re.search(rf"^diptych: {side}: fault in pass {name}, frame {frame}: (\w+)", run.stderr, re.M)
+    last = run.stdout.rstrip("\n").rsplit("\n", 1)[-1]
+    named = re.fullmatch(r"guilty: pass (\w+) \(shader [\w/]+\.glsl\): resource (\w+)(?: mip \d+)?, in frame (\d+)", last)
+    good = (run.returncode == 1 and told and named and named[1] == name and named[3] == frame
+            and (kind == "missing" or named[2] == told[1]))
+    return (named[2], None) if good else (None, f"{fault}: exit status {run.returncode}: {last}\n{run.stderr}")
+
+
+class Faults:
+    """Counts what is put in and what is found."""
+
+    def __init__(self):
+        self.injected = self.found = 0
+        self.resources = set()
+        self.pool = ThreadPoolExecutor(2)
+
+    def inject(self, faults, options):
+        """Returns the reasons of those that were not found."""
+        outcomes = list(self.pool.map(lambda fault: is_named(fault, options), faults))
+        self.injected += len(outcomes)
+        self.found += sum(why is None for _, why in outcomes)
+        self.resources |= {resource for resource, why in outcomes if why is None}
+        return [why for _, why in outcomes if why]
+
+    def every_kind(self, name, options):
+        seed = self.injected
+        faults = [f"{side}:{name}:{kind}:{seed + i}" for i, (side, kind) in
+                  enumerate((side, kind) for side in ("gl", "vk") for kind in KINDS)]
+        return self.inject(faults, options)
+
+
+def main():
+    faults = Faults()
+    seen = set()
+    for title, options in (("ssvp", SSVP), ("ssvp split", [*SSVP, "--set", "split=1"]), ("rsm", RSM)):
+        names, why = passes_of(options)
+        report(bool(names), f"{title} agrees without a fault", [why] if why else [])
+        for name in names:
+            key = (title.split()[0], name)
+            if key in seen:
+                continue
+            seen.add(key)
+            reasons = faults.every_kind(name, options)
+            report(not reasons, f"{title}, pass {name}: all faults are found", reasons)
+    # A pass that is skipped clears what it writes, and that is content as any other. (Without the clear it may be the
+    # same by chance: zeros of a resource in whose memory it lies.)
+    reasons = faults.inject([f"{side}:shade:{kind}:7" for side in ("gl", "vk") for kind in CHANGES],
+                            [*SSVP, "--set", "bounces=0"])
+    report(not reasons, "in what a skipped pass has cleared", reasons)
+    # History: right in the first frames, so that the later one is named. (In the third frame k-means has come to rest,
+    # and when it does nothing its clusters are right all the same; the counter of `remember` is not.)
+    reasons = faults.inject([f"{side}:kmeans:{kind}:9@{frame}" for side in ("gl", "vk") for kind in CHANGES
+                             for frame in (1, 2)], [*SSVP, "--frames", "3"])
+    reasons += faults.inject([f"{side}:remember:{kind}:2@2" for side in ("gl", "vk") for kind in KINDS],
+                             [*FEATURES, "--frames", "3"])
+    report(not reasons, "in later frames of three, in passes with history", reasons)
+    # what nothing reads is compared all the same
+    unread = {"gbuffer_depth", "display"}
+    for seed in range(1000, 1060):
+        if unread <= faults.resources:
+            break
+        faults.inject([f"vk:gbuffer:bit:{seed}"], SSVP)
+    report(unread <= faults.resources, "in resources that nothing reads: " + ", ".join(sorted(unread)))
+    report(faults.injected == faults.found > 200, f"{faults.injected} faults injected, {faults.found} found")
+    print(f"1..{len(results)}")
+    return 0 if all(results) else 1
+
+
+sys.exit(main())
