@@ -23,6 +23,7 @@ PIPELINES = {
                                      "rsm_size": 32, "paraboloid_size": 32, "tile": [3, 2]}),
     "rsm": ("templates/rsm.yaml", {"samples": 8, "rsm_size": 32, "tile": [3, 2]}),
     "features": ("tests/specs/features.yaml", {}),
+    "mips": ("tests/specs/mips.yaml", {}),
 }
 
 

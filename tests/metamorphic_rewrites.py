@@ -231,7 +231,7 @@ def values_in_spec(pipeline):
 
 
 # Names carry no meaning: not their length, not their order in the alphabet, not what they resemble.
-@rewrite("everything renamed", "ssvp", "rsm", "features")
+@rewrite("everything renamed", "ssvp", "rsm", "features", "mips")
 def rename_everything(pipeline):
     declared = [name for section in SECTIONS for name in pipeline.section(section)]
     declared += [name for entry in pipeline.passes() for name in entry.get("ranges", {})]
@@ -277,7 +277,7 @@ def rename_everything(pipeline):
 
 
 # Passes that share no resource that one of them changes may run in any order.
-@rewrite("independent passes in another order", "ssvp", "rsm", "features")
+@rewrite("independent passes in another order", "ssvp", "rsm", "features", "mips")
 def reorder_passes(pipeline):
     left, order = pipeline.passes(), []
 
@@ -306,7 +306,7 @@ def passes_backwards(pipeline):
 
 # Declarations are a set, and so is what a pass reads, writes or uses: bindings and offsets follow their order, content
 # does not.
-@rewrite("declarations and lists backwards", "ssvp", "rsm", "features")
+@rewrite("declarations and lists backwards", "ssvp", "rsm", "features", "mips")
 def declarations_backwards(pipeline):
     for section in SECTIONS:
         if section in pipeline.spec:
@@ -334,7 +334,7 @@ def first_number(pipeline, name):
 
 # What nobody reads changes nothing, though it takes part in lifetimes, memory and barriers: the dead passes read all
 # that is there before them.
-@rewrite("dead passes and resources", "ssvp", "rsm", "features")
+@rewrite("dead passes and resources", "ssvp", "rsm", "features", "mips")
 def dead_passes(pipeline):
     spec, passes, alive = pipeline.spec, [], []
     spec["params"]["dead_weight"] = {"value": 0.5, "live": True}
@@ -461,7 +461,7 @@ def inline_constants(pipeline):
 
 # Integer expressions are exact: x, x + 0, min(x, x), 3 * x / 3, c ? x : x are one number; a condition and its double
 # negation one truth.
-@rewrite("expressions replaced by equal ones", "ssvp", "rsm", "features")
+@rewrite("expressions replaced by equal ones", "ssvp", "rsm", "features", "mips")
 def equal_expressions(pipeline):
     forms = ["({0}) + 0", "min({0}, {0})", "3 * ({0}) / 3", "1 < 2 ? ({0}) : ({0}) + 1", "-(0 - ({0}))",
              "ceil_div(2 * ({0}), 2)"]
@@ -495,7 +495,7 @@ def equal_expressions(pipeline):
 
 # A value is the same number, known at build time or handed over with the frame. But for denoise_normal: bodies subtract
 # it from 1.0, and glslang computes with constants in double precision, for both backends alike.
-@rewrite("live parameters baked", "ssvp", "rsm", "features")
+@rewrite("live parameters baked", "ssvp", "rsm", "features", "mips")
 def bake_live(pipeline):
     for name, param in pipeline.spec["params"].items():
         if isinstance(param, dict) and name != "denoise_normal":
@@ -601,7 +601,7 @@ def longer(pipeline):
 
 
 # Whoever writes a resource anew in every frame does not see what it held in the last one.
-@rewrite("history that nobody looks at", "ssvp", "rsm", "features")
+@rewrite("history that nobody looks at", "ssvp", "rsm", "features", "mips")
 def more_history(pipeline):
     for resource in list(pipeline.spec["buffers"].values()) + list(pipeline.spec["images"].values()):
         resource["history"] = True
@@ -613,8 +613,6 @@ def more_mips(pipeline):
     for name, image in pipeline.spec["images"].items():
         if image["size"] != "frame" and "frame" not in str(image["size"]) and not is_filtered(pipeline, name):
             image["mips"] = 3
-    if "half_width" in pipeline.spec.get("constants", {}):
-        pipeline.spec["images"]["pattern_mips"] = {"format": "r8", "size": [8, 8], "mips": 2}
 
 
 # A channel that nobody asks for changes nothing in the others, which keep their type.
@@ -677,14 +675,14 @@ def copy_pass(pipeline, name):
 
 
 # Passes already run after those that are listed before them.
-@rewrite("order said by `after` too", "features", "ssvp", "rsm")
+@rewrite("order said by `after` too", "features", "ssvp", "rsm", "mips")
 def redundant_after(pipeline):
     for i, entry in enumerate(pipeline.passes()):
         entry["after"] = [earlier["name"] for earlier in pipeline.passes()[:i]]
 
 
 # A condition that always holds.
-@rewrite("every pass under a condition that holds", "ssvp", "rsm", "features")
+@rewrite("every pass under a condition that holds", "ssvp", "rsm", "features", "mips")
 def redundant_when(pipeline):
     pipeline.spec["params"]["always"] = {"value": 3, "live": True}
     for entry in pipeline.passes():
@@ -710,7 +708,7 @@ def metrics_by_hand(pipeline):
 # ---- Rewrites of the text alone ----
 
 # A body is found by its path, whatever the path.
-@rewrite("bodies moved to other folders", "rsm", "ssvp", "features")
+@rewrite("bodies moved to other folders", "rsm", "ssvp", "features", "mips")
 def move_bodies(pipeline):
     pipeline.bodies = {os.path.join("far away/from here", path): text for path, text in pipeline.bodies.items()}
     for entry in pipeline.passes():
@@ -724,21 +722,22 @@ def includes_pasted(pipeline):
 
 
 # Comments and white space are nothing, also where they look like code.
-@rewrite("bodies full of comments, with other line ends", "ssvp", "rsm", "features")
+@rewrite("bodies full of comments, with other line ends", "ssvp", "rsm", "features", "mips")
 def comments_in_bodies(pipeline):
     nothing = '/* } for (Vpl v : nothing) { vpls[0]; "*/'
 
     def disturb(text):
         text = re.sub(r"/\*.*?\*/", lambda comment: "\n" * comment.group().count("\n") + " ", text, flags=re.S)
+        gaps = r" (?=\S)|\b(?=[(\[])|(?<=\.)(?=[a-z])"   # before words, before brackets, behind points
         lines = [line if line.lstrip().startswith("#") else
-                 re.sub(r" (?=\S)|\b(?=[(\[])|(?<=\.)(?=[a-z])", f" {nothing}\t", line.split("//")[0]) + " // \\ labels[0] = 1; } #endif"
+                 re.sub(gaps, f" {nothing}\t", line.split("//")[0]) + " // \\ labels[0] = 1; } #endif"
                  for line in text.splitlines()]
         return "\r\n".join(lines) + "\r\n"
     edit_bodies(pipeline, lambda text: disturb(text))
 
 
 # YAML is a notation. Two specs that read as the same tree give the very same files.
-@rewrite("spec written as JSON", "ssvp", "rsm", "features")
+@rewrite("spec written as JSON", "ssvp", "rsm", "features", "mips")
 def as_json(pipeline):
     pipeline.text = json.dumps(pipeline.spec, indent=3)
     pipeline.same_output = True
@@ -754,7 +753,7 @@ class Anchors(yaml.SafeDumper):
 Anchors.add_representer(str, Anchors.represent_quoted)
 
 
-@rewrite("spec written with anchors, quotes, comments and other key order", "features", "ssvp", "rsm")
+@rewrite("spec written with anchors, quotes, comments and other key order", "features", "ssvp", "rsm", "mips")
 def other_yaml(pipeline):
     known = {}
 
