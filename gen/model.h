@@ -207,10 +207,10 @@ enum pass_compare {
 struct barrier { /* before the pass: what `resource` waits for */
     struct resource *resource;
     unsigned from; /* mask of access_kind of the earlier passes (0: first touch in the frame) */
-    unsigned from_stages; /* enum stage_bit of those accesses */
-    bool from_writes;     /* the earlier accesses wrote: memory dependency, not only execution */
+    unsigned from_stages;   /* enum stage_bit of those accesses */
+    bool from_writes;       /* the earlier accesses wrote: memory dependency, not only execution */
     unsigned to, to_stages; /* what waits */
-    bool discard; /* first touch of a transient: content undefined */
+    bool discard;           /* first touch of a transient: content undefined */
     /* first touch of a slot that another resource used before, else NULL */
     const struct resource *alias;
 };

@@ -597,7 +597,7 @@ static bool read_arguments(int argc, char **argv)
     static const char *sets[64];
 
     audit.options = (struct options){.sets = sets, .size = {24, 16}, .frames = 1};
-    for (int i = 1; i < argc; i++) {
+    for (int i = 1; i < argc && argv[i]; i++) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
 
         if (strcmp(argv[i], "--verbose") == 0)

@@ -41,6 +41,7 @@ check "every command that the runtime records is seen by the audit" \
     done"
 
 # The same from the command line.
+# shellcheck disable=SC2317 # called through check
 render() { # arguments...
     "$diptych" render --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk \
         --timings "$work/timings.json" "$@"

@@ -350,7 +350,8 @@ static uint32_t pass_call(struct checker *checker, uint32_t begin)
     while (end < checker->tape->entry_count && entries[end].is_barrier &&
            entries[end].barrier.call == entries[begin].barrier.call)
         end++;
-    memcpy(checker->next, checker->nodes, checker->node_count * sizeof *checker->nodes);
+    if (checker->node_count)
+        memcpy(checker->next, checker->nodes, checker->node_count * sizeof *checker->nodes);
     for (uint32_t entry = begin; entry < end; entry++) {
         if (is_transition(&entries[entry].barrier))
             check_transition(checker, entry);

@@ -526,6 +526,54 @@ static void test_stores_in_another_mip_stay_stored(void **state)
     assert_true(bits[2] & GLB_SHADER_IMAGE_ACCESS);
 }
 
+/* Writing one mip waits for nothing that happened to another; reading all of them waits for each. */
+static void test_mips_wait_for_themselves(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
+    struct pass *first = pass(f, "first", PASS_DISPATCH),
+                *second = pass(f, "second", PASS_DISPATCH);
+    struct pass *again = pass(f, "again", PASS_DISPATCH);
+    const char *after_first[] = {"first"}, *after_second[] = {"second"};
+
+    a->mips = number(f, "2");
+    touch(first, a, MODE_WRITE);
+    touch(second, a, MODE_WRITE)->mip_value = 1;
+    second->after = after_first;
+    second->after_count = 1;
+    touch(again, a, MODE_UPDATE);
+    touch(again, b, MODE_WRITE);
+    again->after = after_second;
+    again->after_count = 1;
+    assert_true(plan(f));
+    assert_true(barrier_on(first, a)->discard);
+    assert_null(barrier_on(second, a));
+    assert_int_equal(barrier_on(again, a)->from, ACCESS_STORAGE_WRITE);
+}
+
+/* Where a skipped reader may leave a write unread, whoever takes the memory waits for the write, too. */
+static void test_skipped_readers_leave_the_write(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
+    struct resource *next = image(f, "next", DT_FORMAT_RGBA16F);
+    struct pass *store = pass(f, "store", PASS_DISPATCH), *look = pass(f, "look", PASS_DISPATCH);
+    struct pass *last = pass(f, "last", PASS_DISPATCH);
+
+    touch(store, a, MODE_WRITE);
+    touch(look, a, MODE_READ);
+    touch(look, b, MODE_WRITE);
+    touch(last, b, MODE_READ);
+    touch(last, next, MODE_WRITE);
+    assert_true(plan(f));
+    assert_ptr_equal(barrier_on(last, next)->alias, a);
+    assert_false(barrier_on(last, next)->from_writes);
+    look->conditional = true;
+    assert_true(plan(f));
+    assert_true(barrier_on(last, next)->from_writes);
+    assert_true(barrier_on(last, next)->from & ACCESS_STORAGE_WRITE);
+}
+
 /* What the last frame stored in a resource with history needs a barrier in the first pass of this
  * one. */
 static void test_history_crosses_frames(void **state)
@@ -652,6 +700,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_depth_is_read_between_draws, setup, teardown),
         cmocka_unit_test_setup_teardown(test_second_reader_waits_for_the_layout, setup, teardown),
         cmocka_unit_test_setup_teardown(test_stores_in_another_mip_stay_stored, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_mips_wait_for_themselves, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_skipped_readers_leave_the_write, setup, teardown),
         cmocka_unit_test_setup_teardown(test_history_crosses_frames, setup, teardown),
         cmocka_unit_test_setup_teardown(test_third_user_waits_for_unread_writes, setup, teardown),
         cmocka_unit_test_setup_teardown(test_chain_takes_two_slots, setup, teardown),

@@ -1,4 +1,6 @@
-/* The recorder; see tape.h. Each kind of object has a table; what is destroyed leaves a free place. */
+/* The recorder; see tape.h. Each kind of object has a table; what is destroyed leaves a free place.
+ * Parameters have names of this project's style, not of Vulkan's headers:
+ * NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
 #include "tape.h"
 
 #include <dlfcn.h>
@@ -786,3 +788,5 @@ void vkCmdCopyImageToBuffer(VkCommandBuffer commands, VkImage from, VkImageLayou
     tape.copy = "a copy";
     real(commands, from, layout, to, count, regions);
 }
+
+/* NOLINTEND(readability-inconsistent-declaration-parameter-name) */
