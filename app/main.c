@@ -27,6 +27,10 @@ static const struct verb verbs[] = {
      "alone.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics},
+    {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
+     "Milliseconds are those of the device, medians with the 5th and 95th percentile.\n"
+     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
+     verb_bench},
     {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",
      "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
      "ninja,\n"

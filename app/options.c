@@ -31,8 +31,8 @@ struct option_row {
 };
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
-#define SCENE     (ALL | VERB_REFERENCE)
-#define SPEC      (ALL | VERB_SWEEP)
+#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH)
+#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
 
@@ -46,6 +46,8 @@ static const struct option_row rows[] = {
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(backend), COMPARING, 0, "LIST",
      "the first is held against each of the others, like gl,vk,zink (default: gl,vk)"},
+    {"--backend", OPTION_STRING, AT(backend), VERB_BENCH, 0, "LIST",
+     "which to measure, turn by turn, like gl,vk,zink (default: gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; --dump or --timings may stand alone"},
     {"--spec", OPTION_STRING, AT(spec), SPEC, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
@@ -54,6 +56,10 @@ static const struct option_row rows[] = {
     {"--size", OPTION_SIZE, AT(size), SCENE, 0, "WxH", "frame size in pixels (default: 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
      "frames to run, the last one is kept (default: 1)"},
+    {"--frames", OPTION_COUNT, AT(run_frames), VERB_BENCH, 0, "N",
+     "frames to measure (default: 20)"},
+    {"--warmup", OPTION_COUNT, AT(warmup), VERB_BENCH, 0, "N",
+     "frames before these, which are not measured (default: 3)"},
     {"--dump", OPTION_STRING, AT(dump), VERB_RENDER, 0, "DIR",
      "write what every pass of the last frame produced: manifest.json and raw files"},
     {"--timings", OPTION_STRING, AT(timings), VERB_RENDER, 0, "FILE.json",
@@ -72,8 +78,8 @@ static const struct option_row rows[] = {
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
     {"--pictures", OPTION_STRING, AT(pictures), VERB_COMPARE, 0, "DIR",
      "write a PNG strip of each image that differs: one side, the other, the difference"},
-    {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_REPLAY | VERB_METRICS, 0, "FILE",
-     "write the table as JSON, too"},
+    {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_REPLAY | VERB_METRICS | VERB_BENCH, 0,
+     "FILE", "write the table as JSON, too"},
     {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
      "a dump, of another machine or driver, is the first side; size and frame are its own"},
     {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP, 0, "DIR",
@@ -84,7 +90,7 @@ static const struct option_row rows[] = {
      "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(glsl), SPEC | VERB_REPLAY, 0, NULL,
      "give OpenGL the GLSL text instead of SPIR-V"},
-    {"--debug", OPTION_FLAG, AT(debug), SPEC | VERB_REPLAY, 0, NULL,
+    {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
     {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER | VERB_COMPARE, 0, "N",
      "leave out the N-th barrier of Vulkan's frame, to see whether --debug misses it"},
@@ -92,7 +98,8 @@ static const struct option_row rows[] = {
      "let it change its image's layout, but wait for nothing"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder with all that it takes to run the guilty pass alone"},
-    {"--fault", OPTION_STRING, AT(fault), SPEC | VERB_REPLAY, 0, "SIDE:PASS:KIND[:SEED][@FRAME]",
+    {"--fault", OPTION_STRING, AT(fault), ALL | VERB_SWEEP | VERB_REPLAY, 0,
+     "SIDE:PASS:KIND[:SEED][@FRAME]",
      "spoil what a pass of one side writes, to see it found: bit|texel|sign|missing"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
      "1 to 255: fill all memory with it first, to see that no pass reads what nobody wrote"},

@@ -12,7 +12,8 @@ enum verb_id {
     VERB_REPLAY = 4,
     VERB_SWEEP = 8,
     VERB_REFERENCE = 16,
-    VERB_METRICS = 32
+    VERB_METRICS = 32,
+    VERB_BENCH = 64
 };
 
 /* The values of an option that may be repeated. */
@@ -66,7 +67,8 @@ struct options {
     struct text_list size_list;
     struct text_list grid;
     const char *verb;
-    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given */
+    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, too */
+    uint32_t warmup;
     bool slurm, collect;
     bool glsl;
     bool debug;
@@ -89,6 +91,7 @@ int verb_compare(struct console *console, const struct options *options);
 int verb_replay(struct console *console, const struct options *options);
 int verb_reference(struct console *console, const struct options *options);
 int verb_metrics(struct console *console, const struct options *options);
+int verb_bench(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either

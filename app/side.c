@@ -180,14 +180,22 @@ static bool add_dump(struct sides *sides, const char *folder, const struct dt_lo
     return side->label;
 }
 
+static const char *backend_list(const struct options *options)
+{
+    return options->backend ? options->backend : "gl,vk";
+}
+
+bool sides_read_each(struct sides *sides, const struct options *options, const struct dt_log *log)
+{
+    *sides = (struct sides){0};
+    return (!options->against || add_dump(sides, options->against, log)) &&
+           read_entries(sides, backend_list(options), options, log) &&
+           sides_heed(sides->list, sides->count, options, log);
+}
+
 bool sides_read(struct sides *sides, const struct options *options, const struct dt_log *log)
 {
-    const char *list = options->backend ? options->backend : "gl,vk";
-    *sides = (struct sides){0};
-    if (options->against && !add_dump(sides, options->against, log))
-        return false;
-    if (!read_entries(sides, list, options, log) ||
-        !sides_heed(sides->list, sides->count, options, log))
+    if (!sides_read_each(sides, options, log))
         return false;
     if (sides->count > 1)
         return true;
@@ -195,7 +203,7 @@ bool sides_read(struct sides *sides, const struct options *options, const struct
         log,
         "--backend %s: one side has nothing to be compared with; name two, like gl,vk, or a dump "
         "by --against",
-        list);
+        backend_list(options));
     return false;
 }
 

@@ -36,6 +36,9 @@ struct sides {
     uint32_t count; /* at least two */
 };
 bool sides_read(struct sides *sides, const struct options *options, const struct dt_log *log);
+
+/* The sides of --backend, one or more, each on its own. */
+bool sides_read_each(struct sides *sides, const struct options *options, const struct dt_log *log);
 void sides_free(struct sides *sides); /* takes a zeroed one */
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "spread.h"
 
 double milliseconds_now(void)
 {
@@ -43,38 +44,13 @@ void timings_free(struct timings *timings)
     *timings = (struct timings){0};
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    double left = *(const double *)a;
-    double right = *(const double *)b;
-    return (left > right) - (left < right);
-}
-
-/* Of values[0], values[step], ..., leaving out NAN; NAN when none is left. */
-static double median(const double *values, uint32_t count, uint32_t step)
-{
-    double *sorted = calloc(count + 1, sizeof *sorted);
-    uint32_t kept = 0;
-    for (uint32_t i = 0; sorted && i < count; i++) {
-        if (!isnan(values[(size_t)i * step]))
-            sorted[kept++] = values[(size_t)i * step];
-    }
-    double result = NAN;
-    if (kept) {
-        qsort(sorted, kept, sizeof *sorted, compare_numbers);
-        result = (sorted[(kept - 1) / 2] + sorted[kept / 2]) / 2;
-    }
-    free(sorted);
-    return result;
-}
-
 static void add_passes(cJSON *root, const struct timings *timings,
                        const struct dt_pipeline *pipeline)
 {
     double sum = 0;
     cJSON *passes = cJSON_CreateArray();
     for (uint32_t i = 0; i < timings->passes; i++) {
-        double ms = median(timings->pass_ms + i, timings->frames, timings->passes);
+        double ms = spread_of(timings->pass_ms + i, timings->frames, timings->passes).median;
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "pass", pipeline->passes[i].name);
         if (isnan(ms))
@@ -101,7 +77,8 @@ bool timings_write(const struct timings *timings, const struct session *session,
     cJSON_AddNumberToObject(root, "width", options->size[0]);
     cJSON_AddNumberToObject(root, "height", options->size[1]);
     cJSON_AddNumberToObject(root, "frames", timings->frames);
-    cJSON_AddNumberToObject(root, "frame_ms", median(timings->frame_ms, timings->frames, 1));
+    cJSON_AddNumberToObject(root, "frame_ms",
+                            spread_of(timings->frame_ms, timings->frames, 1).median);
     add_passes(root, timings, pipeline);
     char *text = cJSON_Print(root);
     bool good = false;

@@ -14,18 +14,21 @@
 
 #include "files.h"
 #include "texels.h"
+#include "timings.h"
 
 enum message_kind {
     /* from the child */
-    SAY,     /* code: enum dt_level; text */
-    DEVICE,  /* text: its name */
-    STOP,    /* code: enum worker_stop; frame, pass */
-    BYTES,   /* good; size, extent of what lies in the shared memory */
-    WRITTEN, /* good */
+    SAY,      /* code: enum dt_level; text */
+    DEVICE,   /* text: its name */
+    STOP,     /* code: enum worker_stop; frame, pass */
+    BYTES,    /* good; size, extent of what lies in the shared memory */
+    WRITTEN,  /* good */
+    MEASURED, /* good; frame_ms, record_ms, allocations; pass_ms lie in the shared memory */
     /* from the parent */
     RESUME, /* code: enum dt_action */
     READ,   /* resource, mip */
     WRITE,  /* resource, mip; size, extent */
+    MEASURE,
     END
 };
 
@@ -36,6 +39,8 @@ struct message {
     uint32_t frame, pass, resource, mip;
     uint32_t extent[3];
     uint64_t size;
+    double frame_ms, record_ms;
+    struct allocations allocations;
     uint64_t text; /* bytes of text that follow */
 };
 
@@ -82,6 +87,8 @@ struct child {
     uint8_t *shared;
     size_t capacity;
     uint32_t frame;
+    double frame_ms; /* of the last frame without a stop inside */
+    struct allocations allocations;
     bool ended; /* by the parent's command */
 };
 
@@ -130,6 +137,18 @@ static void serve_write(struct child *child, const struct message *command)
                                       session->handle, command->resource, command->mip, &bytes)});
 }
 
+static void serve_measure(const struct child *child)
+{
+    const struct session *session = &child->session;
+    struct message answer = {.kind = MEASURED,
+                             .frame_ms = child->frame_ms,
+                             .record_ms = session->runtime->record_ms(session->handle),
+                             .allocations = child->allocations};
+    answer.good = !session->info.timing ||
+                  session->runtime->timings(session->handle, (double *)(void *)child->shared);
+    tell(child, &answer);
+}
+
 /* Tells the parent where we are and serves it until it lets us go. */
 static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32_t pass)
 {
@@ -144,6 +163,9 @@ static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32
             break;
         case WRITE:
             serve_write(child, &message);
+            break;
+        case MEASURE:
+            serve_measure(child);
             break;
         case RESUME:
             return (enum dt_action)message.code;
@@ -165,6 +187,17 @@ static bool after_pass(void *user, uint32_t pass)
     return stop_at(user, WORKER_AFTER_PASS, pass) != DT_STOP;
 }
 
+static bool measured_frame(struct child *child)
+{
+    const struct pipeline *pipeline = child->info->session.pipeline;
+    allocations_begin(pipeline->info);
+    double start = milliseconds_now();
+    bool good = session_frame(&child->session, NULL);
+    child->frame_ms = milliseconds_now() - start;
+    child->allocations = allocations_end();
+    return good;
+}
+
 static bool run_frames(struct child *child)
 {
     const struct worker_info *info = child->info;
@@ -172,9 +205,10 @@ static bool run_frames(struct child *child)
         .before_pass = before_pass, .after_pass = after_pass, .user = child};
     for (child->frame = info->session.first_frame; child->frame < info->frames; child->frame++) {
         bool observed = child->frame >= info->first_observed;
-        if (!session_frame(&child->session, observed ? &observer : NULL))
+        if (observed ? !session_frame(&child->session, &observer) : !measured_frame(child))
             return false;
-        if (observed && stop_at(child, WORKER_FRAME_DONE, 0) == DT_STOP)
+        if ((observed || info->stops_after_frames) &&
+            stop_at(child, WORKER_FRAME_DONE, 0) == DT_STOP)
             return false;
     }
     return session_is_silent(&child->session);
@@ -336,9 +370,10 @@ static bool answer(struct worker *worker, struct message *message)
     return false;
 }
 
-static size_t largest_resource(const struct dt_pipeline *pipeline, const uint32_t size[2])
+/* Bytes to share with the process: the largest resource, or the times of all passes. */
+static size_t largest_exchange(const struct dt_pipeline *pipeline, const uint32_t size[2])
 {
-    size_t largest = 1;
+    size_t largest = (pipeline->pass_count + 1) * sizeof(double);
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct dt_resource *resource = &pipeline->resources[i];
         uint32_t extent[3] = {1, 1, 1};
@@ -354,7 +389,7 @@ static size_t largest_resource(const struct dt_pipeline *pipeline, const uint32_
 static bool share_memory(struct worker *worker)
 {
     const struct session_info *session = &worker->info.session;
-    worker->capacity = largest_resource(session->pipeline->info, session->options->size);
+    worker->capacity = largest_exchange(session->pipeline->info, session->options->size);
     worker->shared = mmap(NULL, worker->capacity, PROT_READ | PROT_WRITE,
                           MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (worker->shared != MAP_FAILED)
@@ -446,6 +481,21 @@ bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
     memmove(worker->shared, bytes->data, bytes->size);
     memcpy(message.extent, bytes->extent, sizeof message.extent);
     return command(worker, &message) && answer(worker, &message) && message.good;
+}
+
+bool worker_measure(struct worker *worker, struct worker_measure *measure)
+{
+    struct message message;
+    *measure = (struct worker_measure){0};
+    if (!command(worker, &(struct message){.kind = MEASURE}) || !answer(worker, &message) ||
+        !message.good)
+        return false;
+    *measure = (struct worker_measure){.frame_ms = message.frame_ms,
+                                       .record_ms = message.record_ms,
+                                       .allocations = message.allocations};
+    if (worker->info.session.timing)
+        measure->pass_ms = (const double *)(const void *)worker->shared;
+    return true;
 }
 
 void worker_close(struct worker *worker)

@@ -6,6 +6,7 @@
 #ifndef DIPTYCH_WORKER_H
 #define DIPTYCH_WORKER_H
 
+#include "allocations.h"
 #include "session.h"
 
 enum worker_stop {
@@ -14,6 +15,14 @@ enum worker_stop {
     WORKER_AFTER_PASS,
     WORKER_FRAME_DONE,
     WORKER_FINISHED /* all frames ran, and the validation layers were silent */
+};
+
+/* What the last frame without a stop inside took. */
+struct worker_measure {
+    double frame_ms;  /* from the call to the finished frame, by the host's clock */
+    double record_ms; /* see struct dt_runtime; NAN: not known */
+    struct allocations allocations;
+    const double *pass_ms; /* pass_count values, NAN for a skipped pass; NULL without timing */
 };
 
 struct worker_place {
@@ -26,7 +35,9 @@ struct worker_info {
     uint32_t frames;             /* the last is frames - 1, counted from 0 */
     uint32_t first_observed;     /* frames before this one run without a stop inside */
     uint32_t stops_before;       /* in an observed frame, before how many passes it stops, too */
-    bool quiet;                  /* hand on warnings and errors only, no news */
+    /* frames before first_observed stop at their end, too: worker_measure tells what they took */
+    bool stops_after_frames;
+    bool quiet; /* hand on warnings and errors only, no news */
 };
 
 struct worker {
@@ -63,6 +74,10 @@ bool worker_read(struct worker *worker, uint32_t resource, uint32_t mip, struct 
 /* At a stop: replaces the content of a resource; see struct dt_runtime. */
 bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes);
+
+/* At WORKER_FRAME_DONE of a frame that had no stop inside. pass_ms is the worker's: valid until its
+ * next verb. */
+bool worker_measure(struct worker *worker, struct worker_measure *measure);
 
 /* Ends the process whatever state it is in. One that stands at WORKER_FINISHED closes its device
  * first, and messages from that count. Takes a zeroed worker. */

@@ -348,6 +348,13 @@ static bool runtime_timings(void *runtime, double *pass_ms)
     return true;
 }
 
+/* A driver may carry out a command before the call returns. */
+static double runtime_record_ms(void *runtime)
+{
+    (void)runtime;
+    return (double)NAN;
+}
+
 static uint32_t runtime_messages(void *runtime)
 {
     return ((struct gl_runtime *)runtime)->messages;
@@ -383,6 +390,7 @@ const struct dt_runtime runtime_gl = {
     .read = runtime_read,
     .write = runtime_write,
     .timings = runtime_timings,
+    .record_ms = runtime_record_ms,
     .messages = runtime_messages,
     .close = runtime_close,
 };

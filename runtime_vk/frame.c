@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 enum { BARRIER_BATCH = 64 };
 
@@ -156,6 +157,27 @@ static bool read_timestamps(struct vk_runtime *rt)
     return true;
 }
 
+static double thread_ms(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+/* All commands of a frame but the last barrier. */
+static bool record_frame(struct vk_runtime *rt, const void *live)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    double start = thread_ms();
+    if (!begin_commands(rt, rt->frame_commands, pipeline->name))
+        return false;
+    if (rt->timing)
+        vkCmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
+    bool good = rt->panel->record(rt, rt->state, live) && !rt->failed;
+    rt->record_ms = rt->observer ? NAN : thread_ms() - start;
+    return good;
+}
+
 bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->panel->pipeline;
@@ -167,12 +189,7 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
     memset(rt->pass_runs, 0, pipeline->pass_count * sizeof *rt->pass_runs);
     rt->failed = false;
     rt->barriers = 0;
-    if (!begin_commands(rt, rt->frame_commands, pipeline->name))
-        return false;
-    if (rt->timing)
-        vkCmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
-    if (!rt->panel->record(rt, rt->state, live) || rt->failed ||
-        !run_commands(rt, rt->frame_commands, pipeline->name))
+    if (!record_frame(rt, live) || !run_commands(rt, rt->frame_commands, pipeline->name))
         return false;
     uint32_t dropped =
         rt->drop_barrier > rt->drop_dependency ? rt->drop_barrier : rt->drop_dependency;

@@ -64,6 +64,7 @@ struct vk_runtime {
     VkQueryPool queries; /* two per pass */
     bool *pass_runs;     /* pass_count of them, as the next two */
     double *pass_ms;
+    double record_ms; /* CPU time of recording the last frame; NAN with an observer */
     bool rendered;
 };
 

@@ -2,6 +2,7 @@
  * order in which they may be used. */
 #include "internal.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -203,6 +204,12 @@ static bool runtime_timings(void *runtime, double *pass_ms)
     return true;
 }
 
+static double runtime_record_ms(void *runtime)
+{
+    struct vk_runtime *rt = runtime;
+    return rt->rendered ? rt->record_ms : NAN;
+}
+
 static uint32_t runtime_messages(void *runtime)
 {
     struct vk_runtime *rt = runtime;
@@ -226,6 +233,7 @@ const struct dt_runtime runtime_vk = {
     .read = runtime_read,
     .write = runtime_write,
     .timings = runtime_timings,
+    .record_ms = runtime_record_ms,
     .messages = runtime_messages,
     .close = runtime_close,
 };

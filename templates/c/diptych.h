@@ -314,6 +314,10 @@ struct dt_runtime {
     bool (*timings)(
         void *runtime,
         double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
+    /* CPU milliseconds that the calling thread spent on recording the last frame, from the first
+     * command to the last and without submission; NAN where commands are carried out while they are
+     * recorded, or with an observer. */
+    double (*record_ms)(void *runtime);
     uint32_t (*messages)(void *runtime); /* validation and debug messages so far; must be 0 */
     void (*close)(void *runtime);        /* takes NULL; destroys the panel first */
 };

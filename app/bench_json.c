@@ -1,0 +1,88 @@
+/* What `bench` measured, as JSON; see bench.h. */
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <string.h>
+
+#include "bench.h"
+#include "files.h"
+
+static void add_number(cJSON *parent, const char *name, double value)
+{
+    if (isnan(value))
+        cJSON_AddNullToObject(parent, name);
+    else
+        cJSON_AddNumberToObject(parent, name, value);
+}
+
+/* {"median", "p5", "p95", "count"}, or null without a value. */
+static void add_spread(cJSON *parent, const char *name, struct spread spread)
+{
+    if (!spread.count) {
+        cJSON_AddNullToObject(parent, name);
+        return;
+    }
+    cJSON *item = cJSON_AddObjectToObject(parent, name);
+    add_number(item, "median", spread.median);
+    add_number(item, "p5", spread.p5);
+    add_number(item, "p95", spread.p95);
+    cJSON_AddNumberToObject(item, "count", spread.count);
+}
+
+static cJSON *side_json(const struct bench *bench, const struct bench_side *side)
+{
+    const struct lane *whole = &side->whole;
+    cJSON *item = cJSON_CreateObject();
+    cJSON_AddStringToObject(item, "side", side->side->label);
+    cJSON_AddStringToObject(item, "device", whole->worker.device);
+    add_spread(item, "frame_ms", spread_of(whole->frame_ms, whole->taken, 1));
+    add_spread(item, "timed_frame_ms", spread_of(side->passes.frame_ms, side->passes.taken, 1));
+    add_spread(item, "record_ms", spread_of(whole->record_ms, whole->taken, 1));
+    cJSON *allocations = cJSON_AddObjectToObject(item, "allocations");
+    add_spread(allocations, "own", spread_of(whole->own_allocations, whole->taken, 1));
+    add_spread(allocations, "all", spread_of(whole->all_allocations, whole->taken, 1));
+    cJSON *passes = cJSON_AddArrayToObject(item, "passes");
+    for (uint32_t i = 0; i < bench->pipeline.info->pass_count; i++) {
+        cJSON *pass = cJSON_CreateObject();
+        cJSON_AddStringToObject(pass, "pass", bench->pipeline.info->passes[i].name);
+        add_spread(pass, "ms", bench_pass_ms(&side->passes, i));
+        cJSON_AddItemToArray(passes, pass);
+    }
+    return item;
+}
+
+static cJSON *bench_json(const struct bench *bench)
+{
+    const struct options *options = &bench->options;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "pipeline", bench->pipeline.info->name);
+    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON *sets = cJSON_AddArrayToObject(root, "sets");
+    for (uint32_t i = 0; i < options->set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
+    cJSON_AddNumberToObject(root, "width", options->size[0]);
+    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    cJSON_AddNumberToObject(root, "frames", bench->frames);
+    cJSON_AddNumberToObject(root, "warmup", bench->warmup);
+    cJSON *sides = cJSON_AddArrayToObject(root, "sides");
+    for (uint32_t i = 0; i < bench->sides.count; i++)
+        cJSON_AddItemToArray(sides, side_json(bench, &bench->list[i]));
+    return root;
+}
+
+bool bench_write_json(const struct bench *bench)
+{
+    const char *path = bench->options.json;
+    cJSON *root = bench_json(bench);
+    char *text = cJSON_Print(root);
+    bool good = false;
+    if (text) {
+        console_hold(bench->console);
+        good = file_write(path, text, strlen(text), &bench->console->log);
+        console_release(bench->console);
+    } else {
+        report_error(&bench->console->log, "%s: out of memory", path);
+    }
+    cJSON_free(text);
+    cJSON_Delete(root);
+    return good;
+}

@@ -1,0 +1,17 @@
+/* Median and spread of measurements. Called by timings and bench. */
+#ifndef DIPTYCH_SPREAD_H
+#define DIPTYCH_SPREAD_H
+
+#include <stdint.h>
+
+struct spread {
+    uint32_t count;         /* of values that are not NAN */
+    double p5, median, p95; /* NAN without values */
+};
+
+/* Of values[0], values[step], ..., `count` of them, leaving out NAN. Quantiles are linear between
+ * neighbours in order: the quantile q of n values lies at (n - 1) q (Hyndman and Fan 1996, type 7,
+ * as NumPy and R have it). */
+struct spread spread_of(const double *values, uint32_t count, uint32_t step);
+
+#endif

@@ -1,0 +1,53 @@
+#!/usr/bin/env bash
+# `bench` on the command line: what it counts and how it tells it; no time is judged. TAP.
+. "$(dirname "$0")/tap.sh"
+tiny=(--size 64x48 --set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set paraboloid_size=32)
+bench=("$diptych" bench --scene "$root/scenes/cornell.yaml" "${tiny[@]}")
+
+# shellcheck disable=SC2317 # called through check
+refuses() { # status text argument...
+    local want=$1 text=$2 got
+    shift 2
+    "${bench[@]}" "$@" >"$work/said" 2>&1 </dev/null
+    got=$?
+    cat "$work/said"
+    [ "$got" = "$want" ] && [ "$(grep -c 'error:' "$work/said")" = 1 ] && grep -qF -- "$text" "$work/said"
+}
+
+check "knows its backends" refuses 2 'metal' --backend metal
+check "looks at the folder before it works" refuses 1 'absent/b.json: cannot be written' --json "$work/absent/b.json"
+check "wants at least one frame" refuses 2 '--frames 0: must be a whole number' --frames 0
+
+check "runs both backends" "${bench[@]}" --frames 4 --warmup 1 --json "$work/both.json"
+cp "$work/output" "$work/table"
+
+# shellcheck disable=SC2317
+holds() { # json statement...: Python that looks at the parsed file as `b`
+    /usr/bin/python3 - "$@" <<'PYTHON'
+import json, sys
+b = json.load(open(sys.argv[1]))
+for statement in sys.argv[2:]:
+    assert eval(statement), statement
+PYTHON
+}
+
+check "tells what ran" holds "$work/both.json" 'b["pipeline"] == "ssvp"' '(b["width"], b["height"]) == (64, 48)' \
+    'b["frames"] == 4 and b["warmup"] == 1' '"first_vpls=16" in b["sets"]' '[s["side"] for s in b["sides"]] == ["gl", "vk"]'
+# split and gather never run with split = 0: they are not in the pipeline, while all that are have as many times as frames
+check "every pass has a time per measured frame" holds "$work/both.json" \
+    'all(len(s["passes"]) == 16 for s in b["sides"])' \
+    'all(p["ms"]["count"] == 4 for s in b["sides"] for p in s["passes"])' \
+    'all(p["ms"]["p5"] <= p["ms"]["median"] <= p["ms"]["p95"] for s in b["sides"] for p in s["passes"])' \
+    'all(s["frame_ms"]["count"] == 4 and s["frame_ms"]["median"] > 0 for s in b["sides"])'
+check "recording is timed where it can be told from running" holds "$work/both.json" \
+    'b["sides"][0]["record_ms"] is None' 'b["sides"][1]["record_ms"]["median"] > 0'
+check "a frame allocates nothing outside the driver" holds "$work/both.json" \
+    'all(s["allocations"]["own"]["p95"] == 0 for s in b["sides"])' \
+    'all(s["allocations"]["all"]["median"] > 0 for s in b["sides"])'
+check "the table names passes and backends" grep -qE '^milliseconds +gl +p5 +p95 +vk +p5 +p95$' "$work/table"
+check "one backend is enough, and a pass that does not run has no time" \
+    "${bench[@]}" --backend vk --frames 2 --warmup 1 --set bounces=0 --json "$work/one.json"
+check "a skipped pass is null" holds "$work/one.json" \
+    '{p["pass"]: p["ms"] for p in b["sides"][0]["passes"]}["shade"] is None' \
+    '{p["pass"]: p["ms"] for p in b["sides"][0]["passes"]}["composite"]["count"] == 2'
+finish
