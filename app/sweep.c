@@ -161,7 +161,7 @@ static int run_sweep(struct console *console, const struct options *options, cJS
     if (good)
         tell_redrawn(console, sweep, folder);
     if (good && options->slurm) {
-        printf("submit with: sh '%s/submit.sh'\n", folder);
+        printf("%s: `sh submit.sh` there hands the runs to Slurm\n", folder);
         status = EXIT_FINE;
     } else if (good && run_ninja(console, folder, options->jobs)) {
         status = sweep_summarise(console, sweep, folder);

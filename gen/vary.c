@@ -74,18 +74,26 @@ struct attempt {
     struct draws *draws;
     struct variation *variation;
     struct model model;
-    struct diag *diag;
+    struct diag *diag; /* of this model */
 };
+
+static void forget(struct attempt *attempt)
+{
+    diag_free(attempt->diag); /* it points into the model */
+    arena_free(attempt->model.arena);
+}
 
 static bool again(struct attempt *attempt, enum depth depth)
 {
     const struct vary_request *request = attempt->draws->request;
-    arena_free(attempt->model.arena);
+    forget(attempt);
+    attempt->diag = diag_create();
     attempt->model =
         (struct model){.arena = arena_create(), .templates_dir = request->templates_dir};
-    if (!attempt->model.arena)
-        attempt->draws->out_of_memory = true;
-    return attempt->model.arena && take(&attempt->model, attempt->draws, depth, attempt->diag);
+    if (attempt->diag && attempt->model.arena)
+        return take(&attempt->model, attempt->draws, depth, attempt->diag);
+    attempt->draws->out_of_memory = true;
+    return false;
 }
 
 static bool fits_memory(struct attempt *attempt)
@@ -171,17 +179,12 @@ static bool find(struct draws *draws, struct variation *variation, struct listin
                  struct diag *diag)
 {
     for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
-        struct attempt state = {.draws = draws, .variation = variation, .diag = diag_create()};
-        bool good = false;
-        if (state.diag) {
-            draws_start(draws, variation->number, attempt);
-            good = draw(&state);
-            if (!good)
-                add_refusal(&listing->refusals, draws, variation, state.diag);
-        }
-        draws->out_of_memory |= !state.diag;
-        arena_free(state.model.arena);
-        diag_free(state.diag);
+        struct attempt state = {.draws = draws, .variation = variation};
+        draws_start(draws, variation->number, attempt);
+        bool good = draw(&state);
+        if (!good && !draws->out_of_memory)
+            add_refusal(&listing->refusals, draws, variation, state.diag);
+        forget(&state);
         if (good || draws->out_of_memory)
             return good;
     }
