@@ -122,10 +122,8 @@ static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
     (void)sweep;
     (void)folder;
     fputs("#!/bin/sh\n"
-          "# sh run.sh NUMBER COMMAND...: one run of the sweep. What it says goes to "
-          "runs/NUMBER.txt, "
-          "its exit status and\n"
-          "# milliseconds to runs/NUMBER.result.\n"
+          "# sh run.sh NUMBER COMMAND...: one run of the sweep. Leaves what it says in\n"
+          "# runs/NUMBER.txt, its exit status and milliseconds in runs/NUMBER.result.\n"
           "cd \"$(dirname \"$0\")\" || exit 2\n"
           "number=$1\n"
           "shift\n"
@@ -225,10 +223,8 @@ static void write_submit(FILE *out, const cJSON *sweep, const char *folder)
 {
     (void)sweep;
     fputs("#!/bin/sh\n"
-          "# Hands the sweep to Slurm; arguments go to both calls of sbatch, such as "
-          "--partition=NAME. "
-          "The table ends up in\n"
-          "# collect.txt.\n"
+          "# Hands the sweep to Slurm; arguments go to both calls of sbatch, such as\n"
+          "# --partition=NAME. The table ends up in collect.txt.\n"
           "cd ",
           out);
     put_word(out, folder);

@@ -63,7 +63,6 @@ static bool check_wanted(const struct options *options, const struct dt_log *log
     const char *wrong = !options->random == !options->grid.count
                             ? "give --random N or --grid PATH=V1,V2,..."
                         : !options->scene_list.count          ? "give at least one --scene FILE"
-                        : options->seed && !options->random   ? "--seed goes with --random"
                         : options->memory && !options->random ? "--memory goes with --random"
                                                               : NULL;
     if (wrong)

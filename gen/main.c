@@ -341,7 +341,7 @@ static enum status print_variations(struct generation *g)
     const struct options *options = g->options;
     struct text text = {0};
     uint64_t count, seed, memory;
-    if (!read_number("--variations", options->variations, 1, 1000000, 1, &count) ||
+    if (!read_number("--variations", options->variations, 0, 1000000, 1, &count) ||
         !read_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
         !read_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
         return STATUS_FAILED;

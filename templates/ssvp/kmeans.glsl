@@ -80,7 +80,8 @@ void assign(int k)
 }
 
 /* Mean of the positions, normalised sum of the normals. Where normals cancel out, the normal of the
- * brightest member. */
+ * brightest member. A sum begins with its first term: 0.0 + x is x to a driver that has unrolled the
+ * loop and knows the 0.0, also where x is -0.0. */
 void average(int c)
 {
     vec3 position = vec3(0.0);
@@ -92,8 +93,8 @@ void average(int c)
         for (int j = 0; j < BLOCK; j++) {
             int k = first + j;
             if (k < first_vpls && label[k] == c) {
-                position += vpls[k].position;
-                normal += vpls[k].normal;
+                position = members == 0 ? vpls[k].position : position + vpls[k].position;
+                normal = members == 0 ? vpls[k].normal : normal + vpls[k].normal;
                 members++;
                 if (power(vpls[k].flux) > brightest) {
                     brightest = power(vpls[k].flux);

@@ -1,0 +1,283 @@
+#!/usr/bin/env bash
+# Sweeps: random variations of both shipped pipelines agree, the folder is what it says (one edge per run, commands to paste,
+# a summary), an interrupted sweep goes on, what differs or cannot run is told. 24 variations, over 200 with DIPTYCH_LONG.
+# TAP.
+. "$(dirname "$0")/tap.sh"
+gen=$build/diptych-gen
+spot=$root/tests/specs/spot.yaml
+sun=$root/tests/specs/directional.yaml
+long=${DIPTYCH_LONG:-}
+
+# ---- Variations that agree --------------------------------------------------------------------------------------------
+
+# Two scenes and both kinds of light; the long form has cones from a needle to nearly the half space, and the atrium.
+scene_with() { # light: path of a scene with it
+    local path
+    path=$work/scene$((++scene_count)).yaml
+    sed "s|^mesh: .*|mesh: $root/scenes/cornell.obj|; s|^light: .*|light: $1|" "$spot" >"$path"
+    scenes+=(--scene "$path")
+}
+scene_count=0
+scenes=(--scene "$root/scenes/cornell.yaml" --scene "$sun")
+if [ -n "$long" ]; then
+    scene_with '{kind: spot, position: [0.278, 0.5, 0.28], target: [0.278, 0, 0.28], cone: [0, 1], intensity: [90, 80, 70]}'
+    scene_with '{kind: spot, position: [0.278, 0.27, 0.1], target: [0.278, 0.27, 1], cone: [88, 89], intensity: [1, 1, 1]}'
+    scene_with '{kind: directional, direction: [0.1, -0.2, 1], irradiance: [5, 5, 5]}'
+    scenes+=(--scene "$root/scenes/atrium.yaml")
+fi
+
+agree() { # pipeline count seed memory
+    check "$2 variations of $1 with seed $3: all that are exact agree" \
+        "$diptych" sweep --random "$2" --seed "$3" --memory "$4" "${scenes[@]}" --spec "$root/templates/$1.yaml" -o "$work/$1-$3"
+    grep "s of work" "$work/output" | sed 's/^/# /'
+}
+if [ -n "$long" ]; then
+    for seed in 11 12; do
+        agree ssvp 60 $seed 64
+        agree rsm 50 $seed 64
+    done
+else
+    agree ssvp 12 1 12
+    agree rsm 12 1 12
+fi
+
+# What the spec's author wrote down, read by another YAML parser, bounds what is drawn.
+# shellcheck disable=SC2016 # Python
+bounded='
+import json, sys, yaml
+spec = yaml.safe_load(open(sys.argv[1]))
+seen = {}
+for path in sys.argv[2:]:
+    sweep = json.load(open(path + "/sweep.json"))
+    for run in sweep["runs"]:
+        for setting in run["sets"]:
+            name, value = setting.split("=", 1)
+            if name not in spec["params"]:
+                continue
+            param = spec["params"][name]
+            for number in json.loads(value if value[0] == "[" else "[" + value + "]"):
+                assert param["min"] <= number <= param["max"], setting
+                seen.setdefault(name, set()).add(number)
+ends = sum((spec["params"][name][end] in seen.get(name, ())) for name in spec["params"] for end in ("min", "max"))
+print(ends, "ends of", len(spec["params"]), "ranges")
+sys.exit(ends < len(spec["params"]))
+'
+if /usr/bin/python3 -c 'import yaml' 2>/dev/null; then
+    for pipeline in ssvp rsm; do
+        check "parameters of $pipeline stay within their ranges, and reach half of the ends at least" \
+            /usr/bin/python3 -c "$bounded" "$root/templates/$pipeline.yaml" "$work"/$pipeline-*
+    done
+else
+    skip "parameters stay within their ranges" "python3-yaml is missing"
+fi
+# Unwritten memory differs between the backends, so that a k-means that a driver cuts short is seen.
+check "k-means ends by itself with every parameter at its max" \
+    "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=2048 --set clusters=64 --set kmeans_iterations=32 \
+    --set metrics.vpl_distance.position=0 --set rsm_size=64 --set paraboloid_size=16 --set second_vpls=64
+
+# Normals with a component of -0.0 are all that some clusters add up.
+check "k-means keeps the sign of a zero where one driver unrolls its loops and the other does not" \
+    "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=26 --set clusters=64 --set kmeans_iterations=1 \
+    --set rsm_size=16 --set paraboloid_size=16 --set second_vpls=64
+
+# ---- The generator ----------------------------------------------------------------------------------------------------
+
+draw() { # file seed
+    "$gen" "$root/tests/specs/mips.yaml" --variations 6 --seed "$2" >"$work/$1"
+}
+draw a 1 && draw b 1 && draw c 2
+check "the same seed draws the same" cmp "$work/a" "$work/b"
+check_status 1 "another seed draws something else" cmp "$work/a" "$work/c"
+
+# ---- The folder -------------------------------------------------------------------------------------------------------
+
+# Names that a shell and ninja would each read in their own way.
+# shellcheck disable=SC2016
+folder=$work/'it'\''s $HOME: a folder'
+mkdir "$folder"
+cp "$root"/tests/specs/mips* "$folder/"
+sed "s|^mesh: .*|mesh: $root/scenes/cornell.obj|" "$spot" >"$folder/a scene.yaml"
+small=(--scene "$folder/a scene.yaml" --spec "$folder/mips.yaml" -o "$folder/sweep" --jobs 1)
+# shellcheck disable=SC2054 # the commas are the grid's
+grid=(--grid images.picture.format=rgba8,rgba16f --grid 'passes.show.local=[8,8],[3,1]' --size 5x3 --size 1x1)
+
+# shellcheck disable=SC2317 # called through check
+last_line() { # text command...: the last line of stdout begins with a text
+    local text=$1 status
+    shift
+    "$@" >"$work/said"
+    status=$?
+    cat "$work/said"
+    tail -n 1 "$work/said" | grep -qF -- "$text" || return 9
+    return "$status"
+}
+
+check "a grid over two values, two local sizes and two frame sizes is 8 runs" \
+    last_line "8 agree, 0 differ" "$diptych" sweep "${small[@]}" "${grid[@]}"
+check "every edge of the ninja file is a run" [ "$(grep -c '^build runs/' "$folder/sweep/build.ninja")" = 8 ]
+# shellcheck disable=SC2317
+pasted() { # each of the commands, in another folder
+    local command
+    command=$(sed -n "$1p" "$folder/sweep/commands")
+    cd / && [ -n "$command" ] && sh -c "$command"
+}
+check "a command can be pasted" pasted 8
+check "... and is the run that it says" grep -q '"width":.5' "$folder/sweep/runs/1.json"
+check "... the last of the grid" grep -q '"width":.1,' "$folder/sweep/runs/8.json"
+check "the CSV has a line per run" [ "$(grep -c ',agree,' "$folder/sweep/summary.csv")" = 8 ]
+
+# shellcheck disable=SC2317
+unchanged() {
+    [ -s "$work/before" ] && cmp "$work/before" "$work/after"
+}
+times() { # of the results
+    stat -c '%n %y' "$folder/sweep"/runs/*.result
+}
+times >"$work/before"
+check "the same sweep again has nothing to do" last_line "8 agree, 0 differ" "$diptych" sweep "${small[@]}" "${grid[@]}"
+times >"$work/after"
+check "... and has done nothing" unchanged
+rm "$folder/sweep/runs/3.result"
+check_status 2 "a run without a result is told" last_line "7 agree, 0 differ, 1 not run" "$diptych" sweep --collect -o "$folder/sweep"
+check "... and made up for" last_line "8 agree, 0 differ" "$diptych" sweep "${small[@]}" "${grid[@]}"
+check "... alone" [ "$(times | comm -13 "$work/before" - | wc -l)" = 1 ]
+
+# shellcheck disable=SC2317
+refused() { # text command...: exit status 2, one error with that text
+    local text=$1 status
+    shift
+    "$@" >"$work/said" 2>&1
+    status=$?
+    cat "$work/said"
+    [ "$status" = 2 ] && [ "$(grep -c 'error:' "$work/said")" = 1 ] && grep -qF -- "$text" "$work/said"
+}
+check "another sweep does not get into the folder" \
+    refused 'holds another sweep, with --size ["5x3","1x1"]' "$diptych" sweep "${small[@]}" "${grid[@]}" --size 2x2
+check "nor does one get among other files" \
+    refused "holds files, but no sweep" "$diptych" sweep "${small[@]}" "${grid[@]}" -o "$folder"
+check "a sweep of nothing" refused "give --random N or --grid" "$diptych" sweep "${small[@]}"
+check "a grid of no values" refused "--grid clusters: must be PATH=V1,V2" "$diptych" sweep "${small[@]}" --grid clusters -o "$work/none"
+check_status 1 "... leaves no folder" [ -e "$work/none" ]
+
+# ---- What does not agree ----------------------------------------------------------------------------------------------
+
+faulty=("$diptych" sweep --scene "$spot" --spec "$folder/mips.yaml" --size 4x4)
+check_status 1 "a fault in one pass makes its run differ" \
+    last_line "0 agree, 1 differ" "${faulty[@]}" --grid shrink=true --fault vk:fill:bit -o "$work/fault"
+check "... and is named" grep -q '"pass":.*"fill"' "$work/fault/summary.json"
+check_status 2 "a run that cannot be does not stop the others" last_line "1 agree, 0 differ, 1 failed" \
+    "${faulty[@]}" --grid passes.show.local=5000,8 -o "$work/failed"
+check "... and the reason stands in the summary" grep -q '"error":.*mips.yaml\|"error":.*--set' "$work/failed/summary.json"
+
+# ---- Interrupted ------------------------------------------------------------------------------------------------------
+
+# The third of three runs is held up by a pipe that nobody opens for writing, in place of its scene.
+held=$work/held
+mkdir "$held"
+cp "$spot" "$held/one.yaml"
+sed -i "s|^mesh: .*|mesh: $root/scenes/cornell.obj|" "$held/one.yaml"
+cp "$held/one.yaml" "$held/two.yaml"
+sweep=("$diptych" sweep --scene "$held/one.yaml" --scene "$held/two.yaml" --spec "$folder/mips.yaml" --grid shrink=true --size 4x4 --jobs 1
+    -o "$held/sweep")
+# shellcheck disable=SC2317
+interrupted() {
+    local pid
+    rm "$held/two.yaml" && mkfifo "$held/two.yaml"
+    "${sweep[@]}" &
+    pid=$!
+    for _ in $(seq 600); do
+        [ ! -e "$held/sweep/runs/1.result" ] || [ ! -e "$held/sweep/runs/2.txt" ] || break
+        sleep 0.1
+    done
+    kill -INT "$pid"
+    wait "$pid"
+}
+check_status 130 "an interrupt ends a sweep" interrupted
+check "what was over is kept" [ -e "$held/sweep/runs/1.result" ]
+check_status 1 "what was not leaves no result" [ -e "$held/sweep/runs/2.result" ]
+stat -c %y "$held/sweep/runs/1.result" >"$work/before"
+rm "$held/two.yaml" && cp -p "$held/one.yaml" "$held/two.yaml"
+check "the same command goes on" last_line "2 agree, 0 differ" "${sweep[@]}"
+stat -c %y "$held/sweep/runs/1.result" >"$work/after"
+check "... where it was" unchanged
+
+# ---- Slurm ------------------------------------------------------------------------------------------------------------
+
+array=("$diptych" sweep --scene "$spot" --spec "$folder/mips.yaml" --random 3 --seed 5 -o "$folder/slurm")
+check "a job array is written" "${array[@]}" --slurm
+for script in array collect submit run; do
+    check "$script.sh is a shell script" sh -n "$folder/slurm/$script.sh"
+done
+# An sbatch that does at once what Slurm does in its time: every task of the array, then what waits for it.
+mkdir "$work/bin"
+cat >"$work/bin/sbatch" <<'END'
+#!/bin/sh
+output=
+for word; do
+    case $word in --output=*) output=${word#--output=} ;; --dependency=*) [ "$word" = --dependency=afterany:77 ] || exit 3 ;; esac
+done
+last=$(sed -n 's/^#SBATCH --array=1-//p' "$word")
+[ -n "$last" ] || exec sh "$word" >"$output"
+for task in $(seq "$last"); do
+    SLURM_ARRAY_TASK_ID=$task sh "$word" || exit
+done
+echo "77;cluster"
+END
+chmod +x "$work/bin/sbatch"
+check "its tasks run, and the summary behind them" env PATH="$work/bin:$PATH" sh "$folder/slurm/submit.sh"
+check "... says that all agree" grep -q "3 runs, .*: 3 agree, 0 differ" "$folder/slurm/collect.txt"
+
+# The real one, on this machine alone, without accounts: auth/none.
+# shellcheck disable=SC2317
+real_slurm() {
+    local slurm=$work/slurm host daemons=() status=1
+    host=$(hostname -s)
+    mkdir -p "$slurm/state" "$slurm/spool"
+    cat >"$slurm/slurm.conf" <<END
+ClusterName=diptych
+SlurmctldHost=$host(127.0.0.1)
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/none
+CredType=cred/none
+SlurmctldPort=16817
+SlurmdPort=16818
+ProctrackType=proctrack/pgid
+TaskPlugin=task/none
+StateSaveLocation=$slurm/state
+SlurmdSpoolDir=$slurm/spool
+SlurmctldPidFile=$slurm/slurmctld.pid
+SlurmdPidFile=$slurm/slurmd.pid
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+MailProg=/bin/true
+NodeName=$host NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
+PartitionName=all Nodes=ALL Default=YES State=UP
+END
+    export SLURM_CONF=$slurm/slurm.conf
+    slurmctld -D >"$slurm/slurmctld.log" 2>&1 &
+    daemons+=($!)
+    sleep 2
+    slurmd -D >"$slurm/slurmd.log" 2>&1 &
+    daemons+=($!)
+    rm -r "$folder/slurm"
+    "${array[@]}" --slurm && sh "$folder/slurm/submit.sh"
+    for _ in $(seq 300); do
+        sleep 1
+        [ ! -s "$folder/slurm/summary.csv" ] || break
+    done
+    sleep 1
+    cat "$folder/slurm/collect.txt" "$slurm"/*.log
+    grep -q "3 runs, .*: 3 agree, 0 differ" "$folder/slurm/collect.txt" && status=0
+    kill "${daemons[@]}"
+    wait
+    return "$status"
+}
+if [ -z "$long" ]; then
+    skip "Slurm runs the array on one node" "long, see ninja test-all"
+elif [ "$(id -u)" != 0 ] || ! command -v slurmctld slurmd sbatch >/dev/null; then
+    skip "Slurm runs the array on one node" "the package slurm-wlm is not installed, or this is not root"
+else
+    check "Slurm runs the array on one node" real_slurm
+fi
+finish
