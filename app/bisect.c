@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "texels.h"
+
 struct gathering {
     const struct dt_log *log;
     const struct rows *rows;
@@ -12,16 +14,19 @@ struct gathering {
     struct dt_bytes *outputs[2];
 };
 
-static bool keep(const struct gathering *gathering, struct dt_bytes *kept,
+/* With zeros between the fields, so that equal content gives equal files. */
+static bool keep(const struct gathering *gathering, const struct row *row, struct dt_bytes *kept,
                  const struct dt_bytes *bytes)
 {
+    const struct dt_resource *resource = &gathering->rows->pipeline->resources[row->resource];
     *kept = *bytes;
     kept->data = malloc(bytes->size ? bytes->size : 1);
     if (kept->data)
         memcpy(kept->data, bytes->data, bytes->size);
-    else
-        report_error(gathering->log, "out of memory");
-    return kept->data;
+    if (kept->data && resource_clear_padding(resource, kept))
+        return true;
+    report_error(gathering->log, "out of memory");
+    return false;
 }
 
 static bool keep_input(void *user, const struct row *row, const struct dt_bytes *bytes)
@@ -29,7 +34,7 @@ static bool keep_input(void *user, const struct row *row, const struct dt_bytes 
     const struct gathering *gathering = user;
     const struct row_list *inputs = &gathering->rows->inputs;
     uint32_t place = (uint32_t)(row - inputs->list) - inputs->first[gathering->pass];
-    return row->pass != gathering->pass || keep(gathering, &gathering->inputs[place], bytes);
+    return row->pass != gathering->pass || keep(gathering, row, &gathering->inputs[place], bytes);
 }
 
 static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies[2])
@@ -37,9 +42,10 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
     const struct gathering *gathering = user;
     const struct row_list *outputs = &gathering->rows->outputs;
     uint32_t place = index - outputs->first[gathering->pass];
-    return outputs->list[index].pass != gathering->pass ||
-           (keep(gathering, &gathering->outputs[0][place], &copies[0]) &&
-            keep(gathering, &gathering->outputs[1][place], &copies[1]));
+    const struct row *row = &outputs->list[index];
+    return row->pass != gathering->pass ||
+           (keep(gathering, row, &gathering->outputs[0][place], &copies[0]) &&
+            keep(gathering, row, &gathering->outputs[1][place], &copies[1]));
 }
 
 /* Narrows down and writes; returns the line for people. */

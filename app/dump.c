@@ -1,53 +1,19 @@
 /* Writes dumps; see dump.h. */
 #include "dump.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "files.h"
 #include "texels.h"
 
-/* An empty folder or an earlier dump may be replaced, anything else is somebody's. */
-static bool may_replace(const char *folder, const struct dt_log *log)
-{
-    struct stat info;
-    if (lstat(folder, &info) != 0 && errno == ENOENT)
-        return true;
-    char *manifest = format_string("%s/manifest.json", folder);
-    bool good = manifest && S_ISDIR(info.st_mode) && (file_exists(manifest) || rmdir(folder) == 0);
-    if (!good)
-        report_error(log, "--dump %s: exists and is not an earlier dump; name another folder",
-                     folder);
-    free(manifest);
-    return good;
-}
-
-static char *without_slash(const char *folder)
-{
-    size_t length = strlen(folder);
-    while (length > 1 && folder[length - 1] == '/')
-        length--;
-    return strndup(folder, length);
-}
-
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
                 const char *folder)
 {
-    *dump =
-        (struct dump){.console = console, .pipeline = pipeline, .folder = without_slash(folder)};
-    if (!dump->folder || !may_replace(dump->folder, &console->log))
+    *dump = (struct dump){.console = console, .pipeline = pipeline};
+    if (!folder_begin(&dump->folder, console, "--dump", folder, "entries"))
         return false;
-    char *temporary = format_string("%s.tmp-%d", dump->folder, (int)getpid());
-    if (!temporary || !file_make_folders(temporary, &console->log)) {
-        free(temporary);
-        return false;
-    }
-    dump->temporary = temporary;
-    console_temporary(console, temporary);
     dump->manifest = cJSON_CreateObject();
     dump->history = cJSON_CreateArray();
     dump->entries = cJSON_CreateArray();
@@ -122,36 +88,24 @@ bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
         return false;
     }
     char *file = file_name(dump, pass, what->name, mip);
-    char *path = file ? format_string("%s/%s", dump->temporary, file) : NULL;
-    bool good = path && file_write(path, bytes->data, bytes->size, &dump->console->log);
-    if (good && !add_entry(dump, pass, what, mip, file, bytes)) {
+    bool good = file && add_entry(dump, pass, what, mip, file, bytes);
+    if (good)
+        good = folder_write(&dump->folder, file, bytes->data, bytes->size);
+    else
         report_error(&dump->console->log, "out of memory");
-        good = false;
-    }
-    free(path);
     free(file);
     return good;
 }
 
-static bool put_in_place(struct dump *dump)
+static bool write_manifest(struct dump *dump)
 {
-    const struct dt_log *log = &dump->console->log;
     cJSON_AddItemToObject(dump->manifest, "history", dump->history);
     cJSON_AddItemToObject(dump->manifest, "entries", dump->entries);
     dump->history = dump->entries = NULL;
     char *text = cJSON_Print(dump->manifest);
-    char *path = format_string("%s/manifest.json", dump->temporary);
-    bool good = text && path && file_write(path, text, strlen(text), log);
-    if (good) {
-        console_hold(dump->console);
-        good = may_replace(dump->folder, log) && file_remove_tree(dump->folder);
-        good = good && rename(dump->temporary, dump->folder) == 0;
-        if (!good)
-            report_error(log, "%s: the dump cannot be put in its place: %s", dump->folder,
-                         strerror(errno));
-        console_release(dump->console);
-    }
-    free(path);
+    bool good = text && folder_write(&dump->folder, "manifest.json", text, strlen(text));
+    if (!text)
+        report_error(&dump->console->log, "out of memory");
     cJSON_free(text);
     return good;
 }
@@ -160,16 +114,11 @@ bool dump_end(struct dump *dump, bool keep)
 {
     if (!dump->console)
         return true;
-    bool good = keep && dump->entries && put_in_place(dump);
-    if (dump->temporary) {
-        file_remove_tree(dump->temporary); /* nothing is there when it was put in its place */
-        console_forget(dump->console, dump->temporary);
-    }
+    bool good = keep && dump->entries && write_manifest(dump);
+    good = folder_end(&dump->folder, good) && good;
     cJSON_Delete(dump->history);
     cJSON_Delete(dump->entries);
     cJSON_Delete(dump->manifest);
-    free(dump->temporary);
-    free(dump->folder);
     *dump = (struct dump){0};
     return good || !keep;
 }

@@ -5,14 +5,13 @@
 
 #include <cjson/cJSON.h>
 
-#include "console.h"
+#include "folder.h"
 
-/* A dump being written into a temporary folder beside its place. */
+/* A dump being written. */
 struct dump {
     struct console *console;
     const struct dt_pipeline *pipeline;
-    char *folder;             /* its place */
-    char *temporary;          /* NULL when there is nothing to clean up */
+    struct folder folder;
     cJSON *manifest;          /* what is dumped is the caller's to add; see identity.h */
     cJSON *history, *entries; /* of the manifest, last */
 };

@@ -77,25 +77,15 @@ static int longest_axis(const uint32_t low[AXES], const uint32_t high[AXES])
     return longest;
 }
 
-/* Halves the box along its longest side and goes on with a half that fails, shrunk to what fails
- * in it. The box touches failing elements on all sides, so both halves do fail: the emptier one
- * is nearer the end. */
+/* Halves the box along its longest side and goes on with the lower half, shrunk to what fails in it.
+ * The box touches failing elements on all sides, so that half does fail, and in the end it is one
+ * element. */
 static void halve(const struct map *map, uint32_t low[AXES], uint32_t high[AXES])
 {
     for (int axis = longest_axis(low, high); high[axis] > low[axis];
          axis = longest_axis(low, high)) {
-        uint32_t lows[2][AXES], highs[2][AXES];
-        for (int half = 0; half < 2; half++) {
-            memcpy(lows[half], low, sizeof lows[half]);
-            memcpy(highs[half], high, sizeof highs[half]);
-        }
-        highs[0][axis] = low[axis] + (high[axis] - low[axis]) / 2;
-        lows[1][axis] = highs[0][axis] + 1;
-        uint64_t first = shrink(map, lows[0], highs[0]);
-        uint64_t second = shrink(map, lows[1], highs[1]);
-        int kept = second < first;
-        memcpy(low, lows[kept], sizeof lows[kept]);
-        memcpy(high, highs[kept], sizeof highs[kept]);
+        high[axis] = low[axis] + (high[axis] - low[axis]) / 2;
+        shrink(map, low, high);
     }
 }
 

@@ -423,7 +423,7 @@ static void test_a_device_that_does_not_take_it(void **state)
 
 /* ---- The option ------------------------------------------------------------------------------ */
 
-static const char *const labels[] = {"gl", "vk", "vk@a:b"};
+static const char *const labels[] = {"gl", "vk", "vk@a", "vk@a:b"};
 
 static void test_option(void **state)
 {
@@ -435,7 +435,7 @@ static void test_option(void **state)
     } cases[] = {
         {"gl:paint:bit", 0, {FAULT_BIT, 1, 0, 1}},
         {"vk:paint:texel:77", 1, {FAULT_TEXEL, 1, 0, 77}},
-        {"vk@a:b:paint:sign:0", 2, {FAULT_SIGN, 1, 0, 0}},
+        {"vk@a:b:paint:sign:0", 3, {FAULT_SIGN, 1, 0, 0}},
         {"vk:paint:missing@2", 1, {FAULT_MISSING, 1, 2, 1}},
         {"gl:paint:bit:18446744073709551615@9", 0, {FAULT_BIT, 1, 9, UINT64_MAX}},
     };
@@ -444,7 +444,7 @@ static void test_option(void **state)
     for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
         struct fault fault;
         uint32_t side;
-        assert_true(fault_parse(&fault, &side, cases[i].text, &pipeline, labels, 3, &log));
+        assert_true(fault_parse(&fault, &side, cases[i].text, &pipeline, labels, 4, &log));
         assert_int_equal(side, cases[i].side);
         assert_int_equal(fault.kind, cases[i].fault.kind);
         assert_int_equal(fault.pass, cases[i].fault.pass);
@@ -459,7 +459,7 @@ static void test_option_errors(void **state)
     (void)state;
     static const char *const cases[][2] = {
         {"bit", "the pass is missing"},
-        {"zink:paint:bit", "no side \"zink\" takes part; there is gl, vk, vk@a:b"},
+        {"zink:paint:bit", "no side \"zink\" takes part; there is gl, vk, vk@a, vk@a:b"},
         {"gl:pint:bit", "small has no pass \"pint\"; did you mean \"paint\"?"},
         {"gl:zzzzzzzz:bit", "small has no pass \"zzzzzzzz\""},
         {"gl:idle:bit", "the pass idle writes nothing"},
@@ -477,7 +477,7 @@ static void test_option_errors(void **state)
         const struct dt_log log = {.message = keep_message, .user = &memory};
         struct fault fault;
         uint32_t side;
-        assert_false(fault_parse(&fault, &side, cases[i][0], &pipeline, labels, 3, &log));
+        assert_false(fault_parse(&fault, &side, cases[i][0], &pipeline, labels, 4, &log));
         assert_int_equal(memory.errors, 1);
         if (!strstr(memory.last, cases[i][1]))
             fail_msg("%s: %s", cases[i][0], memory.last);
