@@ -18,6 +18,7 @@ static const struct verb verbs[] = {
      verb_replay},
     {"reference", VERB_REFERENCE, "path-trace a scene: what the pipelines should come near to",
      "Surfaces are Lambertian; lights, camera and materials are those that the pipelines get.\n"
+     "Textures are read from their finest mip, bilinear; --filter box averages them over pixels.\n"
      "The same options give the same bits, whatever the threads and however often interrupted.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_reference},

@@ -17,6 +17,9 @@ enum {
     FIRST_ROULETTE = 4 /* from this leg of a path on it may end by chance */
 };
 
+/* Pairs of dimensions; the k-th leg of a path, k from 1, adds 2 k to its two. */
+enum { PAIR_PIXEL, PAIR_LIGHT, PAIR_DIRECTION = 0, PAIR_ROULETTE = 1 };
+
 struct tracer {
     struct tracer_info info;
     struct dt_frame frame;
@@ -57,44 +60,140 @@ static bool in_light_view(const struct dt_view *view, struct vec3 x)
     return true;
 }
 
-/* Irradiance of the hit by light that comes straight from the source, W/m2. */
-static struct vec3 direct_irradiance(struct tracer_thread *thread, const struct ray_hit *hit)
+/* Irradiance of the hit by light that comes straight from the source, W/m2, if nothing stands
+ * between. *way leads from where a ray leaves the hit to the source, which lies at 1 or infinitely
+ * far. */
+static struct vec3 unshadowed_irradiance(const struct tracer_thread *thread,
+                                         const struct ray_hit *hit, struct vec3 *way)
 {
     const struct dt_frame *frame = &thread->tracer->frame;
     const struct dt_light *light = &frame->light;
     const struct vec3 none = {0, 0, 0}, axis = vec3_of(light->direction);
-    struct vec3 origin = ray_origin(hit), way, to_light;
-    float farthest, strength;
+    struct vec3 to_light = scale(axis, -1);
+    float strength;
     if (light->kind == DT_LIGHT_DIRECTIONAL) {
-        way = to_light = scale(axis, -1);
-        farthest = INFINITY;
+        *way = to_light;
         strength = in_light_view(&frame->light_view, hit->position) ? 1 : 0;
     } else {
         struct vec3 path = subtract(vec3_of(light->position), hit->position);
         float square = fmaxf(dot(path, path), 1e-8f * frame->scene_radius * frame->scene_radius);
-        to_light = unit_or(path, scale(axis, -1));
-        way = subtract(vec3_of(light->position), origin); /* ends in the light */
-        farthest = 1;
+        to_light = unit_or(path, to_light);
+        *way = subtract(vec3_of(light->position), ray_origin(hit));
         strength = spot_falloff(light, -dot(to_light, axis)) / square;
     }
     float cosine = dot(hit->normal, to_light);
     if (!(strength > 0) || cosine <= 0 || dot(hit->geometric, to_light) <= 0)
         return none;
-    thread->rays++;
-    if (ray_blocked(thread->tracer->rays, origin, way, farthest))
-        return none;
     return scale(vec3_of(light->color), strength * cosine);
 }
 
-/* Light that leaves the hit without having come by another surface: what it emits, as radiance, and
- * reflects of the light itself. */
-static struct vec3 radiance_of(struct tracer_thread *thread, const struct ray_hit *hit,
-                               bool emitted, bool reflected)
+static struct vec3 direct_irradiance(struct tracer_thread *thread, const struct ray_hit *hit)
 {
-    struct vec3 sum = emitted ? hit->emission : (struct vec3){0, 0, 0};
-    if (reflected)
-        sum = add(sum, scale(multiply(hit->albedo, direct_irradiance(thread, hit)), 1 / pi));
-    return sum;
+    bool directional = thread->tracer->frame.light.kind == DT_LIGHT_DIRECTIONAL;
+    const struct vec3 none = {0, 0, 0};
+    struct vec3 way, irradiance = unshadowed_irradiance(thread, hit, &way);
+    if (largest(irradiance) <= 0)
+        return none;
+    thread->rays++;
+    bool blocked =
+        ray_blocked(thread->tracer->rays, ray_origin(hit), way, directional ? INFINITY : 1);
+    return blocked ? none : irradiance;
+}
+
+/* Radiance that a surface reflects of the irradiance. */
+static struct vec3 reflect(const struct ray_hit *hit, struct vec3 irradiance)
+{
+    return scale(multiply(hit->albedo, irradiance), 1 / pi);
+}
+
+/* ---- Points that the light sees -------------------------------------------------------------- */
+
+/* The point of a view's volume at normalized device coordinates. */
+static void unproject(const struct dt_view *view, const double ndc[3], double point[3])
+{
+    const float(*m)[4] = view->inverse_view_projection;
+    double clip[4];
+    for (int row = 0; row < 4; row++)
+        clip[row] = m[0][row] * ndc[0] + m[1][row] * ndc[1] + m[2][row] * ndc[2] + m[3][row];
+    for (int i = 0; i < 3; i++)
+        point[i] = clip[i] / clip[3];
+}
+
+/* Two unit vectors that make a frame with the unit vector n (Duff et al. 2017, listing 3). */
+static void tangent_frame(struct vec3 n, struct vec3 *tangent, struct vec3 *bitangent)
+{
+    float side = n.z >= 0 ? 1 : -1, a = -1 / (side + n.z), b = n.x * n.y * a;
+    *tangent = (struct vec3){1 + side * n.x * n.x * a, side * b, -side * n.x};
+    *bitangent = (struct vec3){b, side + n.y * n.y * a, -n.y};
+}
+
+/* Follows one ray from the light, drawn evenly over the cross-section of a directional light or the
+ * solid angle of a spot's cone, to the first surface; its hit is turned to the light. */
+static bool lit_point(struct tracer_thread *thread, const float square[2], struct ray_hit *hit)
+{
+    const struct dt_frame *frame = &thread->tracer->frame;
+    const struct dt_light *light = &frame->light;
+    struct vec3 origin = vec3_of(light->position), direction = vec3_of(light->direction);
+    if (light->kind == DT_LIGHT_DIRECTIONAL) {
+        double point[3];
+        unproject(&frame->light_view, (double[3]){2 * square[0] - 1, 2 * square[1] - 1, 0}, point);
+        origin = (struct vec3){(float)point[0], (float)point[1], (float)point[2]};
+    } else {
+        struct vec3 tangent, bitangent;
+        float below = square[0] * (1 - light->cos_outer), angle = 2 * pi * square[1];
+        float sine =
+            sqrtf(fmaxf(below * (2 - below), 0)); /* of the angle whose cosine is 1 - below */
+        tangent_frame(direction, &tangent, &bitangent);
+        direction =
+            unit_or(add(scale(direction, 1 - below), add(scale(tangent, sine * cosf(angle)),
+                                                         scale(bitangent, sine * sinf(angle)))),
+                    direction);
+    }
+    thread->rays++;
+    return ray_closest(thread->tracer->rays, origin, direction, hit);
+}
+
+/* How many of the points that lit_point draws fall on a unit area about a hit that the light sees. */
+static float lit_density(const struct tracer_thread *thread, const struct ray_hit *hit)
+{
+    const struct dt_light *light = &thread->tracer->frame.light;
+    if (light->kind == DT_LIGHT_DIRECTIONAL)
+        return fabsf(dot(hit->geometric, vec3_of(light->direction))) / light->area;
+    struct vec3 path = subtract(hit->position, vec3_of(light->position));
+    float square = dot(path, path), solid_angle = 2 * pi * (1 - light->cos_outer);
+    return fabsf(dot(hit->geometric, path)) / (square * sqrtf(square) * solid_angle);
+}
+
+/* Light that the source brings to a point and that goes on from there to a hit can be found in two
+ * ways: by a direction from the hit, drawn by its cosine, that happens to meet the point, or by a
+ * point that the light sees, joined to the hit. Each way counts by its share of the density with
+ * which both find the point (the balance heuristic of Veach, Guibas 1995), and whichever way found
+ * it, that leaves this factor of the radiance. */
+static float share_of_point(const struct tracer_thread *thread, const struct ray_hit *hit,
+                            const struct ray_hit *point)
+{
+    struct vec3 path = subtract(point->position, hit->position);
+    float square = dot(path, path);
+    float cosines = dot(hit->normal, path) * -dot(point->geometric, path); /* times `square` */
+    if (cosines <= 0)
+        return 0;
+    return cosines / (cosines + pi * square * square * lit_density(thread, point));
+}
+
+/* The second way: what the hit gets from a point that the light sees, as radiance averaged over the
+ * hemisphere with the cosine as weight. */
+static struct vec3 joined_radiance(struct tracer_thread *thread, const struct ray_hit *hit,
+                                   const struct ray_hit *point)
+{
+    const struct vec3 none = {0, 0, 0};
+    struct vec3 ignored, origin = ray_origin(hit), way = subtract(ray_origin(point), origin);
+    float share = dot(hit->geometric, way) > 0 ? share_of_point(thread, hit, point) : 0;
+    struct vec3 radiance =
+        scale(reflect(point, unshadowed_irradiance(thread, point, &ignored)), share);
+    if (largest(radiance) <= 0)
+        return none;
+    thread->rays++;
+    return ray_blocked(thread->tracer->rays, origin, way, 1) ? none : radiance;
 }
 
 /* ---- Paths ----------------------------------------------------------------------------------- */
@@ -115,12 +214,12 @@ static void concentric_disk(const float square[2], float disk[2])
 }
 
 /* A direction about the unit vector n with the density cosine / pi: a point of the disk, lifted to
- * the hemisphere (Malley). The frame is Duff et al.'s, 2017, listing 3. */
+ * the hemisphere (Malley). */
 static struct vec3 cosine_direction(struct vec3 n, const float square[2])
 {
-    float disk[2], side = n.z >= 0 ? 1 : -1, a = -1 / (side + n.z), b = n.x * n.y * a;
-    struct vec3 tangent = {1 + side * n.x * n.x * a, side * b, -side * n.x};
-    struct vec3 bitangent = {b, side + n.y * n.y * a, -n.y};
+    struct vec3 tangent, bitangent;
+    float disk[2];
+    tangent_frame(n, &tangent, &bitangent);
     concentric_disk(square, disk);
     float height = sqrtf(fmaxf(1 - disk[0] * disk[0] - disk[1] * disk[1], 0));
     struct vec3 v = add(add(scale(tangent, disk[0]), scale(bitangent, disk[1])), scale(n, height));
@@ -128,56 +227,65 @@ static struct vec3 cosine_direction(struct vec3 n, const float square[2])
 }
 
 /* Goes on from the hit in a direction drawn by its cosine; false when nothing is there. */
-static bool next_hit(struct tracer_thread *thread, struct ray_hit *hit, const float square[2])
+static bool next_hit(struct tracer_thread *thread, const struct ray_hit *hit, const float square[2],
+                     struct ray_hit *next)
 {
     struct vec3 direction = cosine_direction(hit->normal, square);
     if (dot(direction, hit->geometric) <= 0)
         return false; /* into the body that an interpolated normal leans over */
     thread->rays++;
-    return ray_closest(thread->tracer->rays, ray_origin(hit), direction, hit);
+    return ray_closest(thread->tracer->rays, ray_origin(hit), direction, next);
+}
+
+/* Whether a path that may not be limited goes on; *weight is divided by the probability. */
+static bool survives(const struct sequence *sequence, uint32_t pair, struct vec3 *weight)
+{
+    float survival = fminf(largest(*weight), 0.95f), chance[2];
+    sequence_pair(sequence, pair, chance);
+    *weight = scale(*weight, 1 / survival);
+    return chance[0] < survival;
 }
 
 /* One sample of the radiance that reaches the hit from other surfaces, averaged over the hemisphere
- * with the cosine as weight. What the k-th surface after the hit reflects has been reflected k
- * times; what it emits is direct light to the one before. */
+ * with the cosine as weight. What the k-th surface after the hit reflects of the source has been
+ * reflected k times; what it emits is direct light to the one before. */
 static struct vec3 indirect_radiance(struct tracer_thread *thread, struct ray_hit hit,
                                      const struct sequence *sequence)
 {
     const struct tracer_info *info = &thread->tracer->info;
-    struct vec3 sum = {0, 0, 0}, share = {1, 1, 1};
+    struct vec3 sum = {0, 0, 0}, weight = {1, 1, 1};
+    struct ray_hit point, next;
+    float square[2];
+    bool joins = false;
+    if (info->last_bounce > 0) {
+        sequence_pair(sequence, PAIR_LIGHT, square);
+        joins = lit_point(thread, square, &point);
+    }
     for (uint32_t k = 1; info->emission ? k - 1 <= info->last_bounce : k <= info->last_bounce;
-         k++) {
-        float square[2], chance[2];
-        if (info->last_bounce == TRACER_UNLIMITED && k >= FIRST_ROULETTE) {
-            float survival = fminf(largest(share), 0.95f);
-            sequence_pair(sequence, 2 * k, chance);
-            if (chance[0] >= survival)
-                break;
-            share = scale(share, 1 / survival);
-        }
-        sequence_pair(sequence, 2 * k - 1, square);
-        if (!next_hit(thread, &hit, square))
-            break;
+         k++, hit = next) {
         bool emitted = info->emission && k - 1 >= info->first_bounce;
         bool reflected = k >= info->first_bounce && k <= info->last_bounce;
-        sum = add(sum, multiply(share, radiance_of(thread, &hit, emitted, reflected)));
-        share = multiply(share, hit.albedo);
+        if (info->last_bounce == TRACER_UNLIMITED && k >= FIRST_ROULETTE &&
+            !survives(sequence, PAIR_ROULETTE + 2 * k, &weight))
+            break;
+        if (joins && reflected)
+            sum = add(sum, multiply(weight, joined_radiance(thread, &hit, &point)));
+        sequence_pair(sequence, PAIR_DIRECTION + 2 * k, square);
+        if (!next_hit(thread, &hit, square, &next))
+            break;
+        if (emitted)
+            sum = add(sum, multiply(weight, next.emission));
+        if (reflected) {
+            struct vec3 radiance = reflect(&next, direct_irradiance(thread, &next));
+            radiance = scale(radiance, share_of_point(thread, &hit, &next));
+            sum = add(sum, multiply(weight, radiance));
+        }
+        weight = multiply(weight, next.albedo);
     }
     return sum;
 }
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
-
-/* The point of the camera's view volume at normalized device coordinates. */
-static void unproject(const struct dt_view *camera, const double ndc[3], double point[3])
-{
-    const float(*m)[4] = camera->inverse_view_projection;
-    double clip[4];
-    for (int row = 0; row < 4; row++)
-        clip[row] = m[0][row] * ndc[0] + m[1][row] * ndc[1] + m[2][row] * ndc[2] + m[3][row];
-    for (int i = 0; i < 3; i++)
-        point[i] = clip[i] / clip[3];
-}
 
 /* What the camera sees at a place of the picture, in pixels from its upper left corner. The ray goes
  * from the near plane to the far one, by the very matrix that the rasterizer inverts. */
@@ -206,8 +314,11 @@ static struct vec3 first_light(struct tracer_thread *thread, const struct ray_hi
     const struct tracer_info *info = &thread->tracer->info;
     if (info->first_bounce > 0)
         return (struct vec3){0, 0, 0};
-    return info->output == TRACER_IRRADIANCE ? direct_irradiance(thread, hit)
-                                             : radiance_of(thread, hit, info->emission, true);
+    struct vec3 irradiance = direct_irradiance(thread, hit);
+    if (info->output == TRACER_IRRADIANCE)
+        return irradiance;
+    struct vec3 radiance = reflect(hit, irradiance);
+    return info->emission ? add(radiance, hit->emission) : radiance;
 }
 
 static void add_pixel(struct tracer_thread *thread, uint32_t x, uint32_t y)
@@ -224,7 +335,7 @@ static void add_pixel(struct tracer_thread *thread, uint32_t x, uint32_t y)
         if (info->box_filter || i == 0) { /* through the centre, all samples see the same */
             float place[2] = {0.5f, 0.5f};
             if (info->box_filter)
-                sequence_pair(&sequence, 0, place);
+                sequence_pair(&sequence, PAIR_PIXEL, place);
             found = camera_hit(thread, (double)x + place[0], (double)y + place[1], &hit);
             first = found ? first_light(thread, &hit) : (struct vec3){0, 0, 0};
         }

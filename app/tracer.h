@@ -1,5 +1,6 @@
 /* The path tracer that `reference` drives and the tests hold against closed forms: diffuse light
- * transport through a scene, from the camera, next-event estimation at every hit. It knows the scene
+ * transport through a scene, by paths from the camera. At every hit the source itself is asked
+ * (next-event estimation), and so is one point per path that the source lights. It knows the scene
  * as the pipelines get it (struct dt_scene, struct dt_frame) and no command line.
  *
  * Surfaces are Lambertian and seen from both sides. Cosines are those with the interpolated normal,
