@@ -290,7 +290,8 @@ const struct key table_keys[] = {
      "A dispatch over an interleave's classes: x and y over the class's pixels, z is the class.",
      "tile"},
     {SECTION_PASS, "indirect", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
-     "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of indexed draws, one per "
+     "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of indexed draws, one "
+     "per "
      "element.",
      "draw_arguments"},
     {SECTION_PASS, "local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL,

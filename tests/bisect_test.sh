@@ -79,6 +79,8 @@ for pass in count scene remember slice halve; do # that of scene is OpenGL's, th
 done
 check "quarter, held against a dump: gl leaves what was expected" replayed 0 "as expected, what " quarter --backend gl
 check "a fault put in on purpose is not in the folder" replayed 0 "as expected" mark --backend vk
+check "a fault of another pass does not happen" replayed 0 "as expected" mark --backend vk --fault vk:count:texel
+check "... since that does not run" bash -c '! grep "fault in pass" log'
 check "... and may be put in again" replayed 1 "marks is not as expected, and all is bit for bit" mark --backend vk --fault vk:mark:bit:4
 check "validation is silent, the other passes skipped" replayed 1 "is not as expected" halve --backend vk --debug
 check "the table as JSON" replayed 1 "is not as expected" remember --backend vk --json "$work/replay.json"
