@@ -169,8 +169,8 @@ static void judge_all(const struct judge *judge)
             return;
         }
     }
-    blame->outcome = BLAME_INHERITED;
-    if (!blame->inputs_differ[outputs->list[blame->row].pass]) {
+    blame->outcome = judge->first->early ? BLAME_EARLIER : BLAME_INHERITED;
+    if (!judge->first->early && !blame->inputs_differ[outputs->list[blame->row].pass]) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[1].session.side;
     }

@@ -37,7 +37,8 @@ bool fingerprint(const struct dt_resource *resource, struct dt_bytes *bytes, uin
 
 /* What the first run saw in that frame. */
 struct first_run {
-    uint32_t broken_row;          /* of outputs, the first that broke its contract */
+    uint32_t broken_row;          /* the first that broke its contract, of outputs, */
+    bool early;                   /* or of history: when the frame began */
     const bool *outputs_differ;   /* per row of outputs: not bit for bit equal */
     const bool *history_differs;  /* per row of history, when the frame began */
     const uint64_t *fingerprints; /* of outputs on the first side */
@@ -47,13 +48,14 @@ enum blame_outcome {
     BLAME_NOT_RUN,
     BLAME_GUILTY,         /* `row` is the first with an own error beyond its contract */
     BLAME_INHERITED,      /* the errors of several passes add up, none is beyond by itself */
+    BLAME_EARLIER,        /* what the frame found of earlier ones differs: `row` of history */
     BLAME_NOT_REPEATABLE, /* `side` wrote another content of `row` when it ran again */
 };
 
 struct blame {
     enum blame_outcome outcome;
     uint32_t frame;          /* that was run again */
-    uint32_t row;            /* of outputs */
+    uint32_t row;            /* of outputs where nothing else is said */
     const struct side *side; /* BLAME_NOT_REPEATABLE */
     bool *inputs_differ;     /* per pass, in the first run */
     struct difference *own;  /* per row of outputs: the pass's own error */

@@ -16,6 +16,12 @@ enum { COULD_NOT_RUN = 2 };
  * written differs in every pair. */
 enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
 
+/* A dump has one frame, the last. */
+static uint32_t first_frame(const struct compare *compare)
+{
+    return compare->options.against ? compare->options.frames - 1 : 0;
+}
+
 /* ---- One row --------------------------------------------------------------------------------- */
 
 static bool is_worse(const struct difference *a, const struct difference *b)
@@ -128,6 +134,18 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
     return true;
 }
 
+/* What later frames find was compared in the frames before them. */
+static void keep_history(struct pair *pair, uint32_t index, uint32_t frame)
+{
+    pair->history[index].difference = pair->found;
+    pair->history[index].frame = frame;
+    if (!pair->broken && difference_verdict(&pair->found) == VERDICT_DIFFERS) {
+        pair->broken = pair->broken_early = true;
+        pair->broken_frame = frame;
+        pair->broken_row = index;
+    }
+}
+
 /* What the frame finds of earlier ones. */
 static bool compare_history(struct compare *compare, uint32_t frame)
 {
@@ -139,6 +157,8 @@ static bool compare_history(struct compare *compare, uint32_t frame)
             struct pair *pair = &compare->pairs[k];
             if (wants_frame(pair, frame))
                 pair->history_differs[i] = bits_differ(&pair->found);
+            if (frame == first_frame(compare))
+                keep_history(pair, i, frame);
         }
     }
     return true;
@@ -178,12 +198,6 @@ static bool run_frame(struct compare *compare, uint32_t frame)
         }
     }
     return advance(compare, (struct worker_place){WORKER_FRAME_DONE, frame, 0});
-}
-
-/* A dump has one frame, the last. */
-static uint32_t first_frame(const struct compare *compare)
-{
-    return compare->options.against ? compare->options.frames - 1 : 0;
 }
 
 static struct dump_reader *dump_of(struct compare *compare, uint32_t side)
@@ -236,6 +250,12 @@ static bool run_all(struct compare *compare)
     return good;
 }
 
+const struct row *broken_row(const struct compare *compare, const struct pair *pair)
+{
+    const struct rows *rows = &compare->rows;
+    return &(pair->broken_early ? &rows->history : &rows->outputs)->list[pair->broken_row];
+}
+
 /* Only pairs that differ are run again. */
 static bool find_blame(struct compare *compare)
 {
@@ -248,6 +268,7 @@ static bool find_blame(struct compare *compare)
             .dump = dump_of(compare, 0),
             .frame = pair->broken_frame};
         const struct first_run first = {.broken_row = pair->broken_row,
+                                        .early = pair->broken_early,
                                         .outputs_differ = pair->outputs_differ,
                                         .history_differs = pair->history_differs,
                                         .fingerprints = pair->fingerprints};
@@ -290,10 +311,12 @@ static bool allocate_pair(struct compare *compare, uint32_t index)
     pair->sides[0] = &compare->sides.list[0];
     pair->sides[1] = &compare->sides.list[index + 1];
     pair->results = calloc(rows->outputs.count, sizeof *pair->results);
+    pair->history = calloc(rows->history.count + 1, sizeof *pair->history);
     pair->outputs_differ = calloc(rows->outputs.count, sizeof *pair->outputs_differ);
     pair->history_differs = calloc(rows->history.count + 1, sizeof *pair->history_differs);
     pair->fingerprints = calloc(rows->outputs.count, sizeof *pair->fingerprints);
-    return pair->results && pair->outputs_differ && pair->history_differs && pair->fingerprints;
+    return pair->results && pair->history && pair->outputs_differ && pair->history_differs &&
+           pair->fingerprints;
 }
 
 static bool allocate(struct compare *compare)
@@ -319,6 +342,7 @@ static void release(struct compare *compare)
         for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
             free(pair->results[k].picture);
         free(pair->results);
+        free(pair->history);
         free(pair->outputs_differ);
         free(pair->history_differs);
         free(pair->fingerprints);

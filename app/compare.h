@@ -24,9 +24,11 @@ struct result {
 struct pair {
     const struct side *sides[2];
     struct result *results;  /* one per row of rows.outputs */
+    struct result *history;  /* one per row of rows.history: what the first frame found */
     struct difference found; /* of the row and frame that is being compared */
-    bool broken;
-    uint32_t broken_frame, broken_row; /* the first that broke its contract */
+    /* the first that broke its contract: a row of rows.outputs, or of rows.history with broken_early */
+    bool broken, broken_early;
+    uint32_t broken_frame, broken_row;
     /* of the frame that broke first, or else of the one that is being compared: see blame.h */
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
@@ -55,6 +57,9 @@ struct compare {
 /* With --pictures, and when what the pair found last, in this row of rows.outputs, is an image that
  * differs: writes its strip and notes that in the result. Logs its error. */
 bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
+
+/* The row at which a pair broke. */
+const struct row *broken_row(const struct compare *compare, const struct pair *pair);
 
 void compare_print(const struct compare *compare); /* on stdout */
 

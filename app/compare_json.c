@@ -6,10 +6,14 @@
 #include "compare.h"
 #include "files.h"
 
-static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row)
+/* Without a pass: what a frame found of earlier ones. */
+static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass)
 {
     const struct dt_resource *resource = &info->resources[row->resource];
-    cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
+    if (pass)
+        cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
+    else
+        cJSON_AddNullToObject(root, "pass");
     cJSON_AddStringToObject(root, "resource", resource->name);
     if (resource->mips > 1)
         cJSON_AddNumberToObject(root, "mip", row->mip);
@@ -26,39 +30,40 @@ static cJSON *picture_json(const struct dt_resource *resource, const struct resu
     return root;
 }
 
-static cJSON *row_json(const struct compare *compare, const struct pair *pair, uint32_t index)
+static cJSON *result_json(const struct compare *compare, const struct pair *pair,
+                          const struct row *row, const struct result *result, bool pass)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
-    const struct row *row = &compare->rows.outputs.list[index];
-    const struct result *result = &pair->results[index];
+    const struct dt_resource *resource = &info->resources[row->resource];
     const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
     cJSON *root = cJSON_CreateObject();
-    add_place(root, info, row);
+    add_place(root, info, row, pass);
     cJSON_AddNumberToObject(root, "frame", result->frame);
+    difference_json(root, &result->difference, resource, labels);
+    if (!pass)
+        return root;
     cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
-    difference_json(root, &result->difference, &info->resources[row->resource], labels);
     if (result->picture)
-        cJSON_AddItemToObject(root, "picture",
-                              picture_json(&info->resources[row->resource], result));
+        cJSON_AddItemToObject(root, "picture", picture_json(resource, result));
     if (pair->blame.outcome == BLAME_NOT_RUN)
         return root;
     bool differ = pair->blame.inputs_differ[row->pass];
     cJSON_AddStringToObject(root, "inputs", differ ? "differ" : "equal");
-    difference_json(cJSON_AddObjectToObject(root, "own_error"), &pair->blame.own[index],
-                    &info->resources[row->resource], labels);
+    difference_json(cJSON_AddObjectToObject(root, "own_error"),
+                    &pair->blame.own[result - pair->results], resource, labels);
     return root;
 }
 
-/* Adds where in the frames something is, or null. */
-static cJSON *add_event(cJSON *root, const char *name, const struct compare *compare, bool happened,
-                        uint32_t row, uint32_t frame)
+/* Adds where in the frames something is, or null without a row. */
+static cJSON *add_event(cJSON *root, const char *name, const struct compare *compare,
+                        const struct row *row, bool pass, uint32_t frame)
 {
-    if (!happened) {
+    if (!row) {
         cJSON_AddNullToObject(root, name);
         return NULL;
     }
     cJSON *event = cJSON_AddObjectToObject(root, name);
-    add_place(event, compare->pipeline.info, &compare->rows.outputs.list[row]);
+    add_place(event, compare->pipeline.info, row, pass);
     cJSON_AddNumberToObject(event, "frame", frame);
     return event;
 }
@@ -68,26 +73,34 @@ static void add_pair(cJSON *root, const struct compare *compare, const struct pa
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
     for (int i = 0; i < 2; i++)
         cJSON_AddItemToArray(sides, cJSON_CreateString(pair->sides[i]->label));
+    const struct rows *rows = &compare->rows;
+    cJSON *history = cJSON_AddArrayToObject(root, "history");
+    for (uint32_t i = 0; i < rows->history.count; i++)
+        cJSON_AddItemToArray(
+            history, result_json(compare, pair, &rows->history.list[i], &pair->history[i], false));
     cJSON *results = cJSON_AddArrayToObject(root, "results");
-    for (uint32_t i = 0; i < compare->rows.outputs.count; i++)
-        cJSON_AddItemToArray(results, row_json(compare, pair, i));
+    for (uint32_t i = 0; i < rows->outputs.count; i++)
+        cJSON_AddItemToArray(
+            results, result_json(compare, pair, &rows->outputs.list[i], &pair->results[i], true));
 }
 
 static void add_outcome(cJSON *root, const struct compare *compare, const struct pair *pair)
 {
-    cJSON_AddBoolToObject(root, "agree", !pair->broken);
-    add_event(root, "first_break", compare, pair->broken, pair->broken_row, pair->broken_frame);
     const struct blame *blame = &pair->blame;
-    cJSON *guilty = add_event(root, "guilty", compare, blame->outcome == BLAME_GUILTY, blame->row,
-                              blame->frame);
-    const struct row *row = &compare->rows.outputs.list[blame->row];
-    const char *shader = compare->pipeline.info->passes[row->pass].shader;
-    if (guilty && shader)
-        cJSON_AddStringToObject(guilty, "shader", shader);
-    cJSON *strayed = add_event(root, "not_repeatable", compare,
-                               blame->outcome == BLAME_NOT_REPEATABLE, blame->row, blame->frame);
+    const struct row *outputs = compare->rows.outputs.list;
+    const struct row *broken = pair->broken ? broken_row(compare, pair) : NULL;
+    const struct row *guilty = blame->outcome == BLAME_GUILTY ? &outputs[blame->row] : NULL;
+    const struct row *strayed =
+        blame->outcome == BLAME_NOT_REPEATABLE ? &outputs[blame->row] : NULL;
+    cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
+    cJSON *event = add_event(root, "guilty", compare, guilty, true, blame->frame);
+    const char *shader = guilty ? compare->pipeline.info->passes[guilty->pass].shader : NULL;
+    if (shader)
+        cJSON_AddStringToObject(event, "shader", shader);
+    event = add_event(root, "not_repeatable", compare, strayed, true, blame->frame);
     if (strayed)
-        cJSON_AddStringToObject(strayed, "side", blame->side->label);
+        cJSON_AddStringToObject(event, "side", blame->side->label);
 }
 
 /* One pair lies in the root itself; of several each lies in "pairs", and the root tells the outcome

@@ -38,23 +38,28 @@ static void print_picture(const struct dt_resource *resource, const struct resul
         printf("differences are white\n");
 }
 
-static void print_row(const struct compare *compare, const struct pair *pair, uint32_t index,
-                      const struct widths *widths)
+/* What a resource was like: after a pass, or before the first one, which is no pass's doing. */
+static void print_result(const struct compare *compare, const struct pair *pair,
+                         const struct row *row, const struct result *result,
+                         const struct widths *widths)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
-    const struct row *row = &compare->rows.outputs.list[index];
     const struct dt_resource *resource = &info->resources[row->resource];
-    const struct difference *difference = &pair->results[index].difference;
+    const struct difference *difference = &result->difference;
     const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
+    bool before = result >= pair->history && result < pair->history + compare->rows.history.count;
     char *worst = difference_describe_worst(difference, resource, labels);
     char *flips = difference_list_flips(difference, resource, labels);
-    printf("%-*s  %-*s  %10llu  %10llu  %-7s  ", widths->pass, info->passes[row->pass].name,
-           widths->resource, row->name, (unsigned long long)difference->elements,
-           (unsigned long long)difference->differing, verdict_name(difference_verdict(difference)));
-    if (pair->blame.outcome != BLAME_NOT_RUN)
-        print_blame(pair, index, row->pass);
+    printf("%-*s  %-*s  %10llu  %10llu  %-7s  ", widths->pass,
+           before ? "before" : info->passes[row->pass].name, widths->resource, row->name,
+           (unsigned long long)difference->elements, (unsigned long long)difference->differing,
+           verdict_name(difference_verdict(difference)));
+    if (pair->blame.outcome != BLAME_NOT_RUN && before)
+        printf("%-6s  %-12s  ", "", "");
+    else if (pair->blame.outcome != BLAME_NOT_RUN)
+        print_blame(pair, (uint32_t)(result - pair->results), row->pass);
     printf("%s\n%s", worst ? worst : "", flips ? flips : "");
-    print_picture(resource, &pair->results[index]);
+    print_picture(resource, result);
     free(worst);
     free(flips);
 }
@@ -72,7 +77,9 @@ static void print_agreement(const struct dt_pipeline *info)
 static void print_verdict(const struct compare *compare, const struct pair *pair)
 {
     const struct blame *blame = &pair->blame;
-    const struct row *row = &compare->rows.outputs.list[blame->row];
+    bool early = blame->outcome == BLAME_EARLIER;
+    const struct row_list *rows = early ? &compare->rows.history : &compare->rows.outputs;
+    const struct row *row = &rows->list[blame->row];
     const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
     switch (blame->outcome) {
     case BLAME_GUILTY:
@@ -84,8 +91,12 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
     case BLAME_INHERITED:
         printf(
             "no pass is guilty alone: the error of pass %s, resource %s, in frame %u, adds up from "
-            "errors that their contracts allow\n",
+            "errors that contracts allow\n",
             pass->name, row->name, blame->frame);
+        break;
+    case BLAME_EARLIER:
+        printf("no pass of frame %u is guilty: resource %s differed when it began\n", blame->frame,
+               row->name);
         break;
     case BLAME_NOT_REPEATABLE:
         printf("%s is not repeatable: pass %s wrote another %s when it ran again, in frame %u\n",
@@ -104,9 +115,12 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
         print_agreement(info);
         return;
     }
-    const struct row *row = &compare->rows.outputs.list[pair->broken_row];
-    printf("pass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
-           row->name, pair->broken_frame);
+    const struct row *row = broken_row(compare, pair);
+    if (pair->broken_early)
+        printf("%s is the first to break: before frame %u\n", row->name, pair->broken_frame);
+    else
+        printf("pass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
+               row->name, pair->broken_frame);
     print_verdict(compare, pair);
 }
 
@@ -132,7 +146,7 @@ static void print_clues(const struct compare *compare, const struct pair *pair)
 
 static struct widths measure(const struct compare *compare)
 {
-    struct widths widths = {4, 8};
+    struct widths widths = {6, 8};
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
         const struct row *row = &compare->rows.outputs.list[i];
         int pass = (int)strlen(compare->pipeline.info->passes[row->pass].name);
@@ -152,8 +166,12 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     printf("\n%-*s  %-*s  %10s  %10s  %-7s  %slargest error\n", widths.pass, "pass",
            widths.resource, "resource", "elements", "differing", "verdict",
            replayed ? "inputs  own error     " : "");
+    for (uint32_t i = 0; i < compare->rows.history.count; i++) {
+        if (difference_verdict(&pair->history[i].difference) != VERDICT_EQUAL)
+            print_result(compare, pair, &compare->rows.history.list[i], &pair->history[i], &widths);
+    }
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++)
-        print_row(compare, pair, i, &widths);
+        print_result(compare, pair, &compare->rows.outputs.list[i], &pair->results[i], &widths);
 }
 
 void compare_print(const struct compare *compare)

@@ -1,0 +1,214 @@
+#!/usr/bin/env bash
+# compare as a user meets it: its last line, its exit status and its JSON, for agreement, for a fault in either side, and for
+# whatever cannot be compared; dumps of another driver held against the backends here, whole and damaged; no process is
+# left behind. TAP.
+. "$(dirname "$0")/tap.sh"
+cd "$root" || exit 1
+scene=scenes/cornell.yaml
+spec=tests/specs/features.yaml
+features=("$diptych" compare --scene "$scene" --spec "$spec" --size 17x9)
+agreement="all 20 resources of 12 passes agree"
+
+# shellcheck disable=SC2317 # called through check
+ends() { # status last-line command...: exactly that line closes stdout
+    local want=$1 line=$2 got
+    shift 2
+    "$@" >"$work/table" 2>"$work/said" </dev/null
+    got=$?
+    cat "$work/said" "$work/table"
+    echo "exit status $got, expected $want, ending with: $line"
+    [ "$got" = "$want" ] && [ "$(tail -n 1 "$work/table")" = "$line" ]
+}
+
+# shellcheck disable=SC2317
+refuses() { # text command...: one error, which contains the text, no table, and exit status 2
+    local text=$1 got
+    shift
+    "$@" >"$work/table" 2>"$work/said" </dev/null
+    got=$?
+    cat "$work/said" "$work/table"
+    echo "exit status $got, expected 2, with: $text"
+    [ "$got" = 2 ] && [ "$(grep -c 'error:' "$work/said")" = 1 ] && grep -qF -- "$text" "$work/said" && [ ! -s "$work/table" ]
+}
+
+# shellcheck disable=SC2317
+holds() { # python: an expression about `it`, the JSON
+    python3 -c "import json, sys; it = json.load(open('$work/it.json')); sys.exit(not ($1))" || { cat "$work/it.json"; false; }
+}
+
+# shellcheck disable=SC2317
+says() { # pattern: a line of the last table
+    grep -E -- "$1" "$work/table" || { cat "$work/table"; false; }
+}
+
+# ---- Agreement ---------------------------------------------------------------------------------------------------------
+
+check "OpenGL and Vulkan agree" ends 0 "$agreement" "${features[@]}" --json "$work/it.json"
+check "... the JSON says so of every row" holds "it['agree'] is True and it['first_break'] is None and it['guilty'] is None \
+    and it['sides'] == ['gl', 'vk'] and set(it['devices']) == {'gl', 'vk'} and len(it['results']) == 20 \
+    and all(r['verdict'] == 'equal' and r['differing'] == 0 and r['elements'] > 0 for r in it['results']) \
+    and it['pipeline'] == 'features' and (it['width'], it['height'], it['frames']) == (17, 9, 1)"
+check "... and nothing was run again" holds "not any('own_error' in r for r in it['results'])"
+check "a backend agrees with itself" ends 0 "$agreement" "${features[@]}" --backend vk,vk --json "$work/it.json"
+check "... under two names" holds "it['sides'] == ['vk', 'vk#2'] and len(it['devices']) == 2"
+check "four sides agree" ends 0 "$agreement" "${features[@]}" --backend gl,vk@0,osmesa,gl+glsl --json "$work/it.json"
+check "... in three pairs" holds "[p['sides'] for p in it['pairs']] == [['gl', s] for s in ('vk@0', 'osmesa', 'gl+glsl')] \
+    and all(p['agree'] and len(p['results']) == 20 for p in it['pairs']) and it['agree'] and 'results' not in it"
+
+# ---- Blame -------------------------------------------------------------------------------------------------------------
+
+check "a fault in Vulkan is blamed on its pass" \
+    ends 1 "guilty: pass blur (shader features_blur.glsl): resource blurred, in frame 0" \
+    "${features[@]}" --fault vk:blur:bit --json "$work/it.json"
+check "... one element of its own" says '^blur +blurred +153 +1 +DIFFERS +equal +1 differ +[0-9.e-]+ at \([0-9]+, [0-9]+\)\.[rgba], frame 0: gl [^ ]+ \(0x[0-9a-f]{4}\), vk '
+check "... inherited by what reads it" says '^compose +hdr +153 +1 +DIFFERS +differ +none '
+check "... which is in the JSON, too" holds "it['agree'] is False \
+    and it['guilty'] == {'pass': 'blur', 'resource': 'blurred', 'frame': 0, 'shader': 'features_blur.glsl'} \
+    and it['first_break'] == {'pass': 'blur', 'resource': 'blurred', 'frame': 0} \
+    and {r['resource']: (r['inputs'], r['own_error']['differing']) for r in it['results'] if r['verdict'] != 'equal'} \
+        == {'blurred': ('equal', 1), 'hdr': ('differ', 0)}"
+check "a fault in OpenGL, the first side, is blamed on its pass" \
+    ends 1 "guilty: pass scene (shader features_scene.glsl): resource color, in frame 0" \
+    "${features[@]}" --fault gl:scene:missing
+check "a fault in what a later frame makes of the one before" \
+    ends 1 "guilty: pass follow (shader features_follow.glsl): resource trail, in frame 1" \
+    "${features[@]}" --frames 3 --fault vk:follow:texel@1 --json "$work/it.json"
+check "... counted in one frame, not over all" holds "[(r['elements'], r['frames_differing']) for r in it['results'] \
+    if r['resource'] == 'trail'] == [(153, 2)] and all(r['differing'] <= r['elements'] for r in it['results'])"
+check "a fault that nobody reads is found" \
+    ends 1 "guilty: pass show (shader features_show.glsl): resource shown, in frame 0" "${features[@]}" --fault vk:show:sign
+check "of three sides, the pair that differs is told" \
+    ends 1 "guilty: pass lacing (shader features_lace.glsl): resource laced, in frame 0" \
+    "${features[@]}" --backend gl,vk,osmesa --fault osmesa:lacing:sign --json "$work/it.json"
+check "... and the other agrees" holds "[p['agree'] for p in it['pairs']] == [True, False] and it['agree'] is False \
+    and it['pairs'][0]['guilty'] is None and it['pairs'][1]['guilty'] == it['guilty'] and it['guilty']['pass'] == 'lacing'"
+
+# ---- Dumps -------------------------------------------------------------------------------------------------------------
+
+render=("$diptych" render --scene "$scene" --spec "$spec" --size 17x9)
+here=("$diptych" compare --scene "$scene" --spec "$spec")
+check "a dump of Vulkan's third frame" "${render[@]}" --backend vk --frames 3 --set weight=0.5 --dump "$work/dump"
+check "... agrees with OpenGL, in its size, frame and live parameters" \
+    ends 0 "$agreement" "${here[@]}" --backend gl --against "$work/dump" --json "$work/it.json"
+check "... of that size" holds "(it['width'], it['height'], it['frames']) == (17, 9, 3) and it['sides'] == ['dump', 'gl'] \
+    and [r['elements'] for r in it['results'] if r['resource'] == 'shown'] == [153]"
+check "... and with both backends" ends 0 "$agreement" "${here[@]}" --against "$work/dump"
+
+# shellcheck disable=SC2317
+damaged() { # python: what happens to the dump in the folder `d`, whose manifest is `m`
+    rm -rf "$work/damaged" && cp -r "$work/dump" "$work/damaged" && python3 - "$work/damaged" <<PYTHON
+import glob, json, os, sys
+d = sys.argv[1]
+m = json.load(open(d + '/manifest.json'))
+def flip(name):
+    path, = glob.glob(d + '/' + name)
+    data = bytearray(open(path, 'rb').read())
+    data[len(data) // 2] ^= 1
+    open(path, 'wb').write(data)
+$1
+json.dump(m, open(d + '/manifest.json', 'w')) if m is not None else None
+PYTHON
+}
+while read -r file pass shader resource; do
+    damaged "flip('$file')"
+    check "a flipped bit in $file is blamed on $pass" \
+        ends 1 "guilty: pass $pass (shader $shader): resource $resource, in frame 2" \
+        "${here[@]}" --backend vk --against "$work/damaged"
+done <<'END'
+00.scene.label.raw scene features_scene.glsl label
+04.count.histogram.raw count features_count.glsl histogram
+09.remember.memory.raw remember features_remember.glsl memory
+11.show.shown.raw show features_show.glsl shown
+END
+damaged "flip('history.memory.raw')"
+check "a flipped bit in what the frame found is told, and the pass that cannot have made its output of that" \
+    ends 1 "guilty: pass remember (shader features_remember.glsl): resource memory, in frame 2" \
+    "${here[@]}" --backend vk --against "$work/damaged" --json "$work/it.json"
+check "... and stands before the passes" says '^before +memory +4 +1 +DIFFERS '
+check "... in the JSON, too" holds "it['first_break'] == {'pass': None, 'resource': 'memory', 'frame': 2} \
+    and {r['resource']: r['differing'] for r in it['history']} == {'memory': 1, 'trail': 0} and it['agree'] is False"
+
+# shellcheck disable=SC2016 # these are no commands
+while IFS='|' read -r what text; do
+    damaged "$what"
+    check "a dump with $what is refused" refuses "$text" "${here[@]}" --backend gl --against "$work/damaged"
+done <<'END'
+open(d + '/06.blur.blurred.raw', 'ab').truncate(100)|06.blur.blurred.raw: has 100 bytes where 1224 are due: the dump is damaged
+open(d + '/06.blur.blurred.raw', 'ab').write(b'x')|06.blur.blurred.raw: has 1225 bytes where 1224 are due: the dump is damaged
+os.remove(d + '/08.follow.trail.raw')|08.follow.trail.raw: cannot be read: No such file or directory
+os.remove(d + '/history.trail.raw')|history.trail.raw: cannot be read: No such file or directory
+os.remove(d + '/manifest.json'); m = None|manifest.json: cannot be read: No such file or directory
+open(d + '/manifest.json', 'w').write('{"entries": ['); m = None|manifest.json: is no manifest of a dump; render --dump makes one
+m = [1, 2]|manifest.json: is no manifest of a dump; render --dump makes one
+del m['entries'][3]|manifest.json: names no file for depth after pass scene
+m['history'] = []|manifest.json: names no file for memory before pass scene
+m['entries'][0]['file'] = '../dump/00.scene.color.raw'|manifest.json: names no file for color after pass scene
+m['entries'][0]['format'] = 'rgba16f'|manifest.json: "format" of color after pass scene is not the pipeline's
+[e for e in m['entries'] if e['resource'] == 'histogram'][0]['fields'][0]['offset'] = 4|manifest.json: "fields" of histogram after pass count is not the pipeline's
+m['entries'][0]['width'] = 16|manifest.json: "width" of color after pass scene is not the pipeline's
+m['pipeline'] = 'ssvp'|holds the pipeline ssvp, this is features; name its --spec
+m['code'] = '0'|holds another features (code 0 there,
+m['scene_file'] = '0'|was made of scenes/cornell.yaml, and scenes/cornell.yaml has other content
+del m['code']|says no "code"; make the dump again with this diptych
+del m['live']['weight']|says no value of the live parameter weight
+m['live']['weight'] = 7|--set weight=7: must be of type float, from 0 to 1
+m['width'] = -1|"width" is missing or no whole number; make the dump again with this diptych
+END
+damaged "m['scene_data'] = '0'"
+check "a mesh with other bits is told" bash -c '"$@" 2>&1 | grep -F "warning: --against"' - "${here[@]}" --backend gl --against "$work/damaged"
+
+against=("${here[@]}" --backend gl --against "$work/dump")
+check "another size is refused" refuses "--size 16x9: $work/dump holds a frame of 17x9" "${against[@]}" --size 16x9
+check "another frame is refused" refuses "--frames 2: $work/dump holds the last of 3 frames" "${against[@]}" --frames 2
+check "another live parameter is refused" refuses "--set weight=0.25: $work/dump was made with 0.5" "${against[@]}" --set weight=0.25
+check "the same one is not" ends 0 "$agreement" "${against[@]}" --set weight=0.5 --size 17x9 --frames 3
+check "another parameter is refused" refuses "holds another features" "${against[@]}" --set bins=17
+check "another scene is refused" refuses "was made of $scene, and scenes/atrium.yaml has other content" \
+    "$diptych" compare --scene scenes/atrium.yaml --spec $spec --backend gl --against "$work/dump"
+
+# ---- What cannot be compared -------------------------------------------------------------------------------------------
+
+check "one backend alone" refuses "one side has nothing to be compared with" "${features[@]}" --backend vk
+check "a slip of the pen" refuses 'unknown backend "zinc"; did you mean "zink"?' "${features[@]}" --backend gl,zinc
+check "an empty entry" refuses "must be names with one comma between" "${features[@]}" --backend gl,,vk
+check "Vulkan takes no GLSL" refuses "only OpenGL takes GLSL text" "${features[@]}" --backend gl,vk+glsl
+check "OpenGL takes no device" refuses "only vk takes a device" "${features[@]}" --backend gl@0,vk
+check "a device for nobody" refuses "--device 0: --backend names no side that takes a device" \
+    "${features[@]}" --backend gl,osmesa --device 0
+check "a device that is not there" refuses "vk@none: --device none: no such Vulkan device" "${features[@]}" --backend gl,vk@none
+printf 'pipeline: nothing\npasses:\n  - {name: idle, dispatch: [1, 1, 1], shader: idle.glsl}\n' >"$work/nothing.yaml"
+echo 'void main() {}' >"$work/idle.glsl"
+check "a pipeline that writes nothing" refuses "nothing: no pass writes anything, there is nothing to compare" \
+    "$diptych" compare --scene $scene --spec "$work/nothing.yaml" --size 8x8
+# shellcheck disable=SC2016 # expanded by the inner shell
+check "a pipeline that is not the same twice" bash -c '
+    "$@" >"$0/table" 2>&1
+    tail -n 1 "$0/table" | grep -E "^(gl|gl#2) is not repeatable: pass [a-z_]+ wrote another [a-z_]+ when it ran again, in frame 0$" || { cat "$0/table"; false; }' \
+    "$work" "$diptych" compare --scene $scene --spec tests/specs/racing.yaml --size 64x64 --backend gl,gl
+
+# ---- Processes ---------------------------------------------------------------------------------------------------------
+
+# shellcheck disable=SC2317
+alone() { # signal status: ended in the middle, a comparison takes its workers along
+    local mark=$work/mark-$1 got
+    "$diptych" compare --scene "$scene" --size 640x360 --frames 1000 --json "$mark" >"$work/table" 2>"$work/said" &
+    local parent=$!
+    for _ in $(seq 100); do
+        [ "$(pgrep -fc -- "$mark")" -ge 3 ] && break
+        sleep 0.1
+    done
+    kill "-$1" "$parent"
+    wait "$parent"
+    got=$?
+    cat "$work/said"
+    for _ in $(seq 20); do
+        pgrep -f -- "$mark" >/dev/null || break
+        sleep 0.1
+    done
+    echo "exit status $got, left: $(pgrep -f -- "$mark" | xargs)"
+    [ "$got" = "$2" ] && ! pgrep -f -- "$mark" && ! grep 'error:' "$work/said" && [ ! -s "$work/table" ] && [ ! -e "$mark" ]
+}
+check "SIGINT leaves no worker" alone INT 130
+check "SIGTERM leaves no worker" alone TERM 143
+check "SIGKILL leaves no worker" alone KILL 137
+finish

@@ -1,0 +1,756 @@
+/* Worker processes and the blame, with runtimes that are made here and go wrong on demand: they
+ * crash, leave out a pass, write something else on every run, begin with the wrong history. What must
+ * come out is known because the fault was put in here. */
+#include <errno.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "app/blame.h"
+#include "runtime_gl/runtime.h"
+#include "runtime_vk/runtime.h"
+
+/* ---- A pipeline: numbers[i] = 10 * frame + i; doubled = 2 * numbers; kept += doubled ---------- */
+
+enum { NUMBERS, DOUBLED, KEPT, RESOURCES };
+enum { COUNT, DOUBLE, KEEP, PASSES };
+enum { ELEMENTS = 4 };
+
+static void four(uint32_t width, uint32_t height, uint32_t extent[3])
+{
+    (void)width;
+    (void)height;
+    extent[0] = ELEMENTS;
+    extent[1] = extent[2] = 1;
+}
+
+static const struct dt_field number[] = {{"", DT_TYPE_UINT, 0, 0, 0}};
+static struct dt_resource resources[] = {
+    {.name = "numbers", .fields = number, .field_count = 1, .stride = 4, .extent = four},
+    {.name = "doubled", .fields = number, .field_count = 1, .stride = 4, .extent = four},
+    {.name = "kept",
+     .fields = number,
+     .field_count = 1,
+     .stride = 4,
+     .extent = four,
+     .history = true}};
+static const uint16_t lists[RESOURCES] = {NUMBERS, DOUBLED, KEPT};
+static const struct dt_pass passes[] = {
+    {.name = "count", .writes = &lists[NUMBERS], .write_count = 1},
+    {.name = "double",
+     .reads = &lists[NUMBERS],
+     .read_count = 1,
+     .writes = &lists[DOUBLED],
+     .write_count = 1},
+    {.name = "keep",
+     .reads = &lists[DOUBLED],
+     .read_count = 1,
+     .writes = &lists[KEPT],
+     .write_count = 1}};
+static const struct dt_pipeline pipeline_info = {.name = "made",
+                                                 .resources = resources,
+                                                 .resource_count = RESOURCES,
+                                                 .passes = passes,
+                                                 .pass_count = PASSES};
+
+/* ---- Two runtimes ------------------------------------------------------------------------------- */
+
+enum trouble {
+    NO_TROUBLE,
+    CRASH,  /* in the pass */
+    EXIT,   /* in the pass */
+    KILLED, /* in the pass */
+    CRASH_OPEN,
+    CRASH_CLOSE,
+    REFUSE_OPEN, /* with an error */
+    REFUSE_READ,
+    LEAVE_OUT, /* the pass */
+    WRONG,     /* the pass adds one to its first number */
+    STRAY,     /* the pass adds the process's number */
+    WRONG_START
+};
+
+struct script {
+    enum trouble trouble;
+    uint32_t pass, frame; /* from this frame on */
+};
+
+static struct script scripts[2]; /* of gl and vk; a worker has them as they were when it started */
+
+struct made {
+    struct dt_log log;
+    const struct script *script;
+    uint32_t data[RESOURCES][ELEMENTS];
+};
+
+static _Noreturn void end_by(int number)
+{
+    signal(number, SIG_DFL);
+    raise(number);
+    abort();
+}
+
+static void say(const struct made *made, const char *text)
+{
+    made->log.message(made->log.user, DT_ERROR, text);
+}
+
+static void *open_as(const struct dt_runtime_options *options, const struct script *script)
+{
+    struct made *made = calloc(1, sizeof *made);
+    made->log = options->log;
+    made->script = script;
+    memset(made->data[NUMBERS], options->poison, sizeof made->data[NUMBERS]);
+    memset(made->data[DOUBLED], options->poison, sizeof made->data[DOUBLED]);
+    if (script->trouble == CRASH_OPEN)
+        end_by(SIGSEGV);
+    if (script->trouble == REFUSE_OPEN) {
+        say(made, "no such device");
+        free(made);
+        return NULL;
+    }
+    if (script->trouble == WRONG_START)
+        made->data[KEPT][0] = 5;
+    return made;
+}
+
+static void *open_gl(const struct dt_runtime_options *options)
+{
+    return open_as(options, &scripts[0]);
+}
+
+static void *open_vk(const struct dt_runtime_options *options)
+{
+    return open_as(options, &scripts[1]);
+}
+
+static const char *device_name(void *runtime)
+{
+    (void)runtime;
+    return "a made device";
+}
+
+static bool is_software(void *runtime)
+{
+    (void)runtime;
+    return true;
+}
+
+static bool set_scene(void *runtime, const struct dt_scene *scene)
+{
+    (void)runtime;
+    (void)scene;
+    return true;
+}
+
+static bool create(void *runtime, const struct dt_panel *panel)
+{
+    (void)runtime;
+    (void)panel;
+    return true;
+}
+
+static bool resize(void *runtime, uint32_t width, uint32_t height)
+{
+    (void)runtime;
+    (void)width;
+    (void)height;
+    return true;
+}
+
+static void work(struct made *made, uint32_t pass, uint32_t frame)
+{
+    for (uint32_t i = 0; i < ELEMENTS; i++) {
+        if (pass == COUNT)
+            made->data[NUMBERS][i] = 10 * frame + i;
+        else if (pass == DOUBLE)
+            made->data[DOUBLED][i] = 2 * made->data[NUMBERS][i];
+        else
+            made->data[KEPT][i] += made->data[DOUBLED][i];
+    }
+}
+
+static void go_wrong(struct made *made, uint32_t pass)
+{
+    switch (made->script->trouble) {
+    case CRASH:
+        end_by(SIGSEGV);
+    case EXIT:
+        _exit(3);
+    case KILLED:
+        end_by(SIGKILL);
+    case WRONG:
+        made->data[pass][0]++; /* each pass writes the resource of its number */
+        break;
+    case STRAY:
+        made->data[pass][0] += (uint32_t)getpid();
+        break;
+    default:
+        break;
+    }
+}
+
+static bool render(void *runtime, const struct dt_frame *frame, const void *live,
+                   const struct dt_observer *observer)
+{
+    struct made *made = runtime;
+    (void)live;
+    for (uint32_t pass = 0; pass < PASSES; pass++) {
+        bool due = pass == made->script->pass && frame->index >= made->script->frame;
+        if (due && made->script->trouble == LEAVE_OUT)
+            continue;
+        enum dt_action action = observer && observer->before_pass
+                                    ? observer->before_pass(observer->user, pass)
+                                    : DT_RUN;
+        if (action == DT_STOP)
+            return false;
+        if (action == DT_RUN)
+            work(made, pass, frame->index);
+        if (due)
+            go_wrong(made, pass);
+        if (observer && !observer->after_pass(observer->user, pass))
+            return false;
+    }
+    return true;
+}
+
+static bool read_resource(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)
+{
+    struct made *made = runtime;
+    (void)mip;
+    if (made->script->trouble == REFUSE_READ) {
+        say(made, "nothing to read");
+        return false;
+    }
+    *out = (struct dt_bytes){.size = sizeof made->data[resource], .extent = {ELEMENTS, 1, 1}};
+    out->data = malloc(out->size);
+    memcpy(out->data, made->data[resource], out->size);
+    return true;
+}
+
+static bool write_resource(void *runtime, uint32_t resource, uint32_t mip,
+                           const struct dt_bytes *bytes)
+{
+    struct made *made = runtime;
+    (void)mip;
+    if (bytes->size != sizeof made->data[resource] || bytes->extent[0] != ELEMENTS)
+        return false;
+    memcpy(made->data[resource], bytes->data, bytes->size);
+    return true;
+}
+
+static bool timings(void *runtime, double *pass_ms)
+{
+    (void)runtime;
+    (void)pass_ms;
+    return false;
+}
+
+static uint32_t messages(void *runtime)
+{
+    (void)runtime;
+    return 0;
+}
+
+static void close_runtime(void *runtime)
+{
+    struct made *made = runtime;
+    if (made && made->script->trouble == CRASH_CLOSE)
+        end_by(SIGABRT);
+    free(made);
+}
+
+#define MADE_RUNTIME(label, opening)                                                               \
+    {                                                                                              \
+        .name = (label), .open = (opening), .device_name = device_name,                            \
+        .is_software = is_software, .set_scene = set_scene, .create = create, .resize = resize,    \
+        .render = render, .read = read_resource, .write = write_resource, .timings = timings,      \
+        .messages = messages, .close = close_runtime                                               \
+    }
+const struct dt_runtime runtime_gl = MADE_RUNTIME("gl", open_gl);
+const struct dt_runtime runtime_vk = MADE_RUNTIME("vk", open_vk);
+
+void scene_frame(const struct scene *scene, uint32_t width, uint32_t height, struct dt_frame *frame)
+{
+    (void)scene;
+    (void)width;
+    (void)height;
+    (void)frame;
+}
+
+bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
+                const struct dt_log *log)
+{
+    (void)scene;
+    (void)path;
+    (void)scenes_dir;
+    (void)log;
+    return false;
+}
+
+/* ---- What a test needs ------------------------------------------------------------------------ */
+
+struct bench {
+    struct console console;
+    char last[512]; /* error */
+    int errors;
+    struct options options;
+    struct pipeline pipeline;
+    struct scene scene;
+    struct side sides[2];
+    struct rows rows;
+};
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    struct bench *bench = user;
+    if (level != DT_ERROR)
+        return;
+    bench->errors++;
+    snprintf(bench->last, sizeof bench->last, "%s", message);
+}
+
+static int set_up(void **state)
+{
+    struct bench *bench = calloc(1, sizeof *bench);
+    *state = bench;
+    bench->console.log = (struct dt_log){.message = hear, .user = bench};
+    pthread_mutex_init(&bench->console.lock, NULL);
+    pthread_mutex_init(&bench->console.writing, NULL);
+    bench->options = (struct options){.size = {8, 8}, .frames = 3};
+    bench->pipeline.info = &pipeline_info;
+    bench->sides[0] = (struct side){.label = (char *)"gl", .backend = "gl"};
+    bench->sides[1] = (struct side){.label = (char *)"vk", .backend = "vk"};
+    memset(scripts, 0, sizeof scripts);
+    memset(&resources[NUMBERS].contract, 0, sizeof resources[NUMBERS].contract);
+    return rows_make(&bench->rows, &pipeline_info, &bench->console.log) ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    struct bench *bench = *state;
+    rows_free(&bench->rows);
+    pthread_mutex_destroy(&bench->console.lock);
+    pthread_mutex_destroy(&bench->console.writing);
+    free(bench);
+    return 0;
+}
+
+static struct worker_info info_of(struct bench *bench, int side)
+{
+    return (struct worker_info){.session = {.side = &bench->sides[side],
+                                            .console = &bench->console,
+                                            .options = &bench->options,
+                                            .pipeline = &bench->pipeline,
+                                            .scene = &bench->scene,
+                                            .poison = side ? 0xa5 : 0x5a},
+                                .frames = bench->options.frames};
+}
+
+static void assert_stop(struct worker *worker, enum worker_stop stop, uint32_t frame, uint32_t pass)
+{
+    struct worker_place place;
+    assert_true(worker_wait(worker, &place));
+    assert_int_equal(place.stop, stop);
+    if (stop != WORKER_READY && stop != WORKER_FINISHED)
+        assert_int_equal(place.frame, frame);
+    if (stop == WORKER_BEFORE_PASS || stop == WORKER_AFTER_PASS)
+        assert_int_equal(place.pass, pass);
+}
+
+static void assert_go(struct worker *worker, enum worker_stop stop, uint32_t frame, uint32_t pass)
+{
+    assert_true(worker_resume(worker, DT_RUN));
+    assert_stop(worker, stop, frame, pass);
+}
+
+static void assert_holds(struct worker *worker, uint32_t resource, const uint32_t *expected)
+{
+    struct dt_bytes bytes;
+    assert_true(worker_read(worker, resource, 0, &bytes));
+    assert_int_equal(bytes.size, ELEMENTS * 4);
+    assert_int_equal(bytes.extent[0], ELEMENTS);
+    assert_memory_equal(bytes.data, expected, bytes.size);
+}
+
+static void assert_childless(void)
+{
+    assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
+    assert_int_equal(errno, ECHILD);
+}
+
+/* ---- Workers ------------------------------------------------------------------------------------ */
+
+static void workers_go_from_stop_to_stop(void **state)
+{
+    struct bench *bench = *state;
+    struct worker_info info = info_of(bench, 0);
+    struct worker worker;
+    info.frames = 2;
+    info.stops_before = 2;
+    assert_true(worker_start(&worker, &info));
+    assert_stop(&worker, WORKER_READY, 0, 0);
+    assert_string_equal(worker.device, "a made device");
+    assert_holds(&worker, NUMBERS, (uint32_t[]){0x5a5a5a5a, 0x5a5a5a5a, 0x5a5a5a5a, 0x5a5a5a5a});
+    assert_go(&worker, WORKER_BEFORE_PASS, 0, COUNT);
+    assert_go(&worker, WORKER_AFTER_PASS, 0, COUNT);
+    assert_holds(&worker, NUMBERS, (uint32_t[]){0, 1, 2, 3});
+    assert_go(&worker, WORKER_BEFORE_PASS, 0, DOUBLE);
+    uint32_t other[ELEMENTS] = {5, 6, 7, 8};
+    const struct dt_bytes bytes = {
+        .data = (uint8_t *)other, .size = sizeof other, .extent = {ELEMENTS, 1, 1}};
+    assert_true(worker_write(&worker, NUMBERS, 0, &bytes));
+    assert_go(&worker, WORKER_AFTER_PASS, 0, DOUBLE);
+    assert_holds(&worker, DOUBLED, (uint32_t[]){10, 12, 14, 16});
+    assert_go(&worker, WORKER_AFTER_PASS, 0, KEEP); /* no stop before the third */
+    assert_go(&worker, WORKER_FRAME_DONE, 0, 0);
+    assert_go(&worker, WORKER_BEFORE_PASS, 1, COUNT);
+    assert_true(worker_resume(&worker, DT_SKIP));
+    assert_stop(&worker, WORKER_AFTER_PASS, 1, COUNT);
+    assert_holds(&worker, NUMBERS, other); /* it did nothing */
+    assert_go(&worker, WORKER_BEFORE_PASS, 1, DOUBLE);
+    assert_go(&worker, WORKER_AFTER_PASS, 1, DOUBLE);
+    assert_go(&worker, WORKER_AFTER_PASS, 1, KEEP);
+    assert_holds(&worker, KEPT, (uint32_t[]){20, 24, 28, 32});
+    assert_go(&worker, WORKER_FRAME_DONE, 1, 0);
+    assert_go(&worker, WORKER_FINISHED, 0, 0);
+    worker_close(&worker);
+    assert_int_equal(bench->errors, 0);
+    assert_childless();
+}
+
+static void earlier_frames_run_without_a_stop(void **state)
+{
+    struct bench *bench = *state;
+    struct worker_info info = info_of(bench, 1);
+    struct worker worker;
+    info.first_observed = 2;
+    assert_true(worker_start(&worker, &info));
+    assert_stop(&worker, WORKER_READY, 0, 0);
+    assert_go(&worker, WORKER_AFTER_PASS, 2, COUNT);
+    assert_go(&worker, WORKER_AFTER_PASS, 2, DOUBLE);
+    assert_go(&worker, WORKER_AFTER_PASS, 2, KEEP);
+    assert_holds(&worker, KEPT, (uint32_t[]){60, 66, 72, 78}); /* 2 (0 + 10 + 20) + 6 i */
+    worker_close(&worker);                                     /* in the middle */
+    assert_childless();
+
+    info.session.first_frame = 2; /* or not at all */
+    assert_true(worker_start(&worker, &info));
+    assert_stop(&worker, WORKER_READY, 0, 0);
+    assert_go(&worker, WORKER_AFTER_PASS, 2, COUNT);
+    assert_holds(&worker, NUMBERS, (uint32_t[]){20, 21, 22, 23});
+    assert_true(worker_resume(&worker, DT_RUN));
+    worker_close(&worker); /* while it runs */
+    assert_childless();
+    assert_int_equal(bench->errors, 0);
+}
+
+/* Until it is over, one way or the other. */
+static void run_out(struct worker *worker, const struct worker_info *info)
+{
+    struct worker_place place;
+    bool good = worker_start(worker, info) && worker_wait(worker, &place);
+    while (good && place.stop != WORKER_FINISHED)
+        good = worker_resume(worker, DT_RUN) && worker_wait(worker, &place);
+    worker_close(worker);
+}
+
+static void what_happened_to_a_worker_is_told_once(void **state)
+{
+    struct bench *bench = *state;
+    static const struct {
+        struct script script;
+        const char *said;
+    } cases[] = {
+        {{CRASH, COUNT, 0}, "vk: the driver crashed (SIGSEGV) in pass count of frame 0"},
+        {{CRASH, DOUBLE, 0}, "vk: the driver crashed (SIGSEGV) in pass double of frame 0"},
+        {{CRASH, COUNT, 1}, "vk: the driver crashed (SIGSEGV) in pass count of frame 1"},
+        {{CRASH, KEEP, 2}, "vk: the driver crashed (SIGSEGV) in pass keep of frame 2"},
+        {{KILLED, DOUBLE, 1}, "vk: the process was ended (SIGKILL) in pass double of frame 1"},
+        {{EXIT, KEEP, 0},
+         "vk: the process ended by itself, with exit status 3, in pass keep of frame 0"},
+        {{CRASH_OPEN, 0, 0}, "vk: the driver crashed (SIGSEGV) while it opened the device"},
+        {{CRASH_CLOSE, 0, 0}, "vk: the driver crashed (SIGABRT) while it closed the device"},
+        {{REFUSE_OPEN, 0, 0}, "vk: no such device"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        for (uint32_t stops_before = 0; stops_before <= PASSES; stops_before += PASSES) {
+            struct worker worker;
+            struct worker_info info = info_of(bench, 1);
+            info.stops_before = stops_before;
+            scripts[1] = cases[i].script;
+            bench->errors = 0;
+            run_out(&worker, &info);
+            assert_string_equal(bench->last, cases[i].said);
+            assert_int_equal(bench->errors, 1);
+            assert_childless();
+        }
+    }
+}
+
+static void a_crash_before_the_observed_frame_is_told(void **state)
+{
+    struct bench *bench = *state;
+    struct worker_info info = info_of(bench, 0);
+    struct worker worker;
+    info.first_observed = 2;
+    scripts[0] = (struct script){CRASH, DOUBLE, 1};
+    run_out(&worker, &info);
+    assert_string_equal(bench->last, "gl: the driver crashed (SIGSEGV) before frame 2");
+    assert_int_equal(bench->errors, 1);
+}
+
+static void a_refused_read_is_an_error(void **state)
+{
+    struct bench *bench = *state;
+    const struct worker_info info = info_of(bench, 1);
+    struct worker worker;
+    struct dt_bytes bytes;
+    scripts[1].trouble = REFUSE_READ;
+    assert_true(worker_start(&worker, &info));
+    assert_stop(&worker, WORKER_READY, 0, 0);
+    assert_false(worker_read(&worker, NUMBERS, 0, &bytes));
+    assert_string_equal(bench->last, "vk: nothing to read");
+    assert_int_equal(bench->errors, 1);
+    worker_close(&worker);
+    assert_childless();
+}
+
+static void a_pass_that_was_left_out_is_an_error(void **state)
+{
+    struct bench *bench = *state;
+    const struct worker_info info = info_of(bench, 0);
+    struct source source;
+    scripts[0] = (struct script){LEAVE_OUT, DOUBLE, 0};
+    assert_true(source_start(&source, &info, NULL));
+    assert_true(source_reach(&source, (struct worker_place){.stop = WORKER_READY}));
+    assert_true(source_resume(&source));
+    assert_true(source_reach(&source, (struct worker_place){WORKER_AFTER_PASS, 0, COUNT}));
+    assert_true(source_resume(&source));
+    assert_false(source_reach(&source, (struct worker_place){WORKER_AFTER_PASS, 0, DOUBLE}));
+    assert_string_equal(bench->last, "gl: the runtime left out pass double of frame 0");
+    source_close(&source);
+    assert_childless();
+}
+
+/* ---- Blame ------------------------------------------------------------------------------------ */
+
+static void rows_know_where_inputs_come_from(void **state)
+{
+    const struct bench *bench = *state;
+    const struct rows *rows = &bench->rows;
+    static const uint32_t found[][2] = {{DOUBLE, NUMBERS}, {KEEP, DOUBLED}, {KEEP, KEPT}};
+    uint32_t index;
+    assert_int_equal(rows->outputs.count, 3);
+    assert_int_equal(rows->inputs.count, DT_ARRAY_COUNT(found));
+    for (uint32_t i = 0; i < rows->inputs.count; i++) {
+        assert_int_equal(rows->inputs.list[i].pass, found[i][0]);
+        assert_int_equal(rows->inputs.list[i].resource, found[i][1]);
+    }
+    assert_true(rows_origin(rows, &rows->inputs.list[1], &index));
+    assert_int_equal(index, 1);
+    assert_false(rows_origin(rows, &rows->inputs.list[2], &index));
+    assert_int_equal(rows->history.list[index].resource, KEPT);
+}
+
+/* What gl writes in frame 2, row by row: see the pipeline. */
+static const uint32_t right[3][ELEMENTS] = {{20, 21, 22, 23}, {40, 42, 44, 46}, {60, 66, 72, 78}};
+
+struct case_of_blame {
+    bool outputs_differ[3], kept_differed;
+    uint32_t broken_row;
+    bool early;
+};
+
+/* Frame 2, after a first run that went like this. */
+static void find(struct bench *bench, struct blame *blame, const struct case_of_blame *it)
+{
+    uint64_t fingerprints[3];
+    for (int i = 0; i < 3; i++) {
+        uint32_t copy[ELEMENTS];
+        memcpy(copy, right[i], sizeof copy);
+        struct dt_bytes bytes = {
+            .data = (uint8_t *)copy, .size = sizeof copy, .extent = {ELEMENTS, 1, 1}};
+        assert_true(fingerprint(&resources[i], &bytes, &fingerprints[i]));
+    }
+    const struct replay replay = {.console = &bench->console,
+                                  .rows = &bench->rows,
+                                  .workers = {info_of(bench, 0), info_of(bench, 1)},
+                                  .frame = 2};
+    const struct first_run first = {.broken_row = it->broken_row,
+                                    .early = it->early,
+                                    .outputs_differ = it->outputs_differ,
+                                    .history_differs = &it->kept_differed,
+                                    .fingerprints = fingerprints};
+    assert_true(blame_find(blame, &replay, &first));
+    assert_int_equal(blame->frame, 2);
+    assert_int_equal(bench->errors, 0);
+    assert_childless();
+}
+
+static void own_error_is_told_from_inherited(void **state)
+{
+    struct bench *bench = *state;
+    struct blame blame;
+    scripts[1] = (struct script){WRONG, DOUBLE, 2};
+    find(bench, &blame, &(struct case_of_blame){{false, true, true}, false, DOUBLE, false});
+    assert_int_equal(blame.outcome, BLAME_GUILTY);
+    assert_int_equal(blame.row, DOUBLE);
+    static const bool differ[PASSES] = {false, false, true};
+    static const uint64_t own[PASSES] = {0, 1, 0};
+    for (int i = 0; i < PASSES; i++) {
+        assert_int_equal(blame.inputs_differ[i], differ[i]);
+        assert_int_equal(blame.own[i].elements, ELEMENTS);
+        assert_int_equal(blame.own[i].differing, own[i]);
+    }
+    assert_int_equal(blame.own[DOUBLE].worst.element, 0);
+    assert_true(blame.own[DOUBLE].worst.values[0] == 40);
+    assert_true(blame.own[DOUBLE].worst.values[1] == 41);
+    blame_free(&blame);
+}
+
+static void a_wrong_first_side_is_found_as_well(void **state)
+{
+    struct bench *bench = *state;
+    struct blame blame;
+    const struct replay replay = {.console = &bench->console,
+                                  .rows = &bench->rows,
+                                  .workers = {info_of(bench, 1), info_of(bench, 0)},
+                                  .frame = 2};
+    scripts[1] = (struct script){WRONG, KEEP, 2};
+    uint64_t fingerprints[3];
+    for (int i = 0; i < 3; i++) {
+        uint32_t copy[ELEMENTS];
+        memcpy(copy, right[i], sizeof copy);
+        copy[0] += i == KEEP;
+        struct dt_bytes bytes = {
+            .data = (uint8_t *)copy, .size = sizeof copy, .extent = {ELEMENTS, 1, 1}};
+        assert_true(fingerprint(&resources[i], &bytes, &fingerprints[i]));
+    }
+    const struct first_run first = {.broken_row = KEEP,
+                                    .outputs_differ = (bool[]){false, false, true},
+                                    .history_differs = (bool[]){false},
+                                    .fingerprints = fingerprints};
+    assert_true(blame_find(&blame, &replay, &first));
+    assert_int_equal(blame.outcome, BLAME_GUILTY);
+    assert_int_equal(blame.row, KEEP);
+    blame_free(&blame);
+}
+
+static void errors_within_contracts_may_add_up(void **state)
+{
+    struct bench *bench = *state;
+    struct blame blame;
+    resources[NUMBERS].contract = (struct dt_contract){.kind = DT_CONTRACT_ABS, .tolerance = 1};
+    scripts[1] = (struct script){WRONG, COUNT, 0};
+    find(bench, &blame, &(struct case_of_blame){{true, true, true}, true, DOUBLE, false});
+    assert_int_equal(blame.outcome, BLAME_INHERITED);
+    assert_int_equal(blame.row, DOUBLE);
+    assert_int_equal(difference_verdict(&blame.own[COUNT]), VERDICT_WITHIN);
+    blame_free(&blame);
+}
+
+static void what_differed_before_is_no_pass_s_fault(void **state)
+{
+    struct bench *bench = *state;
+    struct blame blame;
+    scripts[1].trouble = WRONG_START;
+    find(bench, &blame, &(struct case_of_blame){{false, false, true}, true, 0, true});
+    assert_int_equal(blame.outcome, BLAME_EARLIER);
+    assert_int_equal(blame.row, 0);
+    assert_true(blame.inputs_differ[KEEP]);
+    assert_int_equal(blame.own[KEEP].differing, 0);
+    blame_free(&blame);
+}
+
+static void sides_that_stray_are_named(void **state)
+{
+    struct bench *bench = *state;
+    struct blame blame;
+    scripts[0] = (struct script){STRAY, DOUBLE, 0};
+    find(bench, &blame, &(struct case_of_blame){{false, true, true}, true, DOUBLE, false});
+    assert_int_equal(blame.outcome, BLAME_NOT_REPEATABLE);
+    assert_ptr_equal(blame.side, &bench->sides[0]);
+    assert_int_equal(blame.row, DOUBLE);
+    blame_free(&blame);
+
+    /* of vk the first run says that it was wrong on equal inputs, and the second does it right */
+    memset(scripts, 0, sizeof scripts);
+    find(bench, &blame, &(struct case_of_blame){{false, true, true}, false, DOUBLE, false});
+    assert_int_equal(blame.outcome, BLAME_NOT_REPEATABLE);
+    assert_ptr_equal(blame.side, &bench->sides[1]);
+    assert_int_equal(blame.row, DOUBLE);
+    blame_free(&blame);
+}
+
+static void a_crash_in_the_second_run_is_an_error(void **state)
+{
+    struct bench *bench = *state;
+    struct blame blame;
+    const uint64_t fingerprints[3] = {0};
+    const struct replay replay = {.console = &bench->console,
+                                  .rows = &bench->rows,
+                                  .workers = {info_of(bench, 0), info_of(bench, 1)},
+                                  .frame = 2};
+    const struct first_run first = {.outputs_differ = (bool[]){true, true, true},
+                                    .history_differs = (bool[]){false},
+                                    .fingerprints = fingerprints};
+    scripts[1] = (struct script){CRASH, DOUBLE, 0};
+    assert_false(blame_find(&blame, &replay, &first));
+    assert_string_equal(bench->last, "vk: the driver crashed (SIGSEGV) in pass double of frame 2");
+    assert_int_equal(bench->errors, 1);
+    blame_free(&blame);
+    assert_childless();
+}
+
+static void fingerprints_see_every_number_and_no_padding(void **state)
+{
+    (void)state;
+    static const struct dt_field vector[] = {{"v", DT_TYPE_VEC3, 0, 0, 0}};
+    const struct dt_resource resource = {
+        .kind = DT_BUFFER, .fields = vector, .field_count = 1, .stride = 16};
+    uint8_t bytes[48];
+    for (size_t i = 0; i < sizeof bytes; i++)
+        bytes[i] = (uint8_t)(i * 7);
+    struct dt_bytes whole = {.data = bytes, .size = sizeof bytes, .extent = {3, 1, 1}};
+    uint64_t first, hash;
+    assert_true(fingerprint(&resource, &whole, &first));
+    for (size_t i = 0; i < sizeof bytes; i++) {
+        bytes[i] ^= 1;
+        assert_true(fingerprint(&resource, &whole, &hash));
+        assert_int_equal(hash == first, i % 16 >= 12);
+        bytes[i] ^= 1;
+    }
+}
+
+#define WORKER_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        WORKER_TEST(workers_go_from_stop_to_stop),
+        WORKER_TEST(earlier_frames_run_without_a_stop),
+        WORKER_TEST(what_happened_to_a_worker_is_told_once),
+        WORKER_TEST(a_crash_before_the_observed_frame_is_told),
+        WORKER_TEST(a_refused_read_is_an_error),
+        WORKER_TEST(a_pass_that_was_left_out_is_an_error),
+        WORKER_TEST(rows_know_where_inputs_come_from),
+        WORKER_TEST(own_error_is_told_from_inherited),
+        WORKER_TEST(a_wrong_first_side_is_found_as_well),
+        WORKER_TEST(errors_within_contracts_may_add_up),
+        WORKER_TEST(what_differed_before_is_no_pass_s_fault),
+        WORKER_TEST(sides_that_stray_are_named),
+        WORKER_TEST(a_crash_in_the_second_run_is_an_error),
+        WORKER_TEST(fingerprints_see_every_number_and_no_padding),
+    };
+    return cmocka_run_group_tests_name("worker", tests, NULL, NULL);
+}
