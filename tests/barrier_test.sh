@@ -24,11 +24,11 @@ pipelines() { # size
     audit "kinds at $1" "$specs/kinds.yaml" --size "$1"
 }
 
-pipelines 24x16
+pipelines 97x65
 if [ -n "${DIPTYCH_LONG:-}" ]; then
     pipelines 1x1
     pipelines 17x9
-    pipelines 97x65
+    pipelines 24x16
 fi
 
 # The recorder stands before functions of Vulkan: what it does not stand before it does not see.

@@ -279,7 +279,13 @@ static void execution_is_not_limited_to_the_resource(void **state)
     touch(f, A, COMPUTE, STORES);
     expect(f, NULL);
     touch(f, A, COMPUTE, STORES);
-    barrier(f, B, COMPUTE, STORES, COMPUTE, LOADS); /* memory is */
+    barrier(f, B, COMPUTE, STORES, COMPUTE, LOADS); /* availability is */
+    barrier(f, A, COMPUTE, 0, COMPUTE, LOADS);
+    touch(f, A, COMPUTE, LOADS);
+    expect(f, "read after write");
+    touch(f, A, COMPUTE, STORES);
+    barrier(f, A, COMPUTE, STORES, COMPUTE, 0);
+    barrier(f, B, COMPUTE, 0, COMPUTE, LOADS); /* and visibility */
     touch(f, A, COMPUTE, LOADS);
     expect(f, "read after write");
 }
