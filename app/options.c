@@ -93,7 +93,9 @@ static const struct option_row rows[] = {
     {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
     {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER | VERB_COMPARE, 0, "N",
-     "leave out the N-th barrier of Vulkan's frame, to see whether --debug misses it"},
+     "leave out the N-th barrier of Vulkan's frame, to see whether --debug misses it; render runs "
+     "a "
+     "frame more, since looking at passes hides it"},
     {"--drop-dependency", OPTION_COUNT, AT(drop_dependency), VERB_RENDER | VERB_COMPARE, 0, "N",
      "let it change its image's layout, but wait for nothing"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",

@@ -63,6 +63,17 @@ static bool check_poison(const struct render *render)
     return false;
 }
 
+static bool check_drop(const struct render *render)
+{
+    const struct options *options = render->options;
+    if (strcmp(render->side.backend, "vk") == 0 ||
+        !(options->drop_barrier || options->drop_dependency))
+        return true;
+    report_error(&render->console->log, "%s: only Vulkan has barriers to drop; use --backend vk",
+                 options->drop_barrier ? "--drop-barrier" : "--drop-dependency");
+    return false;
+}
+
 static bool read_side(struct render *render)
 {
     const struct options *options = render->options;
@@ -289,7 +300,8 @@ static bool prepare(struct render *render)
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = options};
-    if (!read_side(&render) || !check_output(&render) || !check_poison(&render)) {
+    if (!read_side(&render) || !check_output(&render) || !check_poison(&render) ||
+        !check_drop(&render)) {
         side_free(&render.side);
         return EXIT_USAGE;
     }

@@ -53,4 +53,6 @@ check "... which names its pass and resource" \
     grep -q "dropped barrier 7: pass halves, resource draw_arguments" "$work/dropped"
 check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependency 35
 check_status 1 "a barrier that the frame does not have is an error" render --drop-barrier 1000
+check_status 2 "OpenGL has no barrier to drop" \
+    "$diptych" render --scene "$root/scenes/cornell.yaml" --size 24x16 --backend gl --drop-barrier 1 -o "$work/gl.png"
 finish
