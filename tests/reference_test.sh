@@ -54,11 +54,11 @@ check "a checkpoint that knows more is refused" refuses 1 'ask for more than --s
 
 # shellcheck disable=SC2317
 noise_is_reached() {
-    "${reference[@]}" --noise 0.2 --json "$work/a.json" -o "$work/a.exr" &&
+    "${reference[@]}" --noise 0.05 --json "$work/a.json" -o "$work/a.exr" &&
         python3 -c '
 import json, sys
 a = json.load(open(sys.argv[1]))
-assert 0.1 < a["noise"] <= 0.2 and 16 <= a["samples"] < 1024 and all(x > 0 for x in a["mean"]), a
+assert 0.02 < a["noise"] <= 0.05 and 16 < a["samples"] < 4096 and all(x > 0 for x in a["mean"]), a
 ' "$work/a.json"
 }
 check "stops at the noise that is asked for" noise_is_reached
