@@ -41,31 +41,34 @@ else
     agree rsm 12 1 12
 fi
 
-# What the spec's author wrote down, read by another YAML parser, bounds what is drawn.
+# What the spec's author wrote down, read by another YAML parser, bounds what is drawn; and every kind of thing is drawn.
 # shellcheck disable=SC2016 # Python
-bounded='
-import json, sys, yaml
+drawn='
+import json, re, sys, yaml
 spec = yaml.safe_load(open(sys.argv[1]))
+runs = [run for path in sys.argv[2:] for run in json.load(open(path + "/sweep.json"))["runs"]]
 seen = {}
-for path in sys.argv[2:]:
-    sweep = json.load(open(path + "/sweep.json"))
-    for run in sweep["runs"]:
-        for setting in run["sets"]:
-            name, value = setting.split("=", 1)
-            if name not in spec["params"]:
-                continue
-            param = spec["params"][name]
-            for number in json.loads(value if value[0] == "[" else "[" + value + "]"):
-                assert param["min"] <= number <= param["max"], setting
-                seen.setdefault(name, set()).add(number)
-ends = sum((spec["params"][name][end] in seen.get(name, ())) for name in spec["params"] for end in ("min", "max"))
+for setting in (setting for run in runs for setting in run["sets"]):
+    name, value = setting.split("=", 1)
+    param = spec["params"].get(name)
+    for number in json.loads(value if value[0] == "[" else "[" + value + "]") if param else ():
+        assert param["min"] <= number <= param["max"], setting
+        seen.setdefault(name, set()).add(number)
+ends = sum(spec["params"][name][end] in seen.get(name, ()) for name in spec["params"] for end in ("min", "max"))
 print(ends, "ends of", len(spec["params"]), "ranges")
-sys.exit(ends < len(spec["params"]))
+assert ends >= len(spec["params"])
+paths = " ".join(setting.split("=")[0] for run in runs for setting in run["sets"])
+for kind in ("images\\..*\\.format", "samplers\\..*\\.map", "passes\\..*\\.local", "\\.storage", "\\.loop", "\\.after", "target"):
+    assert re.search(kind, paths), kind
+sizes = {(run["width"], run["height"]) for run in runs}
+assert (1, 1) in sizes and max(max(size) for size in sizes) > 32 and any(size[0] % 4 for size in sizes), sizes
+assert len({run["scene"] for run in runs}) > 1 and any(run["frames"] > 1 for run in runs)
+assert any(not run["exact"] for run in runs)
 '
 if /usr/bin/python3 -c 'import yaml' 2>/dev/null; then
     for pipeline in ssvp rsm; do
-        check "parameters of $pipeline stay within their ranges, and reach half of the ends at least" \
-            /usr/bin/python3 -c "$bounded" "$root/templates/$pipeline.yaml" "$work"/$pipeline-*
+        check "parameters of $pipeline stay within their ranges and reach the ends, and every kind of thing varies" \
+            /usr/bin/python3 -c "$drawn" "$root/templates/$pipeline.yaml" "$work"/$pipeline-*
     done
 else
     skip "parameters stay within their ranges" "python3-yaml is missing"
