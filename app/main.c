@@ -8,8 +8,11 @@
 static const struct verb verbs[] = {
     {"render", VERB_RENDER, "render a scene with one backend into a picture",
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.", verb_render},
-    {"compare", VERB_COMPARE, "run both backends and compare every resource after every pass",
-     "Prints a table; its last line names the first pass whose results break their contract.\n"
+    {"compare", VERB_COMPARE,
+     "run two or more backends and compare every resource after every pass",
+     "Prints a table; its last line names the pass that is to blame: the first that errs on its "
+     "own,\n"
+     "given the inputs that the first side had.\n"
      "Exit status: 0 the backends agree, 1 they differ, 2 it could not run.",
      verb_compare},
     {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",

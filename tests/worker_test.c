@@ -552,7 +552,7 @@ static void rows_know_where_inputs_come_from(void **state)
     uint32_t index;
     assert_int_equal(rows->outputs.count, 3);
     assert_int_equal(rows->inputs.count, DT_ARRAY_COUNT(found));
-    for (uint32_t i = 0; i < rows->inputs.count; i++) {
+    for (uint32_t i = 0; i < DT_ARRAY_COUNT(found); i++) {
         assert_int_equal(rows->inputs.list[i].pass, found[i][0]);
         assert_int_equal(rows->inputs.list[i].resource, found[i][1]);
     }
