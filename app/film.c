@@ -1,6 +1,6 @@
-/* Sums of samples, their noise and their checkpoints; see film.h. A checkpoint is three lines of text
- * (what it is, the settings, the number of samples), then the sums as the machine holds them, then a
- * hash of all that. */
+/* Sums of samples, their noise and their checkpoints; see film.h. A checkpoint is three lines of
+ * text (what it is, the settings, the number of samples), then the sums as the machine holds them,
+ * then a hash of all that. */
 #include "film.h"
 
 #include <inttypes.h>

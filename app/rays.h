@@ -16,20 +16,20 @@ struct ray_hit {
     struct vec3 emission;  /* radiance, W/(m2 sr) */
     /* How far the position may lie off the triangle, with room to spare: 32 units in the last place
      * of the triangle's largest coordinate. The interpolation errs by about 7 (Pharr et al.,
-     * "Physically Based Rendering", section 6.8.4 of the fourth edition), the subtraction of the
-     * next ray's origin by a few more. Scales with the scene. */
+     * "Physically Based Rendering", on managing rounding error), the subtraction of the next ray's
+     * origin by a few more. Scales with the scene. */
     float clearance;
 };
 
 struct ray_scene;
 
-/* Borrows the arrays of `scene` until ray_scene_close. The hierarchy is built by one thread, so that
- * it is the same in every run. NULL, with the error logged, when Embree cannot. */
+/* Borrows the arrays of `scene` until ray_scene_close. The hierarchy is built by one thread, so
+ * that it is the same in every run. NULL, with the error logged, when Embree cannot. */
 struct ray_scene *ray_scene_open(const struct dt_scene *scene, const struct dt_log *log);
 void ray_scene_close(struct ray_scene *rays); /* takes NULL */
 
-/* The first surface that a ray meets; `direction` is a unit vector. Holes of alpha-tested textures are
- * none. Textures are read from mip 0, bilinear, repeated. */
+/* The first surface that a ray meets; `direction` is a unit vector. Holes of alpha-tested textures
+ * are none. Textures are read from mip 0, bilinear, repeated. */
 bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
                  struct ray_hit *hit);
 
@@ -37,8 +37,8 @@ bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 d
 bool ray_blocked(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
                  float farthest);
 
-/* Where a ray starts that leaves the hit on the side of `geometric`: off the surface by `clearance`, so
- * that it does not find the surface that it leaves. */
+/* Where a ray starts that leaves the hit on the side of `geometric`: off the surface by `clearance`,
+ * so that it does not find the surface that it leaves. */
 struct vec3 ray_origin(const struct ray_hit *hit);
 
 #endif

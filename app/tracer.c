@@ -141,8 +141,7 @@ static bool lit_point(struct tracer_thread *thread, const float square[2], struc
     } else {
         struct vec3 tangent, bitangent;
         float below = square[0] * (1 - light->cos_outer), angle = 2 * pi * square[1];
-        float sine =
-            sqrtf(fmaxf(below * (2 - below), 0)); /* of the angle whose cosine is 1 - below */
+        float sine = sqrtf(below * (2 - below)); /* of the angle whose cosine is 1 - below */
         tangent_frame(direction, &tangent, &bitangent);
         direction =
             unit_or(add(scale(direction, 1 - below), add(scale(tangent, sine * cosf(angle)),
@@ -153,7 +152,8 @@ static bool lit_point(struct tracer_thread *thread, const float square[2], struc
     return ray_closest(thread->tracer->rays, origin, direction, hit);
 }
 
-/* How many of the points that lit_point draws fall on a unit area about a hit that the light sees. */
+/* How many of the points that lit_point draws fall on a unit area about a hit, which the light
+ * sees. */
 static float lit_density(const struct tracer_thread *thread, const struct ray_hit *hit)
 {
     const struct dt_light *light = &thread->tracer->frame.light;
