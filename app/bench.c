@@ -5,8 +5,10 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "files.h"
+#include "timings.h"
 
 enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3 };
 
@@ -24,20 +26,22 @@ static bool lane_allocate(struct lane *lane, uint32_t frames, bool timing)
            (!timing || lane->pass_ms);
 }
 
-static bool lane_start(struct lane *lane, struct bench *bench, const struct side *side, bool timing)
+static bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
+                       struct programme *programme, bool timing)
 {
+    const uint32_t frames = programme->options.frames;
     const struct worker_info info = {.session = {.side = side,
                                                  .console = bench->console,
-                                                 .options = &bench->options,
-                                                 .pipeline = &bench->pipeline,
+                                                 .options = &programme->options,
+                                                 .pipeline = &programme->pipeline,
                                                  .scene = &bench->scene,
                                                  .timing = timing},
-                                     .frames = bench->options.frames,
-                                     .first_observed = bench->options.frames,
+                                     .frames = frames,
+                                     .first_observed = frames,
                                      .stops_after_frames = true,
                                      .quiet = timing};
     struct worker_place place;
-    lane->info = bench->pipeline.info;
+    lane->info = programme->pipeline.info;
     if (!lane_allocate(lane, bench->frames, timing)) {
         report_error(&bench->console->log, "out of memory for the times of %u frames",
                      bench->frames);
@@ -84,6 +88,50 @@ struct spread bench_pass_ms(const struct lane *lane, uint32_t pass)
     return spread_of(lane->pass_ms + pass, lane->taken, lane->info->pass_count);
 }
 
+/* ---- What there is to do, and what can be done ------------------------------------------------ */
+
+struct work bench_work(const struct bench *bench, const struct programme *programme, uint32_t pass)
+{
+    const struct work_frame frame = {
+        .pipeline = programme->pipeline.info,
+        .live = programme->pipeline.live,
+        .size = {programme->options.size[0], programme->options.size[1]},
+        .vertex_count = bench->scene.data.vertex_count,
+        .index_count = bench->scene.data.index_count};
+    return work_of(&frame, pass);
+}
+
+struct ceiling bench_ceiling(const struct bench *bench, const struct bench_side *side)
+{
+    struct ceiling ceiling = {0};
+    for (uint32_t i = 0; i < side->machine.info->pass_count; i++) {
+        struct work work = bench_work(bench, &bench->machine, i);
+        double ms = bench_pass_ms(&side->machine, i).median;
+        ceiling.bytes_per_ms = fmax(ceiling.bytes_per_ms, (work.read + work.written) / ms);
+        ceiling.flops_per_ms = fmax(ceiling.flops_per_ms, work.flops / ms);
+    }
+    return ceiling;
+}
+
+double bench_copy_bytes_per_ms(const struct bench *bench)
+{
+    return 2.0 * COPY_BYTES / spread_of(bench->copy_ms, bench->frames, 1).median;
+}
+
+double bench_floor_ms(const struct work *work, const struct ceiling *ceiling)
+{
+    return fmax((work->read + work->written) / ceiling->bytes_per_ms,
+                work->flops / ceiling->flops_per_ms);
+}
+
+static void copy_on_cpu(struct bench *bench, uint32_t at)
+{
+    double start = milliseconds_now();
+    memcpy(bench->original + COPY_BYTES, bench->original, COPY_BYTES);
+    bench->copy_ms[at] = milliseconds_now() - start;
+    bench->original[at % COPY_BYTES]++; /* so that every copy has something to do */
+}
+
 /* ---- The run --------------------------------------------------------------------------------- */
 
 static bool start_all(struct bench *bench)
@@ -91,8 +139,9 @@ static bool start_all(struct bench *bench)
     for (uint32_t i = 0; i < bench->sides.count; i++) {
         struct bench_side *side = &bench->list[i];
         side->side = &bench->sides.list[i];
-        if (!lane_start(&side->whole, bench, side->side, false) ||
-            !lane_start(&side->passes, bench, side->side, true))
+        if (!lane_start(&side->whole, bench, side->side, &bench->subject, false) ||
+            !lane_start(&side->passes, bench, side->side, &bench->subject, true) ||
+            !lane_start(&side->machine, bench, side->side, &bench->machine, true))
             return false;
     }
     return true;
@@ -102,7 +151,8 @@ static bool advance_all(struct bench *bench, bool taken)
 {
     for (uint32_t i = 0; i < bench->sides.count; i++) {
         if (!lane_advance(&bench->list[i].whole, taken) ||
-            !lane_advance(&bench->list[i].passes, taken))
+            !lane_advance(&bench->list[i].passes, taken) ||
+            !lane_advance(&bench->list[i].machine, taken))
             return false;
     }
     return true;
@@ -110,39 +160,79 @@ static bool advance_all(struct bench *bench, bool taken)
 
 static bool run_all(struct bench *bench)
 {
+    uint32_t frames = bench->warmup + bench->frames;
     console_status(bench->console, "opening the devices and creating the programs");
     if (!start_all(bench))
         return false;
-    for (uint32_t i = 0; i < bench->options.frames; i++) {
-        console_status(bench->console, "frame %u of %u", i + 1, bench->options.frames);
+    for (uint32_t i = 0; i < frames; i++) {
+        console_status(bench->console, "frame %u of %u", i + 1, frames);
         if (!advance_all(bench, i >= bench->warmup))
             return false;
+        if (i >= bench->warmup)
+            copy_on_cpu(bench, i - bench->warmup);
     }
     return advance_all(bench, false);
 }
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
+static bool load_programmes(struct bench *bench)
+{
+    struct programme *subject = &bench->subject, *machine = &bench->machine;
+    subject->options = *bench->options;
+    subject->options.frames = bench->warmup + bench->frames;
+    machine->options = subject->options;
+    char *project = project_folder(&bench->console->log);
+    char *spec = project ? format_string("%s/templates/machine.yaml", project) : NULL;
+    machine->options.spec = spec;
+    machine->options.sets = NULL;
+    machine->options.set_count = 0;
+    bool good = spec && pipeline_load(&subject->pipeline, bench->console, &subject->options) &&
+                pipeline_load(&machine->pipeline, bench->console, &machine->options);
+    free(spec);
+    free(project);
+    return good;
+}
+
 static bool prepare(struct bench *bench)
 {
-    const struct options *options = &bench->options;
     const struct dt_log *log = &bench->console->log;
-    if (options->json && !file_can_write(options->json, log))
+    if (bench->options->json && !file_can_write(bench->options->json, log))
         return false;
     bench->list = calloc(bench->sides.count, sizeof *bench->list);
-    if (!bench->list)
+    bench->copy_ms = calloc(bench->frames, sizeof *bench->copy_ms);
+    bench->original = malloc(2 * (size_t)COPY_BYTES);
+    if (!bench->list || !bench->copy_ms || !bench->original) {
         report_error(log, "out of memory");
-    return bench->list && pipeline_load(&bench->pipeline, bench->console, options) &&
-           session_load_scene(&bench->scene, bench->console, options);
+        return false;
+    }
+    memset(bench->original, 1, 2 * (size_t)COPY_BYTES); /* or the first copy would find no pages */
+    return load_programmes(bench) &&
+           session_load_scene(&bench->scene, bench->console, bench->options);
+}
+
+static void release(struct bench *bench)
+{
+    for (uint32_t i = 0; bench->list && i < bench->sides.count; i++) {
+        lane_free(&bench->list[i].whole);
+        lane_free(&bench->list[i].passes);
+        lane_free(&bench->list[i].machine);
+    }
+    free(bench->list);
+    free(bench->copy_ms);
+    free(bench->original);
+    scene_free(&bench->scene);
+    pipeline_unload(&bench->subject.pipeline);
+    pipeline_unload(&bench->machine.pipeline);
+    sides_free(&bench->sides);
 }
 
 int verb_bench(struct console *console, const struct options *options)
 {
     struct bench bench = {.console = console,
-                          .options = *options,
+                          .options = options,
                           .frames = options->run_frames ? options->run_frames : DEFAULT_FRAMES,
                           .warmup = options->warmup ? options->warmup : DEFAULT_WARMUP};
-    bench.options.frames = bench.frames + bench.warmup;
     if (!sides_read_each(&bench.sides, options, &console->log)) {
         sides_free(&bench.sides);
         return EXIT_USAGE;
@@ -151,13 +241,6 @@ int verb_bench(struct console *console, const struct options *options)
     if (good)
         bench_print(&bench);
     good = good && (!options->json || bench_write_json(&bench));
-    for (uint32_t i = 0; bench.list && i < bench.sides.count; i++) {
-        lane_free(&bench.list[i].whole);
-        lane_free(&bench.list[i].passes);
-    }
-    free(bench.list);
-    scene_free(&bench.scene);
-    pipeline_unload(&bench.pipeline);
-    sides_free(&bench.sides);
+    release(&bench);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

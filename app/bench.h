@@ -3,9 +3,16 @@
 #ifndef DIPTYCH_BENCH_H
 #define DIPTYCH_BENCH_H
 
+#include "bench_work.h"
 #include "session.h"
 #include "spread.h"
 #include "worker.h"
+
+/* A pipeline and the options that it runs with: sizes, and warm-up and measured frames together. */
+struct programme {
+    struct pipeline pipeline;
+    struct options options;
+};
 
 /* A worker that runs frames of one pipeline, and what each of the measured frames took. */
 struct lane {
@@ -22,22 +29,39 @@ struct bench_side {
     const struct side *side;
     struct lane whole;  /* without timestamps, which can slow a frame down */
     struct lane passes; /* with them */
+    struct lane machine;
+};
+
+/* What a device, or the CPU, can do: the best that was measured. */
+struct ceiling {
+    double bytes_per_ms, flops_per_ms; /* NAN: not measured */
 };
 
 struct bench {
     struct console *console;
-    struct options options; /* frames: warm-up and measured ones together */
+    const struct options *options;
     uint32_t frames, warmup;
     struct sides sides;
-    struct bench_side *list; /* as many as there are sides */
-    struct pipeline pipeline;
+    struct bench_side *list;           /* as many as there are sides */
+    struct programme subject, machine; /* what is measured; templates/machine.yaml */
     struct scene scene;
+    double *copy_ms;   /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
+    uint8_t *original; /* 2 x COPY_BYTES, owned */
 };
+
+enum { COPY_BYTES = 32 << 20 };
 
 /* Milliseconds of one pass. */
 struct spread bench_pass_ms(const struct lane *lane, uint32_t pass);
 
+struct work bench_work(const struct bench *bench, const struct programme *programme, uint32_t pass);
+struct ceiling bench_ceiling(const struct bench *bench, const struct bench_side *side);
+double bench_copy_bytes_per_ms(const struct bench *bench); /* of the CPU */
+
+/* How long a pass has to take at the least, by what the device can do. */
+double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);
+
 void bench_print(const struct bench *bench);      /* on stdout */
-bool bench_write_json(const struct bench *bench); /* to options.json; logs its error */
+bool bench_write_json(const struct bench *bench); /* to options->json; logs its error */
 
 #endif

@@ -40,21 +40,44 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
     cJSON *allocations = cJSON_AddObjectToObject(item, "allocations");
     add_spread(allocations, "own", spread_of(whole->own_allocations, whole->taken, 1));
     add_spread(allocations, "all", spread_of(whole->all_allocations, whole->taken, 1));
+    const struct ceiling ceiling = bench_ceiling(bench, side);
+    cJSON *machine = cJSON_AddObjectToObject(item, "machine");
+    add_number(machine, "gb_s", ceiling.bytes_per_ms * 1e-6);
+    add_number(machine, "gflop_s", ceiling.flops_per_ms * 1e-6);
     cJSON *passes = cJSON_AddArrayToObject(item, "passes");
-    for (uint32_t i = 0; i < bench->pipeline.info->pass_count; i++) {
+    for (uint32_t i = 0; i < bench->subject.pipeline.info->pass_count; i++) {
         cJSON *pass = cJSON_CreateObject();
-        cJSON_AddStringToObject(pass, "pass", bench->pipeline.info->passes[i].name);
-        add_spread(pass, "ms", bench_pass_ms(&side->passes, i));
+        cJSON_AddStringToObject(pass, "pass", bench->subject.pipeline.info->passes[i].name);
+        struct spread ms = bench_pass_ms(&side->passes, i);
+        struct work work = bench_work(bench, &bench->subject, i);
+        add_spread(pass, "ms", ms);
+        add_number(pass, "gb_s", (work.read + work.written) / ms.median * 1e-6);
+        add_number(pass, "gflop_s", work.flops / ms.median * 1e-6);
+        add_number(pass, "floor_ms", bench_floor_ms(&work, &ceiling));
         cJSON_AddItemToArray(passes, pass);
     }
     return item;
 }
 
+static void add_work(cJSON *root, const struct bench *bench)
+{
+    cJSON *passes = cJSON_AddArrayToObject(root, "passes");
+    for (uint32_t i = 0; i < bench->subject.pipeline.info->pass_count; i++) {
+        struct work work = bench_work(bench, &bench->subject, i);
+        cJSON *pass = cJSON_CreateObject();
+        cJSON_AddStringToObject(pass, "pass", bench->subject.pipeline.info->passes[i].name);
+        cJSON_AddNumberToObject(pass, "bytes_read", work.read);
+        cJSON_AddNumberToObject(pass, "bytes_written", work.written);
+        cJSON_AddNumberToObject(pass, "flops", work.flops);
+        cJSON_AddItemToArray(passes, pass);
+    }
+}
+
 static cJSON *bench_json(const struct bench *bench)
 {
-    const struct options *options = &bench->options;
+    const struct options *options = bench->options;
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "pipeline", bench->pipeline.info->name);
+    cJSON_AddStringToObject(root, "pipeline", bench->subject.pipeline.info->name);
     cJSON_AddStringToObject(root, "scene", options->scene);
     cJSON *sets = cJSON_AddArrayToObject(root, "sets");
     for (uint32_t i = 0; i < options->set_count; i++)
@@ -63,6 +86,8 @@ static cJSON *bench_json(const struct bench *bench)
     cJSON_AddNumberToObject(root, "height", options->size[1]);
     cJSON_AddNumberToObject(root, "frames", bench->frames);
     cJSON_AddNumberToObject(root, "warmup", bench->warmup);
+    add_number(root, "memcpy_gb_s", bench_copy_bytes_per_ms(bench) * 1e-6);
+    add_work(root, bench);
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
     for (uint32_t i = 0; i < bench->sides.count; i++)
         cJSON_AddItemToArray(sides, side_json(bench, &bench->list[i]));
@@ -71,7 +96,7 @@ static cJSON *bench_json(const struct bench *bench)
 
 bool bench_write_json(const struct bench *bench)
 {
-    const char *path = bench->options.json;
+    const char *path = bench->options->json;
     cJSON *root = bench_json(bench);
     char *text = cJSON_Print(root);
     bool good = false;

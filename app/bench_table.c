@@ -26,7 +26,7 @@ static void print_spread(struct spread spread)
 
 static int name_width(const struct dt_pipeline *info)
 {
-    size_t width = strlen("sum of passes");
+    size_t width = strlen("copy, arithmetic");
     for (uint32_t i = 0; i < info->pass_count; i++) {
         size_t length = strlen(info->passes[i].name);
         width = length > width ? length : width;
@@ -54,7 +54,7 @@ static void print_heads(const struct bench *bench, int width)
 
 static void print_times(const struct bench *bench)
 {
-    const struct dt_pipeline *info = bench->pipeline.info;
+    const struct dt_pipeline *info = bench->subject.pipeline.info;
     int width = name_width(info);
     print_heads(bench, width);
     for (uint32_t pass = 0; pass < info->pass_count; pass++) {
@@ -76,6 +76,52 @@ static void print_times(const struct bench *bench)
     printf("\n");
 }
 
+/* Rates, and how many times the least time that the device's own rates allow. */
+static void print_rates(const struct bench *bench, const struct bench_side *side,
+                        const struct work *work, uint32_t pass)
+{
+    double ms = bench_pass_ms(&side->passes, pass).median;
+    const struct ceiling ceiling = bench_ceiling(bench, side);
+    print_number((work->read + work->written) / ms * 1e-6, "%.2f");
+    print_number(work->flops / ms * 1e-6, "%.2f");
+    print_number(ms / bench_floor_ms(work, &ceiling), "%.1f");
+}
+
+static void print_ceilings(const struct bench *bench, int width)
+{
+    printf("%-*s  %*s  %*s", width, "copy, arithmetic", COLUMN, "", COLUMN, "");
+    for (uint32_t i = 0; i < bench->sides.count; i++) {
+        const struct ceiling ceiling = bench_ceiling(bench, &bench->list[i]);
+        print_number(ceiling.bytes_per_ms * 1e-6, "%.2f");
+        print_number(ceiling.flops_per_ms * 1e-6, "%.2f");
+        printf("  %*s", COLUMN, "");
+    }
+    printf("\n%-*s  %*s  %*s", width, "memcpy", COLUMN, "", COLUMN, "");
+    print_number(bench_copy_bytes_per_ms(bench) * 1e-6, "%.2f");
+    printf("\n");
+}
+
+static void print_work(const struct bench *bench)
+{
+    const struct dt_pipeline *info = bench->subject.pipeline.info;
+    int width = name_width(info);
+    printf("%-*s  %*s  %*s", width, "at least", COLUMN, "MB", COLUMN, "Mflop");
+    for (uint32_t i = 0; i < bench->sides.count; i++)
+        printf("  %*s%s  %*s  %*s", COLUMN - 5, bench->sides.list[i].label, " GB/s", COLUMN,
+               "Gflop/s", COLUMN, "x floor");
+    printf("\n");
+    for (uint32_t pass = 0; pass < info->pass_count; pass++) {
+        struct work work = bench_work(bench, &bench->subject, pass);
+        printf("%-*s", width, info->passes[pass].name);
+        print_number((work.read + work.written) * 1e-6, "%.3f");
+        print_number(work.flops * 1e-6, "%.3f");
+        for (uint32_t i = 0; i < bench->sides.count; i++)
+            print_rates(bench, &bench->list[i], &work, pass);
+        printf("\n");
+    }
+    print_ceilings(bench, width);
+}
+
 /* What the CPU does for a frame besides the driver's work. */
 static void print_costs(const struct bench_side *side)
 {
@@ -92,13 +138,15 @@ static void print_costs(const struct bench_side *side)
 
 void bench_print(const struct bench *bench)
 {
-    const uint32_t *size = bench->options.size;
-    printf("%s, %s at %ux%u, %u frames after %u, in turn\n", bench->pipeline.info->name,
-           bench->options.scene, size[0], size[1], bench->frames, bench->warmup);
+    const uint32_t *size = bench->options->size;
+    printf("%s, %s at %ux%u, %u frames after %u, in turn\n", bench->subject.pipeline.info->name,
+           bench->options->scene, size[0], size[1], bench->frames, bench->warmup);
     for (uint32_t i = 0; i < bench->sides.count; i++)
         printf("%s: %s\n", bench->sides.list[i].label, bench->list[i].whole.worker.device);
     printf("\n");
     print_times(bench);
+    printf("\n");
+    print_work(bench);
     printf("\n");
     for (uint32_t i = 0; i < bench->sides.count; i++)
         print_costs(&bench->list[i]);

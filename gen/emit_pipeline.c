@@ -349,6 +349,7 @@ static void emit_pass(const struct c_output *c, const struct pass *pass,
     if (lists->write_mips) {
         text_add(c->out, "        .write_mips = write_mips_%s,\n", pass->name);
     }
+    emit_work(c, pass);
     text_add(c->out, "    },\n");
 }
 
@@ -393,10 +394,11 @@ static void emit_table(const struct c_output *c, const char *table, const char *
     }
 }
 
-void emit_c_pipeline(const struct model *model, struct text *out)
+void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,
+                     struct text *out)
 {
     const struct pipeline *pipeline = &model->pipeline;
-    struct c_output c = {.model = model, .pipeline = pipeline, .out = out};
+    struct c_output c = {.model = model, .pipeline = pipeline, .shaders = shaders, .out = out};
 
     text_add(out, "/* ");
     c_slot_doc(&c);
@@ -417,6 +419,7 @@ void emit_c_pipeline(const struct model *model, struct text *out)
         }
         text_add(out, "};\n\n");
     }
+    emit_runs_functions(&c);
     emit_passes(&c);
     text_add(out, "const struct dt_pipeline %s_pipeline = {\n    .name = \"%s\",\n    .doc = ",
              pipeline->name, pipeline->name);

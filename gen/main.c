@@ -248,7 +248,7 @@ static void add_sources(struct generation *g)
     const struct model *model = &g->model;
     struct text header = {0}, pipeline = {0}, gl = {0}, vk = {0}, graph = {0};
     emit_header(model, &header);
-    emit_c_pipeline(model, &pipeline);
+    emit_c_pipeline(model, g->shaders[BACKEND_VK], &pipeline);
     emit_c_gl(model, g->shaders[BACKEND_GL], &gl);
     emit_c_vk(model, g->shaders[BACKEND_VK], &vk);
     emit_graph(model, &graph);

@@ -3,6 +3,7 @@
  * Called by main.c for every stage that emit_glsl.c wrote. Messages of glslang come back at the
  * line of the file that the text is from. */
 #include "diag.h"
+#include "spirv.h"
 #include "stages.h"
 
 #include <ctype.h>
@@ -138,9 +139,7 @@ static bool is_declaration(uint32_t opcode)
 /* The header has it as an inline function, whose one definition is here. */
 extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultType);
 
-/* Offset of the instruction that makes an id, by id; 0: none. calloc'ed, as many as the module's
- * bound. */
-static uint32_t *definitions(const uint32_t *words, size_t count)
+uint32_t *spirv_definitions(const uint32_t *words, size_t count)
 {
     uint32_t *offsets = calloc(words[3], sizeof *offsets);
     for (size_t at = 5; offsets && at < count; at += words[at] >> 16) {
@@ -261,7 +260,7 @@ static uint32_t *expand_products(const uint32_t *words, size_t count, size_t *ne
     size_t products = 0;
     for (size_t at = 5; at < count; at += words[at] >> 16)
         products += is_product(words[at] & 0xffff);
-    uint32_t *offsets = definitions(words, count);
+    uint32_t *offsets = spirv_definitions(words, count);
     uint32_t *out = malloc((count + MAX_PRODUCT * products) * sizeof *out);
     struct expansion to = {words, offsets, out, 5, words[3]};
     if (offsets && out) {

@@ -41,6 +41,11 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
                    struct shader *shader, struct diag *diag);
 void spirv_finish(void);
 
+/* flops.c: float operations of one invocation, at least, that does not return early: one turn of every
+ * loop, the cheapest way through other branches, unrolled code and called functions as they stand. An
+ * instruction on n numbers counts n. False when out of memory. */
+bool count_flops(const struct shader *shader, uint64_t *flops);
+
 /* The C outputs. shaders: per pass in order of execution, [backend][pass][stage as in enum, absent:
  * word_count 0]. */
 struct pass_shaders {
@@ -50,8 +55,9 @@ struct pass_shaders {
  * shaders_free in any case. */
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2], struct diag *diag);
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
-void emit_header(const struct model *model, struct text *out);     /* NAME.h */
-void emit_c_pipeline(const struct model *model, struct text *out); /* NAME.c: reflection */
+void emit_header(const struct model *model, struct text *out); /* NAME.h */
+void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,
+                     struct text *out); /* NAME.c: reflection; the shaders are Vulkan's */
 void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
                struct text *out); /* NAME_gl.c */
 void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,

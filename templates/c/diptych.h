@@ -133,6 +133,13 @@ struct dt_pass {
     /* the mip of each of the writes, NULL: 0; of a mip that no pass of the frame has written yet the
      * content is undefined, except with history */
     const uint8_t *write_mips;
+    /* Dispatch: invocations of its shader that are asked for, in a frame of that size and with that
+     * live block; draw: instances. NULL: an indirect buffer tells the GPU. */
+    uint64_t (*runs)(uint32_t frame_width, uint32_t frame_height, const void *live);
+    /* float operations, at least, of one invocation that does not return early: of the compute or
+     * vertex shader, and of the fragment shader; one turn of every loop, the cheapest way through
+     * other branches */
+    uint64_t flops[2];
 };
 
 struct dt_param {

@@ -212,6 +212,69 @@ static const struct dt_resource resources[] = {
     },
 };
 
+
+static uint64_t product(int64_t x, int64_t y, int64_t z)
+{
+    return x < 1 || y < 1 || z < 1 ? 0 : (uint64_t)(x * y * z);
+}
+
+static uint64_t runs_scene(uint32_t frame_width, uint32_t frame_height, const void *live_block)
+{
+    (void)frame_width;
+    (void)frame_height;
+    (void)live_block;
+    return product(1, 1, 1);
+}
+
+static uint64_t runs_place(uint32_t frame_width, uint32_t frame_height, const void *live_block)
+{
+    (void)frame_width;
+    (void)frame_height;
+    (void)live_block;
+    return product(6, 1, 1);
+}
+
+static uint64_t runs_shade(uint32_t frame_width, uint32_t frame_height, const void *live_block)
+{
+    uint32_t extent[3];
+
+    (void)frame_width;
+    (void)frame_height;
+    (void)live_block;
+    small_extent_lit(frame_width, frame_height, extent);
+    return product(extent[0], extent[1], extent[2]);
+}
+
+static uint64_t runs_glow(uint32_t frame_width, uint32_t frame_height, const void *live_block)
+{
+    (void)frame_width;
+    (void)frame_height;
+    (void)live_block;
+    return product(1, 1, 1);
+}
+
+static uint64_t runs_follow(uint32_t frame_width, uint32_t frame_height, const void *live_block)
+{
+    uint32_t extent[3];
+
+    (void)frame_width;
+    (void)frame_height;
+    (void)live_block;
+    small_extent_trail(frame_width, frame_height, extent);
+    return product(extent[0], extent[1], extent[2]);
+}
+
+static uint64_t runs_show(uint32_t frame_width, uint32_t frame_height, const void *live_block)
+{
+    uint32_t extent[3];
+
+    (void)frame_width;
+    (void)frame_height;
+    (void)live_block;
+    small_extent_shown(frame_width, frame_height, extent);
+    return product(extent[0], extent[1], extent[2]);
+}
+
 static const uint16_t writes_scene[] = {
     SMALL_RESOURCE_NORMAL,
     SMALL_RESOURCE_DEPTH,
@@ -256,6 +319,8 @@ static const struct dt_pass passes[] = {
         .uses_scene = true,
         .writes = writes_scene,
         .write_count = DT_ARRAY_COUNT(writes_scene),
+        .runs = runs_scene,
+        .flops = {/* counted */},
     },
     [SMALL_PASS_PLACE] = {
         .name = "place",
@@ -265,6 +330,8 @@ static const struct dt_pass passes[] = {
         .uses_scene = false,
         .writes = writes_place,
         .write_count = DT_ARRAY_COUNT(writes_place),
+        .runs = runs_place,
+        .flops = {/* counted */},
     },
     [SMALL_PASS_SHADE] = {
         .name = "shade",
@@ -276,6 +343,8 @@ static const struct dt_pass passes[] = {
         .read_count = DT_ARRAY_COUNT(reads_shade),
         .writes = writes_shade,
         .write_count = DT_ARRAY_COUNT(writes_shade),
+        .runs = runs_shade,
+        .flops = {/* counted */},
     },
     [SMALL_PASS_GLOW] = {
         .name = "glow",
@@ -287,6 +356,8 @@ static const struct dt_pass passes[] = {
         .read_count = DT_ARRAY_COUNT(reads_glow),
         .writes = writes_glow,
         .write_count = DT_ARRAY_COUNT(writes_glow),
+        .runs = runs_glow,
+        .flops = {/* counted */},
     },
     [SMALL_PASS_FOLLOW] = {
         .name = "follow",
@@ -298,6 +369,8 @@ static const struct dt_pass passes[] = {
         .read_count = DT_ARRAY_COUNT(reads_follow),
         .writes = writes_follow,
         .write_count = DT_ARRAY_COUNT(writes_follow),
+        .runs = runs_follow,
+        .flops = {/* counted */},
     },
     [SMALL_PASS_SHOW] = {
         .name = "show",
@@ -309,6 +382,8 @@ static const struct dt_pass passes[] = {
         .read_count = DT_ARRAY_COUNT(reads_show),
         .writes = writes_show,
         .write_count = DT_ARRAY_COUNT(writes_show),
+        .runs = runs_show,
+        .flops = {/* counted */},
     },
 };
 

@@ -1,0 +1,248 @@
+/* How much float arithmetic a shader does at least: counted from its SPIR-V, for the reflection, so
+ * that `diptych bench` can tell how near a pass comes to what a device can do. Called by
+ * emit_pipeline.c. */
+#include <spirv/unified1/GLSL.std.450.h>
+#include <spirv/unified1/spirv.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "spirv.h"
+#include "stages.h"
+
+/* Of a way through a function. Ways that leave a loop by `break`, or the function before its end, are
+ * taken only where there is no other: what counts is an invocation that has something to do, and one
+ * turn of each loop. */
+struct cost {
+    uint32_t exits; /* such leaps */
+    uint64_t flops;
+};
+static const struct cost no_way = {UINT32_MAX, 0};
+
+enum state { STATE_NEW, STATE_OPEN, STATE_DONE };
+
+struct counting {
+    const uint32_t *words;
+    size_t count;
+    const uint32_t *definitions;
+    /* these four by id */
+    enum state *states;    /* of blocks and functions */
+    struct cost *costs;    /* of blocks to the function's end, and of functions */
+    uint32_t *loop_merges; /* of a loop's header: the block behind the loop */
+    bool *behind_loop;     /* whether a block is one of these */
+};
+
+/* ---- One instruction ------------------------------------------------------------------------- */
+
+static bool is_opcode(const uint32_t *instruction, SpvOp opcode)
+{
+    return (*instruction & 0xffff) == opcode;
+}
+
+/* Float numbers in a type: 0 for one that holds none. */
+static uint32_t floats_in(const struct counting *c, uint32_t type)
+{
+    const uint32_t *declared = c->words + c->definitions[type];
+
+    if (is_opcode(declared, SpvOpTypeFloat)) {
+        return 1;
+    }
+    if (is_opcode(declared, SpvOpTypeVector) || is_opcode(declared, SpvOpTypeMatrix)) {
+        return floats_in(c, declared[2]) * declared[3];
+    }
+    return 0;
+}
+
+static uint32_t type_of(const struct counting *c, uint32_t id)
+{
+    return c->words[c->definitions[id] + 1];
+}
+
+/* Operations per number of the result. Whatever takes a device more than one counts as one, what
+ * only handles signs as none. */
+static uint32_t library_weight(uint32_t function)
+{
+    switch (function) {
+    case GLSLstd450FAbs:
+    case GLSLstd450FSign:
+        return 0;
+    case GLSLstd450Fma:
+    case GLSLstd450FClamp:
+        return 2;
+    case GLSLstd450FMix:
+    case GLSLstd450Cross:
+        return 3;
+    default:
+        return 1;
+    }
+}
+
+static uint64_t instruction_flops(const struct counting *c, const uint32_t *instruction)
+{
+    switch (*instruction & 0xffff) {
+    case SpvOpFAdd:
+    case SpvOpFSub:
+    case SpvOpFMul:
+    case SpvOpFDiv:
+    case SpvOpFRem:
+    case SpvOpFMod:
+    case SpvOpVectorTimesScalar:
+    case SpvOpMatrixTimesScalar:
+    case SpvOpOuterProduct:
+        return floats_in(c, instruction[1]);
+    case SpvOpDot:
+        return 2 * floats_in(c, type_of(c, instruction[3])) - 1;
+    case SpvOpVectorTimesMatrix:
+        return (2 * floats_in(c, type_of(c, instruction[3])) - 1) * floats_in(c, instruction[1]);
+    case SpvOpMatrixTimesVector:
+        return (2 * floats_in(c, type_of(c, instruction[4])) - 1) * floats_in(c, instruction[1]);
+    case SpvOpMatrixTimesMatrix: {
+        const uint32_t *left = c->words + c->definitions[type_of(c, instruction[3])];
+
+        return (uint64_t)(2 * left[3] - 1) * floats_in(c, instruction[1]);
+    }
+    case SpvOpExtInst:
+        return (uint64_t)library_weight(instruction[4]) * floats_in(c, instruction[1]);
+    default:
+        return 0;
+    }
+}
+
+/* ---- Ways through functions ------------------------------------------------------------------ */
+
+static struct cost block_cost(struct counting *c, uint32_t label);
+
+static struct cost cheaper(struct cost a, struct cost b)
+{
+    if (a.exits != b.exits) {
+        return a.exits < b.exits ? a : b;
+    }
+    return a.flops < b.flops ? a : b;
+}
+
+/* From a jump to `label` on. The jump back to a loop's head ends its one turn. */
+static struct cost jump_cost(struct counting *c, uint32_t label)
+{
+    if (c->states[label] == STATE_OPEN) {
+        return c->loop_merges[label] ? block_cost(c, c->loop_merges[label]) : no_way;
+    }
+    struct cost cost = block_cost(c, label);
+
+    cost.exits += c->behind_loop[label] && cost.exits < UINT32_MAX;
+    return cost;
+}
+
+/* From a block's last instruction on. */
+static struct cost end_cost(struct counting *c, const uint32_t *instruction)
+{
+    uint32_t length = *instruction >> 16;
+    struct cost cost = no_way;
+
+    switch (*instruction & 0xffff) {
+    case SpvOpBranch:
+        return jump_cost(c, instruction[1]);
+    case SpvOpBranchConditional:
+        return cheaper(jump_cost(c, instruction[2]), jump_cost(c, instruction[3]));
+    case SpvOpSwitch:
+        cost = jump_cost(c, instruction[2]);
+        for (uint32_t i = 4; i < length; i += 2) {
+            cost = cheaper(cost, jump_cost(c, instruction[i]));
+        }
+        return cost;
+    case SpvOpUnreachable:
+        return no_way;
+    default: /* the invocation or the function ends, here or in its last block */
+        return (struct cost){.exits = !is_opcode(instruction + length, SpvOpFunctionEnd)};
+    }
+}
+
+static bool ends_block(const uint32_t *instruction)
+{
+    uint32_t opcode = *instruction & 0xffff;
+
+    return (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
+           opcode == SpvOpTerminateInvocation;
+}
+
+static struct cost function_cost(struct counting *c, uint32_t function);
+
+/* From the start of a block to the end of its function. */
+static struct cost block_cost(struct counting *c, uint32_t label)
+{
+    uint64_t flops = 0;
+    size_t at = c->definitions[label];
+
+    if (c->states[label] == STATE_DONE) {
+        return c->costs[label];
+    }
+    c->states[label] = STATE_OPEN;
+    for (; !ends_block(c->words + at); at += c->words[at] >> 16) {
+        const uint32_t *instruction = c->words + at;
+
+        flops += is_opcode(instruction, SpvOpFunctionCall) ? function_cost(c, instruction[3]).flops
+                                                           : instruction_flops(c, instruction);
+    }
+    struct cost cost = end_cost(c, c->words + at);
+
+    cost.flops += flops;
+    c->costs[label] = cost;
+    c->states[label] = STATE_DONE;
+    return cost;
+}
+
+static struct cost function_cost(struct counting *c, uint32_t function)
+{
+    size_t at = c->definitions[function];
+
+    if (c->states[function] != STATE_DONE) {
+        while (!is_opcode(c->words + at, SpvOpLabel)) {
+            at += c->words[at] >> 16;
+        }
+        c->costs[function] = block_cost(c, c->words[at + 1]);
+        c->states[function] = STATE_DONE;
+    }
+    return c->costs[function];
+}
+
+/* ---- The module ------------------------------------------------------------------------------ */
+
+/* Returns the function that the shader begins with. */
+static uint32_t survey(struct counting *c)
+{
+    uint32_t entry = 0, label = 0;
+
+    for (size_t at = SPIRV_HEADER; at < c->count; at += c->words[at] >> 16) {
+        const uint32_t *instruction = c->words + at;
+
+        if (is_opcode(instruction, SpvOpEntryPoint)) {
+            entry = instruction[2];
+        } else if (is_opcode(instruction, SpvOpLabel)) {
+            label = instruction[1];
+        } else if (is_opcode(instruction, SpvOpLoopMerge)) {
+            c->loop_merges[label] = instruction[1];
+            c->behind_loop[instruction[1]] = true;
+        }
+    }
+    return entry;
+}
+
+bool count_flops(const struct shader *shader, uint64_t *flops)
+{
+    uint32_t bound = shader->word_count ? shader->words[3] : 1;
+    uint32_t *definitions = spirv_definitions(shader->words, shader->word_count);
+    struct counting c = {.words = shader->words,
+                         .count = shader->word_count,
+                         .definitions = definitions,
+                         .states = calloc(bound, sizeof *c.states),
+                         .costs = calloc(bound, sizeof *c.costs),
+                         .loop_merges = calloc(bound, sizeof *c.loop_merges),
+                         .behind_loop = calloc(bound, sizeof *c.behind_loop)};
+    bool good = definitions && c.states && c.costs && c.loop_merges && c.behind_loop;
+
+    *flops = good ? function_cost(&c, survey(&c)).flops : 0;
+    free(definitions);
+    free(c.states);
+    free(c.costs);
+    free(c.loop_merges);
+    free(c.behind_loop);
+    return good;
+}

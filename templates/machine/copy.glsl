@@ -1,0 +1,6 @@
+/* Every texel once, sixteen bytes each way. */
+void main()
+{
+    ivec2 p = invocation().xy;
+    copied_store(p, original(p));
+}
