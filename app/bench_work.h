@@ -22,6 +22,6 @@ struct work {
  * of a scene that it draws; textures are left out. A draw is taken to transform every vertex once per
  * instance and to cover every texel of its targets once. A pass whose size only the GPU knows has
  * flops of its fragments alone. */
-struct work work_of(const struct work_frame *frame, uint32_t pass);
+struct work work_of(const struct work_frame *frame, uint32_t index);
 
 #endif
