@@ -216,24 +216,25 @@ static size_t value_length(const char *text)
     return length;
 }
 
-/* Value number `index` of a row PATH=V1,V2,... as PATH=V; NULL behind the last; free(). */
+/* Value number `index` of a row PATH=V1,V2,... as PATH=V; free(). */
 static char *grid_value(const char *row, uint32_t index)
 {
     const char *value = strchr(row, '=') + 1;
-    for (; index > 0; index--) {
-        value += value_length(value);
-        if (!*value++)
-            return NULL;
-    }
+    for (; index > 0; index--)
+        value += value_length(value) + 1;
     return format_string("%.*s%.*s", (int)(strchr(row, '=') + 1 - row), row,
                          (int)value_length(value), value);
 }
 
+/* How many values a row has: at least one. */
 static uint32_t grid_width(const char *row)
 {
-    uint32_t count = 0;
-    for (char *value; (value = grid_value(row, count)); count++)
-        free(value);
+    uint32_t count = 1;
+    const char *value = strchr(row, '=') + 1;
+    while (value[value_length(value)]) {
+        value += value_length(value) + 1;
+        count++;
+    }
     return count;
 }
 

@@ -10,7 +10,8 @@ long=${DIPTYCH_LONG:-}
 
 # ---- Variations that agree --------------------------------------------------------------------------------------------
 
-# Two scenes and both kinds of light; the long form has cones from a needle to nearly the half space, and the atrium.
+# Two scenes and both kinds of light; the long form has the narrowest and the widest cone that
+# a scene may have, and the atrium.
 scene_with() { # light: path of a scene with it
     local path
     path=$work/scene$((++scene_count)).yaml
@@ -20,8 +21,8 @@ scene_with() { # light: path of a scene with it
 scene_count=0
 scenes=(--scene "$root/scenes/cornell.yaml" --scene "$sun")
 if [ -n "$long" ]; then
-    scene_with '{kind: spot, position: [0.278, 0.5, 0.28], target: [0.278, 0, 0.28], cone: [0, 1], intensity: [90, 80, 70]}'
-    scene_with '{kind: spot, position: [0.278, 0.27, 0.1], target: [0.278, 0.27, 1], cone: [88, 89], intensity: [1, 1, 1]}'
+    scene_with '{kind: spot, position: [0.278, 0.5, 0.28], target: [0.278, 0, 0.28], cone: [0, 0.1], intensity: [90, 80, 70]}'
+    scene_with '{kind: spot, position: [0.278, 0.27, 0.1], target: [0.278, 0.27, 1], cone: [85, 85], intensity: [1, 1, 1]}'
     scene_with '{kind: directional, direction: [0.1, -0.2, 1], irradiance: [5, 5, 5]}'
     scenes+=(--scene "$root/scenes/atrium.yaml")
 fi
