@@ -116,7 +116,7 @@ bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *l
 /* ---- The files' contents --------------------------------------------------------------------- */
 
 /* A run that differs has its verdict and is done; one that could not run fails its edge, and is tried
- * again; one that was interrupted leaves nothing. */
+ * again; an interrupt ends the script, too, which then leaves no result. */
 static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
 {
     (void)sweep;
@@ -130,7 +130,6 @@ static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
           "begin=$(date +%s%N)\n"
           "\"$@\" >\"runs/$number.txt\" 2>&1 </dev/null\n"
           "status=$?\n"
-          "case $status in 129 | 130 | 143) exit $status ;; esac # SIGHUP, SIGINT, SIGTERM\n"
           "echo \"$status $((($(date +%s%N) - begin) / 1000000))\" >\"runs/$number.part\"\n"
           "mv \"runs/$number.part\" \"runs/$number.result\"\n"
           "[ $status -le 1 ] || exit $status\n",
@@ -245,19 +244,6 @@ static void write_manifest(FILE *out, const cJSON *sweep, const char *folder)
     cJSON_free(text);
 }
 
-/* A file whose content has not changed keeps its time, so that ninja does not start anew. */
-static bool is_same(const char *path, const char *text, size_t size)
-{
-    FILE *file = fopen(path, "rb");
-    bool same = file;
-    for (size_t i = 0; i < size && same; i++)
-        same = fgetc(file) == (unsigned char)text[i];
-    same = same && fgetc(file) == EOF;
-    if (file)
-        fclose(file);
-    return same;
-}
-
 typedef void content_writer(FILE *out, const cJSON *sweep, const char *folder);
 
 static bool write_content(const cJSON *sweep, const char *folder, const char *name,
@@ -272,7 +258,7 @@ static bool write_content(const cJSON *sweep, const char *folder, const char *na
     bool good = out && fclose(out) == 0 && path && size > 0;
     if (!good)
         report_error(log, "%s/%s: out of memory", folder, name);
-    good = good && (is_same(path, text, size) || file_write(path, text, size, log));
+    good = good && file_write(path, text, size, log);
     free(text);
     free(path);
     return good;
