@@ -256,6 +256,8 @@ static uint32_t spoil(const struct dt_resource *resource, enum fault_kind fault,
     uint32_t bits = number_bits(kind, number);
     if (fault == FAULT_TEXEL)
         return number_value(kind, number) == 0 ? one_in(kind) : 0;
+    if (resource->controls_work) /* a complement would be billions of draws */
+        return bits ^ 1;
     if (resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F)
         return spoil_depth(fault, bits);
     return fault == FAULT_BIT ? bits ^ 1 : with_other_sign(kind, bits);
@@ -329,6 +331,26 @@ static bool put_in(const struct fault_run *run)
     return good;
 }
 
+/* A pass that did nothing leaves whatever lay there. Where that would be how much to draw, it is
+ * nothing instead. */
+static bool clear_arguments(const struct fault_run *run)
+{
+    const struct dt_pass *pass = &run->pipeline->passes[run->fault->pass];
+    bool good = true;
+    for (uint32_t i = 0; i < pass->write_count && good; i++) {
+        struct dt_bytes bytes = {0};
+        if (!run->pipeline->resources[pass->writes[i]].controls_work)
+            continue;
+        good = run->runtime->read(run->handle, pass->writes[i], 0, &bytes);
+        if (good) {
+            memset(bytes.data, 0, bytes.size);
+            good = run->runtime->write(run->handle, pass->writes[i], 0, &bytes);
+        }
+        free(bytes.data);
+    }
+    return good;
+}
+
 /* ---- The observer ---------------------------------------------------------------------------- */
 
 static bool is_due(const struct fault_run *run, uint32_t pass)
@@ -355,7 +377,8 @@ static bool after_pass(void *user, uint32_t pass)
 {
     struct fault_run *run = user;
     const struct dt_observer *observer = run->observer;
-    if (is_due(run, pass) && run->fault->kind != FAULT_MISSING && !run->skipped && !put_in(run))
+    if (is_due(run, pass) && !run->skipped &&
+        !(run->fault->kind == FAULT_MISSING ? clear_arguments(run) : put_in(run)))
         return false;
     return !observer || !observer->after_pass || observer->after_pass(observer->user, pass);
 }

@@ -8,10 +8,13 @@
 
 enum fault_kind {
     FAULT_NONE,
-    FAULT_BIT,    /* the lowest bit of one number is the other one */
-    FAULT_TEXEL,  /* every number of one texel or element becomes 0, or 1 where it is 0 */
-    FAULT_SIGN,   /* one number has the other sign; numbers without one become their complement */
-    FAULT_MISSING /* the pass does nothing: neither work nor clears */
+    FAULT_BIT,   /* the lowest bit of one number is the other one */
+    FAULT_TEXEL, /* every number of one texel or element becomes 0, or 1 where it is 0 */
+    /* one number has the other sign; numbers without one become their complement, but for arguments and
+     * indices of draws, whose lowest bit is the other one */
+    FAULT_SIGN,
+    /* the pass does nothing: neither work nor clears; arguments and indices of draws become 0 */
+    FAULT_MISSING
 };
 
 /* Zeroed: no fault. */

@@ -214,6 +214,9 @@ static void emit_resource(const struct c_output *c, const struct resource *resou
         text_add(c->out, "        .stride = ");
         c_element(c, c->out, resource);
         text_add(c->out, ",\n");
+        if (resource->usage & (ACCESS_INDIRECT | ACCESS_INDEX)) {
+            text_add(c->out, "        .controls_work = true,\n");
+        }
     } else {
         text_add(c->out,
                  "        .format = %s,\n        .layered = %s,\n        .mips = %" PRIu32 ",\n",

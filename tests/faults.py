@@ -104,6 +104,9 @@ def main():
     reasons += faults.inject([f"{side}:remember:{kind}:2@2" for side in ("gl", "vk") for kind in KINDS],
                              [*FEATURES, "--frames", "3"])
     report(not reasons, "in later frames of three, in passes with history", reasons)
+    # how much later passes draw: a fault there must not keep a device busy for ever
+    reasons = faults.every_kind("count", FEATURES)
+    report(not reasons, "in the arguments of indirect draws and dispatches", reasons)
     # what nothing reads is compared all the same
     unread = {"gbuffer_depth", "display"}
     for seed in range(1000, 1060):

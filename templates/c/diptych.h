@@ -108,6 +108,9 @@ struct dt_resource {
     const struct dt_field *fields;
     uint32_t field_count;
     uint32_t stride; /* bytes from element to element */
+    /* arguments or indices of draws or dispatches: other content than its passes write could keep a
+     * device busy for ever */
+    bool controls_work;
     /* images */
     enum dt_format format;
     bool layered; /* an array image, also with one layer */
