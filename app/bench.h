@@ -4,6 +4,7 @@
 #define DIPTYCH_BENCH_H
 
 #include "bench_work.h"
+#include "limit.h"
 #include "session.h"
 #include "spread.h"
 #include "worker.h"
@@ -45,8 +46,9 @@ struct bench {
     struct bench_side *list;           /* as many as there are sides */
     struct programme subject, machine; /* what is measured; templates/machine.yaml */
     struct scene scene;
-    double *copy_ms;   /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
-    uint8_t *original; /* 2 x COPY_BYTES, owned */
+    struct limits limits; /* of the subject */
+    double *copy_ms;      /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
+    uint8_t *original;    /* 2 x COPY_BYTES, owned */
 };
 
 enum { COPY_BYTES = 32 << 20 };
@@ -57,6 +59,12 @@ struct spread bench_pass_ms(const struct lane *lane, uint32_t pass);
 struct work bench_work(const struct bench *bench, const struct programme *programme, uint32_t pass);
 struct ceiling bench_ceiling(const struct bench *bench, const struct bench_side *side);
 double bench_copy_bytes_per_ms(const struct bench *bench); /* of the CPU */
+
+/* The pass in plain C, or NULL. */
+const struct limit_pass *bench_limit(const struct bench *bench, uint32_t pass);
+/* How many times as long as the plain C, frame by frame; and the ratio of both medians. */
+struct spread bench_limit_ratio(const struct bench *bench, const struct bench_side *side,
+                                const struct limit_pass *limit, double *of_medians);
 
 /* How long a pass has to take at the least, by what the device can do. */
 double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);

@@ -122,6 +122,24 @@ static void print_work(const struct bench *bench)
     print_ceilings(bench, width);
 }
 
+/* Plain C, and how many times as long the backends take. */
+static void print_limit(const struct bench *bench, const struct limit_pass *limit)
+{
+    const struct dt_pass *pass = &bench->subject.pipeline.info->passes[limit->pass];
+    struct spread ms = spread_of(limit->ms, bench->frames, 1);
+    printf("%s in plain C (%s): %.2f ms, %.2f to %.2f; %.2g %% of its numbers differ by more than "
+           "%.2g %%\n",
+           pass->name, pass->limit, ms.median, ms.p5, ms.p95, 100 * limit->outliers,
+           100 * limit->tolerance->relative);
+    for (uint32_t i = 0; i < bench->sides.count; i++) {
+        double ratio;
+        struct spread spread = bench_limit_ratio(bench, &bench->list[i], limit, &ratio);
+        if (spread.count)
+            printf("  %s takes %.2f times as long, %.2f to %.2f\n", bench->sides.list[i].label,
+                   ratio, spread.p5, spread.p95);
+    }
+}
+
 /* What the CPU does for a frame besides the driver's work. */
 static void print_costs(const struct bench_side *side)
 {
@@ -148,6 +166,8 @@ void bench_print(const struct bench *bench)
     printf("\n");
     print_work(bench);
     printf("\n");
+    for (uint32_t i = 0; i < bench->limits.count; i++)
+        print_limit(bench, &bench->limits.list[i]);
     for (uint32_t i = 0; i < bench->sides.count; i++)
         print_costs(&bench->list[i]);
 }

@@ -17,7 +17,7 @@ enum worker_stop {
     WORKER_FINISHED /* all frames ran, and the validation layers were silent */
 };
 
-/* What the last frame without a stop inside took. */
+/* What the last frame took, frame_ms and allocations: the last without a stop inside. */
 struct worker_measure {
     double frame_ms;  /* from the call to the finished frame, by the host's clock */
     double record_ms; /* see struct dt_runtime; NAN: not known */
@@ -75,7 +75,7 @@ bool worker_read(struct worker *worker, uint32_t resource, uint32_t mip, struct 
 bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes);
 
-/* At WORKER_FRAME_DONE of a frame that had no stop inside. pass_ms is the worker's: valid until its
+/* At WORKER_FRAME_DONE. pass_ms is the worker's: valid until its
  * next verb. */
 bool worker_measure(struct worker *worker, struct worker_measure *measure);
 

@@ -18,20 +18,21 @@ static char *beside(struct checker *c, const char *path, const char *name, int l
                         length, name);
 }
 
-static const struct source *read_shader(struct checker *c, const struct pass *pass)
+/* A file that a pass names: what the spec calls `key` stands at `loc`. */
+static const struct source *read_body(struct checker *c, const char *key, const char *name,
+                                      struct loc loc)
 {
-    int length = (int)strlen(pass->shader);
-    const char *near = beside(c, pass->shader_loc.source->path, pass->shader, length);
-    if (!strcmp(pass->shader_loc.source->path,
+    int length = (int)strlen(name);
+    const char *near = beside(c, loc.source->path, name, length);
+    if (!strcmp(loc.source->path,
                 "--set")) /* a name from the command line is still looked up by the spec */
-        near = beside(c, c->pipeline->loc.source->path, pass->shader, length);
-    const char *below = arena_printf(c->model->arena, "%s/%s", c->templates_dir, pass->shader);
+        near = beside(c, c->pipeline->loc.source->path, name, length);
+    const char *below = arena_printf(c->model->arena, "%s/%s", c->templates_dir, name);
     const struct source *source = near ? source_read(c->model, near) : NULL;
     if (!source && below)
         source = source_read(c->model, below);
     if (!source)
-        diag_error(c->diag, pass->shader_loc,
-                   "cannot read the shader `%s`; looked for `%s` and `%s`", pass->shader,
+        diag_error(c->diag, loc, "cannot read the %s `%s`; looked for `%s` and `%s`", key, name,
                    near ? near : "?", below ? below : "?");
     return source;
 }
@@ -361,7 +362,9 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     const struct pipeline *p = c->pipeline;
     if (!pass->shader)
         return;
-    pass->body = read_shader(c, pass);
+    if (pass->limit)
+        pass->limit_body = read_body(c, "limit", pass->limit, pass->limit_loc);
+    pass->body = read_body(c, "shader", pass->shader, pass->shader_loc);
     if (!pass->body)
         return;
     scan_source(c, body, pass->body, 0);

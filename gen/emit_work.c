@@ -108,6 +108,11 @@ void emit_work(const struct c_output *c, const struct pass *pass)
 {
     const struct shader *stages = c->shaders[pass->index].stage;
 
+    if (pass->limit) {
+        text_add(c->out, "        .limit = ");
+        c_string(c->out, pass->limit);
+        text_add(c->out, ",\n");
+    }
     if (!is_indirect(pass)) {
         text_add(c->out, "        .runs = runs_%s,\n", pass->name);
     }
@@ -118,4 +123,12 @@ void emit_work(const struct c_output *c, const struct pass *pass)
         emit_flops(c, &stages[STAGE_IS_FRAGMENT]);
     }
     text_add(c->out, "},\n");
+}
+
+void emit_limit(const struct pass *pass, struct text *out)
+{
+    text_add(out, "#line 1 ");
+    c_string(out, pass->limit);
+    text_add(out, "\n");
+    text_add_bytes(out, pass->limit_body->text, pass->limit_body->length);
 }

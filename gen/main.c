@@ -210,6 +210,21 @@ static void add_shaders(struct generation *g)
             }
 }
 
+/* limit/PASS.c: a copy, since it is compiled against NAME.h, and the spec may lie anywhere. */
+static void add_limits(struct generation *g)
+{
+    const struct pipeline *pipeline = &g->model.pipeline;
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        const struct pass *pass = pipeline->order[i];
+        const char *name = arena_printf(g->model.arena, "limit/%s.c", pass->name);
+        if (!pass->limit_body || !name)
+            continue;
+        struct text text = {0};
+        emit_limit(pass, &text);
+        output_add(g->output, g->options->out, name, &text);
+    }
+}
+
 static void add_depfile_path(struct text *text, const char *path)
 {
     for (; *path; path++) {
@@ -261,6 +276,7 @@ static void add_sources(struct generation *g)
     add_named(g, "_vk.c", &vk);
     add_named(g, ".dot", &graph);
     add_shaders(g);
+    add_limits(g);
 }
 
 static enum status write_files(struct generation *g)

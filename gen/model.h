@@ -241,6 +241,9 @@ struct pass {
     const char *shader; /* path as written */
     struct loc shader_loc;
     const struct source *body; /* check: the file, read once */
+    const char *limit;         /* C file that does the same, path as written; NULL: none */
+    struct loc limit_loc;
+    const struct source *limit_body; /* check */
     struct expr *when;         /* NULL: always */
     const char **after;        /* explicit order */
     struct loc *after_locs;

@@ -279,6 +279,8 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     pass->doc = field_text(reader, fields, "doc");
     pass->shader = field_text(reader, fields, "shader");
     pass->shader_loc = field_loc(reader, fields, "shader");
+    pass->limit = field_text(reader, fields, "limit");
+    pass->limit_loc = field_loc(reader, fields, "limit");
     pass->interleave_name = field_text(reader, fields, "interleave");
     pass->interleave_loc = field_loc(reader, fields, "interleave");
     pass->indirect = field_text(reader, fields, "indirect");

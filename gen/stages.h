@@ -62,6 +62,7 @@ void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
                struct text *out); /* NAME_gl.c */
 void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,
                struct text *out);                             /* NAME_vk.c */
+void emit_limit(const struct pass *pass, struct text *out);   /* limit/PASS.c; emit_work.c */
 void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
 void emit_schema(struct text *out);                           /* schema.c */
 void emit_reference(struct text *out);                        /* reference.c: Markdown */

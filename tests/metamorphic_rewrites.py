@@ -31,6 +31,7 @@ class Pipeline:
         self.text = None   # of the spec, where a rewrite is about the text itself; else the tree is written
         self.bodies = {}
         for entry in self.passes():
+            entry.pop("limit", None)  # C against the header of the original
             self.load(os.path.dirname(path), entry["shader"])
         self.settings = {}   # --set of parameters
         self.pass_names = {}   # of the original -> here; names that are the same are left out

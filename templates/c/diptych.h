@@ -136,6 +136,7 @@ struct dt_pass {
     /* the mip of each of the writes, NULL: 0; of a mip that no pass of the frame has written yet the
      * content is undefined, except with history */
     const uint8_t *write_mips;
+    const char *limit; /* C file that does the same on the CPU, see limit.h; NULL: none */
     /* Dispatch: invocations of its shader that are asked for, in a frame of that size and with that
      * live block; draw: instances. NULL: an indirect buffer tells the GPU. */
     uint64_t (*runs)(uint32_t frame_width, uint32_t frame_height, const void *live);
