@@ -31,7 +31,6 @@ class Pipeline:
         self.text = None   # of the spec, where a rewrite is about the text itself; else the tree is written
         self.bodies = {}
         for entry in self.passes():
-            entry.pop("limit", None)  # C against the header of the original
             self.load(os.path.dirname(path), entry["shader"])
         self.settings = {}   # --set of parameters
         self.pass_names = {}   # of the original -> here; names that are the same are left out
@@ -246,7 +245,7 @@ def rename_everything(pipeline):
             return {name: rename(value, name) for name, value in node.items()}
         if isinstance(node, list):
             return [rename(value, key) for value in node]
-        return replace_words(node, words) if isinstance(node, str) and key not in ("doc", "shader") else node
+        return replace_words(node, words) if isinstance(node, str) and key not in ("doc", "shader", "limit") else node
 
     def rename_body(text):
         own = r"(?:frame|view|m)(?:\.\w+)*"   # structs that the generator declares
@@ -450,7 +449,7 @@ def inline_constants(pipeline):
             return {name: walk(value, name) for name, value in node.items()}
         if isinstance(node, list):
             return [walk(value, key) for value in node]
-        if not isinstance(node, str) or key in ("doc", "shader", "message"):
+        if not isinstance(node, str) or key in ("doc", "shader", "limit", "message"):
             return node
         return expression(inline(node)) if key == "first" else inline(node)   # a range's first element is GLSL
 
