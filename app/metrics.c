@@ -183,7 +183,16 @@ static bool measure(struct metrics *metrics)
 
 /* ---- Output ---------------------------------------------------------------------------------- */
 
-static bool write_map(const struct metrics *metrics, const char *name, const float *errors)
+/* sRGB, IEC 61966-2-1. */
+static uint8_t encode(float linear)
+{
+    float code = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1 / 2.4f) - 0.055f;
+    return (uint8_t)(255 * fminf(fmaxf(code, 0), 1) + 0.5f);
+}
+
+/* Either errors as colours, or a picture as the LDR metrics saw it. */
+static bool write_picture(const struct metrics *metrics, const char *name, const float *errors,
+                          const struct rgb_image *picture)
 {
     const struct rgb_image *image = &metrics->images[0];
     uint64_t count = (uint64_t)image->width * image->height;
@@ -193,8 +202,10 @@ static bool write_map(const struct metrics *metrics, const char *name, const flo
     bool good = path && codes;
     if (!good)
         report_error(log, "out of memory");
-    for (uint64_t i = 0; i < count && good; i++)
+    for (uint64_t i = 0; i < count && good && errors; i++)
         magma(errors[i], codes + 3 * i);
+    for (uint64_t i = 0; i < 3 * count && good && picture; i++)
+        codes[i] = encode(picture->texels[i]);
     if (good) {
         console_hold(metrics->console);
         good = image_write_png(path, image->width, image->height, 3, codes, log);
@@ -211,8 +222,10 @@ static bool write_maps(const struct metrics *metrics)
     if (!metrics->options->output)
         return true;
     return file_make_folders(metrics->options->output, log) &&
-           write_map(metrics, "flip_ldr", metrics->flip_map[LDR]) &&
-           (!metrics->hdr || write_map(metrics, "flip_hdr", metrics->flip_map[HDR]));
+           write_picture(metrics, "reference", NULL, &metrics->mapped[REFERENCE]) &&
+           write_picture(metrics, "test", NULL, &metrics->mapped[TEST]) &&
+           write_picture(metrics, "flip_ldr", metrics->flip_map[LDR], NULL) &&
+           (!metrics->hdr || write_picture(metrics, "flip_hdr", metrics->flip_map[HDR], NULL));
 }
 
 static cJSON *errors_json(const struct image_errors *errors)
