@@ -35,6 +35,12 @@ static const struct verb verbs[] = {
      "Milliseconds are those of the device, medians with the 5th and 95th percentile.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_bench},
+    {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
+     "Runs reference, render, metrics, bench and compare by a ninja file in the folder, so that it "
+     "goes\n"
+     "on where it was interrupted, and makes index.html of what they wrote.\n"
+     "Exit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
+     verb_report},
     {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",
      "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
      "ninja,\n"

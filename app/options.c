@@ -33,6 +33,7 @@ struct option_row {
 #define ALL       (VERB_RENDER | VERB_COMPARE)
 #define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH)
+#define MAKING    (SPEC | VERB_REPORT)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
 
@@ -46,19 +47,21 @@ static const struct option_row rows[] = {
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(backend), COMPARING, 0, "LIST",
      "the first is held against each of the others, like gl,vk,zink (default: gl,vk)"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_BENCH, 0, "LIST",
+    {"--backend", OPTION_STRING, AT(backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "which to measure, turn by turn, like gl,vk,zink (default: gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; --dump or --timings may stand alone"},
-    {"--spec", OPTION_STRING, AT(spec), SPEC, 0, "SPEC", "pipeline (default: templates/ssvp.yaml)"},
-    {"--set", OPTION_LIST, AT(sets), SPEC, 0, "PATH=VALUE",
+    {"--spec", OPTION_STRING, AT(spec), MAKING, 0, "SPEC",
+     "pipeline (default: templates/ssvp.yaml)"},
+    {"--set", OPTION_LIST, AT(sets), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
-    {"--size", OPTION_SIZE, AT(size), SCENE, 0, "WxH", "frame size in pixels (default: 1920x1080)"},
+    {"--size", OPTION_SIZE, AT(size), SCENE | VERB_REPORT, 0, "WxH",
+     "frame size in pixels (default: 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
      "frames to run, the last one is kept (default: 1)"},
-    {"--frames", OPTION_COUNT, AT(run_frames), VERB_BENCH, 0, "N",
+    {"--frames", OPTION_COUNT, AT(run_frames), VERB_BENCH | VERB_REPORT, 0, "N",
      "frames to measure (default: 20)"},
-    {"--warmup", OPTION_COUNT, AT(warmup), VERB_BENCH, 0, "N",
+    {"--warmup", OPTION_COUNT, AT(warmup), VERB_BENCH | VERB_REPORT, 0, "N",
      "frames before these, which are not measured (default: 3)"},
     {"--dump", OPTION_STRING, AT(dump), VERB_RENDER, 0, "DIR",
      "write what every pass of the last frame produced: manifest.json and raw files"},
@@ -71,7 +74,7 @@ static const struct option_row rows[] = {
     {"--test", OPTION_STRING, AT(test), VERB_METRICS, VERB_METRICS, "FILE",
      "the picture to measure"},
     {"-o", OPTION_STRING, AT(output), VERB_METRICS, 0, "DIR",
-     "write error maps there: flip_ldr.png, flip_hdr.png"},
+     "write there flip_ldr.png, flip_hdr.png and what they compare: reference.png, test.png"},
     {"--exposure", OPTION_NUMBER, AT(exposure), VERB_METRICS, 0, "FACTOR",
      "of both pictures (default: log-average luminance of the reference to 0.18)"},
     {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
@@ -82,7 +85,7 @@ static const struct option_row rows[] = {
      "FILE", "write the table as JSON, too"},
     {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
      "a dump, of another machine or driver, is the first side; size and frame are its own"},
-    {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP, 0, "DIR",
+    {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP | VERB_REPORT, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
@@ -107,9 +110,9 @@ static const struct option_row rows[] = {
      "1 to 255: fill all memory with it first, to see that no pass reads what nobody wrote"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
      "picture, linear, as render writes it"},
-    {"--spp", OPTION_COUNT, AT(spp), VERB_REFERENCE, 0, "N",
+    {"--spp", OPTION_COUNT, AT(spp), VERB_REFERENCE | VERB_REPORT, 0, "N",
      "samples per pixel (default: 256), or the most of them with --noise"},
-    {"--noise", OPTION_STRING, AT(noise), VERB_REFERENCE, 0, "TARGET",
+    {"--noise", OPTION_STRING, AT(noise), VERB_REFERENCE | VERB_REPORT, 0, "TARGET",
      "stop when a pixel's standard error is that part of the picture's mean, like 0.01"},
     {"--bounces", OPTION_STRING, AT(bounces), VERB_REFERENCE, 0, "N|unlimited",
      "most bounces of indirect light, 0: direct light only (default: 2)"},
@@ -154,8 +157,14 @@ static const struct option_row rows[] = {
      "run nothing, write a Slurm job array over the runs and submit.sh"},
     {"--collect", OPTION_FLAG, AT(collect), VERB_SWEEP, 0, NULL,
      "run nothing, sum up the runs of the sweep in DIR that are over"},
-    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_SWEEP | VERB_METRICS | VERB_REPLAY, 0, NULL,
-     "show this"},
+    {"-o", OPTION_STRING, AT(output), VERB_REPORT, VERB_REPORT, "DIR",
+     "folder of the report; one that holds a report is brought up to date"},
+    {"--scene", OPTION_TEXTS, AT(scene_list), VERB_REPORT, 0, "FILE",
+     "scene file; may be repeated (default: those of the outline)"},
+    {"--outline", OPTION_STRING, AT(outline), VERB_REPORT, 0, "FILE",
+     "what to show (default: NAME/report.yaml beside the spec NAME.yaml)"},
+    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY,
+     0, NULL, "show this"},
 };
 
 enum { ROWS = DT_ARRAY_COUNT(rows) };

@@ -13,7 +13,8 @@ enum verb_id {
     VERB_SWEEP = 8,
     VERB_REFERENCE = 16,
     VERB_METRICS = 32,
-    VERB_BENCH = 64
+    VERB_BENCH = 64,
+    VERB_REPORT = 128
 };
 
 /* The values of an option that may be repeated. */
@@ -63,13 +64,14 @@ struct options {
     const char *test;
     double exposure; /* factor; 0: of the reference's log-average luminance */
     double pixels_per_degree;
-    struct text_list scene_list; /* sweep: these two in place of scene and size */
+    struct text_list scene_list; /* sweep, report: these two in place of scene and size */
     struct text_list size_list;
     struct text_list grid;
     const char *verb;
     uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, too */
     uint32_t warmup;
     bool slurm, collect;
+    const char *outline; /* report: of what to show; NULL: the spec's */
     bool glsl;
     bool debug;
     bool help;
@@ -92,6 +94,7 @@ int verb_replay(struct console *console, const struct options *options);
 int verb_reference(struct console *console, const struct options *options);
 int verb_metrics(struct console *console, const struct options *options);
 int verb_bench(struct console *console, const struct options *options);
+int verb_report(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either

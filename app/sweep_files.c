@@ -6,55 +6,12 @@
 #include <string.h>
 
 #include "files.h"
+#include "quote.h"
 #include "sweep.h"
 
 /* As many tasks as a Slurm array has at most by default (MaxArraySize less one); a task does every run
  * that is that far from its first. */
 enum { MOST_TASKS = 1000 };
-
-/* ---- Quoting --------------------------------------------------------------------------------- */
-
-/* A word for /bin/sh. */
-static void put_word(FILE *out, const char *word)
-{
-    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
-                                "_-+=./,:@%";
-    if (*word && word[strspn(word, plain)] == 0) {
-        fputs(word, out);
-        return;
-    }
-    fputc('\'', out);
-    for (; *word; word++) {
-        if (*word == '\'')
-            fputs("'\\''", out);
-        else
-            fputc(*word, out);
-    }
-    fputc('\'', out);
-}
-
-static void put_option(FILE *out, const char *name, const char *value)
-{
-    fprintf(out, " %s ", name);
-    put_word(out, value);
-}
-
-/* The value of a variable in a ninja file. */
-static void put_value(FILE *out, const char *text)
-{
-    for (; *text; text++)
-        fputs(*text == '$' ? "$$" : (char[2]){*text}, out);
-}
-
-/* A path among the inputs of an edge. */
-static void put_path(FILE *out, const char *path)
-{
-    for (; *path; path++) {
-        if (strchr("$ :", *path))
-            fputc('$', out);
-        fputc(*path, out);
-    }
-}
 
 /* ---- Commands -------------------------------------------------------------------------------- */
 
@@ -64,10 +21,10 @@ static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const c
     static const char *const texts[] = {"backend", "scenes", "device", "context", "fault"};
     static const char *const flags[] = {"glsl", "debug"};
     const cJSON *options = cJSON_GetObjectItem(sweep, "options"), *set;
-    put_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
+    quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
     fprintf(out, " %s", sweep_text(options, "verb"));
-    put_option(out, "--scene", sweep_text(run, "scene"));
-    put_option(out, "--spec", sweep_text(options, "spec"));
+    quote_option(out, "--scene", sweep_text(run, "scene"));
+    quote_option(out, "--spec", sweep_text(options, "spec"));
     fprintf(out, " --size %ux%u --frames %u", sweep_number(run, "width"),
             sweep_number(run, "height"), sweep_number(run, "frames"));
     for (size_t i = 0; i < DT_ARRAY_COUNT(texts); i++) {
@@ -75,17 +32,17 @@ static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const c
         if (item)
             fprintf(out, " --%s ", texts[i]);
         if (item)
-            put_word(out, item->valuestring);
+            quote_word(out, item->valuestring);
     }
     for (size_t i = 0; i < DT_ARRAY_COUNT(flags); i++) {
         if (cJSON_IsTrue(cJSON_GetObjectItem(options, flags[i])))
             fprintf(out, " --%s", flags[i]);
     }
     cJSON_ArrayForEach(set, cJSON_GetObjectItem(run, "sets"))
-        put_option(out, "--set", set->valuestring);
+        quote_option(out, "--set", set->valuestring);
     char *json = format_string("%s/runs/%d.json", folder, number);
     if (json)
-        put_option(out, "--json", json);
+        quote_option(out, "--json", json);
     free(json);
 }
 
@@ -158,17 +115,17 @@ static void write_ninja(FILE *out, const cJSON *sweep, const char *folder)
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "inputs"))
     {
         fputc(' ', out);
-        put_path(out, item->valuestring);
+        quote_path(out, item->valuestring);
     }
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "runs"))
     {
         const char *scene = strrchr(sweep_text(item, "scene"), '/');
         fprintf(out, "\nbuild runs/%d.result: run | inputs\n  number = %d\n  what = ", number + 1,
                 number + 1);
-        put_value(out, scene ? scene + 1 : "");
+        quote_value(out, scene ? scene + 1 : "");
         fprintf(out, " %ux%u\n  command_line = ", sweep_number(item, "width"),
                 sweep_number(item, "height"));
-        put_value(out, sweep_text(item, "command"));
+        quote_value(out, sweep_text(item, "command"));
         fputc('\n', out);
         number++;
     }
@@ -191,7 +148,7 @@ static void write_array(FILE *out, const cJSON *sweep, const char *folder)
             "# Submitted by submit.sh: a job array over the runs that have no result yet.\n"
             "cd ",
             task_count(sweep));
-    put_word(out, folder);
+    quote_word(out, folder);
     fprintf(out,
             " || exit 2\n"
             "number=$SLURM_ARRAY_TASK_ID\n"
@@ -212,9 +169,9 @@ static void write_collect(FILE *out, const cJSON *sweep, const char *folder)
           "#SBATCH --job-name=diptych-collect\n"
           "# Submitted by submit.sh behind the array: the summary of all runs.\n",
           out);
-    put_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
+    quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
     fputs(" sweep --collect", out);
-    put_option(out, "-o", folder);
+    quote_option(out, "-o", folder);
     fputc('\n', out);
 }
 
@@ -226,7 +183,7 @@ static void write_submit(FILE *out, const cJSON *sweep, const char *folder)
           "# --partition=NAME. The table ends up in collect.txt.\n"
           "cd ",
           out);
-    put_word(out, folder);
+    quote_word(out, folder);
     fputs(" || exit 2\n"
           "array=$(sbatch --parsable --output=runs/slurm-%a.txt \"$@\" array.sh) || exit\n"
           "sbatch --dependency=\"afterany:${array%%;*}\" --output=collect.txt \"$@\" collect.sh\n",

@@ -322,13 +322,14 @@ static void read_light(struct reader *reader, const struct key *self, struct sce
 
 /* What the file says beyond camera and light. */
 struct settings {
-    char *mesh_path; /* where the mesh was found, owned */
+    char *mesh_path;    /* where the mesh was found, owned */
+    bool may_lack_mesh; /* asked by the caller: a mesh that is nowhere is no error */
     float scale, subdivide;
     uint32_t texture_size;
 };
 
 static char *find_mesh(struct reader *reader, struct fy_node *node, const char *scene_path,
-                       const char *scenes_dir)
+                       const char *scenes_dir, bool may_lack)
 {
     const char *name = fy_node_get_scalar0(node), *slash = strrchr(scene_path, '/');
     int folder = slash ? (int)(slash - scene_path + 1) : 0;
@@ -343,7 +344,7 @@ static char *find_mesh(struct reader *reader, struct fy_node *node, const char *
             found = candidate[i];
             candidate[i] = NULL;
         }
-    if (!found)
+    if (!found && !may_lack)
         report(reader, node,
                "mesh `%s` not found: looked for %s%s%s; name the folder that holds it with "
                "--scenes DIR or in the "
@@ -378,7 +379,8 @@ static void read_scene(struct reader *reader, struct fy_node *root, const char *
     if (size >= 1 && size <= MAX_TEXTURE_SIZE && exp2(floor(log2(size))) != size)
         report(reader, keys[TEXTURE_SIZE].node, "`texture_size` must be a power of two");
     if (keys[MESH].node && fy_node_is_scalar(keys[MESH].node))
-        settings->mesh_path = find_mesh(reader, keys[MESH].node, scene->path, scenes_dir);
+        settings->mesh_path =
+            find_mesh(reader, keys[MESH].node, scene->path, scenes_dir, settings->may_lack_mesh);
     settings->scale = (float)keys[SCALE].number[0];
     settings->subdivide = (float)keys[SUBDIVIDE].number[0];
     settings->texture_size = (uint32_t)size;
@@ -487,6 +489,21 @@ bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
     free(settings.mesh_path);
     if (!ok)
         scene_free(scene);
+    return ok;
+}
+
+bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
+                     const struct dt_log *log)
+{
+    struct scene scene = {0};
+    struct settings settings = {.may_lack_mesh = true};
+    bool ok = is_readable_file(path, log);
+    scene.path = ok ? strdup(path) : NULL;
+    ok = ok && scene.path && read_file(scenes_dir, &scene, &settings, log);
+    scene_free(&scene);
+    if (!ok)
+        free(settings.mesh_path);
+    *mesh = ok ? settings.mesh_path : NULL;
     return ok;
 }
 

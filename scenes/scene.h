@@ -39,6 +39,10 @@ struct scene {
  * carry file:line:col. On false nothing is left allocated. */
 bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
                 const struct dt_log *log);
+/* Reads the scene file alone, and where its mesh is: a string to free(), or NULL when it is in neither
+ * place. False, logged, when the file is wrong. */
+bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
+                     const struct dt_log *log);
 void scene_free(struct scene *scene); /* takes a zeroed or failed scene */
 
 /* Fills everything in *frame that depends on the scene and the aspect ratio; width, height and

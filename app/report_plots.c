@@ -1,0 +1,398 @@
+/* The plots of a report, by gnuplot, with the numbers behind them as CSV: error against the values of the sweep over
+ * all scenes, frame time against them for each. Called by report.c. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "files.h"
+#include "report.h"
+#include "tool.h"
+
+/* What SVG from gnuplot has in black follows the reader's choice of a dark page; the lines of the
+ * data have colours that can be seen on both. */
+static const char svg_style[] =
+    "<style>text{fill:#24292f}[stroke=\"black\"]{stroke:#57606a}"
+    "@media(prefers-color-scheme:dark){text{fill:#d6dce3}[stroke=\"black\"]{stroke:#9aa4ae}}"
+    "</style>\n";
+
+static const char gnuplot_head[] =
+    "# gnuplot, in this folder: the SVG comes on standard output.\n"
+    "set terminal svg size 480,340 font 'DejaVu Sans,Verdana,sans-serif,13' noenhanced\n"
+    "set datafile separator ','\n"
+    "set linetype 1 lc rgb '#2f80d0' lw 2 pt 7 ps 0.6\n"
+    "set linetype 2 lc rgb '#d9771a' lw 2 pt 5 ps 0.6\n"
+    "set linetype 3 lc rgb '#2c9c6c' lw 2 pt 9 ps 0.7\n"
+    "set linetype 4 lc rgb '#a963c9' lw 2 pt 11 ps 0.7\n"
+    "set linetype 5 lc rgb '#d34a4a' lw 2 pt 13 ps 0.7\n"
+    "set linetype 6 lc rgb '#8a8f98' lw 2 pt 3 ps 0.6\n"
+    "set border 3\n"
+    "set tics nomirror\n"
+    "set logscale y\n"
+    "set mytics 1\n"
+    "set grid ytics lc rgb '#9099a4' lw 0.4\n"
+    "set key below\n"
+    "set offsets 0.15, 0.15\n";
+
+/* ---- gnuplot --------------------------------------------------------------------------------- */
+
+/* Of positive values, since the axis is logarithmic. */
+struct range {
+    double low, high; /* 0: no value yet */
+};
+
+static void take_in(struct range *range, double value)
+{
+    if (!(value > 0))
+        return;
+    range->low = range->low > 0 ? fmin(range->low, value) : value;
+    range->high = fmax(range->high, value);
+}
+
+/* Room for all of them, and ticks at 1, 2 and 5 of each decade, of which at least one is in a range of
+ * more than 2.5. */
+static void put_range(FILE *out, const struct range *range)
+{
+    static const double room = 1.6;
+    double low = range->low / room, high = range->high * room;
+    fprintf(out, "set yrange [%g:%g]\nset ytics (", low, high);
+    for (int decade = (int)floor(log10(low)), first = 1; pow(10, decade) < high; decade++) {
+        for (int i = 0; i < 3; i++, first = 0) {
+            bool labelled = i == 0 || high < 100 * low;
+            double tick = (i == 0 ? 1 : i == 1 ? 2 : 5) * pow(10, decade);
+            if (labelled)
+                fprintf(out, "%s\"%g\" %g", first ? "" : ", ", tick, tick);
+            else
+                fprintf(out, ", \"\" %g 1", tick);
+        }
+    }
+    fputs(")\n", out);
+}
+
+/* Between single quotes, as gnuplot reads them. */
+static void put_quoted(FILE *out, const char *text)
+{
+    fputc('\'', out);
+    for (; *text; text++)
+        fputs(*text == '\'' ? "''" : (char[2]){*text}, out);
+    fputc('\'', out);
+}
+
+static const cJSON *sweep_values(const struct report *report)
+{
+    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values");
+}
+
+/* The values of the sweep stand side by side, whatever they are. */
+static void put_axes(FILE *out, const struct report *report, const char *y_label,
+                     const struct range *range)
+{
+    char buffer[32];
+    int count = cJSON_GetArraySize(sweep_values(report));
+    fputs(gnuplot_head, out);
+    fputs("set xlabel ", out);
+    put_quoted(out, report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
+    fputs("\nset ylabel ", out);
+    put_quoted(out, y_label);
+    fputs("\nset xtics (", out);
+    for (int i = 0; i < count; i++) {
+        fputs(i ? ", " : "", out);
+        put_quoted(out, report_item(sweep_values(report), i, buffer));
+        fprintf(out, " %d", i);
+    }
+    fputs(")\n", out);
+    put_range(out, range);
+}
+
+static bool write_text(const struct report *report, const char *name, const char *ending,
+                       const char *text)
+{
+    char *path = format_string("%s/plots/%s%s", report->folder, name, ending);
+    bool good = path && text;
+    if (good)
+        good = file_write(path, text, strlen(text), &report->console->log);
+    else
+        report_error(&report->console->log, "out of memory");
+    free(path);
+    return good;
+}
+
+/* Runs plots/NAME.gp. The answer is the SVG; free(). */
+static char *run_gnuplot(const struct report *report, const char *name)
+{
+    static const struct tool gnuplot = {.what = "gnuplot",
+                                        .hint = "install the package gnuplot-nox"};
+    char *place = NULL, *script = format_string("%s/plots/%s.gp", report->folder, name);
+    size_t size;
+    FILE *out = open_memstream(&place, &size);
+    if (out) {
+        char *folder = format_string("%s/plots", report->folder);
+        fputs("cd ", out);
+        put_quoted(out, folder ? folder : ".");
+        fclose(out);
+        free(folder);
+    }
+    char *argv[] = {(char *)"gnuplot", (char *)"-e", place, script, NULL};
+    char *svg = place && script ? tool_read(&gnuplot, argv, report->console) : NULL;
+    free(script);
+    free(place);
+    return svg;
+}
+
+static bool draw(const struct report *report, const char *name, FILE *out, char *const *script)
+{
+    bool good = out && fclose(out) == 0;
+    if (!good)
+        report_error(&report->console->log, "out of memory");
+    good = good && write_text(report, name, ".gp", *script);
+    char *svg = good ? run_gnuplot(report, name) : NULL;
+    char *start = svg ? strstr(svg, "<svg") : NULL, *body = start ? strchr(start, '>') : NULL;
+    char *styled = NULL;
+    if (body)
+        styled = format_string("%.*s\n%s%s", (int)(body + 1 - svg), svg, svg_style, body + 1);
+    if (svg && !body)
+        report_error(&report->console->log, "gnuplot has not drawn %s.gp", name);
+    good = styled && write_text(report, name, ".svg", styled);
+    free(styled);
+    free(svg);
+    return good;
+}
+
+/* ---- Numbers --------------------------------------------------------------------------------- */
+
+static void put_field(FILE *out, double value)
+{
+    if (isnan(value))
+        fputc(',', out);
+    else
+        fprintf(out, ",%.6g", value);
+}
+
+/* One row per scene and value; a scene's rows follow one another. */
+static void put_errors(FILE *out, struct report *report)
+{
+    static const char *const paths[] = {"hdr.relative_mse", "ldr.flip.mean"};
+    char buffer[32];
+    int count = cJSON_GetArraySize(sweep_values(report));
+    fprintf(out, "scene,%s,relative_mse,flip,own_relative_mse,own_flip\n",
+            report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
+    for (uint32_t s = 0; s < report->scene_count; s++) {
+        const struct report_scene *scene = &report->scenes[s];
+        for (int i = 0; i < count && scene->mesh; i++) {
+            char *file = report_sweep_file(report, scene, i, ".json");
+            char *own = report_sweep_file(report, scene, i, "_own.json");
+            fprintf(out, "%s,\"%s\"", scene->name, report_item(sweep_values(report), i, buffer));
+            for (int p = 0; p < 4 && file && own; p++)
+                put_field(out, report_number(report, p < 2 ? file : own, paths[p % 2]));
+            fputc('\n', out);
+            free(own);
+            free(file);
+        }
+    }
+}
+
+static void put_times(FILE *out, struct report *report)
+{
+    char buffer[32];
+    int count = cJSON_GetArraySize(sweep_values(report));
+    fprintf(out, "scene,side,%s,frame_ms,p5,p95\n",
+            report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
+    for (uint32_t s = 0; s < report->scene_count; s++) {
+        const struct report_scene *scene = &report->scenes[s];
+        for (uint32_t side = 0; side < report->sides.count && scene->mesh; side++) {
+            for (int i = 0; i < count; i++) {
+                char *file = report_sweep_file(report, scene, i, "_bench.json");
+                fprintf(out, "%s,%s,\"%s\"", scene->name, report->sides.list[side].label,
+                        report_item(sweep_values(report), i, buffer));
+                put_field(out, report_frame_ms(report, file ? file : "", side, "median"));
+                put_field(out, report_frame_ms(report, file ? file : "", side, "p5"));
+                put_field(out, report_frame_ms(report, file ? file : "", side, "p95"));
+                fputc('\n', out);
+                free(file);
+            }
+        }
+    }
+}
+
+static bool write_numbers(struct report *report, const char *name,
+                          void (*put)(FILE *, struct report *))
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (out)
+        put(out, report);
+    bool good = out && fclose(out) == 0 && write_text(report, name, ".csv", text);
+    free(text);
+    return good;
+}
+
+/* ---- Plots ----------------------------------------------------------------------------------- */
+
+/* A plot that nothing can be drawn in, since steps have failed, is not there. */
+static bool remove_plot(const struct report *report, const char *name)
+{
+    char *path = format_string("%s/plots/%s.svg", report->folder, name);
+    bool good = path && (unlink(path) == 0 || errno == ENOENT);
+    if (!good)
+        report_error(&report->console->log, "plots/%s.svg: cannot be removed", name);
+    free(path);
+    return good;
+}
+
+/* Takes in the errors of a scene; false when there is none that the axis can show. */
+static bool find_errors(struct report *report, const struct report_scene *scene, const char *ending,
+                        struct range *range)
+{
+    struct range own = {0};
+    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)) && scene->mesh; i++) {
+        char *file = report_sweep_file(report, scene, i, ending);
+        take_in(&own, report_number(report, file ? file : "", "hdr.relative_mse"));
+        free(file);
+    }
+    take_in(range, own.low);
+    take_in(range, own.high);
+    return own.high > 0;
+}
+
+/* A line for each scene, through its first `points` rows of errors.csv. */
+static void put_error_lines(FILE *out, struct report *report, const char *ending, int column,
+                            int points)
+{
+    struct range unused = {0};
+    int lines = 0, rows = 1; /* the head */
+    fprintf(out, "set xrange [0:%d]\nplot", points - 1);
+    for (uint32_t i = 0; i < report->scene_count; i++) {
+        const struct report_scene *scene = &report->scenes[i];
+        if (find_errors(report, scene, ending, &unused)) {
+            fprintf(out, "%s 'errors.csv' skip %d every ::0::%d using 0:%d with linespoints title ",
+                    lines++ ? "," : "", rows, points - 1, column);
+            put_quoted(out, scene->name);
+        }
+        rows += scene->mesh ? cJSON_GetArraySize(sweep_values(report)) : 0;
+    }
+    fputs("\n", out);
+}
+
+static bool draw_errors(struct report *report, const char *name, const char *label,
+                        const char *ending, int column, int points)
+{
+    char *script = NULL;
+    size_t size = 0;
+    struct range range = {0};
+    for (uint32_t i = 0; i < report->scene_count; i++)
+        find_errors(report, &report->scenes[i], ending, &range);
+    if (!(range.high > 0))
+        return remove_plot(report, name);
+    FILE *out = open_memstream(&script, &size);
+    if (out) {
+        put_axes(out, report, label, &range);
+        put_error_lines(out, report, ending, column, points);
+    }
+    bool good = draw(report, name, out, &script);
+    free(script);
+    return good;
+}
+
+static const cJSON *published_total(const struct report *report, const struct report_scene *scene)
+{
+    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
+    return strcmp(report_text(published, "scene"), scene->name) == 0
+               ? cJSON_GetObjectItem(published, "total")
+               : NULL;
+}
+
+static void put_published(FILE *out, const cJSON *total)
+{
+    const cJSON *item;
+    int i = 0;
+    fputs("$published << END\n", out);
+    cJSON_ArrayForEach(item, total) fprintf(out, "%d,%g\n", i++, item->valuedouble);
+    fputs("END\n", out);
+}
+
+/* Takes in the times of a scene and what was published of it; false when there is no time. */
+static bool find_times(struct report *report, const struct report_scene *scene, struct range *range)
+{
+    static const char *const parts[] = {"median", "p5", "p95"};
+    const cJSON *item;
+    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
+        char *file = report_sweep_file(report, scene, i, "_bench.json");
+        for (uint32_t j = 0; j < report->sides.count * DT_ARRAY_COUNT(parts) && file; j++)
+            take_in(range, report_frame_ms(report, file, j / DT_ARRAY_COUNT(parts),
+                                           parts[j % DT_ARRAY_COUNT(parts)]));
+        free(file);
+    }
+    bool any = range->high > 0;
+    cJSON_ArrayForEach(item, published_total(report, scene)) take_in(range, item->valuedouble);
+    return any;
+}
+
+/* A line for each backend, from the 5th to the 95th percentile around the median. `first`: the scene's
+ * place among those that are here. */
+static void put_time_lines(FILE *out, const struct report *report, uint32_t first)
+{
+    unsigned count = (unsigned)cJSON_GetArraySize(sweep_values(report));
+    fprintf(out, "set xrange [0:%u]\nplot", count - 1);
+    for (uint32_t side = 0; side < report->sides.count; side++) {
+        unsigned skip = 1 + (first * report->sides.count + side) * count;
+        fprintf(out,
+                "%s 'times.csv' skip %u every ::0::%u using 0:4:5:6 with yerrorbars lt %u "
+                "notitle, '' skip %u every ::0::%u using 0:4 with linespoints lt %u title ",
+                side ? "," : "", skip, count - 1, side + 1, skip, count - 1, side + 1);
+        put_quoted(out, report->sides.list[side].label);
+    }
+}
+
+static void put_published_line(FILE *out, const struct report *report)
+{
+    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
+    fputs(", $published using 1:2 with linespoints lt 6 dt 2 title ", out);
+    char *title = format_string("%s (other hardware)", report_text(published, "by"));
+    put_quoted(out, title ? title : "");
+    free(title);
+}
+
+static bool draw_times(struct report *report, const struct report_scene *scene, uint32_t first)
+{
+    char *script = NULL, *name = format_string("times_%s", scene->name);
+    size_t size = 0;
+    struct range range = {0};
+    const cJSON *total = published_total(report, scene);
+    bool any = name && find_times(report, scene, &range), good = name;
+    FILE *out = any ? open_memstream(&script, &size) : NULL;
+    if (out) {
+        put_axes(out, report, "milliseconds per frame", &range);
+        put_published(out, total);
+        put_time_lines(out, report, first);
+        if (total)
+            put_published_line(out, report);
+        fputs("\n", out);
+    }
+    good = any ? draw(report, name, out, &script) : good && remove_plot(report, name);
+    free(script);
+    free(name);
+    return good;
+}
+
+bool report_draw_plots(struct report *report)
+{
+    int count = cJSON_GetArraySize(sweep_values(report));
+    char *folder = format_string("%s/plots", report->folder);
+    bool good = folder && file_make_folders(folder, &report->console->log) &&
+                write_numbers(report, "errors", put_errors) &&
+                write_numbers(report, "times", put_times);
+    free(folder);
+    console_status(report->console, "drawing plots");
+    good = good &&
+           draw_errors(report, "errors", "relative MSE against the reference", ".json", 3, count) &&
+           draw_errors(report, "own_errors", "relative MSE against the last picture", "_own.json",
+                       5, count - 1);
+    for (uint32_t i = 0, here = 0; i < report->scene_count && good; i++) {
+        if (report->scenes[i].mesh)
+            good = draw_times(report, &report->scenes[i], here++);
+    }
+    console_status(report->console, "%s", "");
+    return good;
+}

@@ -1,0 +1,315 @@
+/* The tables of a report's page. Called by report_page.c. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "files.h"
+#include "report.h"
+
+/* ---- Text ------------------------------------------------------------------------------------ */
+
+void report_put_text(FILE *out, const char *text)
+{
+    for (; *text; text++) {
+        switch (*text) {
+        case '&':
+            fputs("&amp;", out);
+            break;
+        case '<':
+            fputs("&lt;", out);
+            break;
+        case '>':
+            fputs("&gt;", out);
+            break;
+        case '"':
+            fputs("&quot;", out);
+            break;
+        default:
+            fputc(*text, out);
+        }
+    }
+}
+
+void report_put_link(FILE *out, const char *path)
+{
+    static const char plain[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
+    for (; *path; path++)
+        fprintf(out, strchr(plain, *path) ? "%c" : "%%%02X", (unsigned char)*path);
+}
+
+void report_put_number(FILE *out, double value)
+{
+    double size = fabs(value);
+    if (isnan(value))
+        fputs("&ndash;", out);
+    else if (size >= 100 || (size >= 2 && value == floor(value)))
+        fprintf(out, "%.0f", value);
+    else if (size >= 10)
+        fprintf(out, "%.1f", value);
+    else if (size >= 1 || size == 0)
+        fprintf(out, "%.2f", value);
+    else if (size >= 0.001)
+        fprintf(out, "%.3g", value);
+    else
+        fprintf(out, "%.1e", value);
+}
+
+void report_put_result(FILE *out, struct report *report, const char *file, const char *path)
+{
+    fputs("<data value=\"", out);
+    report_put_text(out, file);
+    fprintf(out, "#%s\">", path);
+    report_put_number(out, report_number(report, file, path));
+    fputs("</data>", out);
+}
+
+static void put_result_cell(FILE *out, struct report *report, const char *file, const char *path)
+{
+    fputs("<td>", out);
+    if (file)
+        report_put_result(out, report, file, path);
+    fputs("</td>", out);
+}
+
+static const cJSON *sweep_values(const struct report *report)
+{
+    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values");
+}
+
+static const char *sweep_name(const struct report *report)
+{
+    return report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter");
+}
+
+static void put_value_heads(FILE *out, const struct report *report)
+{
+    char buffer[32];
+    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
+        fputs("<th scope=\"col\">", out);
+        report_put_text(out, report_item(sweep_values(report), i, buffer));
+        fputs("</th>", out);
+    }
+}
+
+/* ---- Overview -------------------------------------------------------------------------------- */
+
+static void put_overview_heads(FILE *out)
+{
+    fputs("<thead><tr><th scope=\"col\">Scene</th><th class=\"word\" scope=\"col\">Picture</th>"
+          "<th scope=\"col\">Relative MSE</th><th scope=\"col\">FLIP</th>"
+          "<th scope=\"col\">Mean / reference</th></tr></thead>\n",
+          out);
+}
+
+static void put_ratio_cell(FILE *out, struct report *report, const char *file)
+{
+    fputs("<td>", out);
+    report_put_number(out, report_number(report, file, "hdr.mean_test") /
+                               report_number(report, file, "hdr.mean_reference"));
+    fputs("</td>", out);
+}
+
+static void put_overview_rows(FILE *out, struct report *report, const struct report_scene *scene)
+{
+    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
+    bool first = true;
+    fputs("<tbody>\n", out);
+    cJSON_ArrayForEach(picture, pictures)
+    {
+        char *file = report_file(scene, report_text(picture, "name"), ".json");
+        fputs("<tr>", out);
+        if (first) {
+            fprintf(out, "<th scope=\"rowgroup\" rowspan=\"%d\"><a href=\"#scene-%u\">",
+                    cJSON_GetArraySize(pictures), (unsigned)(scene - report->scenes));
+            report_put_text(out, scene->name);
+            fputs("</a></th>", out);
+        }
+        fputs("<td class=\"word\">", out);
+        report_put_text(out, report_text(picture, "title"));
+        fputs("</td>", out);
+        put_result_cell(out, report, file, "hdr.relative_mse");
+        put_result_cell(out, report, file, "ldr.flip.mean");
+        put_ratio_cell(out, report, file ? file : "");
+        fputs("</tr>\n", out);
+        free(file);
+        first = false;
+    }
+    fputs("</tbody>\n", out);
+}
+
+void report_put_overview(FILE *out, struct report *report)
+{
+    fputs("<div class=\"scroll\"><table>\n", out);
+    put_overview_heads(out);
+    for (uint32_t i = 0; i < report->scene_count; i++) {
+        if (report->scenes[i].mesh)
+            put_overview_rows(out, report, &report->scenes[i]);
+    }
+    fputs("</table></div>\n", out);
+}
+
+/* ---- Errors over the sweep ------------------------------------------------------------------- */
+
+static void put_error_row(FILE *out, struct report *report, const struct report_scene *scene,
+                          const char *ending, const char *path)
+{
+    fputs("<tr><th scope=\"row\">", out);
+    report_put_text(out, scene->name);
+    fputs("</th>", out);
+    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
+        char *file = report_sweep_file(report, scene, i, ending);
+        put_result_cell(out, report, file, path);
+        free(file);
+    }
+    fputs("</tr>\n", out);
+}
+
+static void put_error_table(FILE *out, struct report *report, const char *caption,
+                            const char *ending, const char *path)
+{
+    fprintf(out,
+            "<div class=\"scroll\"><table><caption>%s</caption>\n<thead><tr><th scope=\"col\">",
+            caption);
+    report_put_text(out, sweep_name(report));
+    fputs("</th>", out);
+    put_value_heads(out, report);
+    fputs("</tr></thead>\n<tbody>\n", out);
+    for (uint32_t i = 0; i < report->scene_count; i++) {
+        if (report->scenes[i].mesh)
+            put_error_row(out, report, &report->scenes[i], ending, path);
+    }
+    fputs("</tbody></table></div>\n", out);
+}
+
+void report_put_errors(FILE *out, struct report *report)
+{
+    put_error_table(out, report, "Relative MSE against the reference", ".json", "hdr.relative_mse");
+    put_error_table(out, report, "FLIP against the reference", ".json", "ldr.flip.mean");
+    put_error_table(out, report, "Relative MSE against the picture of the last column", "_own.json",
+                    "hdr.relative_mse");
+}
+
+/* ---- Stages ---------------------------------------------------------------------------------- */
+
+/* What was published of this scene, or NULL. */
+static const cJSON *published_of(const struct report *report, const struct report_scene *scene)
+{
+    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
+    return strcmp(report_text(published, "scene"), scene->name) == 0 ? published : NULL;
+}
+
+/* A row group of the table: one line per backend, and what was published. */
+struct stage_row {
+    const char *name, *doc;
+    const cJSON *stage;     /* NULL: passes of none, or the whole frame */
+    const cJSON *published; /* numbers, or NULL */
+    bool whole;
+};
+
+static void put_row_head(FILE *out, const struct stage_row *row, uint32_t lines)
+{
+    fprintf(out, "<tbody><tr><th scope=\"rowgroup\" rowspan=\"%u\">", lines);
+    report_put_text(out, row->name);
+    if (*row->doc) {
+        fputs("<small>", out);
+        report_put_text(out, row->doc);
+        fputs("</small>", out);
+    }
+    fputs("</th>", out);
+}
+
+static void put_time_cell(FILE *out, struct report *report, const struct stage_row *row,
+                          const char *file, uint32_t side)
+{
+    fputs("<td>", out);
+    if (file)
+        report_put_number(out, row->whole ? report_frame_ms(report, file, side, "median")
+                                          : report_stage_ms(report, file, side, row->stage));
+    fputs("</td>", out);
+}
+
+static void put_published_row(FILE *out, const struct report *report, const cJSON *numbers)
+{
+    const cJSON *item;
+    fputs("<tr class=\"published\"><td class=\"word\">", out);
+    report_put_text(out, report_text(cJSON_GetObjectItem(report->outline, "published"), "by"));
+    fputs("</td>", out);
+    cJSON_ArrayForEach(item, numbers)
+    {
+        fputs("<td>", out);
+        report_put_number(out, item->valuedouble);
+        fputs("</td>", out);
+    }
+    fputs("</tr>\n", out);
+}
+
+static void put_stage(FILE *out, struct report *report, const struct report_scene *scene,
+                      const struct stage_row *row)
+{
+    put_row_head(out, row, report->sides.count + (row->published != NULL));
+    for (uint32_t side = 0; side < report->sides.count; side++) {
+        fprintf(out, "%s<td class=\"word\">", side ? "<tr>" : "");
+        report_put_text(out, report->sides.list[side].label);
+        fputs("</td>", out);
+        for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
+            char *file = report_sweep_file(report, scene, i, "_bench.json");
+            put_time_cell(out, report, row, file, side);
+            free(file);
+        }
+        fputs("</tr>\n", out);
+    }
+    if (row->published)
+        put_published_row(out, report, row->published);
+    fputs("</tbody>\n", out);
+}
+
+static void put_stage_rows(FILE *out, struct report *report, const struct report_scene *scene)
+{
+    const cJSON *stage, *published = published_of(report, scene);
+    const cJSON *stages = cJSON_GetObjectItem(published, "stages");
+    cJSON_ArrayForEach(stage, cJSON_GetObjectItem(report->outline, "stages"))
+    {
+        const char *name = report_text(stage, "name");
+        put_stage(out, report, scene,
+                  &(struct stage_row){.name = name,
+                                      .doc = report_text(stage, "doc"),
+                                      .stage = stage,
+                                      .published = cJSON_GetObjectItem(stages, name)});
+    }
+    put_stage(out, report, scene, &(struct stage_row){.name = "Other passes", .doc = ""});
+    put_stage(out, report, scene,
+              &(struct stage_row){.name = "Whole frame",
+                                  .doc = "without timestamps",
+                                  .published = cJSON_GetObjectItem(published, "total"),
+                                  .whole = true});
+}
+
+static void put_other_hardware(FILE *out, const cJSON *published)
+{
+    if (!published)
+        return;
+    fputs("<small>other hardware: ", out);
+    report_put_text(out, report_text(published, "by"));
+    fputs(" had a ", out);
+    report_put_text(out, report_text(published, "device"));
+    fputs(" at ", out);
+    report_put_text(out, report_text(published, "size"));
+    fputs("</small>", out);
+}
+
+void report_put_stages(FILE *out, struct report *report, const struct report_scene *scene)
+{
+    fputs("<div class=\"scroll\"><table><caption>", out);
+    report_put_text(out, scene->name);
+    fprintf(out, ": milliseconds at %ux%u", report->options->size[0], report->options->size[1]);
+    put_other_hardware(out, published_of(report, scene));
+    fputs("</caption>\n<thead><tr><th scope=\"col\">Stage</th><th class=\"word\" scope=\"col\">",
+          out);
+    report_put_text(out, sweep_name(report));
+    fputs("</th>", out);
+    put_value_heads(out, report);
+    fputs("</tr></thead>\n", out);
+    put_stage_rows(out, report, scene);
+    fputs("</table></div>\n", out);
+}

@@ -1,0 +1,184 @@
+"""Reads the page of a report as a browser and a doubtful reader would: report.py FOLDER [--incomplete].
+
+Every tag is closed, every link and picture leads to a file, nothing comes from a network, and every number stands in the JSON
+that it says it is from, or follows from it. With --incomplete the last value of the sweep must have failed."""
+import csv
+import html.parser
+import json
+import os
+import sys
+import urllib.parse
+
+VOID = {"meta", "img", "br", "link", "hr"}
+SCENE = "a & box"
+VALUES = ["0.05", "0.1", "0.2"]
+
+
+class Page(html.parser.HTMLParser):
+    """Elements in the order of the page: tag, attributes, text of the whole element."""
+
+    def __init__(self, text):
+        super().__init__(convert_charrefs=True)
+        self.open, self.elements = [], []
+        self.feed(text)
+        self.close()
+        assert not self.open, f"not closed: {self.open}"
+
+    def handle_starttag(self, tag, attrs):
+        assert len(dict(attrs)) == len(attrs), f"an attribute twice: {attrs}"
+        element = [tag, dict(attrs), ""]
+        self.elements.append(element)
+        if tag not in VOID:
+            self.open.append(element)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1][0] == tag, f"</{tag}> closes {self.open and self.open[-1][0]}"
+        self.open.pop()
+
+    def handle_data(self, data):
+        for element in self.open:
+            element[2] += data
+
+    def all(self, tag):
+        return [e for e in self.elements if e[0] == tag]
+
+
+def near(text, number, what):
+    """Whether a text shows a number to the three digits that it is given with, or an integer."""
+    shown = float(text)
+    assert abs(shown - number) <= 0.006 * abs(number) or abs(shown - number) < 0.5 <= 100 <= number, f"{what}: {text} for {number}"
+
+
+def follow(value, path):
+    for name in path.split("."):
+        value = value[name]
+    return value
+
+
+def check_links(page, folder):
+    ids = [e[1]["id"] for e in page.elements if "id" in e[1]]
+    assert len(ids) == len(set(ids)) and not any(" " in i for i in ids), ids
+    links = [e[1][name] for e in page.elements for name in ("src", "href") if name in e[1]]
+    assert len(links) > 8, links
+    for link in links:
+        assert not urllib.parse.urlparse(link).scheme, f"{link}: not of this folder"
+        path = urllib.parse.unquote(link)
+        if path.startswith("#"):
+            assert path[1:] in ids, path
+        else:
+            assert os.path.getsize(os.path.join(folder, path)) > 0
+    for _, attributes, _ in page.all("img"):
+        assert len(attributes["alt"]) > 5 and attributes["width"] and attributes["height"], attributes
+
+
+def check_numbers(page, results, missing, values):
+    marked = page.all("data")
+    # two in the overview and under each of two pictures; samples; two of the map; a table of each of three errors
+    assert len(marked) == 2 * 2 + 2 * 2 + 1 + 2 + 3 * len(values), len(marked)
+    for _, attributes, text in marked:
+        file, path = attributes["value"].split("#")
+        if file in missing:
+            assert text == "\u2013", (file, text)
+        else:
+            near(text, follow(results[file], path), attributes["value"])
+    assert {e[1]["value"].split("#")[0] for e in marked} == (set(results) | set(missing)) - {
+        f"{SCENE}/compare.json"} - {f for f in set(results) | set(missing) if f.endswith("_bench.json")}
+
+
+def table_rows(page, caption):
+    """The cells of the table whose caption begins so, row by row."""
+    text = next(e[2] for e in page.all("table") if e[2].strip().startswith(caption))
+    assert text
+    rows, inside = [], False
+    for tag, _, words in page.elements:
+        if tag == "table":
+            inside = words == text
+        elif inside and tag == "tr":
+            rows.append([])
+        elif inside and tag in ("th", "td"):
+            rows[-1].append(words)
+    return rows
+
+
+def stage_ms(result, side, passes):
+    return sum(p["ms"]["median"] for p in result["sides"][side]["passes"] if p["pass"] in passes)
+
+
+def check_stages(page, results, values):
+    rows = table_rows(page, SCENE + ": milliseconds at 48x27")
+    assert rows[0] == ["Stage", "level"] + values, rows[0]
+    assert [r[-1 - len(values)] for r in rows[1:]] == ["gl", "vk", "somebody's paper", "gl", "vk", "gl", "vk", "somebody's paper"]
+    assert rows[1][0] == "Paint & conothing <else>"
+    assert [float(x) for x in rows[3][-3:]] == [1.5, 2.5, 3.5] and [float(x) for x in rows[8][-3:]] == [4.5, 5.5, 6.5], rows
+    for i, value in enumerate(values):
+        result = results.get(f"{SCENE}/level_{value}_bench.json")
+        if not result:
+            assert all(rows[r][i - len(values)] == "\u2013" for r in (1, 2, 4, 5, 6, 7))
+            continue
+        for side in (0, 1):
+            assert result["sides"][side]["frame_ms"]["count"] == 3
+            near(rows[1 + side][i - len(values)], stage_ms(result, side, ["paint"]), "paint")
+            near(rows[4 + side][i - len(values)], stage_ms(result, side, ["show"]), "other passes")
+            near(rows[6 + side][i - len(values)], result["sides"][side]["frame_ms"]["median"], "frame")
+
+
+def check_overview(page, results):
+    rows = table_rows(page, "ScenePicture")
+    assert len(rows) == 3 and rows[1][1] == "Dark, < 0.2"
+    for row, name, level in ((rows[1], "dark", 0.1), (rows[2], "shown", 0.2)):
+        linear = results[f"{SCENE}/{name}.json"]["hdr"]
+        near(row[-1], linear["mean_test"] / linear["mean_reference"], "ratio")
+        # the picture is grey at that level, and exposed
+        near(str(linear["mean_test"]), level * results[f"{SCENE}/{name}.json"]["exposure"], name)
+
+
+def check_csv(folder, results):
+    with open(os.path.join(folder, "plots/errors.csv"), encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [r["level"] for r in rows] == VALUES, rows
+    for row in rows:
+        result = results[f"{SCENE}/level_{row['level']}.json"]
+        near(row["relative_mse"], result["hdr"]["relative_mse"], "CSV")
+        own = results.get(f"{SCENE}/level_{row['level']}_own.json")
+        assert bool(own) == bool(row["own_flip"]), row
+        if own:
+            near(row["own_flip"], own["ldr"]["flip"]["mean"], "CSV")
+    with open(os.path.join(folder, "plots/times.csv"), encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [(r["side"], r["level"]) for r in rows] == [(s, v) for s in ("gl", "vk") for v in VALUES], rows
+    for row in rows:
+        spread = results[f"{SCENE}/level_{row['level']}_bench.json"]["sides"][row["side"] == "vk"]["frame_ms"]
+        for column, name in (("frame_ms", "median"), ("p5", "p5"), ("p95", "p95")):
+            near(row[column], spread[name], "CSV")
+
+
+def main():
+    folder, incomplete = sys.argv[1], "--incomplete" in sys.argv
+    with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
+        text = file.read()
+    page = Page(text)
+    values = ["0.05", "0.1", "7"] if incomplete else VALUES
+    # of the last value against itself there is nothing to measure
+    missing = [f"{SCENE}/level_{values[-1]}_own.json"]
+    if incomplete:
+        missing += [f"{SCENE}/level_{v}.json" for v in ("7", "7_bench", "0.05_own", "0.1_own")]
+    names = ["reference", "dark", "shown", "compare"]
+    names += [f"level_{v}{e}" for i, v in enumerate(values) for e in ("", "_bench") + (("_own",) if i + 1 < len(values) else ())]
+    results = {}
+    for name in (f"{SCENE}/{n}.json" for n in names):
+        if name not in missing:
+            with open(os.path.join(folder, name), encoding="utf-8") as file:
+                results[name] = json.load(file)
+    if not incomplete:
+        check_csv(folder, results)
+    check_links(page, folder)
+    check_numbers(page, results, missing, values)
+    check_stages(page, results, values)
+    check_overview(page, results)
+    assert [e[2] for e in page.all("h1")] == ['Grey & "plain" <all over>']
+    for words in ("absent: its mesh is not here", "agree on every resource", "Other hardware:", 'a "fast" device', "llvmpipe"):
+        assert words in page.elements[0][2], words
+    assert any("--set level=0.1" in e[2] for e in page.all("pre")) and any("pipeline: grey" in e[2] for e in page.all("pre"))
+
+
+main()

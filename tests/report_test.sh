@@ -1,0 +1,94 @@
+#!/usr/bin/env bash
+# `diptych report`: a small report is made to the end; its page is read by another program, which follows every link and looks
+# up every number. What has failed, or has been interrupted, is told and made up for.
+# shellcheck source=tests/tap.sh
+. "$(dirname "$0")/tap.sh"
+
+if ! command -v gnuplot >/dev/null; then
+    skip "a report" "gnuplot is missing, the package gnuplot-nox"
+    finish
+fi
+
+# ---- A pipeline with an outline, in folders whose names a shell, ninja, gnuplot and HTML each read in their own way ----
+
+# shellcheck disable=SC2016
+folder=$work/'it'\''s $HOME: <a> & b'
+mkdir "$folder"
+cp -r "$root"/tests/specs/grey* "$folder"
+sed "s|^mesh: .*|mesh: $root/scenes/cornell.obj|" "$root/scenes/cornell.yaml" >"$folder/a & box.yaml"
+sed "s|^mesh: .*|mesh: nowhere.obj|" "$root/scenes/cornell.yaml" >"$folder/absent.yaml"
+report=$folder/report
+small=("$diptych" report --spec "$folder/grey.yaml" --size 48x27 --spp 16 --frames 3 --warmup 1 -o "$report")
+
+# shellcheck disable=SC2317 # called through check
+said() { # status text command...: an exit status, and a text on stderr
+    local want=$1 text=$2 got
+    shift 2
+    "$@" >"$work/out" 2>"$work/err"
+    got=$?
+    cat "$work/out" "$work/err"
+    [ "$got" = "$want" ] && grep -qF -- "$text" "$work/err"
+}
+
+check "a report is made, without the scene whose mesh is not here" said 0 "absent.yaml is left out" "${small[@]}"
+check "the page is well formed, its links lead somewhere, its numbers are those of the results" \
+    /usr/bin/python3 "$root/tests/report.py" "$report"
+for plot in "$report"/plots/*.svg; do
+    # shellcheck disable=SC2016
+    check "$(basename "$plot") is XML" /usr/bin/python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' "$plot"
+done
+
+# ---- Going on ---------------------------------------------------------------------------------------------------------
+
+times() { # of the results
+    (cd "$report/a & box" && stat -c '%n %y' -- *.json)
+}
+times >"$work/before"
+check "the same command does nothing again" said 0 "no work to do" "${small[@]}"
+times >"$work/after"
+# shellcheck disable=SC2317
+unchanged() {
+    [ -s "$work/before" ] && cmp "$work/before" "$work/after"
+}
+check "... and leaves the results alone" unchanged
+rm "$report/a & box/shown.exr"
+check "a picture that is gone is made again" "${small[@]}"
+check "... with what was measured of it, and nothing else" \
+    [ "$(times | comm -13 "$work/before" - | cut -d' ' -f1)" = shown.json ]
+
+# So many samples take minutes.
+# shellcheck disable=SC2317
+interrupted() {
+    local pid
+    "${small[@]}" --spp 400000 -o "$work/held" &
+    pid=$!
+    for _ in $(seq 600); do
+        [ ! -e "$work/held/a & box/reference.json.txt" ] || break
+        sleep 0.1
+    done
+    kill -INT "$pid"
+    wait "$pid"
+}
+check_status 130 "an interrupt ends a report" interrupted
+check_status 1 "... without a page" [ -e "$work/held/index.html" ]
+check_status 1 "... and without the result that it was at" [ -e "$work/held/a & box/reference.json" ]
+check "it goes on from there, with other samples, too" "${small[@]}" -o "$work/held"
+check "... to a whole page" /usr/bin/python3 "$root/tests/report.py" "$work/held"
+
+# ---- What fails -------------------------------------------------------------------------------------------------------
+
+# The parameter has no such value.
+sed -i 's/^sweep: .*/sweep: {parameter: level, values: [0.05, 0.1, 7]}/' "$folder/grey/report.yaml"
+check "a step that fails is told, and the rest is done" said 1 "there is no result of: " "${small[@]}"
+check "... and the page is there, without its number" /usr/bin/python3 "$root/tests/report.py" "$report" --incomplete
+
+check "a folder of something else" said 2 "holds files, but no report" "${small[@]}" -o "$folder"
+check "an outline that is not there" said 2 "it says what a report of this spec shows" "${small[@]}" --outline "$folder/none.yaml"
+printf 'pictures: [{name: ../a, title: A, set: [x=1]}]\n' >"$folder/bad.yaml"
+check "an outline that names a file elsewhere" said 2 "each of \`pictures\` takes a \`name\`" "${small[@]}" --outline "$folder/bad.yaml"
+printf 'pictures: [{name: a, title: A, set: [x=1]}]\nsweep: {parameter: x}\n' >"$folder/bad.yaml"
+check "a sweep without values" said 2 "\`sweep\` takes a \`parameter\` and a list \`values\`" "${small[@]}" --outline "$folder/bad.yaml"
+sed 's/total: .*/total: [1, 2]/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"
+check "numbers of other values" said 2 "as many numbers as the sweep has values" "${small[@]}" --outline "$folder/grey/bad.yaml"
+check "no scene left" said 2 "no scene is left" "${small[@]}" --scene "$folder/absent.yaml"
+finish
