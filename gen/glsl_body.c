@@ -246,11 +246,14 @@ static void rename_words(struct text *text, const struct renaming *renaming, boo
     *text = renamed;
 }
 
-/* OpenGL numbers vertices and instances under other names, and no macro may begin with gl_. */
-static void rename_for_opengl(struct text *text)
+/* OpenGL numbers vertices and instances under other names, and no macro may begin with gl_. Its number
+ * of an instance leaves out the base, which only an indirect draw has. */
+static void rename_for_opengl(struct text *text, bool indirect)
 {
-    static const struct renaming renamings[] = {{"gl_VertexIndex", "gl_VertexID"},
-                                                {"gl_InstanceIndex", "gl_InstanceID"}};
+    const struct renaming renamings[] = {
+        {"gl_VertexIndex", "gl_VertexID"},
+        {"gl_InstanceIndex", indirect ? "(gl_BaseInstance + gl_InstanceID)" : "gl_InstanceID"},
+    };
     for (size_t i = 0; i < DT_ARRAY_COUNT(renamings); i++)
         rename_words(text, &renamings[i], false);
 }
@@ -283,7 +286,7 @@ bool glsl_body(struct glsl *glsl)
     if (!glsl->pipeline->fast)
         rename_for_exactness(&glsl->parts[PART_BODY]);
     if (glsl->backend == BACKEND_GL && glsl->stage == STAGE_IS_VERTEX)
-        rename_for_opengl(&glsl->parts[PART_BODY]);
+        rename_for_opengl(&glsl->parts[PART_BODY], glsl->pass->indirect_resource != NULL);
     return true;
 }
 

@@ -3,7 +3,7 @@ layout(location = 0) out vec3 world_normal;
 void main()
 {
     gl_Position = view.view_projection * vec4(vertex_position, 1.0);
-    world_normal = vertex_normal;
+    world_normal = vertex_normal * float(gl_InstanceIndex); /* the only instance's is 1 */
 }
 #endif
 #ifdef FRAGMENT

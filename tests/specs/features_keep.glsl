@@ -14,5 +14,5 @@ void main()
     draw_arguments[0].instance_count = 1u;
     draw_arguments[0].first_index = 0u;
     draw_arguments[0].vertex_offset = 0;
-    draw_arguments[0].first_instance = 0u;
+    draw_arguments[0].first_instance = 1u;
 }
