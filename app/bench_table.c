@@ -76,7 +76,8 @@ static void print_times(const struct bench *bench)
     printf("\n");
 }
 
-/* Rates, and how many times the least time that the device's own rates allow. */
+/* Rates if every resource is moved whole and once, and how many times as long the pass takes as the
+ * device's own rates allow: below 1 where it looks at parts of a resource only. */
 static void print_rates(const struct bench *bench, const struct bench_side *side,
                         const struct work *work, uint32_t pass)
 {
@@ -105,7 +106,7 @@ static void print_work(const struct bench *bench)
 {
     const struct dt_pipeline *info = bench->subject.pipeline.info;
     int width = name_width(info);
-    printf("%-*s  %*s  %*s", width, "at least", COLUMN, "MB", COLUMN, "Mflop");
+    printf("%-*s  %*s  %*s", width, "resources once", COLUMN, "MB", COLUMN, "Mflop");
     for (uint32_t i = 0; i < bench->sides.count; i++)
         printf("  %*s%s  %*s  %*s", COLUMN - 5, bench->sides.list[i].label, " GB/s", COLUMN,
                "Gflop/s", COLUMN, "x floor");

@@ -2,6 +2,7 @@
 #include "limit.h"
 
 #include <dlfcn.h>
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,7 +23,7 @@ static char **compiler_arguments(const struct limits *limits, const char *folder
                                  const char *project, const char *object)
 {
     static const char *const flags[] = {"-std=gnu11", "-O3",   "-march=native", "-ffast-math",
-                                        "-fopenmp",   "-fPIC", "-shared",       "-DNDEBUG"};
+                                        "-fopenmp",   "-fPIC", "-shared"};
     const char *compiler = getenv("CC");
     char **argv = calloc(DT_ARRAY_COUNT(flags) + limits->count + 8, sizeof *argv);
     size_t n = 0;
@@ -72,10 +73,26 @@ static bool compile(const struct limits *limits, struct console *console, const 
     return good;
 }
 
-/* Compiled code is the same as long as the folder is: it is named by what it was made from. */
+/* The folder is named by what the C and the pipeline's header were made from; what else the C includes
+ * gives the object its name. */
+static char *object_path(const struct pipeline *pipeline, const struct dt_log *log)
+{
+    uint64_t hash = FILE_HASH_START;
+    char *project = project_folder(log);
+    char *header = project ? format_string("%s/templates/c/limit.h", project) : NULL;
+    char *path = NULL;
+    if (header && !hash_file(&hash, header))
+        report_error(log, "%s: cannot be read", header);
+    else if (header)
+        path = format_string("%s/limits-%016" PRIx64 ".so", pipeline->generated, hash);
+    free(header);
+    free(project);
+    return path;
+}
+
 static bool load(struct limits *limits, struct console *console, const struct pipeline *pipeline)
 {
-    char *object = format_string("%s/limits.so", pipeline->generated);
+    char *object = object_path(pipeline, &console->log);
     bool good = object;
     console_status(console, "compiling the limits");
     /* idle threads shall leave the processor to the backends */

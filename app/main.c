@@ -32,7 +32,11 @@ static const struct verb verbs[] = {
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
-     "Milliseconds are those of the device, medians with the 5th and 95th percentile.\n"
+     "Milliseconds are those of the device, medians with the 5th and 95th percentile. Rates count "
+     "every\n"
+     "resource of a pass whole and once; a device's own, of templates/machine.yaml, are measured "
+     "in turn\n"
+     "with them. A pass that names C by `limit` is told in times of that, on this processor.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_bench},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
