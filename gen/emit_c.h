@@ -82,7 +82,6 @@ void c_targets(const struct c_output *c); /* the functions targets_NAME of all d
 bool has_fetch(const struct pipeline *pipeline);
 bool access_is_image(const struct access *access);
 
-
 /* emit_work.c, for NAME.c: the functions runs_NAME, and the members of a dt_pass that tell its
  * work. */
 void emit_runs_functions(const struct c_output *c);
