@@ -45,6 +45,8 @@ static const char page_head[] =
     "pre{background:var(--soft);padding:.75rem;overflow-x:auto;font-size:.8rem;line-height:1.45}"
     "pre.commands{white-space:pre-wrap;overflow-wrap:anywhere}"
     "summary{cursor:pointer;padding:.3rem 0}\n"
+    "@media(max-width:34rem){body{padding:1rem .75rem}table{font-size:.8rem}"
+    "th,td{padding:.25rem .3rem}}\n"
     "</style>\n";
 
 /* ---- Head ------------------------------------------------------------------------------------ */
@@ -235,7 +237,8 @@ static void put_map(FILE *out, struct report *report, const struct report_scene 
     put_image(out, scene, map ? map : "", "FLIP map", report);
     fputs("<figcaption><b>FLIP: ", out);
     report_put_text(out, report_text(picture, "title"));
-    fputs("</b>against the reference; 95 % of the pixels are below ", out);
+    fputs("</b>bright where it differs from the reference; 95&nbsp;% of the pixels are below ",
+          out);
     report_put_result(out, report, file ? file : "", "ldr.flip.p95");
     fputs(", the worst is ", out);
     report_put_result(out, report, file ? file : "", "ldr.flip.max");
@@ -287,7 +290,9 @@ static void put_pictures(FILE *out, struct report *report)
         "<h2>Pictures</h2>\n"
         "<p>All pictures of a scene are shown at one exposure, that of its reference, and were "
         "measured like that. Relative MSE is of the linear light, 0 for no error; FLIP is what an "
-        "observer sees when the two pictures take turns, from 0, the same, to 1.</p>\n"
+        "observer sees when the two pictures take turns, from 0, the same, to 1. Noise of the "
+        "reference "
+        "counts as an error of the picture.</p>\n"
         "<ul class=\"scale\" aria-label=\"Colours of FLIP maps\"><li>0</li>"
         "<li class=\"bar\" aria-hidden=\"true\"></li><li>1</li></ul>\n",
         out);
@@ -359,7 +364,8 @@ static void put_errors(FILE *out, struct report *report)
     report_put_text(out, parameter);
     fputs("</h2>\n<div class=\"plots\">\n", out);
     put_plot(out, report, "errors", "Against the reference",
-             "Lower is better. What stays to the right is the method&rsquo;s own error.");
+             "Lower is better. What is left at the right end is the method&rsquo;s own, and the "
+             "noise of the reference.");
     put_plot(out, report, "own_errors", "Against the pipeline's own picture with the last value",
              "How much would still change: the reference plays no part in it.");
     fputs("</div>\n", out);

@@ -10,10 +10,10 @@
 #include "report.h"
 #include "tool.h"
 
-/* What SVG from gnuplot has in black follows the reader's choice of a dark page; the lines of the
- * data have colours that can be seen on both. */
+/* What SVG from gnuplot has in black follows the reader's choice of a dark page, and what it has in white, around
+ * points, goes; the lines of the data have colours that can be seen on both. */
 static const char svg_style[] =
-    "<style>text{fill:#24292f}[stroke=\"black\"]{stroke:#57606a}"
+    "<style>[color=\"white\"]{display:none}text{fill:#24292f}[stroke=\"black\"]{stroke:#57606a}"
     "@media(prefers-color-scheme:dark){text{fill:#d6dce3}[stroke=\"black\"]{stroke:#9aa4ae}}"
     "</style>\n";
 
@@ -50,22 +50,21 @@ static void take_in(struct range *range, double value)
     range->high = fmax(range->high, value);
 }
 
-/* Room for all of them, and ticks at 1, 2 and 5 of each decade, of which at least one is in a range of
- * more than 2.5. */
+/* Room for all of them, and ticks at round numbers, the closer the narrower the range, which is one of 2.5
+ * at least. */
 static void put_range(FILE *out, const struct range *range)
 {
-    static const double room = 1.6;
+    static const double room = 1.6, round[] = {1, 1.5, 2, 3, 5, 7}, coarse[] = {1, 2, 5};
     double low = range->low / room, high = range->high * room;
+    const double *steps = high < 10 * low ? round : coarse;
+    int count = high < 10 * low     ? DT_ARRAY_COUNT(round)
+                : high < 1000 * low ? DT_ARRAY_COUNT(coarse)
+                                    : 1;
     fprintf(out, "set yrange [%g:%g]\nset ytics (", low, high);
-    for (int decade = (int)floor(log10(low)), first = 1; pow(10, decade) < high; decade++) {
-        for (int i = 0; i < 3; i++, first = 0) {
-            bool labelled = i == 0 || high < 100 * low;
-            double tick = (i == 0 ? 1 : i == 1 ? 2 : 5) * pow(10, decade);
-            if (labelled)
-                fprintf(out, "%s\"%g\" %g", first ? "" : ", ", tick, tick);
-            else
-                fprintf(out, ", \"\" %g 1", tick);
-        }
+    for (int i = 0, decade = (int)floor(log10(low)); pow(10, decade) < high; i++) {
+        double tick = steps[i % count] * pow(10, decade);
+        fprintf(out, "%s\"%g\" %g", i ? ", " : "", tick, tick);
+        decade += i % count == count - 1;
     }
     fputs(")\n", out);
 }

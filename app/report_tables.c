@@ -50,7 +50,7 @@ void report_put_number(FILE *out, double value)
     else if (size >= 1 || size == 0)
         fprintf(out, "%.2f", value);
     else if (size >= 0.001)
-        fprintf(out, "%.3g", value);
+        fprintf(out, "%#.3g", value);
     else
         fprintf(out, "%.1e", value);
 }
