@@ -54,17 +54,17 @@ static void take_in(struct range *range, double value)
  * at least. */
 static void put_range(FILE *out, const struct range *range)
 {
-    static const double room = 1.6, round[] = {1, 1.5, 2, 3, 5, 7}, coarse[] = {1, 2, 5};
+    static const double room = 1.6, round[] = {1, 2, 5, 1.5, 3, 7};
     double low = range->low / room, high = range->high * room;
-    const double *steps = high < 10 * low ? round : coarse;
-    int count = high < 10 * low     ? DT_ARRAY_COUNT(round)
-                : high < 1000 * low ? DT_ARRAY_COUNT(coarse)
-                                    : 1;
+    int count = high < 10 * low ? DT_ARRAY_COUNT(round) : high < 1000 * low ? 3 : 1;
+    const char *separator = "";
     fprintf(out, "set yrange [%g:%g]\nset ytics (", low, high);
-    for (int i = 0, decade = (int)floor(log10(low)); pow(10, decade) < high; i++) {
-        double tick = steps[i % count] * pow(10, decade);
-        fprintf(out, "%s\"%g\" %g", i ? ", " : "", tick, tick);
-        decade += i % count == count - 1;
+    for (int decade = (int)floor(log10(low)); pow(10, decade) < high; decade++) {
+        for (int i = 0; i < count; i++) {
+            double tick = round[i] * pow(10, decade);
+            fprintf(out, "%s\"%g\" %g", separator, tick, tick);
+            separator = ", ";
+        }
     }
     fputs(")\n", out);
 }
