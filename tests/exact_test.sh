@@ -7,10 +7,41 @@ specs=$root/tests/specs
 
 exact=(--scene "$scene" --spec "$specs/exact.yaml" --size 9x5)
 
-check "every function gives the same bits, validation silent" "$diptych" compare "${exact[@]}" --debug
-check "... and over other inputs" "$diptych" compare "${exact[@]}" --set cases=20000
+# The inputs have NaN and infinity among them, which no compare lets pass, so that the dumps themselves are held together.
+# shellcheck disable=SC2317 # called through check
+dumps() { # options...: the files of both backends that differ, in the order of the passes
+    local backend poison
+    for backend in gl vk; do
+        poison=$([ $backend = gl ] && echo 90 || echo 165)
+        rm -rf "$work/$backend"
+        "$diptych" render "${exact[@]}" --backend $backend --poison "$poison" --dump "$work/$backend" "$@" || return 2
+    done
+    diff -rq --exclude=manifest.json "$work/gl" "$work/vk" >"$work/table"
+}
+# shellcheck disable=SC2317
+same_bits() { # files options...: that many files, all equal
+    local files=$1
+    shift
+    dumps "$@" || {
+        cat "$work/table"
+        return 1
+    }
+    [ "$(find "$work/vk" -type f ! -name manifest.json -size +0 | wc -l)" = "$files" ]
+}
+
+# shellcheck disable=SC2317
+same_bits_of_text() {
+    dumps --set with_rows=false || return
+    rm -rf "$work/gl"
+    "$diptych" render "${exact[@]}" --backend gl+glsl --poison 90 --dump "$work/gl" --set with_rows=false &&
+        diff -rq --exclude=manifest.json "$work/gl" "$work/vk"
+}
+
+check "every function gives the same bits, validation silent" same_bits 7 --debug
+check "... and over other inputs" same_bits 7 --set cases=20000
 # vector * matrix and matrix * matrix: Mesa's GLSL compiler has an order of its own for them, which `precise` does not reach.
-check "every function gives the same bits with OpenGL fed GLSL text" "$diptych" compare "${exact[@]}" --glsl --set with_rows=false
+# Their pass is skipped here, and what it clears is a file, too.
+check "every function gives the same bits with OpenGL fed GLSL text" same_bits_of_text
 for spec in "$specs/features.yaml" "$root/templates/ssvp.yaml" "$root/templates/rsm.yaml"; do
     for name in cornell atrium; do
         check "$(basename "$spec" .yaml) agrees on $name with OpenGL fed GLSL text" \
@@ -18,11 +49,8 @@ for spec in "$specs/features.yaml" "$root/templates/ssvp.yaml" "$root/templates/
     done
 done
 
-# A control: the comparison sees what exact mode removes.
-for backend in gl vk; do
-    check "fast mode renders with $backend" "$diptych" render "${exact[@]}" --backend $backend --set exactness=fast -o "$work/fast.png"
-done
-check_status 1 "fast mode differs" "$diptych" compare "${exact[@]}" --set exactness=fast
-cp "$work/output" "$work/table"
-check "... in a pass whose functions exact mode replaces" grep -qE '^pass (measure|turn|multiply) is the first' "$work/table"
+# A control: the same way of looking sees what exact mode removes.
+check_status 1 "fast mode differs" dumps --set exactness=fast
+check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"
+check "... and not in its inputs" [ "$(grep -c draw_inputs "$work/table")" = 0 ]
 finish
