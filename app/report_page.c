@@ -342,11 +342,11 @@ static void put_published_error(FILE *out, const struct report *report)
     int i = 0;
     if (!values)
         return;
-    fputs("<p>", out);
-    report_put_text(out, report_text(published, "by"));
-    fputs(" has for ", out);
+    fputs("<p>Of ", out);
     report_put_text(out, report_text(published, "scene"));
-    fputs(", against its own last picture:", out);
+    fputs(", ", out);
+    report_put_text(out, report_text(published, "by"));
+    fputs(" has against its own last picture:", out);
     cJSON_ArrayForEach(item, values)
     {
         fprintf(out, "%s %g at ", i ? "," : "", item->valuedouble);
