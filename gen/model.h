@@ -244,8 +244,8 @@ struct pass {
     const char *limit;         /* C file that does the same, path as written; NULL: none */
     struct loc limit_loc;
     const struct source *limit_body; /* check */
-    struct expr *when;         /* NULL: always */
-    const char **after;        /* explicit order */
+    struct expr *when;               /* NULL: always */
+    const char **after;              /* explicit order */
     struct loc *after_locs;
     uint32_t after_count;
     /* dispatch */
