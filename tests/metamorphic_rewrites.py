@@ -573,8 +573,8 @@ def dispatch_groups(pipeline):
         entry["groups"] = [f"ceil_div({n}, {local[i] if i < len(local) else 1})" for i, n in enumerate(size)]
 
 
-# An array of one layer holds what an image holds.
-@rewrite("images made arrays of one layer", "ssvp", "rsm", "features")
+# An array of one layer holds what an image holds. (rsm has no image that qualifies.)
+@rewrite("images made arrays of one layer", "ssvp", "features")
 def make_layered(pipeline):
     output = pipeline.spec["output"].values()
     chosen = [name for name, image in pipeline.spec["images"].items()
