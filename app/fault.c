@@ -20,7 +20,7 @@ static const char *const kind_names[] = {[FAULT_BIT] = "bit",
 
 static bool wrong_form(const char *text, const char *what, const struct dt_log *log)
 {
-    report_error(log, "--fault %s: %s; must be SIDE:PASS:KIND[:SEED][@FRAME], like vk:kmeans:bit:7",
+    report_error(log, "--fault %s: %s; must be SIDE:PASS:KIND[:SEED][@FRAME], like vk:blur:bit:7",
                  text, what);
     return false;
 }
