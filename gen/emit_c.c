@@ -407,7 +407,7 @@ void c_targets(const struct c_output *c)
 /* The first arguments of a draw. OpenGL has a framebuffer for it. */
 static void emit_draw(const struct c_output *c, const struct pass *pass, const char *verb)
 {
-    text_add(c->out, "%s_%s(rt, &state->programs.%s, ", backend_prefix(c), verb, pass->name);
+    text_add(c->out, "dt_%s_%s(rt, &state->programs.%s, ", backend_prefix(c), verb, pass->name);
     if (c->backend == BACKEND_GL) {
         text_add(c->out, "state->framebuffers.%s, ", pass->name);
     }
@@ -438,10 +438,10 @@ void c_work(const struct c_output *c, const struct pass *pass)
         emit_draw(c, pass, "draw_scene");
         text_add(c->out, ", targets.layers)");
     } else if (pass->size == SIZE_INDIRECT) {
-        text_add(c->out, "%s_dispatch_indirect(rt, &state->programs.%s, &state->buffers.%s)", api,
-                 pass->name, pass->indirect_resource->name);
+        text_add(c->out, "dt_%s_dispatch_indirect(rt, &state->programs.%s, &state->buffers.%s)",
+                 api, pass->name, pass->indirect_resource->name);
     } else {
-        text_add(c->out, "%s_dispatch(rt, &state->programs.%s, ", api, pass->name);
+        text_add(c->out, "dt_%s_dispatch(rt, &state->programs.%s, ", api, pass->name);
         emit_groups(c, pass, c->out);
         text_add(c->out, ")");
     }
@@ -453,9 +453,9 @@ void c_skip(const struct c_output *c, const struct pass *pass, const char *betwe
     bool any = pass_draws(pass) && pass_clears_targets(pass);
 
     if (any && c->backend == BACKEND_GL) {
-        text_add(c->out, "gl_clear_targets(rt, state->framebuffers.%s, &targets)", pass->name);
+        text_add(c->out, "dt_gl_clear_targets(rt, state->framebuffers.%s, &targets)", pass->name);
     } else if (any) {
-        text_add(c->out, "vk_clear_targets(rt, &targets)");
+        text_add(c->out, "dt_vk_clear_targets(rt, &targets)");
     }
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
@@ -467,11 +467,12 @@ void c_skip(const struct c_output *c, const struct pass *pass, const char *betwe
         text_add(c->out, "%s", any ? between : "");
         any = true;
         if (access->resource->kind == DT_BUFFER) {
-            text_add(c->out, "%s_clear_buffer(rt, &state->buffers.%s)", api,
+            text_add(c->out, "dt_%s_clear_buffer(rt, &state->buffers.%s)", api,
                      access->resource->name);
         } else {
-            text_add(c->out, "%s_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])",
-                     api, access->resource->name, access->mip_value);
+            text_add(c->out,
+                     "dt_%s_clear_image(rt, &state->images.%s, %" PRIu32 ", (const float[4])", api,
+                     access->resource->name, access->mip_value);
             c_clear(c->out, access->resource);
             text_add(c->out, ")");
         }

@@ -52,7 +52,7 @@ static void emit_samplers(const struct c_output *c)
         c_float(c->out, sampler->anisotropy);
         text_add(
             c->out,
-            ",\n    };\n\n    return gl_sampler_create(rt, &state->samplers.%s, &info);\n}\n\n",
+            ",\n    };\n\n    return dt_gl_sampler_create(rt, &state->samplers.%s, &info);\n}\n\n",
             sampler->name);
     }
 }
@@ -105,7 +105,7 @@ static void emit_program(const struct c_output *c, const struct pass *pass)
         emit_draw_state(c, pass);
     }
     text_add(c->out,
-             "    };\n\n    return gl_program_create(rt, &state->programs.%s, &info);\n}\n\n",
+             "    };\n\n    return dt_gl_program_create(rt, &state->programs.%s, &info);\n}\n\n",
              pass->name);
 }
 
@@ -126,8 +126,8 @@ static void emit_buffer(const struct c_output *c, const struct resource *buffer)
              buffer->name);
     c_element(c, c->out, buffer);
     text_add(c->out,
-             ",\n    };\n\n    return gl_buffer_create(rt, &state->buffers.%s, &info) &&\n"
-             "           gl_initialise(rt, &state->buffers.%s, NULL, %s);\n}\n\n",
+             ",\n    };\n\n    return dt_gl_buffer_create(rt, &state->buffers.%s, &info) &&\n"
+             "           dt_gl_initialise(rt, &state->buffers.%s, NULL, %s);\n}\n\n",
              buffer->name, buffer->name, buffer->history ? "true" : "false");
 }
 
@@ -148,8 +148,8 @@ static void emit_image(const struct c_output *c, const struct resource *image)
                  c->pipeline->resources[image->share].name);
     }
     text_add(c->out,
-             "    };\n\n    return gl_image_create(rt, &state->images.%s, &info) &&\n"
-             "           gl_initialise(rt, NULL, &state->images.%s, %s);\n}\n\n",
+             "    };\n\n    return dt_gl_image_create(rt, &state->images.%s, &info) &&\n"
+             "           dt_gl_initialise(rt, NULL, &state->images.%s, %s);\n}\n\n",
              image->name, image->name, image->history ? "true" : "false");
 }
 
@@ -171,7 +171,7 @@ static void emit_release(const struct c_output *c)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         if (pass_draws(c->pipeline->order[i])) {
-            text_add(c->out, "    gl_framebuffer_destroy(rt, &state->framebuffers.%s);\n",
+            text_add(c->out, "    dt_gl_framebuffer_destroy(rt, &state->framebuffers.%s);\n",
                      c->pipeline->order[i]->name);
         }
     }
@@ -179,7 +179,7 @@ static void emit_release(const struct c_output *c)
         const struct resource *resource = &c->pipeline->resources[i];
 
         text_add(c->out, "    %s(rt, &state->%s.%s);\n",
-                 resource->kind == DT_BUFFER ? "gl_buffer_destroy" : "gl_image_destroy",
+                 resource->kind == DT_BUFFER ? "dt_gl_buffer_destroy" : "dt_gl_image_destroy",
                  c_group(resource), resource->name);
     }
 }
@@ -204,13 +204,13 @@ static void emit_framebuffers(const struct c_output *c)
         const char *pass = c->pipeline->order[i]->name;
 
         if (pass_draws(c->pipeline->order[i])) {
-            text_add(
-                c->out,
-                "static bool create_framebuffer_%s(struct gl_runtime *rt, struct %s_gl_state "
-                "*state)\n{\n"
-                "    const struct gl_targets targets = targets_%s(state);\n\n"
-                "    return gl_framebuffer_create(rt, &state->framebuffers.%s, &targets);\n}\n\n",
-                pass, c->pipeline->name, pass, pass);
+            text_add(c->out,
+                     "static bool create_framebuffer_%s(struct gl_runtime *rt, struct %s_gl_state "
+                     "*state)\n{\n"
+                     "    const struct gl_targets targets = targets_%s(state);\n\n"
+                     "    return dt_gl_framebuffer_create(rt, &state->framebuffers.%s, "
+                     "&targets);\n}\n\n",
+                     pass, c->pipeline->name, pass, pass);
         }
     }
 }
@@ -218,12 +218,12 @@ static void emit_framebuffers(const struct c_output *c)
 static void emit_destroy(const struct c_output *c)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        text_add(c->out, "    gl_program_destroy(rt, &state->programs.%s);\n",
+        text_add(c->out, "    dt_gl_program_destroy(rt, &state->programs.%s);\n",
                  c->pipeline->order[i]->name);
     }
     for (uint32_t i = 0; i < c->pipeline->sampler_count; i++) {
         if (c->pipeline->samplers[i].kind == SAMPLER_FILTER) {
-            text_add(c->out, "    gl_sampler_destroy(rt, &state->samplers.%s);\n",
+            text_add(c->out, "    dt_gl_sampler_destroy(rt, &state->samplers.%s);\n",
                      c->pipeline->samplers[i].name);
         }
     }
@@ -322,7 +322,7 @@ static void emit_bits(struct text *out, unsigned bits)
 /* What the pass does when it runs, and instead when it does not, as conditions. */
 static void emit_run(const struct c_output *c, const struct pass *pass)
 {
-    const char *bind = "ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));\n";
+    const char *bind = "ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));\n";
     struct text skip = {0};
     struct c_output inner = *c;
 
@@ -347,20 +347,20 @@ static void emit_pass(const struct c_output *c, const struct pass *pass, unsigne
     struct c_output top = *c, inner = *c;
 
     top.out = &locals;
-    text_add(&locals, "    const struct gl_builtin *builtin = gl_builtin(rt);\n");
+    text_add(&locals, "    const struct gl_builtin *builtin = dt_gl_builtin(rt);\n");
     emit_bindings(&top, pass);
 
     inner.out = &body;
-    text_add(&body, "    bool ok = gl_pass_begin(rt, ");
+    text_add(&body, "    bool ok = dt_gl_pass_begin(rt, ");
     c_enumerator(&inner, "PASS", pass->name);
     text_add(&body, ", %s);\n\n", pass->conditional ? "runs" : "true");
     if (bits) {
-        text_add(&body, "    ok = ok && gl_barrier(rt, ");
+        text_add(&body, "    ok = ok && dt_gl_barrier(rt, ");
         emit_bits(&body, bits);
         text_add(&body, ");\n");
     }
     emit_run(&inner, pass);
-    text_add(&body, "    return ok && gl_pass_end(rt, ");
+    text_add(&body, "    return ok && dt_gl_pass_end(rt, ");
     c_enumerator(&inner, "PASS", pass->name);
     text_add(&body, ");\n");
 

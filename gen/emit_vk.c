@@ -82,7 +82,7 @@ static void emit_samplers(const struct c_output *c)
                  "        .mip_filter = VK_SAMPLER_MIPMAP_MODE_NEAREST,\n"
                  "        .wrap = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,\n        .anisotropy = "
                  "1.0f,\n    };\n\n"
-                 "    return vk_sampler_create(rt, &state->texel_sampler, &info);\n}\n\n",
+                 "    return dt_vk_sampler_create(rt, &state->texel_sampler, &info);\n}\n\n",
                  c->pipeline->name);
     }
     for (uint32_t i = 0; i < c->pipeline->sampler_count; i++) {
@@ -106,7 +106,7 @@ static void emit_samplers(const struct c_output *c)
         c_float(c->out, sampler->anisotropy);
         text_add(
             c->out,
-            ",\n    };\n\n    return vk_sampler_create(rt, &state->samplers.%s, &info);\n}\n\n",
+            ",\n    };\n\n    return dt_vk_sampler_create(rt, &state->samplers.%s, &info);\n}\n\n",
             sampler->name);
     }
 }
@@ -217,7 +217,7 @@ static void emit_program(const struct c_output *c, const struct pass *pass)
         emit_draw_state(c, pass);
     }
     text_add(c->out,
-             "    };\n\n    return vk_program_create(rt, &state->programs.%s, &info);\n}\n\n",
+             "    };\n\n    return dt_vk_program_create(rt, &state->programs.%s, &info);\n}\n\n",
              pass->name);
 }
 
@@ -264,7 +264,7 @@ static void emit_buffer(const struct c_output *c, const struct resource *buffer)
     text_add(c->out, ",\n        .usage = ");
     emit_usage(c->out, buffer);
     text_add(c->out,
-             ",\n    };\n\n    return vk_buffer_create(rt, &state->buffers.%s, &info);\n}\n\n",
+             ",\n    };\n\n    return dt_vk_buffer_create(rt, &state->buffers.%s, &info);\n}\n\n",
              buffer->name);
 }
 
@@ -280,7 +280,7 @@ static void emit_image(const struct c_output *c, const struct resource *image)
              ",\n        .width = extent[0],\n        .height = extent[1],\n        .layers = "
              "extent[2],\n"
              "        .mips = %" PRIu32 ",\n        .layered = %s,\n    };\n\n"
-             "    return vk_image_create(rt, &state->images.%s, &info);\n}\n\n",
+             "    return dt_vk_image_create(rt, &state->images.%s, &info);\n}\n\n",
              expr_value(image->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1),
              image->layers ? "true" : "false", image->name);
 }
@@ -309,7 +309,7 @@ static void emit_memory(const struct c_output *c)
             }
         }
         text_add(c->out,
-                 "    };\n\n    return vk_slot_bind(rt, &state->slots[%" PRIu32
+                 "    };\n\n    return dt_vk_slot_bind(rt, &state->slots[%" PRIu32
                  "], users, DT_ARRAY_COUNT(users));\n}\n\n",
                  slot);
     }
@@ -318,7 +318,7 @@ static void emit_memory(const struct c_output *c)
              "bool ok = true;\n\n",
              pipeline->name);
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        text_add(c->out, "    ok = ok && vk_initialise(rt, &(struct vk_slot_user)");
+        text_add(c->out, "    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user)");
         emit_user(c, &pipeline->resources[i]);
         text_add(c->out, ", %s);\n", pipeline->resources[i].history ? "true" : "false");
     }
@@ -381,11 +381,12 @@ static void emit_bind(const struct c_output *c, const struct pass *pass)
         "        {.binding = %d,\n         .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,\n"
         "         .buffer = &builtin->%s},\n";
 
-    text_add(c->out,
-             "static bool bind_program_%s(struct vk_runtime *rt, struct %s_vk_state *state)\n{\n"
-             "    const struct vk_builtin *builtin = vk_builtin(rt);\n    const struct vk_binding "
-             "bindings[] = {\n",
-             pass->name, c->pipeline->name);
+    text_add(
+        c->out,
+        "static bool bind_program_%s(struct vk_runtime *rt, struct %s_vk_state *state)\n{\n"
+        "    const struct vk_builtin *builtin = dt_vk_builtin(rt);\n    const struct vk_binding "
+        "bindings[] = {\n",
+        pass->name, c->pipeline->name);
     for (uint32_t i = 0; i < pass->access_count; i++) {
         if (has_own_binding(pass, &pass->accesses[i])) {
             emit_binding(c, pass, &pass->accesses[i]);
@@ -407,7 +408,7 @@ static void emit_bind(const struct c_output *c, const struct pass *pass)
             pass->textures_binding);
     }
     text_add(c->out,
-             "    };\n\n    return vk_program_bind(rt, &state->programs.%s, bindings, "
+             "    };\n\n    return dt_vk_program_bind(rt, &state->programs.%s, bindings, "
              "DT_ARRAY_COUNT(bindings));\n}\n\n",
              pass->name);
 }
@@ -427,12 +428,12 @@ static void emit_release(const struct c_output *c)
         const struct resource *resource = &c->pipeline->resources[i];
 
         text_add(c->out, "    %s(rt, &state->%s.%s);\n",
-                 resource->kind == DT_BUFFER ? "vk_buffer_destroy" : "vk_image_destroy",
+                 resource->kind == DT_BUFFER ? "dt_vk_buffer_destroy" : "dt_vk_image_destroy",
                  c_group(resource), resource->name);
     }
     if (c->pipeline->slot_count) {
         text_add(c->out, "    for (size_t i = 0; i < DT_ARRAY_COUNT(state->slots); i++)\n"
-                         "        vk_slot_destroy(rt, &state->slots[i]);\n");
+                         "        dt_vk_slot_destroy(rt, &state->slots[i]);\n");
     }
 }
 
@@ -454,17 +455,17 @@ static void emit_resize(const struct c_output *c)
 static void emit_destroy(const struct c_output *c)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        text_add(c->out, "    vk_program_destroy(rt, &state->programs.%s);\n",
+        text_add(c->out, "    dt_vk_program_destroy(rt, &state->programs.%s);\n",
                  c->pipeline->order[i]->name);
     }
     for (uint32_t i = 0; i < c->pipeline->sampler_count; i++) {
         if (c->pipeline->samplers[i].kind == SAMPLER_FILTER) {
-            text_add(c->out, "    vk_sampler_destroy(rt, &state->samplers.%s);\n",
+            text_add(c->out, "    dt_vk_sampler_destroy(rt, &state->samplers.%s);\n",
                      c->pipeline->samplers[i].name);
         }
     }
     if (has_fetch(c->pipeline)) {
-        text_add(c->out, "    vk_sampler_destroy(rt, &state->texel_sampler);\n");
+        text_add(c->out, "    dt_vk_sampler_destroy(rt, &state->texel_sampler);\n");
     }
 }
 
@@ -595,14 +596,14 @@ static void emit_pass(const struct c_output *c, const struct pass *pass)
     emit_barriers(&top, pass);
 
     inner.out = &body;
-    text_add(&body, "\n    if (!vk_pass_begin(rt, ");
+    text_add(&body, "\n    if (!dt_vk_pass_begin(rt, ");
     c_enumerator(&inner, "PASS", pass->name);
     text_add(&body, ", %s))\n        return false;\n", pass->conditional ? "runs" : "true");
     if (pass->barrier_count) {
-        text_add(&body, "    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));\n");
+        text_add(&body, "    dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));\n");
     }
     emit_run(&inner, pass);
-    text_add(&body, "    return vk_pass_end(rt, ");
+    text_add(&body, "    return dt_vk_pass_end(rt, ");
     c_enumerator(&inner, "PASS", pass->name);
     text_add(&body, ");\n");
 

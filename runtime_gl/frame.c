@@ -15,7 +15,7 @@ static enum dt_action ask_observer(struct gl_runtime *rt, uint32_t pass)
     return gl_context_current(rt) ? action : DT_STOP;
 }
 
-bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
+bool dt_gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
 {
     const char *name = rt->panel->pipeline->passes[pass].name;
     enum dt_action action = ask_observer(rt, pass);
@@ -29,7 +29,7 @@ bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
     return !rt->queries || GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP));
 }
 
-bool gl_pass_end(struct gl_runtime *rt, uint32_t pass)
+bool dt_gl_pass_end(struct gl_runtime *rt, uint32_t pass)
 {
     const char *name = rt->panel->pipeline->passes[pass].name;
     if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[2 * pass + 1], GL_TIMESTAMP)))
@@ -44,7 +44,7 @@ bool gl_pass_end(struct gl_runtime *rt, uint32_t pass)
            gl_context_current(rt);
 }
 
-bool gl_barrier(struct gl_runtime *rt, GLbitfield bits)
+bool dt_gl_barrier(struct gl_runtime *rt, GLbitfield bits)
 {
     return GL(rt, "barrier", MemoryBarrier(bits));
 }
@@ -101,7 +101,7 @@ static bool bind_one(struct gl_runtime *rt, const struct gl_binding *b)
     return false;
 }
 
-bool gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t count)
+bool dt_gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
         if (!check_binding(rt, &bindings[i]) || !bind_one(rt, &bindings[i]))
@@ -111,8 +111,8 @@ bool gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t 
 
 /* ---- Compute --------------------------------------------------------------------------------- */
 
-bool gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32_t x, uint32_t y,
-                 uint32_t z)
+bool dt_gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32_t x, uint32_t y,
+                    uint32_t z)
 {
     const GLint *most = rt->limits.groups;
     if (rt->skips)
@@ -126,8 +126,8 @@ bool gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32
            GL(rt, program->name, DispatchCompute(x, y, z));
 }
 
-bool gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
-                          const struct gl_buffer *arguments)
+bool dt_gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
+                             const struct gl_buffer *arguments)
 {
     if (rt->skips)
         return true;
@@ -157,7 +157,8 @@ static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
     }
 }
 
-bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer, const struct gl_targets *targets)
+bool dt_gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer,
+                         const struct gl_targets *targets)
 {
     if (rt->skips)
         return true;
@@ -172,8 +173,8 @@ bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer, const struct gl
               ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, depth->clear));
 }
 
-bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                    const float clear[4])
+bool dt_gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                       const float clear[4])
 {
     const GLuint u[4] = {(GLuint)clear[0], (GLuint)clear[1], (GLuint)clear[2], (GLuint)clear[3]};
     const GLint i[4] = {(GLint)clear[0], (GLint)clear[1], (GLint)clear[2], (GLint)clear[3]};
@@ -194,7 +195,7 @@ bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_
     return GL(rt, image->name, ClearTexImage(image->handle, (GLint)mip, format, type, value));
 }
 
-bool gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer)
+bool dt_gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer)
 {
     if (rt->skips)
         return true;
@@ -240,7 +241,7 @@ static bool begin_draw(struct gl_runtime *rt, const struct gl_program *program, 
                        const struct gl_targets *targets, GLuint input)
 {
     if (!GL(rt, program->name, BindFramebuffer(GL_FRAMEBUFFER, framebuffer)) ||
-        !gl_clear_targets(rt, framebuffer, targets))
+        !dt_gl_clear_targets(rt, framebuffer, targets))
         return false;
     set_viewport(rt, targets);
     set_raster_state(rt, &program->info);
@@ -268,8 +269,8 @@ static bool set_indices(struct gl_runtime *rt, const struct gl_program *program,
     return GL(rt, indices->name, VertexArrayElementBuffer(input, indices->handle));
 }
 
-bool gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                   const struct gl_targets *targets, uint32_t instances)
+bool dt_gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
+                      const struct gl_targets *targets, uint32_t instances)
 {
     if (rt->skips)
         return true;
@@ -280,10 +281,10 @@ bool gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLui
                                     (GLsizei)instances));
 }
 
-bool gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *program,
-                            GLuint framebuffer, const struct gl_targets *targets,
-                            const struct gl_buffer *indices, const struct gl_buffer *arguments,
-                            uint32_t draw_count)
+bool dt_gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *program,
+                               GLuint framebuffer, const struct gl_targets *targets,
+                               const struct gl_buffer *indices, const struct gl_buffer *arguments,
+                               uint32_t draw_count)
 {
     if (rt->skips)
         return true;
@@ -295,8 +296,8 @@ bool gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *prog
                                         0));
 }
 
-bool gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                        const struct gl_targets *targets)
+bool dt_gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program,
+                           GLuint framebuffer, const struct gl_targets *targets)
 {
     if (rt->skips)
         return true;

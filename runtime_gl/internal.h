@@ -47,7 +47,7 @@ struct gl_runtime {
 
     const char *pass;                   /* the one that is recorded; NULL: none */
     const struct dt_observer *observer; /* during render */
-    bool skips;      /* as of the last gl_pass_begin: the pass does nothing but its barriers */
+    bool skips;      /* as of the last dt_gl_pass_begin: the pass does nothing but its barriers */
     GLuint *queries; /* two per pass: begin, end; NULL without options.timing */
     bool *ran;       /* per pass, in the last render */
 };

@@ -89,8 +89,8 @@ static bool link_program(struct gl_runtime *rt, const struct gl_program *program
     return status;
 }
 
-bool gl_program_create(struct gl_runtime *rt, struct gl_program *program,
-                       const struct gl_program_info *info)
+bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
+                          const struct gl_program_info *info)
 {
     if (info->clip_distances > (uint32_t)rt->limits.clip_distances) {
         gl_log(rt, DT_ERROR, "pass %s: %u clip distances, and %s allows %d", info->name,
@@ -105,7 +105,7 @@ bool gl_program_create(struct gl_runtime *rt, struct gl_program *program,
     return attach_all(rt, program, info) && link_program(rt, program);
 }
 
-void gl_program_destroy(struct gl_runtime *rt, struct gl_program *program)
+void dt_gl_program_destroy(struct gl_runtime *rt, struct gl_program *program)
 {
     if (program->handle)
         rt->gl.DeleteProgram(program->handle);

@@ -55,8 +55,8 @@ bool gl_buffer_upload(struct gl_runtime *rt, struct gl_buffer *buffer,
            (exact || !data || gl_buffer_write(rt, buffer, data, (size_t)info->size));
 }
 
-bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer,
-                      const struct gl_buffer_info *info)
+bool dt_gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer,
+                         const struct gl_buffer_info *info)
 {
     return gl_buffer_upload(rt, buffer, info, NULL);
 }
@@ -68,7 +68,7 @@ bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, cons
            GL(rt, buffer->name, NamedBufferSubData(buffer->handle, 0, (GLsizeiptr)size, data));
 }
 
-void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
+void dt_gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
 {
     if (buffer->handle)
         rt->gl.DeleteBuffers(1, &buffer->handle);
@@ -128,8 +128,8 @@ static bool share_image(struct gl_runtime *rt, struct gl_image *image, const str
     return true;
 }
 
-bool gl_image_create(struct gl_runtime *rt, struct gl_image *image,
-                     const struct gl_image_info *info)
+bool dt_gl_image_create(struct gl_runtime *rt, struct gl_image *image,
+                        const struct gl_image_info *info)
 {
     if (!check_image(rt, info))
         return false;
@@ -157,7 +157,7 @@ bool gl_image_create(struct gl_runtime *rt, struct gl_image *image,
     return GL(rt, name, TextureStorage2D(image->handle, mips, image->format, width, height));
 }
 
-void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
+void dt_gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
 {
     if (image->handle && !image->borrowed)
         rt->gl.DeleteTextures(1, &image->handle);
@@ -221,8 +221,8 @@ static bool fill_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, i
         ClearNamedBufferData(buffer->handle, GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, &value));
 }
 
-bool gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl_image *image,
-                   bool history)
+bool dt_gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl_image *image,
+                      bool history)
 {
     if (!history && !rt->options.poison)
         return true;
@@ -232,7 +232,8 @@ bool gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl_im
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct gl_sampler_info *info)
+bool dt_gl_sampler_create(struct gl_runtime *rt, GLuint *sampler,
+                          const struct gl_sampler_info *info)
 {
     const char *name = info->name;
     bool linear = info->filter == GL_LINEAR, trilinear = info->mip_filter == GL_LINEAR;
@@ -259,7 +260,7 @@ bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct gl_s
             GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL)));
 }
 
-void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler)
+void dt_gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler)
 {
     if (*sampler)
         rt->gl.DeleteSamplers(1, sampler);
@@ -330,8 +331,8 @@ static bool check_targets(struct gl_runtime *rt, const struct gl_targets *target
     return true;
 }
 
-bool gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
-                           const struct gl_targets *targets)
+bool dt_gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
+                              const struct gl_targets *targets)
 {
     if (!check_targets(rt, targets))
         return false;
@@ -356,7 +357,7 @@ bool gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
     return status == GL_FRAMEBUFFER_COMPLETE;
 }
 
-void gl_framebuffer_destroy(struct gl_runtime *rt, GLuint *framebuffer)
+void dt_gl_framebuffer_destroy(struct gl_runtime *rt, GLuint *framebuffer)
 {
     if (*framebuffer)
         rt->gl.DeleteFramebuffers(1, framebuffer);

@@ -103,9 +103,9 @@ static bool create_builtin(struct gl_runtime *rt)
                                             GL_CLAMP_TO_EDGE, false,      1.0f};
     const struct gl_sampler_info trilinear = {"scene textures", GL_LINEAR, GL_LINEAR,
                                               GL_REPEAT,        false,     1.0f};
-    return gl_buffer_create(rt, &rt->builtin.frame, &frame) &&
-           gl_sampler_create(rt, &rt->nearest, &nearest) &&
-           gl_sampler_create(rt, &rt->builtin.texture_sampler, &trilinear) &&
+    return dt_gl_buffer_create(rt, &rt->builtin.frame, &frame) &&
+           dt_gl_sampler_create(rt, &rt->nearest, &nearest) &&
+           dt_gl_sampler_create(rt, &rt->builtin.texture_sampler, &trilinear) &&
            GL(rt, "no vertex input", CreateVertexArrays(1, &rt->no_input));
 }
 
@@ -142,7 +142,7 @@ static bool runtime_is_software(void *runtime)
     return false;
 }
 
-const struct gl_builtin *gl_builtin(const struct gl_runtime *rt)
+const struct gl_builtin *dt_gl_builtin(const struct gl_runtime *rt)
 {
     return &rt->builtin;
 }
@@ -163,7 +163,7 @@ static void destroy_panel(struct gl_runtime *rt)
         rt->panel->destroy(rt, rt->state);
     if (rt->queries)
         rt->gl.DeleteQueries((GLsizei)(2 * rt->panel->pipeline->pass_count), rt->queries);
-    gl_buffer_destroy(rt, &rt->builtin.live);
+    dt_gl_buffer_destroy(rt, &rt->builtin.live);
     free(rt->queries);
     free(rt->ran);
     free(rt->state);
@@ -368,9 +368,9 @@ static void runtime_close(void *runtime)
     if (rt->context.kind && gl_context_current(rt)) {
         destroy_panel(rt);
         gl_scene_destroy(rt);
-        gl_buffer_destroy(rt, &rt->builtin.frame);
-        gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
-        gl_sampler_destroy(rt, &rt->nearest);
+        dt_gl_buffer_destroy(rt, &rt->builtin.frame);
+        dt_gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
+        dt_gl_sampler_destroy(rt, &rt->nearest);
         if (rt->no_input)
             rt->gl.DeleteVertexArrays(1, &rt->no_input);
     }

@@ -37,8 +37,8 @@ struct gl_buffer_info {
     const char *name;
     GLsizeiptr size; /* bytes; raised to 16 */
 };
-bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer,
-                      const struct gl_buffer_info *info);
+bool dt_gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer,
+                         const struct gl_buffer_info *info);
 
 struct gl_image_info {
     const char *name;
@@ -48,17 +48,17 @@ struct gl_image_info {
     /* same format and size, disjoint lifetime: take its texture; NULL: an own one */
     const struct gl_image *share;
 };
-bool gl_image_create(struct gl_runtime *rt, struct gl_image *image,
-                     const struct gl_image_info *info);
+bool dt_gl_image_create(struct gl_runtime *rt, struct gl_image *image,
+                        const struct gl_image_info *info);
 
 /* Zero-fills resources with history; fills the others with options.poison when that is set. One
  * of the two is NULL. */
-bool gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl_image *image,
-                   bool history);
+bool dt_gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl_image *image,
+                      bool history);
 
-void gl_buffer_destroy(struct gl_runtime *rt,
-                       struct gl_buffer *buffer); /* all take zeroed structs, and zero them */
-void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
+void dt_gl_buffer_destroy(struct gl_runtime *rt,
+                          struct gl_buffer *buffer); /* all take zeroed structs, and zero them */
+void dt_gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
@@ -70,8 +70,9 @@ struct gl_sampler_info {
     bool compare;     /* shadow sampler: GL_LEQUAL */
     float anisotropy; /* 1: off */
 };
-bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct gl_sampler_info *info);
-void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
+bool dt_gl_sampler_create(struct gl_runtime *rt, GLuint *sampler,
+                          const struct gl_sampler_info *info);
+void dt_gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
 
 /* ---- Programs: one per pass ------------------------------------------------------------------ */
 
@@ -98,9 +99,9 @@ struct gl_program {
     GLuint handle;
     struct gl_program_info info; /* code emptied after create */
 };
-bool gl_program_create(struct gl_runtime *rt, struct gl_program *program,
-                       const struct gl_program_info *info);
-void gl_program_destroy(struct gl_runtime *rt, struct gl_program *program);
+bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
+                          const struct gl_program_info *info);
+void dt_gl_program_destroy(struct gl_runtime *rt, struct gl_program *program);
 
 /* ---- Framebuffers: one per pass that draws --------------------------------------------------- */
 
@@ -117,18 +118,18 @@ struct gl_targets {
     /* 1, or the layers of a layered draw: then attachments are whole array textures */
     uint32_t layers;
 };
-bool gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
-                           const struct gl_targets *targets);
-void gl_framebuffer_destroy(struct gl_runtime *rt, GLuint *framebuffer);
+bool dt_gl_framebuffer_create(struct gl_runtime *rt, GLuint *framebuffer,
+                              const struct gl_targets *targets);
+void dt_gl_framebuffer_destroy(struct gl_runtime *rt, GLuint *framebuffer);
 
 /* ---- Recording ------------------------------------------------------------------------------- */
 
 /* Debug group and timestamps around a pass. begin asks the observer, when there is one: of a
  * pass that it skips only the barriers are issued. end then finishes and calls it. */
-bool gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs);
-bool gl_pass_end(struct gl_runtime *rt, uint32_t pass);
+bool dt_gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs);
+bool dt_gl_pass_end(struct gl_runtime *rt, uint32_t pass);
 
-bool gl_barrier(struct gl_runtime *rt, GLbitfield bits); /* glMemoryBarrier */
+bool dt_gl_barrier(struct gl_runtime *rt, GLbitfield bits); /* glMemoryBarrier */
 
 enum gl_binding_kind { GL_BIND_UNIFORM, GL_BIND_STORAGE, GL_BIND_TEXTURE, GL_BIND_IMAGE };
 struct gl_binding {
@@ -140,30 +141,30 @@ struct gl_binding {
     GLenum access;  /* GL_BIND_IMAGE: GL_READ_ONLY, GL_WRITE_ONLY, GL_READ_WRITE */
     GLuint sampler; /* GL_BIND_TEXTURE; 0: nearest, clamped, for texelFetch */
 };
-bool gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t count);
+bool dt_gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t count);
 
-bool gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32_t x, uint32_t y,
-                 uint32_t z);
-bool gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
-                          const struct gl_buffer *arguments);
+bool dt_gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32_t x, uint32_t y,
+                    uint32_t z);
+bool dt_gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
+                             const struct gl_buffer *arguments);
 
 /* Draws the whole scene `instances` times; a layered draw picks gl_Layer from gl_InstanceIndex. */
-bool gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                   const struct gl_targets *targets, uint32_t instances);
+bool dt_gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
+                      const struct gl_targets *targets, uint32_t instances);
 /* Draws from an index buffer and DrawElementsIndirectCommand[draw_count] that compute passes
  * wrote; indices NULL: the scene's own. */
-bool gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *program,
-                            GLuint framebuffer, const struct gl_targets *targets,
-                            const struct gl_buffer *indices, const struct gl_buffer *arguments,
-                            uint32_t draw_count);
-bool gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                        const struct gl_targets *targets);
-bool gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer,
-                      const struct gl_targets *targets); /* a skipped draw */
+bool dt_gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *program,
+                               GLuint framebuffer, const struct gl_targets *targets,
+                               const struct gl_buffer *indices, const struct gl_buffer *arguments,
+                               uint32_t draw_count);
+bool dt_gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program,
+                           GLuint framebuffer, const struct gl_targets *targets);
+bool dt_gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer,
+                         const struct gl_targets *targets); /* a skipped draw */
 /* A skipped dispatch: the mip that it would have written. */
-bool gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                    const float clear[4]);
-bool gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer);
+bool dt_gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                       const float clear[4]);
+bool dt_gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer);
 
 /* ---- What the runtime brings along: bind these like any resource ----------------------------- */
 
@@ -176,7 +177,7 @@ struct gl_builtin {
     struct gl_image textures;   /* array texture */
     GLuint texture_sampler;     /* trilinear, repeat */
 };
-const struct gl_builtin *gl_builtin(const struct gl_runtime *rt);
+const struct gl_builtin *dt_gl_builtin(const struct gl_runtime *rt);
 
 extern const struct dt_runtime runtime_gl;
 

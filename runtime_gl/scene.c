@@ -28,7 +28,7 @@ static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)
         .mips = scene->texture_mips,
         .layered = true,
     };
-    if (!gl_image_create(rt, image, &info))
+    if (!dt_gl_image_create(rt, image, &info))
         return false;
     const uint8_t *texels = scene->texels;
     uint32_t width = info.width, height = info.height;
@@ -76,10 +76,10 @@ bool gl_scene_upload(struct gl_runtime *rt, const struct dt_scene *scene)
 
 void gl_scene_destroy(struct gl_runtime *rt)
 {
-    gl_buffer_destroy(rt, &rt->builtin.vertices);
-    gl_buffer_destroy(rt, &rt->builtin.indices);
-    gl_buffer_destroy(rt, &rt->builtin.materials);
-    gl_image_destroy(rt, &rt->builtin.textures);
+    dt_gl_buffer_destroy(rt, &rt->builtin.vertices);
+    dt_gl_buffer_destroy(rt, &rt->builtin.indices);
+    dt_gl_buffer_destroy(rt, &rt->builtin.materials);
+    dt_gl_image_destroy(rt, &rt->builtin.textures);
     if (rt->scene_input)
         rt->gl.DeleteVertexArrays(1, &rt->scene_input);
     rt->scene_input = 0;

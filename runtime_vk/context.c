@@ -72,13 +72,17 @@ bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, co
 {
     if (result == VK_SUCCESS)
         return true;
+    const char *own = "rt->vk."; /* a call through the table is told as the function that it is */
+    bool table = strncmp(call, own, strlen(own)) == 0;
+    const char *prefix = table ? "vk" : "";
+    call += table ? strlen(own) : 0;
     int length = (int)strcspn(call, "(");
     for (size_t i = 0; i < DT_ARRAY_COUNT(results); i++)
         if (results[i].result == result)
-            return vk_error(rt, "%.*s(%s): %s: %s", length, call, name, results[i].name,
+            return vk_error(rt, "%s%.*s(%s): %s: %s", prefix, length, call, name, results[i].name,
                             results[i].advice);
-    return vk_error(rt, "%.*s(%s): VkResult %d: run again with --debug", length, call, name,
-                    (int)result);
+    return vk_error(rt, "%s%.*s(%s): VkResult %d: run again with --debug", prefix, length, call,
+                    name, (int)result);
 }
 
 /* Only messages of type VALIDATION count. PERFORMANCE ones tell, for example, of vertex
@@ -332,6 +336,14 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     return true;
 }
 
+static void link_functions(struct vk_dispatch *vk)
+{
+#define LINK(name) vk->name = vk##name;
+    VK_INSTANCE_FUNCTIONS(LINK)
+    VK_DEVICE_FUNCTIONS(LINK)
+#undef LINK
+}
+
 static bool open_device(struct vk_runtime *rt)
 {
     VkPhysicalDeviceMaintenance3Properties maintenance3 = {
@@ -364,6 +376,7 @@ static bool open_device(struct vk_runtime *rt)
     };
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->properties.deviceName))
         return false;
+    link_functions(&rt->vk);
     vkGetDeviceQueue(rt->device, rt->queue_family, 0, &rt->queue);
     if (rt->debug) {
         rt->begin_label = (PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(

@@ -13,7 +13,7 @@ enum { BARRIER_BATCH = 64 };
 
 /* ---- Command buffers ------------------------------------------------------------------------- */
 
-void vk_full_barrier(VkCommandBuffer commands)
+void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands)
 {
     VkMemoryBarrier2 memory = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
@@ -28,10 +28,11 @@ void vk_full_barrier(VkCommandBuffer commands)
         .memoryBarrierCount = 1,
         .pMemoryBarriers = &memory,
     };
-    vkCmdPipelineBarrier2(commands, &info);
+    rt->vk.CmdPipelineBarrier2(commands, &info);
 }
 
-void vk_transition(VkCommandBuffer commands, struct vk_image *image, VkImageLayout layout)
+void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
+                   VkImageLayout layout)
 {
     VkImageMemoryBarrier2 barrier = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
@@ -51,7 +52,7 @@ void vk_transition(VkCommandBuffer commands, struct vk_image *image, VkImageLayo
         .imageMemoryBarrierCount = 1,
         .pImageMemoryBarriers = &barrier,
     };
-    vkCmdPipelineBarrier2(commands, &info);
+    rt->vk.CmdPipelineBarrier2(commands, &info);
     image->layout = layout;
 }
 
@@ -63,10 +64,10 @@ static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, cons
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
-    if (!VK(rt, vkResetCommandBuffer(commands, 0), name) || /* may be left half recorded */
-        !VK(rt, vkBeginCommandBuffer(commands, &info), name))
+    if (!VK(rt, rt->vk.ResetCommandBuffer(commands, 0), name) || /* may be left half recorded */
+        !VK(rt, rt->vk.BeginCommandBuffer(commands, &info), name))
         return false;
-    vk_full_barrier(commands);
+    vk_full_barrier(rt, commands);
     return true;
 }
 
@@ -81,11 +82,11 @@ static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const 
         .commandBufferInfoCount = 1,
         .pCommandBufferInfos = &buffer,
     };
-    vk_full_barrier(commands); /* the fence alone does not show writes to the host */
-    return VK(rt, vkEndCommandBuffer(commands), name) &&
-           VK(rt, vkQueueSubmit2(rt->queue, 1, &submit, rt->fence), name) &&
-           VK(rt, vkWaitForFences(rt->device, 1, &rt->fence, VK_TRUE, UINT64_MAX), name) &&
-           VK(rt, vkResetFences(rt->device, 1, &rt->fence), name);
+    vk_full_barrier(rt, commands); /* the fence alone does not show writes to the host */
+    return VK(rt, rt->vk.EndCommandBuffer(commands), name) &&
+           VK(rt, rt->vk.QueueSubmit2(rt->queue, 1, &submit, rt->fence), name) &&
+           VK(rt, rt->vk.WaitForFences(rt->device, 1, &rt->fence, VK_TRUE, UINT64_MAX), name) &&
+           VK(rt, rt->vk.ResetFences(rt->device, 1, &rt->fence), name);
 }
 
 VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name)
@@ -118,14 +119,14 @@ bool vk_frame_create(struct vk_runtime *rt)
     if (!rt->pass_runs || !rt->pass_ms)
         return vk_error(rt, "pipeline %s: out of memory; free some", pipeline->name);
     return vk_mapped_create(rt, &rt->builtin.live, &rt->live_memory, &live) &&
-           (!rt->timing ||
-            VK(rt, vkCreateQueryPool(rt->device, &queries, NULL, &rt->queries), pipeline->name));
+           (!rt->timing || VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, NULL, &rt->queries),
+                              pipeline->name));
 }
 
 void vk_frame_destroy(struct vk_runtime *rt)
 {
     vk_mapped_destroy(rt, &rt->builtin.live, &rt->live_memory);
-    vkDestroyQueryPool(rt->device, rt->queries, NULL);
+    rt->vk.DestroyQueryPool(rt->device, rt->queries, NULL);
     free(rt->pass_runs);
     free(rt->pass_ms);
     rt->queries = VK_NULL_HANDLE;
@@ -146,9 +147,9 @@ static bool read_timestamps(struct vk_runtime *rt)
         if (!rt->pass_runs[pass])
             continue;
         if (!VK(rt,
-                vkGetQueryPoolResults(rt->device, rt->queries, 2 * pass, 2, sizeof stamps, stamps,
-                                      sizeof stamps[0],
-                                      VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                rt->vk.GetQueryPoolResults(rt->device, rt->queries, 2 * pass, 2, sizeof stamps,
+                                           stamps, sizeof stamps[0],
+                                           VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
                 pipeline->passes[pass].name))
             return false;
         double ticks = (double)((stamps[1] - stamps[0]) & mask);
@@ -172,7 +173,7 @@ static bool record_frame(struct vk_runtime *rt, const void *live)
     if (!begin_commands(rt, rt->frame_commands, pipeline->name))
         return false;
     if (rt->timing)
-        vkCmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
+        rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
     bool good = rt->panel->record(rt, rt->state, live) && !rt->failed;
     rt->record_ms = rt->observer ? NAN : thread_ms() - start;
     return good;
@@ -203,8 +204,8 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
 
 static void write_timestamp(struct vk_runtime *rt, uint32_t query)
 {
-    vkCmdWriteTimestamp2(rt->frame_commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, rt->queries,
-                         query);
+    rt->vk.CmdWriteTimestamp2(rt->frame_commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, rt->queries,
+                              query);
 }
 
 /* With an observer every pass ends in a submission, so nothing is pending before the next. */
@@ -216,7 +217,7 @@ static enum dt_action ask_observer(const struct vk_runtime *rt, uint32_t pass)
     return observer->before_pass(observer->user, pass);
 }
 
-bool vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs)
+bool dt_vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs)
 {
     VkDebugUtilsLabelEXT label = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
@@ -235,7 +236,7 @@ bool vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs)
     return true;
 }
 
-bool vk_pass_end(struct vk_runtime *rt, uint32_t pass)
+bool dt_vk_pass_end(struct vk_runtime *rt, uint32_t pass)
 {
     const char *name = rt->panel->pipeline->passes[pass].name;
     const struct dt_observer *observer = rt->observer;
@@ -309,7 +310,7 @@ static bool keep_barrier(struct vk_runtime *rt, struct vk_barrier *barrier)
     return false;
 }
 
-void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count)
+void dt_vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count)
 {
     VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
     VkImageMemoryBarrier2 images[BARRIER_BATCH];
@@ -330,7 +331,7 @@ void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint3
                 images[info.imageMemoryBarrierCount++] = image_barrier(&barrier);
         }
         if (info.bufferMemoryBarrierCount + info.imageMemoryBarrierCount > 0)
-            vkCmdPipelineBarrier2(rt->frame_commands, &info);
+            rt->vk.CmdPipelineBarrier2(rt->frame_commands, &info);
         barriers += batch;
         count -= batch;
     }
@@ -341,14 +342,14 @@ void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint3
 static void bind_program(struct vk_runtime *rt, const struct vk_program *program,
                          VkPipelineBindPoint point)
 {
-    vkCmdBindPipeline(rt->frame_commands, point, program->pipeline);
+    rt->vk.CmdBindPipeline(rt->frame_commands, point, program->pipeline);
     if (program->set)
-        vkCmdBindDescriptorSets(rt->frame_commands, point, program->layout, 0, 1, &program->set, 0,
-                                NULL);
+        rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->layout, 0, 1,
+                                     &program->set, 0, NULL);
 }
 
-void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,
-                 uint32_t z)
+void dt_vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,
+                    uint32_t z)
 {
     const uint32_t *limit = rt->properties.limits.maxComputeWorkGroupCount;
     if (rt->skips)
@@ -362,16 +363,16 @@ void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32
         return;
     }
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_COMPUTE);
-    vkCmdDispatch(rt->frame_commands, x, y, z);
+    rt->vk.CmdDispatch(rt->frame_commands, x, y, z);
 }
 
-void vk_dispatch_indirect(struct vk_runtime *rt, const struct vk_program *program,
-                          const struct vk_buffer *arguments)
+void dt_vk_dispatch_indirect(struct vk_runtime *rt, const struct vk_program *program,
+                             const struct vk_buffer *arguments)
 {
     if (rt->skips)
         return;
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_COMPUTE);
-    vkCmdDispatchIndirect(rt->frame_commands, arguments->handle, 0);
+    rt->vk.CmdDispatchIndirect(rt->frame_commands, arguments->handle, 0);
 }
 
 /* ---- Draws ----------------------------------------------------------------------------------- */
@@ -433,33 +434,33 @@ static void begin_rendering(struct vk_runtime *rt, const struct vk_targets *targ
         .pDepthAttachment = targets->depth.image ? &depth : NULL,
     };
     VkViewport viewport = {0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1};
-    vkCmdBeginRendering(rt->frame_commands, &info);
-    vkCmdSetViewport(rt->frame_commands, 0, 1, &viewport);
-    vkCmdSetScissor(rt->frame_commands, 0, 1, &area);
+    rt->vk.CmdBeginRendering(rt->frame_commands, &info);
+    rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
+    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &area);
 }
 
 static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
 {
-    vkCmdBindVertexBuffers(rt->frame_commands, 0, 1, &rt->builtin.vertices.handle,
-                           &(VkDeviceSize){0});
-    vkCmdBindIndexBuffer(rt->frame_commands, indices->handle, 0, VK_INDEX_TYPE_UINT32);
+    rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &rt->builtin.vertices.handle,
+                                &(VkDeviceSize){0});
+    rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, 0, VK_INDEX_TYPE_UINT32);
 }
 
-void vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
-                   const struct vk_targets *targets, uint32_t instances)
+void dt_vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
+                      const struct vk_targets *targets, uint32_t instances)
 {
     if (rt->skips)
         return;
     begin_rendering(rt, targets);
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
     bind_scene(rt, &rt->builtin.indices);
-    vkCmdDrawIndexed(rt->frame_commands, rt->index_count, instances, 0, 0, 0);
-    vkCmdEndRendering(rt->frame_commands);
+    rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, instances, 0, 0, 0);
+    rt->vk.CmdEndRendering(rt->frame_commands);
 }
 
-void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *program,
-                            const struct vk_targets *targets, const struct vk_buffer *indices,
-                            const struct vk_buffer *arguments, uint32_t draw_count)
+void dt_vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *program,
+                               const struct vk_targets *targets, const struct vk_buffer *indices,
+                               const struct vk_buffer *arguments, uint32_t draw_count)
 {
     uint32_t limit = rt->properties.limits.maxDrawIndirectCount;
     if (rt->skips)
@@ -473,46 +474,46 @@ void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *prog
     begin_rendering(rt, targets);
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
     bind_scene(rt, indices ? indices : &rt->builtin.indices);
-    vkCmdDrawIndexedIndirect(rt->frame_commands, arguments->handle, 0, draw_count,
-                             sizeof(VkDrawIndexedIndirectCommand));
-    vkCmdEndRendering(rt->frame_commands);
+    rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, arguments->handle, 0, draw_count,
+                                  sizeof(VkDrawIndexedIndirectCommand));
+    rt->vk.CmdEndRendering(rt->frame_commands);
 }
 
-void vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
-                        const struct vk_targets *targets)
+void dt_vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
+                           const struct vk_targets *targets)
 {
     if (rt->skips)
         return;
     begin_rendering(rt, targets);
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
-    vkCmdDraw(rt->frame_commands, 3, 1, 0, 0); /* one triangle that covers all */
-    vkCmdEndRendering(rt->frame_commands);
+    rt->vk.CmdDraw(rt->frame_commands, 3, 1, 0, 0); /* one triangle that covers all */
+    rt->vk.CmdEndRendering(rt->frame_commands);
 }
 
 /* ---- Clears ---------------------------------------------------------------------------------- */
 
-void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets)
+void dt_vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets)
 {
     if (rt->skips)
         return;
     begin_rendering(rt, targets);
-    vkCmdEndRendering(rt->frame_commands);
+    rt->vk.CmdEndRendering(rt->frame_commands);
 }
 
 /* The plan's barriers order the clears of a pass that may be skipped, too. */
-void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
-                    const float clear[4])
+void dt_vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                       const float clear[4])
 {
     VkClearColorValue value = clear_color(image, clear);
     VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
     if (rt->skips)
         return;
-    vkCmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
+    rt->vk.CmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
 }
 
-void vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer)
+void dt_vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
     if (rt->skips)
         return;
-    vkCmdFillBuffer(rt->frame_commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
+    rt->vk.CmdFillBuffer(rt->frame_commands, buffer->handle, 0, VK_WHOLE_SIZE, 0);
 }

@@ -3,6 +3,7 @@
 #ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
 #define DIPTYCH_RUNTIME_VK_INTERNAL_H
 
+#include "dispatch.h"
 #include "runtime.h"
 
 enum { VK_MAX_SLOTS = 64 }; /* lines in one descriptor set layout */
@@ -22,6 +23,7 @@ struct vk_runtime {
     uint32_t messages;
 
     /* context.c */
+    struct vk_dispatch vk;
     VkInstance instance;
     VkDebugUtilsMessengerEXT messenger;
     VkPhysicalDevice physical;
@@ -58,7 +60,7 @@ struct vk_runtime {
     /* frame.c */
     const struct dt_observer *observer; /* during render */
     bool failed;         /* a recording verb without result has logged an error in this frame */
-    uint32_t pass;       /* as of the last vk_pass_begin, as the next */
+    uint32_t pass;       /* as of the last dt_vk_pass_begin, as the next */
     bool skips;          /* the pass does nothing but its barriers */
     uint32_t barriers;   /* recorded so far in this frame */
     VkQueryPool queries; /* two per pass */
@@ -112,10 +114,11 @@ VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name);
 bool vk_immediate_end(struct vk_runtime *rt, const char *name);
 
 /* Everything before happens before everything after, and is visible to it; the host too. */
-void vk_full_barrier(VkCommandBuffer commands);
+void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands);
 /* The same for one image, which moves to `layout`; a layout of UNDEFINED so far loses the
  * content. */
-void vk_transition(VkCommandBuffer commands, struct vk_image *image, VkImageLayout layout);
+void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
+                   VkImageLayout layout);
 
 bool vk_frame_create(struct vk_runtime *rt); /* for rt->panel */
 void vk_frame_destroy(struct vk_runtime *rt);

@@ -79,7 +79,7 @@ static bool create_set(struct vk_runtime *rt, struct vk_program *program,
         .bindingCount = info->slot_count,
         .pBindings = lines,
     };
-    if (!VK(rt, vkCreateDescriptorSetLayout(rt->device, &layout, NULL, &program->set_layout),
+    if (!VK(rt, rt->vk.CreateDescriptorSetLayout(rt->device, &layout, NULL, &program->set_layout),
             info->name))
         return false;
     if (!info->slot_count)
@@ -90,7 +90,7 @@ static bool create_set(struct vk_runtime *rt, struct vk_program *program,
         .poolSizeCount = size_count,
         .pPoolSizes = sizes,
     };
-    if (!VK(rt, vkCreateDescriptorPool(rt->device, &pool, NULL, &program->pool), info->name))
+    if (!VK(rt, rt->vk.CreateDescriptorPool(rt->device, &pool, NULL, &program->pool), info->name))
         return false;
     VkDescriptorSetAllocateInfo allocate = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
@@ -98,11 +98,11 @@ static bool create_set(struct vk_runtime *rt, struct vk_program *program,
         .descriptorSetCount = 1,
         .pSetLayouts = &program->set_layout,
     };
-    return VK(rt, vkAllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
+    return VK(rt, rt->vk.AllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
 }
 
-bool vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
-                     const struct vk_binding *bindings, uint32_t count)
+bool dt_vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
+                        const struct vk_binding *bindings, uint32_t count)
 {
     VkWriteDescriptorSet writes[VK_MAX_SLOTS];
     VkDescriptorBufferInfo buffers[VK_MAX_SLOTS];
@@ -132,7 +132,7 @@ bool vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
             writes[i].pImageInfo = &images[i];
         }
     }
-    vkUpdateDescriptorSets(rt->device, count, writes, 0, NULL);
+    rt->vk.UpdateDescriptorSets(rt->device, count, writes, 0, NULL);
     return true;
 }
 
@@ -146,7 +146,8 @@ static bool create_module(struct vk_runtime *rt, const char *name, const struct 
         .codeSize = code->size,
         .pCode = code->words,
     };
-    return code->size == 0 || VK(rt, vkCreateShaderModule(rt->device, &info, NULL, module), name);
+    return code->size == 0 ||
+           VK(rt, rt->vk.CreateShaderModule(rt->device, &info, NULL, module), name);
 }
 
 static VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage,
@@ -171,11 +172,11 @@ static bool create_compute(struct vk_runtime *rt, struct vk_program *program,
         .stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module),
         .layout = program->layout,
     };
-    bool ok = VK(
-        rt,
-        vkCreateComputePipelines(rt->device, VK_NULL_HANDLE, 1, &create, NULL, &program->pipeline),
-        info->name);
-    vkDestroyShaderModule(rt->device, module, NULL);
+    bool ok = VK(rt,
+                 rt->vk.CreateComputePipelines(rt->device, VK_NULL_HANDLE, 1, &create, NULL,
+                                               &program->pipeline),
+                 info->name);
+    rt->vk.DestroyShaderModule(rt->device, module, NULL);
     return ok;
 }
 
@@ -277,10 +278,10 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
         .pDynamicState = &dynamic_state,
         .layout = program->layout,
     };
-    return VK(
-        rt,
-        vkCreateGraphicsPipelines(rt->device, VK_NULL_HANDLE, 1, &create, NULL, &program->pipeline),
-        info->name);
+    return VK(rt,
+              rt->vk.CreateGraphicsPipelines(rt->device, VK_NULL_HANDLE, 1, &create, NULL,
+                                             &program->pipeline),
+              info->name);
 }
 
 static bool create_graphics(struct vk_runtime *rt, struct vk_program *program,
@@ -301,13 +302,13 @@ static bool create_graphics(struct vk_runtime *rt, struct vk_program *program,
         };
         ok = create_graphics_pipeline(rt, program, info, stages);
     }
-    vkDestroyShaderModule(rt->device, vertex, NULL);
-    vkDestroyShaderModule(rt->device, fragment, NULL);
+    rt->vk.DestroyShaderModule(rt->device, vertex, NULL);
+    rt->vk.DestroyShaderModule(rt->device, fragment, NULL);
     return ok;
 }
 
-bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
-                       const struct vk_program_info *info)
+bool dt_vk_program_create(struct vk_runtime *rt, struct vk_program *program,
+                          const struct vk_program_info *info)
 {
     *program = (struct vk_program){.name = info->name, .slot_count = info->slot_count};
     if (!create_set(rt, program, info))
@@ -317,7 +318,8 @@ bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
         .setLayoutCount = 1,
         .pSetLayouts = &program->set_layout,
     };
-    if (!VK(rt, vkCreatePipelineLayout(rt->device, &layout, NULL, &program->layout), info->name))
+    if (!VK(rt, rt->vk.CreatePipelineLayout(rt->device, &layout, NULL, &program->layout),
+            info->name))
         return false;
     bool ok =
         info->compute.size ? create_compute(rt, program, info) : create_graphics(rt, program, info);
@@ -326,11 +328,11 @@ bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
     return ok;
 }
 
-void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
+void dt_vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
 {
-    vkDestroyPipeline(rt->device, program->pipeline, NULL);
-    vkDestroyPipelineLayout(rt->device, program->layout, NULL);
-    vkDestroyDescriptorPool(rt->device, program->pool, NULL); /* frees the set */
-    vkDestroyDescriptorSetLayout(rt->device, program->set_layout, NULL);
+    rt->vk.DestroyPipeline(rt->device, program->pipeline, NULL);
+    rt->vk.DestroyPipelineLayout(rt->device, program->layout, NULL);
+    rt->vk.DestroyDescriptorPool(rt->device, program->pool, NULL); /* frees the set */
+    rt->vk.DestroyDescriptorSetLayout(rt->device, program->set_layout, NULL);
     *program = (struct vk_program){0};
 }

@@ -25,10 +25,11 @@ static VkBufferImageCopy mip_region(const struct vk_image *image, uint32_t mip,
 }
 
 /* Nothing can go back to UNDEFINED. */
-static void restore_layout(VkCommandBuffer commands, struct vk_image *image, VkImageLayout layout)
+static void restore_layout(const struct vk_runtime *rt, VkCommandBuffer commands,
+                           struct vk_image *image, VkImageLayout layout)
 {
     if (layout != VK_IMAGE_LAYOUT_UNDEFINED)
-        vk_transition(commands, image, layout);
+        vk_transition(rt, commands, image, layout);
 }
 
 /* What lies in the staging buffer becomes `out`. */
@@ -48,8 +49,8 @@ bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struc
     if (!vk_staging(rt, buffer->size, buffer->name) ||
         !(commands = vk_immediate_begin(rt, buffer->name)))
         return false;
-    vkCmdCopyBuffer(commands, buffer->handle, rt->staging.handle, 1,
-                    &(VkBufferCopy){.size = buffer->size});
+    rt->vk.CmdCopyBuffer(commands, buffer->handle, rt->staging.handle, 1,
+                         &(VkBufferCopy){.size = buffer->size});
     return vk_immediate_end(rt, buffer->name) && take_staging(rt, buffer->name, out);
 }
 
@@ -62,10 +63,10 @@ bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
     if (!vk_staging(rt, out->size, image->name) ||
         !(commands = vk_immediate_begin(rt, image->name)))
         return false;
-    vk_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    vkCmdCopyImageToBuffer(commands, image->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           rt->staging.handle, 1, &region);
-    restore_layout(commands, image, layout);
+    vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
+    rt->vk.CmdCopyImageToBuffer(commands, image->handle, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                rt->staging.handle, 1, &region);
+    restore_layout(rt, commands, image, layout);
     return vk_immediate_end(rt, image->name) && take_staging(rt, image->name, out);
 }
 
@@ -88,8 +89,8 @@ bool vk_write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
     VkCommandBuffer commands = begin_write(rt, buffer->name, bytes);
     if (!commands)
         return false;
-    vkCmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
-                    &(VkBufferCopy){.size = bytes->size});
+    rt->vk.CmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
+                         &(VkBufferCopy){.size = bytes->size});
     return vk_immediate_end(rt, buffer->name);
 }
 
@@ -116,9 +117,9 @@ bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
     VkCommandBuffer commands = begin_write(rt, image->name, bytes);
     if (!commands)
         return false;
-    vk_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
-                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-    restore_layout(commands, image, layout);
+    vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    rt->vk.CmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
+                                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+    restore_layout(rt, commands, image, layout);
     return vk_immediate_end(rt, image->name);
 }

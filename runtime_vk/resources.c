@@ -46,13 +46,13 @@ static bool allocate(struct vk_runtime *rt, VkDeviceMemory *memory, const char *
         .allocationSize = needs->size,
         .memoryTypeIndex = (uint32_t)type,
     };
-    return VK(rt, vkAllocateMemory(rt->device, &info, NULL, memory), name);
+    return VK(rt, rt->vk.AllocateMemory(rt->device, &info, NULL, memory), name);
 }
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
-bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
-                      const struct vk_buffer_info *info)
+bool dt_vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
+                         const struct vk_buffer_info *info)
 {
     const VkPhysicalDeviceLimits *limits = &rt->properties.limits;
     VkDeviceSize size = info->size < 16 ? 16 : info->size;
@@ -72,15 +72,15 @@ bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
         .usage = info->usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
     *buffer = (struct vk_buffer){.name = info->name, .size = size};
-    if (!VK(rt, vkCreateBuffer(rt->device, &create, NULL, &buffer->handle), info->name))
+    if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, NULL, &buffer->handle), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);
     return true;
 }
 
-void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
+void dt_vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
-    vkDestroyBuffer(rt->device, buffer->handle, NULL);
+    rt->vk.DestroyBuffer(rt->device, buffer->handle, NULL);
     *buffer = (struct vk_buffer){0};
 }
 
@@ -88,21 +88,22 @@ bool vk_mapped_create(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk
                       const struct vk_buffer_info *info)
 {
     VkMemoryRequirements needs;
-    if (!vk_buffer_create(rt, buffer, info))
+    if (!dt_vk_buffer_create(rt, buffer, info))
         return false;
-    vkGetBufferMemoryRequirements(rt->device, buffer->handle, &needs);
+    rt->vk.GetBufferMemoryRequirements(rt->device, buffer->handle, &needs);
     return allocate(rt, &mapped->memory, info->name, &needs,
                     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                     VK_MEMORY_PROPERTY_HOST_CACHED_BIT) && /* read-back without is very slow */
-           VK(rt, vkBindBufferMemory(rt->device, buffer->handle, mapped->memory, 0), info->name) &&
-           VK(rt, vkMapMemory(rt->device, mapped->memory, 0, VK_WHOLE_SIZE, 0, &mapped->bytes),
+           VK(rt, rt->vk.BindBufferMemory(rt->device, buffer->handle, mapped->memory, 0),
+              info->name) &&
+           VK(rt, rt->vk.MapMemory(rt->device, mapped->memory, 0, VK_WHOLE_SIZE, 0, &mapped->bytes),
               info->name);
 }
 
 void vk_mapped_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped)
 {
-    vk_buffer_destroy(rt, buffer);
-    vkFreeMemory(rt->device, mapped->memory, NULL); /* unmaps */
+    dt_vk_buffer_destroy(rt, buffer);
+    rt->vk.FreeMemory(rt->device, mapped->memory, NULL); /* unmaps */
     *mapped = (struct vk_mapped){0};
 }
 
@@ -143,7 +144,7 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
                         "image %s: %ux%u texels, %u layers, but at least 1 of each is needed; "
                         "check its size in the spec",
                         name, create->extent.width, create->extent.height, create->arrayLayers);
-    VkResult result = vkGetPhysicalDeviceImageFormatProperties(
+    VkResult result = rt->vk.GetPhysicalDeviceImageFormatProperties(
         rt->physical, create->format, create->imageType, create->tiling, create->usage, 0, &can);
     if (result == VK_ERROR_FORMAT_NOT_SUPPORTED)
         return vk_error(rt,
@@ -169,8 +170,8 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
     return true;
 }
 
-bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
-                     const struct vk_image_info *info)
+bool dt_vk_image_create(struct vk_runtime *rt, struct vk_image *image,
+                        const struct vk_image_info *info)
 {
     VkImageCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
@@ -198,7 +199,7 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         .layout = VK_IMAGE_LAYOUT_UNDEFINED,
     };
     if (!image_fits(rt, &create, info->name) ||
-        !VK(rt, vkCreateImage(rt->device, &create, NULL, &image->handle), info->name))
+        !VK(rt, rt->vk.CreateImage(rt->device, &create, NULL, &image->handle), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, info->name);
     return true;
@@ -214,18 +215,18 @@ static bool create_view(struct vk_runtime *rt, const struct vk_image *image, uin
         .format = image->format,
         .subresourceRange = {image->aspect, mip, mips, 0, image->layers},
     };
-    if (!VK(rt, vkCreateImageView(rt->device, &info, NULL, view), image->name))
+    if (!VK(rt, rt->vk.CreateImageView(rt->device, &info, NULL, view), image->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)*view, image->name);
     return true;
 }
 
-void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
+void dt_vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
 {
     for (uint32_t mip = 0; mip < VK_MAX_MIPS; mip++)
-        vkDestroyImageView(rt->device, image->mip_views[mip], NULL);
-    vkDestroyImageView(rt->device, image->view, NULL);
-    vkDestroyImage(rt->device, image->handle, NULL);
+        rt->vk.DestroyImageView(rt->device, image->mip_views[mip], NULL);
+    rt->vk.DestroyImageView(rt->device, image->view, NULL);
+    rt->vk.DestroyImage(rt->device, image->handle, NULL);
     *image = (struct vk_image){0};
 }
 
@@ -240,9 +241,9 @@ static bool bind_user(struct vk_runtime *rt, VkDeviceMemory memory, const struct
 {
     struct vk_image *image = user->image;
     if (user->buffer)
-        return VK(rt, vkBindBufferMemory(rt->device, user->buffer->handle, memory, 0),
+        return VK(rt, rt->vk.BindBufferMemory(rt->device, user->buffer->handle, memory, 0),
                   user->buffer->name);
-    if (!VK(rt, vkBindImageMemory(rt->device, image->handle, memory, 0), image->name) ||
+    if (!VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory, 0), image->name) ||
         !create_view(rt, image, 0, image->mips, &image->view))
         return false;
     for (uint32_t mip = 0; mip < image->mips; mip++)
@@ -251,17 +252,17 @@ static bool bind_user(struct vk_runtime *rt, VkDeviceMemory memory, const struct
     return true;
 }
 
-bool vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct vk_slot_user *users,
-                  uint32_t count)
+bool dt_vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct vk_slot_user *users,
+                     uint32_t count)
 {
     VkMemoryRequirements needs = {.memoryTypeBits = UINT32_MAX};
     const char *name = user_name(&users[0]);
     for (uint32_t i = 0; i < count; i++) {
         VkMemoryRequirements own;
         if (users[i].buffer)
-            vkGetBufferMemoryRequirements(rt->device, users[i].buffer->handle, &own);
+            rt->vk.GetBufferMemoryRequirements(rt->device, users[i].buffer->handle, &own);
         else
-            vkGetImageMemoryRequirements(rt->device, users[i].image->handle, &own);
+            rt->vk.GetImageMemoryRequirements(rt->device, users[i].image->handle, &own);
         needs.memoryTypeBits &= own.memoryTypeBits;
         if (own.size > needs.size) {
             needs.size = own.size;
@@ -277,9 +278,9 @@ bool vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct vk_s
     return true;
 }
 
-void vk_slot_destroy(struct vk_runtime *rt, struct vk_slot *slot)
+void dt_vk_slot_destroy(struct vk_runtime *rt, struct vk_slot *slot)
 {
-    vkFreeMemory(rt->device, slot->memory, NULL);
+    rt->vk.FreeMemory(rt->device, slot->memory, NULL);
     *slot = (struct vk_slot){0};
 }
 
@@ -297,7 +298,7 @@ static bool fill_image(struct vk_runtime *rt, struct vk_image *image, int byte)
     VkCommandBuffer commands = vk_immediate_begin(rt, image->name);
     if (!commands)
         return false;
-    vk_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     for (uint32_t mip = 0; mip < image->mips; mip++) {
         for (uint32_t layer = 0; layer < image->layers; layer++) {
             uint32_t width = image->width >> mip, height = image->height >> mip;
@@ -305,15 +306,15 @@ static bool fill_image(struct vk_runtime *rt, struct vk_image *image, int byte)
                 .imageSubresource = {image->aspect, mip, layer, 1},
                 .imageExtent = {width ? width : 1, height ? height : 1, 1},
             };
-            vkCmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
-                                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+            rt->vk.CmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
+                                        VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
         }
     }
-    vk_transition(commands, image, VK_IMAGE_LAYOUT_GENERAL);
+    vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_GENERAL);
     return vk_immediate_end(rt, image->name);
 }
 
-bool vk_initialise(struct vk_runtime *rt, const struct vk_slot_user *user, bool history)
+bool dt_vk_initialise(struct vk_runtime *rt, const struct vk_slot_user *user, bool history)
 {
     int byte = history ? 0 : rt->poison;
     if (!history && !rt->poison)
@@ -323,14 +324,15 @@ bool vk_initialise(struct vk_runtime *rt, const struct vk_slot_user *user, bool 
     VkCommandBuffer commands = vk_immediate_begin(rt, user->buffer->name);
     if (!commands)
         return false;
-    vkCmdFillBuffer(commands, user->buffer->handle, 0, VK_WHOLE_SIZE, (uint32_t)byte * 0x01010101u);
+    rt->vk.CmdFillBuffer(commands, user->buffer->handle, 0, VK_WHOLE_SIZE,
+                         (uint32_t)byte * 0x01010101u);
     return vk_immediate_end(rt, user->buffer->name);
 }
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler,
-                       const struct vk_sampler_info *info)
+bool dt_vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler,
+                          const struct vk_sampler_info *info)
 {
     float limit = rt->properties.limits.maxSamplerAnisotropy;
     if (info->anisotropy > limit)
@@ -350,14 +352,14 @@ bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler,
         .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL,
         .maxLod = VK_LOD_CLAMP_NONE,
     };
-    if (!VK(rt, vkCreateSampler(rt->device, &create, NULL, sampler), info->name))
+    if (!VK(rt, rt->vk.CreateSampler(rt->device, &create, NULL, sampler), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_SAMPLER, (uint64_t)*sampler, info->name);
     return true;
 }
 
-void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler)
+void dt_vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler)
 {
-    vkDestroySampler(rt->device, *sampler, NULL);
+    rt->vk.DestroySampler(rt->device, *sampler, NULL);
     *sampler = VK_NULL_HANDLE;
 }

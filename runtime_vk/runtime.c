@@ -10,7 +10,7 @@ static void destroy_panel(struct vk_runtime *rt)
 {
     if (!rt->panel)
         return;
-    vkDeviceWaitIdle(
+    rt->vk.DeviceWaitIdle(
         rt->device); /* a lost device reports it here, and may be torn down all the same */
     rt->panel->destroy(rt, rt->state);
     vk_frame_destroy(rt);
@@ -107,7 +107,7 @@ static bool runtime_resize(void *runtime, uint32_t width, uint32_t height)
     rt->width = rt->height = 0;
     rt->sized = false;
     rt->rendered = false;
-    if (!VK(rt, vkDeviceWaitIdle(rt->device), "resize") ||
+    if (!VK(rt, rt->vk.DeviceWaitIdle(rt->device), "resize") ||
         !rt->panel->resize(rt, rt->state, width, height))
         return false;
     rt->width = width;
@@ -216,7 +216,7 @@ static uint32_t runtime_messages(void *runtime)
     return rt->messages;
 }
 
-const struct vk_builtin *vk_builtin(const struct vk_runtime *rt)
+const struct vk_builtin *dt_vk_builtin(const struct vk_runtime *rt)
 {
     return &rt->builtin;
 }

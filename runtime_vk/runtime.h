@@ -73,8 +73,8 @@ struct vk_buffer_info {
     VkDeviceSize size;        /* bytes; raised to 16 */
     VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
 };
-bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
-                      const struct vk_buffer_info *info);
+bool dt_vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
+                         const struct vk_buffer_info *info);
 
 struct vk_image_info {
     const char *name;
@@ -83,23 +83,23 @@ struct vk_image_info {
     uint32_t width, height, layers, mips;
     bool layered;
 };
-/* Creates the image only; views are made by vk_slot_bind, when the memory is there. */
-bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
-                     const struct vk_image_info *info);
+/* Creates the image only; views are made by dt_vk_slot_bind, when the memory is there. */
+bool dt_vk_image_create(struct vk_runtime *rt, struct vk_image *image,
+                        const struct vk_image_info *info);
 
 /* Allocates what the largest user needs, binds all users at offset 0 and makes the images'
  * views. */
-bool vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct vk_slot_user *users,
-                  uint32_t count);
+bool dt_vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct vk_slot_user *users,
+                     uint32_t count);
 
 /* Zero-fills resources with history; fills the others with options.poison when that is set.
- * After vk_slot_bind. */
-bool vk_initialise(struct vk_runtime *rt, const struct vk_slot_user *user, bool history);
+ * After dt_vk_slot_bind. */
+bool dt_vk_initialise(struct vk_runtime *rt, const struct vk_slot_user *user, bool history);
 
-void vk_buffer_destroy(struct vk_runtime *rt,
-                       struct vk_buffer *buffer); /* all take zeroed structs, and zero them */
-void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);
-void vk_slot_destroy(struct vk_runtime *rt, struct vk_slot *slot);
+void dt_vk_buffer_destroy(struct vk_runtime *rt,
+                          struct vk_buffer *buffer); /* all take zeroed structs, and zero them */
+void dt_vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);
+void dt_vk_slot_destroy(struct vk_runtime *rt, struct vk_slot *slot);
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
@@ -111,9 +111,9 @@ struct vk_sampler_info {
     bool compare;     /* shadow sampler: LESS_OR_EQUAL */
     float anisotropy; /* 1: off */
 };
-bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler,
-                       const struct vk_sampler_info *info);
-void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
+bool dt_vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler,
+                          const struct vk_sampler_info *info);
+void dt_vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
 
 /* ---- Programs: one per pass ------------------------------------------------------------------ */
 
@@ -151,9 +151,9 @@ struct vk_program {
     VkDescriptorSet set;
     uint32_t slot_count;
 };
-bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
-                       const struct vk_program_info *info);
-void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
+bool dt_vk_program_create(struct vk_runtime *rt, struct vk_program *program,
+                          const struct vk_program_info *info);
+void dt_vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
 
 /* What stands at one line of the layout: a buffer, or an image with or without sampler. */
 struct vk_binding {
@@ -167,15 +167,15 @@ struct vk_binding {
 };
 /* Writes the descriptor set; all lines of the layout in one call. At resize, never while
  * recording. */
-bool vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
-                     const struct vk_binding *bindings, uint32_t count);
+bool dt_vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
+                        const struct vk_binding *bindings, uint32_t count);
 
 /* ---- Recording ------------------------------------------------------------------------------- */
 
 /* Debug label and timestamps around a pass. begin asks the observer, when there is one: of a
  * pass that it skips only the barriers are recorded. end then submits, waits and calls it. */
-bool vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs);
-bool vk_pass_end(struct vk_runtime *rt, uint32_t pass);
+bool dt_vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs);
+bool dt_vk_pass_end(struct vk_runtime *rt, uint32_t pass);
 
 struct vk_barrier {
     struct vk_buffer *buffer; /* one of the two */
@@ -189,12 +189,12 @@ struct vk_barrier {
 };
 /* One vkCmdPipelineBarrier2 for up to 64 of them; but for options.drop_barrier and
  * drop_dependency. */
-void vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count);
+void dt_vk_barriers(struct vk_runtime *rt, const struct vk_barrier *barriers, uint32_t count);
 
-void vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,
-                 uint32_t z);
-void vk_dispatch_indirect(struct vk_runtime *rt, const struct vk_program *program,
-                          const struct vk_buffer *arguments);
+void dt_vk_dispatch(struct vk_runtime *rt, const struct vk_program *program, uint32_t x, uint32_t y,
+                    uint32_t z);
+void dt_vk_dispatch_indirect(struct vk_runtime *rt, const struct vk_program *program,
+                             const struct vk_buffer *arguments);
 
 struct vk_target {
     struct vk_image *image;
@@ -209,20 +209,21 @@ struct vk_targets {
     uint32_t layers;        /* 1, or the layers of a layered draw */
 };
 /* Draws the whole scene `instances` times; a layered draw picks gl_Layer from gl_InstanceIndex. */
-void vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
-                   const struct vk_targets *targets, uint32_t instances);
+void dt_vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
+                      const struct vk_targets *targets, uint32_t instances);
 /* Draws from an index buffer and VkDrawIndexedIndirectCommand[draw_count] that compute passes
  * wrote; indices NULL: the scene's own. */
-void vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *program,
-                            const struct vk_targets *targets, const struct vk_buffer *indices,
-                            const struct vk_buffer *arguments, uint32_t draw_count);
-void vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
-                        const struct vk_targets *targets);
-void vk_clear_targets(struct vk_runtime *rt, const struct vk_targets *targets); /* a skipped draw */
+void dt_vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *program,
+                               const struct vk_targets *targets, const struct vk_buffer *indices,
+                               const struct vk_buffer *arguments, uint32_t draw_count);
+void dt_vk_draw_fullscreen(struct vk_runtime *rt, const struct vk_program *program,
+                           const struct vk_targets *targets);
+void dt_vk_clear_targets(struct vk_runtime *rt,
+                         const struct vk_targets *targets); /* a skipped draw */
 /* A skipped dispatch: the mip that it would have written; image in GENERAL layout. */
-void vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
-                    const float clear[4]);
-void vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer);
+void dt_vk_clear_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                       const float clear[4]);
+void dt_vk_clear_buffer(struct vk_runtime *rt, struct vk_buffer *buffer);
 
 /* ---- What the runtime brings along: bind these like any resource ----------------------------- */
 
@@ -235,7 +236,7 @@ struct vk_builtin {
     struct vk_image textures;   /* sampled array, SHADER_READ_ONLY_OPTIMAL */
     VkSampler texture_sampler;  /* trilinear, repeat */
 };
-const struct vk_builtin *vk_builtin(const struct vk_runtime *rt);
+const struct vk_builtin *dt_vk_builtin(const struct vk_runtime *rt);
 
 extern const struct dt_runtime runtime_vk;
 

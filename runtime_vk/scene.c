@@ -10,7 +10,7 @@ static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer, struc
     struct vk_slot_user user = {.buffer = buffer};
     VkCommandBuffer commands;
     void *staging;
-    if (!vk_buffer_create(rt, buffer, info) || !vk_slot_bind(rt, slot, &user, 1) ||
+    if (!dt_vk_buffer_create(rt, buffer, info) || !dt_vk_slot_bind(rt, slot, &user, 1) ||
         !(staging = vk_staging(rt, buffer->size, info->name)))
         return false;
     if (info->size < buffer->size)
@@ -19,8 +19,8 @@ static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer, struc
         memcpy(staging, data, info->size);
     if (!(commands = vk_immediate_begin(rt, info->name)))
         return false;
-    vkCmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
-                    &(VkBufferCopy){.size = buffer->size});
+    rt->vk.CmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
+                         &(VkBufferCopy){.size = buffer->size});
     return vk_immediate_end(rt, info->name);
 }
 
@@ -44,15 +44,15 @@ static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const u
         if (!commands)
             return false;
         if (mip == 0)
-            vk_transition(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+            vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
         VkBufferImageCopy region = {
             .imageSubresource = {image->aspect, mip, 0, image->layers},
             .imageExtent = {width, height, 1},
         };
-        vkCmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
-                               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+        rt->vk.CmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
+                                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
         if (mip + 1 == image->mips)
-            vk_transition(commands, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+            vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
         if (!vk_immediate_end(rt, image->name))
             return false;
     }
@@ -80,9 +80,10 @@ static bool upload_textures(struct vk_runtime *rt, const struct dt_scene *scene)
         .wrap = VK_SAMPLER_ADDRESS_MODE_REPEAT,
         .anisotropy = 1,
     };
-    return vk_image_create(rt, image, &info) && vk_slot_bind(rt, &rt->texture_slot, &user, 1) &&
+    return dt_vk_image_create(rt, image, &info) &&
+           dt_vk_slot_bind(rt, &rt->texture_slot, &user, 1) &&
            upload_texels(rt, image, scene->texels) &&
-           vk_sampler_create(rt, &rt->builtin.texture_sampler, &sampler);
+           dt_vk_sampler_create(rt, &rt->builtin.texture_sampler, &sampler);
 }
 
 bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene)
@@ -116,15 +117,15 @@ bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene)
 
 void vk_scene_destroy(struct vk_runtime *rt)
 {
-    vk_buffer_destroy(rt, &rt->builtin.vertices);
-    vk_buffer_destroy(rt, &rt->builtin.indices);
-    vk_buffer_destroy(rt, &rt->builtin.materials);
-    vk_image_destroy(rt, &rt->builtin.textures);
-    vk_sampler_destroy(rt, &rt->builtin.texture_sampler);
-    vk_slot_destroy(rt, &rt->vertex_slot);
-    vk_slot_destroy(rt, &rt->index_slot);
-    vk_slot_destroy(rt, &rt->material_slot);
-    vk_slot_destroy(rt, &rt->texture_slot);
+    dt_vk_buffer_destroy(rt, &rt->builtin.vertices);
+    dt_vk_buffer_destroy(rt, &rt->builtin.indices);
+    dt_vk_buffer_destroy(rt, &rt->builtin.materials);
+    dt_vk_image_destroy(rt, &rt->builtin.textures);
+    dt_vk_sampler_destroy(rt, &rt->builtin.texture_sampler);
+    dt_vk_slot_destroy(rt, &rt->vertex_slot);
+    dt_vk_slot_destroy(rt, &rt->index_slot);
+    dt_vk_slot_destroy(rt, &rt->material_slot);
+    dt_vk_slot_destroy(rt, &rt->texture_slot);
     rt->has_scene = false;
     rt->index_count = 0;
 }

@@ -148,7 +148,7 @@ static void set_identity(float matrix[4][4])
 static void name_resources(void)
 {
     const struct dt_pipeline *info = audit.pipeline.info;
-    const struct vk_builtin *builtin = vk_builtin(audit.rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(audit.rt);
 
     for (uint32_t i = 0; i < info->resource_count; i++) {
         void *place = audit.rt->panel->resource(audit.rt->state, i);

@@ -259,7 +259,7 @@ static const struct dt_pipeline pipeline = {
 
 static bool create_draws(struct gl_runtime *rt, struct state *s)
 {
-    return gl_program_create(
+    return dt_gl_program_create(
                rt, &s->draw,
                &(struct gl_program_info){.name = "draw",
                                          .vertex = compile(GLSLANG_STAGE_VERTEX, draw_vert),
@@ -269,7 +269,7 @@ static bool create_draws(struct gl_runtime *rt, struct state *s)
                                          .depth_write = true,
                                          .depth_compare = GL_LESS,
                                          .cull = GL_BACK}) &&
-           gl_program_create(
+           dt_gl_program_create(
                rt, &s->layers,
                &(struct gl_program_info){.name = "layered",
                                          .vertex = compile(GLSLANG_STAGE_VERTEX, layers_vert),
@@ -279,7 +279,7 @@ static bool create_draws(struct gl_runtime *rt, struct state *s)
                                          .depth_write = true,
                                          .depth_compare = GL_LEQUAL,
                                          .cull = GL_NONE}) &&
-           gl_program_create(
+           dt_gl_program_create(
                rt, &s->full,
                &(struct gl_program_info){.name = "fullscreen",
                                          .vertex = compile(GLSLANG_STAGE_VERTEX, full_vert),
@@ -292,11 +292,11 @@ static bool create(void *rt, void *memory)
 {
     struct state *s = memory;
     return create_draws(rt, s) &&
-           gl_program_create(
+           dt_gl_program_create(
                rt, &s->compute,
                &(struct gl_program_info){
                    .name = "compute", .compute = compile(GLSLANG_STAGE_COMPUTE, compute_comp)}) &&
-           gl_program_create(
+           dt_gl_program_create(
                rt, &s->indirect,
                &(struct gl_program_info){.name = "indirect",
                                          .compute = compile(GLSLANG_STAGE_COMPUTE, indirect_comp)});
@@ -305,10 +305,10 @@ static bool create(void *rt, void *memory)
 static void release(struct gl_runtime *rt, struct state *s)
 {
     for (uint32_t i = 0; i < 4; i++)
-        gl_framebuffer_destroy(rt, &s->framebuffers[i]);
+        dt_gl_framebuffer_destroy(rt, &s->framebuffers[i]);
     for (uint32_t i = 0; i < RESOURCES; i++) {
-        gl_buffer_destroy(rt, &s->buffers[i]);
-        gl_image_destroy(rt, &s->images[i]);
+        dt_gl_buffer_destroy(rt, &s->buffers[i]);
+        dt_gl_image_destroy(rt, &s->images[i]);
     }
 }
 
@@ -322,10 +322,10 @@ static bool make_resources(struct gl_runtime *rt, struct state *s, uint32_t widt
         const struct gl_image_info info = {r->name, r->format, e[0],       e[1],
                                            e[2],    r->mips,   r->layered, NULL};
         const struct gl_buffer_info bytes = {r->name, (GLsizeiptr)e[0] * r->stride};
-        if (!(image ? gl_image_create(rt, &s->images[i], &info)
-                    : gl_buffer_create(rt, &s->buffers[i], &bytes)) ||
-            !gl_initialise(rt, image ? NULL : &s->buffers[i], image ? &s->images[i] : NULL,
-                           r->history))
+        if (!(image ? dt_gl_image_create(rt, &s->images[i], &info)
+                    : dt_gl_buffer_create(rt, &s->buffers[i], &bytes)) ||
+            !dt_gl_initialise(rt, image ? NULL : &s->buffers[i], image ? &s->images[i] : NULL,
+                              r->history))
             return false;
     }
     return true;
@@ -353,14 +353,14 @@ static bool resize(void *rt, void *memory, uint32_t width, uint32_t height)
                                         .depth = {.image = &image[STACK_DEPTH], .load = true},
                                         .layers = LAYERS};
     for (uint32_t i = 0; i < 4; i++)
-        if (!gl_framebuffer_create(rt, &s->framebuffers[i], &s->targets[i]))
+        if (!dt_gl_framebuffer_create(rt, &s->framebuffers[i], &s->targets[i]))
             return false;
     return true;
 }
 
 static bool record_draws(struct gl_runtime *rt, struct state *s)
 {
-    const struct gl_builtin *b = gl_builtin(rt);
+    const struct gl_builtin *b = dt_gl_builtin(rt);
     const struct gl_binding draw[] = {
         {.binding = 2, .kind = GL_BIND_STORAGE, .buffer = &b->materials},
         {.binding = 0,
@@ -368,11 +368,11 @@ static bool record_draws(struct gl_runtime *rt, struct state *s)
          .image = &b->textures,
          .sampler = b->texture_sampler},
     };
-    return gl_pass_begin(rt, DRAW, true) && gl_bind(rt, draw, DT_ARRAY_COUNT(draw)) &&
-           gl_draw_scene(rt, &s->draw, s->framebuffers[0], &s->targets[0], 1) &&
-           gl_pass_end(rt, DRAW) && gl_pass_begin(rt, LAYERED, true) &&
-           gl_draw_scene(rt, &s->layers, s->framebuffers[1], &s->targets[1], LAYERS) &&
-           gl_pass_end(rt, LAYERED);
+    return dt_gl_pass_begin(rt, DRAW, true) && dt_gl_bind(rt, draw, DT_ARRAY_COUNT(draw)) &&
+           dt_gl_draw_scene(rt, &s->draw, s->framebuffers[0], &s->targets[0], 1) &&
+           dt_gl_pass_end(rt, DRAW) && dt_gl_pass_begin(rt, LAYERED, true) &&
+           dt_gl_draw_scene(rt, &s->layers, s->framebuffers[1], &s->targets[1], LAYERS) &&
+           dt_gl_pass_end(rt, LAYERED);
 }
 
 static bool record_compute(struct gl_runtime *rt, struct state *s)
@@ -381,24 +381,25 @@ static bool record_compute(struct gl_runtime *rt, struct state *s)
     const struct gl_binding compute[] = {
         {.binding = 0, .kind = GL_BIND_IMAGE, .image = color, .access = GL_READ_ONLY},
         {.binding = 1, .kind = GL_BIND_TEXTURE, .image = &s->images[DEPTH]},
-        {.binding = 1, .kind = GL_BIND_UNIFORM, .buffer = &gl_builtin(rt)->live},
+        {.binding = 1, .kind = GL_BIND_UNIFORM, .buffer = &dt_gl_builtin(rt)->live},
         {.binding = 0, .kind = GL_BIND_STORAGE, .buffer = &s->buffers[RESULT]},
         {.binding = 1, .kind = GL_BIND_STORAGE, .buffer = &s->buffers[ARGUMENTS]},
     };
     const struct gl_binding indirect[] = {
         {.binding = 0, .kind = GL_BIND_STORAGE, .buffer = &s->buffers[COMMAND]}};
-    return gl_pass_begin(rt, COMPUTE, true) && gl_bind(rt, compute, DT_ARRAY_COUNT(compute)) &&
-           gl_barrier(rt, GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT) &&
-           gl_dispatch(rt, &s->compute, (color->width + 7) / 8, (color->height + 7) / 8, 1) &&
-           gl_pass_end(rt, COMPUTE) && gl_pass_begin(rt, INDIRECT, true) &&
-           gl_barrier(rt, GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT) &&
-           gl_bind(rt, indirect, DT_ARRAY_COUNT(indirect)) &&
-           gl_dispatch_indirect(rt, &s->indirect, &s->buffers[ARGUMENTS]) &&
-           gl_pass_end(rt, INDIRECT) && gl_pass_begin(rt, AGAIN, true) &&
-           gl_barrier(rt, GL_COMMAND_BARRIER_BIT) &&
-           gl_draw_scene_indirect(rt, &s->layers, s->framebuffers[3], &s->targets[3], NULL,
-                                  &s->buffers[COMMAND], 1) &&
-           gl_pass_end(rt, AGAIN);
+    return dt_gl_pass_begin(rt, COMPUTE, true) &&
+           dt_gl_bind(rt, compute, DT_ARRAY_COUNT(compute)) &&
+           dt_gl_barrier(rt, GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT) &&
+           dt_gl_dispatch(rt, &s->compute, (color->width + 7) / 8, (color->height + 7) / 8, 1) &&
+           dt_gl_pass_end(rt, COMPUTE) && dt_gl_pass_begin(rt, INDIRECT, true) &&
+           dt_gl_barrier(rt, GL_COMMAND_BARRIER_BIT | GL_SHADER_STORAGE_BARRIER_BIT) &&
+           dt_gl_bind(rt, indirect, DT_ARRAY_COUNT(indirect)) &&
+           dt_gl_dispatch_indirect(rt, &s->indirect, &s->buffers[ARGUMENTS]) &&
+           dt_gl_pass_end(rt, INDIRECT) && dt_gl_pass_begin(rt, AGAIN, true) &&
+           dt_gl_barrier(rt, GL_COMMAND_BARRIER_BIT) &&
+           dt_gl_draw_scene_indirect(rt, &s->layers, s->framebuffers[3], &s->targets[3], NULL,
+                                     &s->buffers[COMMAND], 1) &&
+           dt_gl_pass_end(rt, AGAIN);
 }
 
 static bool record(void *rt, void *memory, const void *live)
@@ -406,12 +407,12 @@ static bool record(void *rt, void *memory, const void *live)
     struct state *s = memory;
     const float clear[4] = {1, 2, 3, 4};
     (void)live;
-    return record_draws(rt, s) && record_compute(rt, s) && gl_pass_begin(rt, FULLSCREEN, true) &&
-           gl_clear_targets(rt, s->framebuffers[2], &s->targets[2]) &&
-           gl_draw_fullscreen(rt, &s->full, s->framebuffers[2], &s->targets[2]) &&
-           gl_pass_end(rt, FULLSCREEN) && gl_pass_begin(rt, SKIP, false) &&
-           gl_clear_image(rt, &s->images[SKIPPED], 0, clear) &&
-           gl_clear_buffer(rt, &s->buffers[COMMAND]) && gl_pass_end(rt, SKIP);
+    return record_draws(rt, s) && record_compute(rt, s) && dt_gl_pass_begin(rt, FULLSCREEN, true) &&
+           dt_gl_clear_targets(rt, s->framebuffers[2], &s->targets[2]) &&
+           dt_gl_draw_fullscreen(rt, &s->full, s->framebuffers[2], &s->targets[2]) &&
+           dt_gl_pass_end(rt, FULLSCREEN) && dt_gl_pass_begin(rt, SKIP, false) &&
+           dt_gl_clear_image(rt, &s->images[SKIPPED], 0, clear) &&
+           dt_gl_clear_buffer(rt, &s->buffers[COMMAND]) && dt_gl_pass_end(rt, SKIP);
 }
 
 static void *resource(void *memory, uint32_t index)
@@ -425,11 +426,11 @@ static void destroy(void *rt, void *memory)
 {
     struct state *s = memory;
     release(rt, s);
-    gl_program_destroy(rt, &s->draw);
-    gl_program_destroy(rt, &s->layers);
-    gl_program_destroy(rt, &s->compute);
-    gl_program_destroy(rt, &s->indirect);
-    gl_program_destroy(rt, &s->full);
+    dt_gl_program_destroy(rt, &s->draw);
+    dt_gl_program_destroy(rt, &s->layers);
+    dt_gl_program_destroy(rt, &s->compute);
+    dt_gl_program_destroy(rt, &s->indirect);
+    dt_gl_program_destroy(rt, &s->full);
 }
 
 static const struct dt_panel panel = {
@@ -1003,34 +1004,34 @@ static void test_bad_resources(void **state)
     struct gl_program program = {0};
     const struct gl_program_info text = {
         .name = "broken", .compute = {.glsl = "#version 460\nvoid main() { x = 1; }\n"}};
-    assert_false(gl_program_create(rt, &program, &text));
+    assert_false(dt_gl_program_create(rt, &program, &text));
     expect_error(&m, "pass broken: compiling the compute shader");
-    gl_program_destroy(rt, &program);
+    dt_gl_program_destroy(rt, &program);
 
     struct gl_buffer buffer = {0};
     assert_false(
-        gl_buffer_create(rt, &buffer, &(struct gl_buffer_info){"huge", (GLsizeiptr)1 << 50}));
+        dt_gl_buffer_create(rt, &buffer, &(struct gl_buffer_info){"huge", (GLsizeiptr)1 << 50}));
     expect_error(&m, "huge");
-    gl_buffer_destroy(rt, &buffer);
+    dt_gl_buffer_destroy(rt, &buffer);
     struct gl_image image = {0};
     const struct gl_image_info deep = {"deep", DT_FORMAT_R8, 4, 4, 1u << 20, 1, true, NULL};
-    assert_false(gl_image_create(rt, &image, &deep));
+    assert_false(dt_gl_image_create(rt, &image, &deep));
     expect_error(&m, "deep");
-    gl_image_destroy(rt, &image);
+    dt_gl_image_destroy(rt, &image);
 
     struct gl_image owner = {0};
     struct gl_image_info small = {"small", DT_FORMAT_R8, 4, 4, 1, 1, false, NULL};
-    assert_true(gl_image_create(rt, &owner, &small));
+    assert_true(dt_gl_image_create(rt, &owner, &small));
     struct gl_image_info borrower = {"borrower", DT_FORMAT_R8, 4, 4, 1, 1, false, &owner};
-    assert_true(gl_image_create(rt, &image, &borrower));
+    assert_true(dt_gl_image_create(rt, &image, &borrower));
     assert_int_equal(image.handle, owner.handle);
-    gl_image_destroy(rt, &image); /* leaves the texture to its owner */
-    assert_true(gl_initialise(rt, NULL, &owner, true));
+    dt_gl_image_destroy(rt, &image); /* leaves the texture to its owner */
+    assert_true(dt_gl_initialise(rt, NULL, &owner, true));
     borrower.width = 8;
-    assert_false(gl_image_create(rt, &image, &borrower));
+    assert_false(dt_gl_image_create(rt, &image, &borrower));
     expect_error(&m, "borrower");
-    gl_image_destroy(rt, &image);
-    gl_image_destroy(rt, &owner);
+    dt_gl_image_destroy(rt, &image);
+    dt_gl_image_destroy(rt, &owner);
     runtime_gl.close(rt);
 }
 
@@ -1044,7 +1045,7 @@ static void test_debug_messages(void **state)
     void *rt = runtime_gl.open(&options);
     assert_non_null(rt);
     const struct gl_buffer ghost = {.name = "ghost", .handle = 12345, .size = 16};
-    assert_false(gl_clear_buffer(rt, &ghost));
+    assert_false(dt_gl_clear_buffer(rt, &ghost));
     assert_non_null(strstr(m.last, "ghost: glClearNamedBufferData"));
     assert_int_equal(runtime_gl.messages(rt), 1);
     assert_int_equal(m.errors, 2);

@@ -183,9 +183,9 @@ static bool probe_create(void *runtime, void *place)
     const struct vk_sampler_info nearest = {
         .name = "nearest", .anisotropy = 1, .wrap = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
     for (int pass = 0; pass < PASSES; pass++)
-        if (!vk_program_create(rt, &state->programs[pass], &infos[pass]))
+        if (!dt_vk_program_create(rt, &state->programs[pass], &infos[pass]))
             return false;
-    return vk_sampler_create(rt, &state->nearest, &nearest);
+    return dt_vk_sampler_create(rt, &state->nearest, &nearest);
 }
 
 static void free_resources(struct vk_runtime *rt, struct state *state)
@@ -197,11 +197,11 @@ static void free_resources(struct vk_runtime *rt, struct state *state)
                                &state->display_slot, &state->spare_slot,      &state->rows_slot,
                                &state->frames_slot,  &state->draws_slot,      &state->groups_slot};
     for (size_t i = 0; i < DT_ARRAY_COUNT(images); i++)
-        vk_image_destroy(rt, images[i]);
+        dt_vk_image_destroy(rt, images[i]);
     for (size_t i = 0; i < DT_ARRAY_COUNT(buffers); i++)
-        vk_buffer_destroy(rt, buffers[i]);
+        dt_vk_buffer_destroy(rt, buffers[i]);
     for (size_t i = 0; i < DT_ARRAY_COUNT(slots); i++)
-        vk_slot_destroy(rt, slots[i]);
+        dt_vk_slot_destroy(rt, slots[i]);
 }
 
 static void probe_destroy(void *runtime, void *place)
@@ -210,8 +210,8 @@ static void probe_destroy(void *runtime, void *place)
     struct state *state = place;
     free_resources(rt, state);
     for (int pass = 0; pass < PASSES; pass++)
-        vk_program_destroy(rt, &state->programs[pass]);
-    vk_sampler_destroy(rt, &state->nearest);
+        dt_vk_program_destroy(rt, &state->programs[pass]);
+    dt_vk_sampler_destroy(rt, &state->nearest);
 }
 
 static bool make_images(struct vk_runtime *rt, struct state *state, uint32_t width, uint32_t height)
@@ -247,13 +247,14 @@ static bool make_images(struct vk_runtime *rt, struct state *state, uint32_t wid
     const struct vk_slot_user shared[] = {{.image = &state->depth}, {.image = &state->mask}};
     for (size_t i = 0; i < DT_ARRAY_COUNT(images); i++) {
         struct vk_slot_user user = {.image = images[i].image};
-        if (!vk_image_create(rt, images[i].image, &images[i].info) ||
-            !vk_slot_bind(rt, images[i].slot, &user, 1) || !vk_initialise(rt, &user, false))
+        if (!dt_vk_image_create(rt, images[i].image, &images[i].info) ||
+            !dt_vk_slot_bind(rt, images[i].slot, &user, 1) || !dt_vk_initialise(rt, &user, false))
             return false;
     }
-    return vk_image_create(rt, &state->depth, &depth) && vk_image_create(rt, &state->mask, &mask) &&
-           vk_slot_bind(rt, &state->depth_mask_slot, shared, 2) &&
-           vk_initialise(rt, &shared[0], false) && vk_initialise(rt, &shared[1], false);
+    return dt_vk_image_create(rt, &state->depth, &depth) &&
+           dt_vk_image_create(rt, &state->mask, &mask) &&
+           dt_vk_slot_bind(rt, &state->depth_mask_slot, shared, 2) &&
+           dt_vk_initialise(rt, &shared[0], false) && dt_vk_initialise(rt, &shared[1], false);
 }
 
 static bool make_buffers(struct vk_runtime *rt, struct state *state, uint32_t height)
@@ -283,9 +284,9 @@ static bool make_buffers(struct vk_runtime *rt, struct state *state, uint32_t he
     };
     for (size_t i = 0; i < DT_ARRAY_COUNT(buffers); i++) {
         struct vk_slot_user user = {.buffer = buffers[i].buffer};
-        if (!vk_buffer_create(rt, buffers[i].buffer, &buffers[i].info) ||
-            !vk_slot_bind(rt, buffers[i].slot, &user, 1) ||
-            !vk_initialise(rt, &user, buffers[i].history))
+        if (!dt_vk_buffer_create(rt, buffers[i].buffer, &buffers[i].info) ||
+            !dt_vk_slot_bind(rt, buffers[i].slot, &user, 1) ||
+            !dt_vk_initialise(rt, &user, buffers[i].history))
             return false;
     }
     return true;
@@ -295,7 +296,7 @@ static bool probe_resize(void *runtime, void *place, uint32_t width, uint32_t he
 {
     struct vk_runtime *rt = runtime;
     struct state *state = place;
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     free_resources(rt, state);
     if (!make_images(rt, state, width, height) || !make_buffers(rt, state, height))
         return false;
@@ -329,11 +330,11 @@ static bool probe_resize(void *runtime, void *place, uint32_t width, uint32_t he
          .layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
          .sampler = state->nearest},
     };
-    return vk_program_bind(rt, &state->programs[PLAN_PASS], plan, 3) &&
-           vk_program_bind(rt, &state->programs[SCENE_PASS], scene, 2) &&
-           vk_program_bind(rt, &state->programs[COUNT_PASS], count, 4) &&
-           vk_program_bind(rt, &state->programs[MASK_PASS], mask, 2) &&
-           vk_program_bind(rt, &state->programs[DISPLAY_PASS], display, 1);
+    return dt_vk_program_bind(rt, &state->programs[PLAN_PASS], plan, 3) &&
+           dt_vk_program_bind(rt, &state->programs[SCENE_PASS], scene, 2) &&
+           dt_vk_program_bind(rt, &state->programs[COUNT_PASS], count, 4) &&
+           dt_vk_program_bind(rt, &state->programs[MASK_PASS], mask, 2) &&
+           dt_vk_program_bind(rt, &state->programs[DISPLAY_PASS], display, 1);
 }
 
 #define COMPUTE       VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT
@@ -353,73 +354,73 @@ static bool record_plan_and_scene(struct vk_runtime *rt, struct state *state)
         .depth = {.image = &state->depth, .clear = {1}},
         .layers = 1,
     };
-    if (!vk_pass_begin(rt, PLAN_PASS, true))
+    if (!dt_vk_pass_begin(rt, PLAN_PASS, true))
         return false;
-    vk_dispatch(rt, &state->programs[PLAN_PASS], 1, 1, 1);
-    if (!vk_pass_end(rt, PLAN_PASS) || !vk_pass_begin(rt, SCENE_PASS, true))
+    dt_vk_dispatch(rt, &state->programs[PLAN_PASS], 1, 1, 1);
+    if (!dt_vk_pass_end(rt, PLAN_PASS) || !dt_vk_pass_begin(rt, SCENE_PASS, true))
         return false;
-    vk_barriers(rt,
-                (const struct vk_barrier[]){
-                    {.image = &state->color,
-                     .dst_stage = COLOR_OUTPUT,
-                     .dst_access = COLOR_WRITE,
-                     .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                     .discard = true},
-                    {.image = &state->depth,
-                     .dst_stage = DEPTH_TESTS,
-                     .dst_access = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | DEPTH_WRITE,
-                     .layout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
-                     .discard = true},
-                },
-                2);
-    vk_draw_scene(rt, &state->programs[SCENE_PASS], &targets, 1);
-    return vk_pass_end(rt, SCENE_PASS);
+    dt_vk_barriers(rt,
+                   (const struct vk_barrier[]){
+                       {.image = &state->color,
+                        .dst_stage = COLOR_OUTPUT,
+                        .dst_access = COLOR_WRITE,
+                        .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                        .discard = true},
+                       {.image = &state->depth,
+                        .dst_stage = DEPTH_TESTS,
+                        .dst_access = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT | DEPTH_WRITE,
+                        .layout = VK_IMAGE_LAYOUT_DEPTH_ATTACHMENT_OPTIMAL,
+                        .discard = true},
+                   },
+                   2);
+    dt_vk_draw_scene(rt, &state->programs[SCENE_PASS], &targets, 1);
+    return dt_vk_pass_end(rt, SCENE_PASS);
 }
 
 static bool record_layers_and_count(struct vk_runtime *rt, struct state *state)
 {
     const struct vk_targets targets = {
         .color = {{.image = &state->layers}}, .color_count = 1, .layers = 4};
-    if (!vk_pass_begin(rt, LAYERS_PASS, true))
+    if (!dt_vk_pass_begin(rt, LAYERS_PASS, true))
         return false;
-    vk_barriers(rt,
-                (const struct vk_barrier[]){
-                    {.buffer = &state->draws,
-                     .src_stage = COMPUTE,
-                     .src_access = STORAGE_WRITE,
-                     .dst_stage = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
-                     .dst_access = VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
-                    {.image = &state->layers,
-                     .dst_stage = COLOR_OUTPUT,
-                     .dst_access = COLOR_WRITE,
-                     .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                     .discard = true},
-                },
-                2);
-    vk_draw_scene_indirect(rt, &state->programs[LAYERS_PASS], &targets, NULL, &state->draws, 1);
-    if (!vk_pass_end(rt, LAYERS_PASS) || !vk_pass_begin(rt, COUNT_PASS, true))
+    dt_vk_barriers(rt,
+                   (const struct vk_barrier[]){
+                       {.buffer = &state->draws,
+                        .src_stage = COMPUTE,
+                        .src_access = STORAGE_WRITE,
+                        .dst_stage = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+                        .dst_access = VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
+                       {.image = &state->layers,
+                        .dst_stage = COLOR_OUTPUT,
+                        .dst_access = COLOR_WRITE,
+                        .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                        .discard = true},
+                   },
+                   2);
+    dt_vk_draw_scene_indirect(rt, &state->programs[LAYERS_PASS], &targets, NULL, &state->draws, 1);
+    if (!dt_vk_pass_end(rt, LAYERS_PASS) || !dt_vk_pass_begin(rt, COUNT_PASS, true))
         return false;
-    vk_barriers(rt,
-                (const struct vk_barrier[]){
-                    {.image = &state->color,
-                     .src_stage = COLOR_OUTPUT,
-                     .src_access = COLOR_WRITE,
-                     .dst_stage = COMPUTE,
-                     .dst_access = STORAGE_READ,
-                     .layout = VK_IMAGE_LAYOUT_GENERAL},
-                },
-                1);
-    vk_dispatch(rt, &state->programs[COUNT_PASS], 1, 1, 1);
-    return vk_pass_end(rt, COUNT_PASS);
+    dt_vk_barriers(rt,
+                   (const struct vk_barrier[]){
+                       {.image = &state->color,
+                        .src_stage = COLOR_OUTPUT,
+                        .src_access = COLOR_WRITE,
+                        .dst_stage = COMPUTE,
+                        .dst_access = STORAGE_READ,
+                        .layout = VK_IMAGE_LAYOUT_GENERAL},
+                   },
+                   1);
+    dt_vk_dispatch(rt, &state->programs[COUNT_PASS], 1, 1, 1);
+    return dt_vk_pass_end(rt, COUNT_PASS);
 }
 
 static bool record_mask_and_display(struct vk_runtime *rt, struct state *state, bool mask)
 {
     const struct vk_targets targets = {
         .color = {{.image = &state->display}}, .color_count = 1, .layers = 1};
-    if (!vk_pass_begin(rt, MASK_PASS, mask))
+    if (!dt_vk_pass_begin(rt, MASK_PASS, mask))
         return false;
-    vk_barriers(
+    dt_vk_barriers(
         rt,
         (const struct vk_barrier[]){
             {.image = &state->mask,
@@ -438,29 +439,29 @@ static bool record_mask_and_display(struct vk_runtime *rt, struct state *state, 
         },
         2);
     if (mask) {
-        vk_dispatch_indirect(rt, &state->programs[MASK_PASS], &state->groups);
+        dt_vk_dispatch_indirect(rt, &state->programs[MASK_PASS], &state->groups);
     } else {
-        vk_clear_image(rt, &state->mask, 0, (const float[4]){7});
-        vk_clear_buffer(rt, &state->groups);
+        dt_vk_clear_image(rt, &state->mask, 0, (const float[4]){7});
+        dt_vk_clear_buffer(rt, &state->groups);
     }
-    if (!vk_pass_end(rt, MASK_PASS) || !vk_pass_begin(rt, DISPLAY_PASS, true))
+    if (!dt_vk_pass_end(rt, MASK_PASS) || !dt_vk_pass_begin(rt, DISPLAY_PASS, true))
         return false;
-    vk_barriers(rt,
-                (const struct vk_barrier[]){
-                    {.image = &state->color,
-                     .src_stage = COMPUTE,
-                     .dst_stage = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
-                     .dst_access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
-                     .layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
-                    {.image = &state->display,
-                     .dst_stage = COLOR_OUTPUT,
-                     .dst_access = COLOR_WRITE,
-                     .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
-                     .discard = true},
-                },
-                2);
-    vk_draw_fullscreen(rt, &state->programs[DISPLAY_PASS], &targets);
-    return vk_pass_end(rt, DISPLAY_PASS);
+    dt_vk_barriers(rt,
+                   (const struct vk_barrier[]){
+                       {.image = &state->color,
+                        .src_stage = COMPUTE,
+                        .dst_stage = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+                        .dst_access = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
+                        .layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
+                       {.image = &state->display,
+                        .dst_stage = COLOR_OUTPUT,
+                        .dst_access = COLOR_WRITE,
+                        .layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                        .discard = true},
+                   },
+                   2);
+    dt_vk_draw_fullscreen(rt, &state->programs[DISPLAY_PASS], &targets);
+    return dt_vk_pass_end(rt, DISPLAY_PASS);
 }
 
 static bool probe_record(void *runtime, void *place, const void *live)
@@ -917,20 +918,20 @@ static bool forgetful_record(void *runtime, void *place, const void *live)
 {
     struct state *state = place;
     (void)live;
-    if (!vk_pass_begin(runtime, PLAN_PASS, true))
+    if (!dt_vk_pass_begin(runtime, PLAN_PASS, true))
         return false;
-    vk_barriers(runtime,
-                (const struct vk_barrier[]){
-                    {.image = &state->mask,
-                     .dst_stage = COMPUTE,
-                     .dst_access = STORAGE_WRITE,
-                     .layout = VK_IMAGE_LAYOUT_GENERAL,
-                     .discard = true},
-                },
-                1);
-    vk_dispatch(runtime, &state->programs[PLAN_PASS], 1, 1, 1);
-    vk_dispatch_indirect(runtime, &state->programs[MASK_PASS], &state->groups);
-    return vk_pass_end(runtime, PLAN_PASS);
+    dt_vk_barriers(runtime,
+                   (const struct vk_barrier[]){
+                       {.image = &state->mask,
+                        .dst_stage = COMPUTE,
+                        .dst_access = STORAGE_WRITE,
+                        .layout = VK_IMAGE_LAYOUT_GENERAL,
+                        .discard = true},
+                   },
+                   1);
+    dt_vk_dispatch(runtime, &state->programs[PLAN_PASS], 1, 1, 1);
+    dt_vk_dispatch_indirect(runtime, &state->programs[MASK_PASS], &state->groups);
+    return dt_vk_pass_end(runtime, PLAN_PASS);
 }
 
 static void a_missing_barrier_is_heard(void **unused)
@@ -953,10 +954,10 @@ static bool endless_record(void *runtime, void *place, const void *live)
 {
     struct state *state = place;
     (void)live;
-    if (!vk_pass_begin(runtime, PLAN_PASS, true))
+    if (!dt_vk_pass_begin(runtime, PLAN_PASS, true))
         return false;
-    vk_dispatch(runtime, &state->programs[PLAN_PASS], UINT32_MAX, 1, 1);
-    return vk_pass_end(runtime, PLAN_PASS);
+    dt_vk_dispatch(runtime, &state->programs[PLAN_PASS], UINT32_MAX, 1, 1);
+    return dt_vk_pass_end(runtime, PLAN_PASS);
 }
 
 static void limits_are_errors_before_the_call(void **unused)

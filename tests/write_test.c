@@ -109,9 +109,9 @@ static void gl_destroy(void *rt, void *place)
 {
     struct gl_state *state = place;
     for (uint32_t i = 0; i < SMALL; i++)
-        gl_image_destroy(rt, &state->images[i]);
+        dt_gl_image_destroy(rt, &state->images[i]);
     for (uint32_t i = SMALL; i < RESOURCES; i++)
-        gl_buffer_destroy(rt, &state->buffers[i]);
+        dt_gl_buffer_destroy(rt, &state->buffers[i]);
 }
 
 static bool gl_resize(void *rt, void *place, uint32_t width, uint32_t height)
@@ -125,8 +125,8 @@ static bool gl_resize(void *rt, void *place, uint32_t width, uint32_t height)
         const struct gl_image_info image = {r->name, r->format, e[0],       e[1],
                                             e[2],    r->mips,   r->layered, NULL};
         const struct gl_buffer_info buffer = {r->name, (GLsizeiptr)e[0] * r->stride};
-        if (!(i < SMALL ? gl_image_create(rt, &state->images[i], &image)
-                        : gl_buffer_create(rt, &state->buffers[i], &buffer)))
+        if (!(i < SMALL ? dt_gl_image_create(rt, &state->images[i], &image)
+                        : dt_gl_buffer_create(rt, &state->buffers[i], &buffer)))
             return false;
     }
     return true;
@@ -135,7 +135,7 @@ static bool gl_resize(void *rt, void *place, uint32_t width, uint32_t height)
 static bool gl_record(void *rt, void *place, const void *live)
 {
     (void)place, (void)live;
-    return gl_pass_begin(rt, 0, true) && gl_pass_end(rt, 0);
+    return dt_gl_pass_begin(rt, 0, true) && dt_gl_pass_end(rt, 0);
 }
 
 static void *gl_resource(void *place, uint32_t index)
@@ -168,10 +168,10 @@ static void vk_destroy(void *rt, void *place)
     struct vk_state *state = place;
     for (uint32_t i = 0; i < RESOURCES; i++) {
         if (i < SMALL)
-            vk_image_destroy(rt, &state->images[i]);
+            dt_vk_image_destroy(rt, &state->images[i]);
         else
-            vk_buffer_destroy(rt, &state->buffers[i]);
-        vk_slot_destroy(rt, &state->slots[i]);
+            dt_vk_buffer_destroy(rt, &state->buffers[i]);
+        dt_vk_slot_destroy(rt, &state->slots[i]);
     }
 }
 
@@ -186,9 +186,9 @@ static bool vk_make(void *rt, struct vk_state *state, uint32_t i)
                                           VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     const struct vk_slot_user user = {.image = i < SMALL ? &state->images[i] : NULL,
                                       .buffer = i < SMALL ? NULL : &state->buffers[i]};
-    return (i < SMALL ? vk_image_create(rt, &state->images[i], &image)
-                      : vk_buffer_create(rt, &state->buffers[i], &buffer)) &&
-           vk_slot_bind(rt, &state->slots[i], &user, 1) && vk_initialise(rt, &user, false);
+    return (i < SMALL ? dt_vk_image_create(rt, &state->images[i], &image)
+                      : dt_vk_buffer_create(rt, &state->buffers[i], &buffer)) &&
+           dt_vk_slot_bind(rt, &state->slots[i], &user, 1) && dt_vk_initialise(rt, &user, false);
 }
 
 static struct vk_state *vk_present; /* whose layouts a test looks at */
@@ -206,7 +206,7 @@ static bool vk_resize(void *rt, void *place, uint32_t width, uint32_t height)
 static bool vk_record(void *rt, void *place, const void *live)
 {
     (void)place, (void)live;
-    return vk_pass_begin(rt, 0, true) && vk_pass_end(rt, 0);
+    return dt_vk_pass_begin(rt, 0, true) && dt_vk_pass_end(rt, 0);
 }
 
 static void *vk_resource(void *place, uint32_t index)

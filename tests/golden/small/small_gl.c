@@ -651,7 +651,7 @@ static bool create_sampler_soft(struct gl_runtime *rt, struct small_gl_state *st
         .anisotropy = 1.0f,
     };
 
-    return gl_sampler_create(rt, &state->samplers.soft, &info);
+    return dt_gl_sampler_create(rt, &state->samplers.soft, &info);
 }
 
 static bool create_program_scene(struct gl_runtime *rt, struct small_gl_state *state)
@@ -668,7 +668,7 @@ static bool create_program_scene(struct gl_runtime *rt, struct small_gl_state *s
         .blend_add = false,
     };
 
-    return gl_program_create(rt, &state->programs.scene, &info);
+    return dt_gl_program_create(rt, &state->programs.scene, &info);
 }
 
 static bool create_program_place(struct gl_runtime *rt, struct small_gl_state *state)
@@ -678,7 +678,7 @@ static bool create_program_place(struct gl_runtime *rt, struct small_gl_state *s
         .compute = {place_compute, sizeof place_compute, place_compute_glsl},
     };
 
-    return gl_program_create(rt, &state->programs.place, &info);
+    return dt_gl_program_create(rt, &state->programs.place, &info);
 }
 
 static bool create_program_shade(struct gl_runtime *rt, struct small_gl_state *state)
@@ -688,7 +688,7 @@ static bool create_program_shade(struct gl_runtime *rt, struct small_gl_state *s
         .compute = {shade_compute, sizeof shade_compute, shade_compute_glsl},
     };
 
-    return gl_program_create(rt, &state->programs.shade, &info);
+    return dt_gl_program_create(rt, &state->programs.shade, &info);
 }
 
 static bool create_program_glow(struct gl_runtime *rt, struct small_gl_state *state)
@@ -702,7 +702,7 @@ static bool create_program_glow(struct gl_runtime *rt, struct small_gl_state *st
         .blend_add = false,
     };
 
-    return gl_program_create(rt, &state->programs.glow, &info);
+    return dt_gl_program_create(rt, &state->programs.glow, &info);
 }
 
 static bool create_program_follow(struct gl_runtime *rt, struct small_gl_state *state)
@@ -712,7 +712,7 @@ static bool create_program_follow(struct gl_runtime *rt, struct small_gl_state *
         .compute = {follow_compute, sizeof follow_compute, follow_compute_glsl},
     };
 
-    return gl_program_create(rt, &state->programs.follow, &info);
+    return dt_gl_program_create(rt, &state->programs.follow, &info);
 }
 
 static bool create_program_show(struct gl_runtime *rt, struct small_gl_state *state)
@@ -722,7 +722,7 @@ static bool create_program_show(struct gl_runtime *rt, struct small_gl_state *st
         .compute = {show_compute, sizeof show_compute, show_compute_glsl},
     };
 
-    return gl_program_create(rt, &state->programs.show, &info);
+    return dt_gl_program_create(rt, &state->programs.show, &info);
 }
 
 static bool create(void *runtime, void *opaque)
@@ -753,8 +753,8 @@ static bool create_buffer_lamps(struct gl_runtime *rt, struct small_gl_state *st
         .size = (GLsizeiptr)extent[0] * sizeof(struct small_Lamp),
     };
 
-    return gl_buffer_create(rt, &state->buffers.lamps, &info) &&
-           gl_initialise(rt, &state->buffers.lamps, NULL, false);
+    return dt_gl_buffer_create(rt, &state->buffers.lamps, &info) &&
+           dt_gl_initialise(rt, &state->buffers.lamps, NULL, false);
 }
 
 static bool create_image_normal(struct gl_runtime *rt, struct small_gl_state *state)
@@ -772,8 +772,8 @@ static bool create_image_normal(struct gl_runtime *rt, struct small_gl_state *st
         .layered = false,
     };
 
-    return gl_image_create(rt, &state->images.normal, &info) &&
-           gl_initialise(rt, NULL, &state->images.normal, false);
+    return dt_gl_image_create(rt, &state->images.normal, &info) &&
+           dt_gl_initialise(rt, NULL, &state->images.normal, false);
 }
 
 static bool create_image_depth(struct gl_runtime *rt, struct small_gl_state *state)
@@ -791,8 +791,8 @@ static bool create_image_depth(struct gl_runtime *rt, struct small_gl_state *sta
         .layered = false,
     };
 
-    return gl_image_create(rt, &state->images.depth, &info) &&
-           gl_initialise(rt, NULL, &state->images.depth, false);
+    return dt_gl_image_create(rt, &state->images.depth, &info) &&
+           dt_gl_initialise(rt, NULL, &state->images.depth, false);
 }
 
 static bool create_image_lit(struct gl_runtime *rt, struct small_gl_state *state)
@@ -810,8 +810,8 @@ static bool create_image_lit(struct gl_runtime *rt, struct small_gl_state *state
         .layered = false,
     };
 
-    return gl_image_create(rt, &state->images.lit, &info) &&
-           gl_initialise(rt, NULL, &state->images.lit, false);
+    return dt_gl_image_create(rt, &state->images.lit, &info) &&
+           dt_gl_initialise(rt, NULL, &state->images.lit, false);
 }
 
 static bool create_image_halo(struct gl_runtime *rt, struct small_gl_state *state)
@@ -829,8 +829,8 @@ static bool create_image_halo(struct gl_runtime *rt, struct small_gl_state *stat
         .layered = false,
     };
 
-    return gl_image_create(rt, &state->images.halo, &info) &&
-           gl_initialise(rt, NULL, &state->images.halo, false);
+    return dt_gl_image_create(rt, &state->images.halo, &info) &&
+           dt_gl_initialise(rt, NULL, &state->images.halo, false);
 }
 
 static bool create_image_trail(struct gl_runtime *rt, struct small_gl_state *state)
@@ -848,8 +848,8 @@ static bool create_image_trail(struct gl_runtime *rt, struct small_gl_state *sta
         .layered = false,
     };
 
-    return gl_image_create(rt, &state->images.trail, &info) &&
-           gl_initialise(rt, NULL, &state->images.trail, true);
+    return dt_gl_image_create(rt, &state->images.trail, &info) &&
+           dt_gl_initialise(rt, NULL, &state->images.trail, true);
 }
 
 static bool create_image_shown(struct gl_runtime *rt, struct small_gl_state *state)
@@ -867,8 +867,8 @@ static bool create_image_shown(struct gl_runtime *rt, struct small_gl_state *sta
         .layered = false,
     };
 
-    return gl_image_create(rt, &state->images.shown, &info) &&
-           gl_initialise(rt, NULL, &state->images.shown, false);
+    return dt_gl_image_create(rt, &state->images.shown, &info) &&
+           dt_gl_initialise(rt, NULL, &state->images.shown, false);
 }
 
 static struct gl_targets targets_scene(const struct small_gl_state *state)
@@ -894,27 +894,27 @@ static bool create_framebuffer_scene(struct gl_runtime *rt, struct small_gl_stat
 {
     const struct gl_targets targets = targets_scene(state);
 
-    return gl_framebuffer_create(rt, &state->framebuffers.scene, &targets);
+    return dt_gl_framebuffer_create(rt, &state->framebuffers.scene, &targets);
 }
 
 static bool create_framebuffer_glow(struct gl_runtime *rt, struct small_gl_state *state)
 {
     const struct gl_targets targets = targets_glow(state);
 
-    return gl_framebuffer_create(rt, &state->framebuffers.glow, &targets);
+    return dt_gl_framebuffer_create(rt, &state->framebuffers.glow, &targets);
 }
 
 static void release(struct gl_runtime *rt, struct small_gl_state *state)
 {
-    gl_framebuffer_destroy(rt, &state->framebuffers.scene);
-    gl_framebuffer_destroy(rt, &state->framebuffers.glow);
-    gl_image_destroy(rt, &state->images.shown);
-    gl_image_destroy(rt, &state->images.trail);
-    gl_image_destroy(rt, &state->images.halo);
-    gl_image_destroy(rt, &state->images.lit);
-    gl_image_destroy(rt, &state->images.depth);
-    gl_image_destroy(rt, &state->images.normal);
-    gl_buffer_destroy(rt, &state->buffers.lamps);
+    dt_gl_framebuffer_destroy(rt, &state->framebuffers.scene);
+    dt_gl_framebuffer_destroy(rt, &state->framebuffers.glow);
+    dt_gl_image_destroy(rt, &state->images.shown);
+    dt_gl_image_destroy(rt, &state->images.trail);
+    dt_gl_image_destroy(rt, &state->images.halo);
+    dt_gl_image_destroy(rt, &state->images.lit);
+    dt_gl_image_destroy(rt, &state->images.depth);
+    dt_gl_image_destroy(rt, &state->images.normal);
+    dt_gl_buffer_destroy(rt, &state->buffers.lamps);
     state->width = state->height = 0;
 }
 
@@ -961,20 +961,20 @@ static void destroy(void *runtime, void *opaque)
     struct small_gl_state *state = opaque;
 
     release(rt, state);
-    gl_program_destroy(rt, &state->programs.scene);
-    gl_program_destroy(rt, &state->programs.place);
-    gl_program_destroy(rt, &state->programs.shade);
-    gl_program_destroy(rt, &state->programs.glow);
-    gl_program_destroy(rt, &state->programs.follow);
-    gl_program_destroy(rt, &state->programs.show);
-    gl_sampler_destroy(rt, &state->samplers.soft);
+    dt_gl_program_destroy(rt, &state->programs.scene);
+    dt_gl_program_destroy(rt, &state->programs.place);
+    dt_gl_program_destroy(rt, &state->programs.shade);
+    dt_gl_program_destroy(rt, &state->programs.glow);
+    dt_gl_program_destroy(rt, &state->programs.follow);
+    dt_gl_program_destroy(rt, &state->programs.show);
+    dt_gl_sampler_destroy(rt, &state->samplers.soft);
 }
 
 /* ---- One frame ------------------------------------------------------------------------------- */
 
 static bool record_scene(struct gl_runtime *rt, const struct small_gl_state *state)
 {
-    const struct gl_builtin *builtin = gl_builtin(rt);
+    const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
         {.binding = 1, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
         {.binding = 2, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
@@ -983,35 +983,35 @@ static bool record_scene(struct gl_runtime *rt, const struct small_gl_state *sta
          .sampler = builtin->texture_sampler},
     };
     const struct gl_targets targets = targets_scene(state);
-    bool ok = gl_pass_begin(rt, SMALL_PASS_SCENE, true);
+    bool ok = dt_gl_pass_begin(rt, SMALL_PASS_SCENE, true);
 
-    ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
+    ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
     ok = ok &&
-        gl_draw_scene(rt, &state->programs.scene, state->framebuffers.scene, &targets,
+        dt_gl_draw_scene(rt, &state->programs.scene, state->framebuffers.scene, &targets,
         targets.layers);
-    return ok && gl_pass_end(rt, SMALL_PASS_SCENE);
+    return ok && dt_gl_pass_end(rt, SMALL_PASS_SCENE);
 }
 
 static bool record_place(struct gl_runtime *rt, const struct small_gl_state *state)
 {
-    const struct gl_builtin *builtin = gl_builtin(rt);
+    const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
         {.binding = 0, .kind = GL_BIND_STORAGE, .buffer = &state->buffers.lamps},
         {.binding = 1, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
         {.binding = 2, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
     };
-    bool ok = gl_pass_begin(rt, SMALL_PASS_PLACE, true);
+    bool ok = dt_gl_pass_begin(rt, SMALL_PASS_PLACE, true);
 
-    ok = ok && gl_barrier(rt, GL_SHADER_STORAGE_BARRIER_BIT);
-    ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
-    ok = ok && gl_dispatch(rt, &state->programs.place, 1, 1, 1);
-    return ok && gl_pass_end(rt, SMALL_PASS_PLACE);
+    ok = ok && dt_gl_barrier(rt, GL_SHADER_STORAGE_BARRIER_BIT);
+    ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
+    ok = ok && dt_gl_dispatch(rt, &state->programs.place, 1, 1, 1);
+    return ok && dt_gl_pass_end(rt, SMALL_PASS_PLACE);
 }
 
 /* every lamp on every pixel */
 static bool record_shade(struct gl_runtime *rt, const struct small_gl_state *state)
 {
-    const struct gl_builtin *builtin = gl_builtin(rt);
+    const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
         {.binding = 0, .kind = GL_BIND_IMAGE, .image = &state->images.normal,
          .access = GL_READ_ONLY},
@@ -1021,20 +1021,20 @@ static bool record_shade(struct gl_runtime *rt, const struct small_gl_state *sta
         {.binding = 3, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
         {.binding = 4, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
     };
-    bool ok = gl_pass_begin(rt, SMALL_PASS_SHADE, true);
+    bool ok = dt_gl_pass_begin(rt, SMALL_PASS_SHADE, true);
 
-    ok = ok && gl_barrier(rt, GL_SHADER_STORAGE_BARRIER_BIT);
-    ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
+    ok = ok && dt_gl_barrier(rt, GL_SHADER_STORAGE_BARRIER_BIT);
+    ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
     ok = ok &&
-        gl_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 8),
+        dt_gl_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 8),
         small_groups(state->images.lit.height, 8), 1);
-    return ok && gl_pass_end(rt, SMALL_PASS_SHADE);
+    return ok && dt_gl_pass_end(rt, SMALL_PASS_SHADE);
 }
 
 static bool record_glow(struct gl_runtime *rt, const struct small_gl_state *state,
     const struct small_live *live)
 {
-    const struct gl_builtin *builtin = gl_builtin(rt);
+    const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
         {.binding = 2, .kind = GL_BIND_TEXTURE, .image = &state->images.lit,
          .sampler = state->samplers.soft},
@@ -1043,22 +1043,22 @@ static bool record_glow(struct gl_runtime *rt, const struct small_gl_state *stat
     };
     const struct gl_targets targets = targets_glow(state);
     const bool runs = ((live->glow != 0)) != 0;
-    bool ok = gl_pass_begin(rt, SMALL_PASS_GLOW, runs);
+    bool ok = dt_gl_pass_begin(rt, SMALL_PASS_GLOW, runs);
 
-    ok = ok && gl_barrier(rt, GL_TEXTURE_FETCH_BARRIER_BIT);
+    ok = ok && dt_gl_barrier(rt, GL_TEXTURE_FETCH_BARRIER_BIT);
     if (runs) {
-        ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
+        ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
         ok = ok &&
-            gl_draw_fullscreen(rt, &state->programs.glow, state->framebuffers.glow, &targets);
+            dt_gl_draw_fullscreen(rt, &state->programs.glow, state->framebuffers.glow, &targets);
     } else {
-        ok = ok && gl_clear_targets(rt, state->framebuffers.glow, &targets);
+        ok = ok && dt_gl_clear_targets(rt, state->framebuffers.glow, &targets);
     }
-    return ok && gl_pass_end(rt, SMALL_PASS_GLOW);
+    return ok && dt_gl_pass_end(rt, SMALL_PASS_GLOW);
 }
 
 static bool record_follow(struct gl_runtime *rt, const struct small_gl_state *state)
 {
-    const struct gl_builtin *builtin = gl_builtin(rt);
+    const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
         {.binding = 0, .kind = GL_BIND_IMAGE, .image = &state->images.lit, .access = GL_READ_ONLY},
         {.binding = 1, .kind = GL_BIND_IMAGE, .image = &state->images.halo, .access = GL_READ_ONLY},
@@ -1067,19 +1067,19 @@ static bool record_follow(struct gl_runtime *rt, const struct small_gl_state *st
         {.binding = 3, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
         {.binding = 4, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
     };
-    bool ok = gl_pass_begin(rt, SMALL_PASS_FOLLOW, true);
+    bool ok = dt_gl_pass_begin(rt, SMALL_PASS_FOLLOW, true);
 
-    ok = ok && gl_barrier(rt, GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
+    ok = ok && dt_gl_barrier(rt, GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
     ok = ok &&
-        gl_dispatch(rt, &state->programs.follow, small_groups(state->images.trail.width, 8),
+        dt_gl_dispatch(rt, &state->programs.follow, small_groups(state->images.trail.width, 8),
         small_groups(state->images.trail.height, 8), 1);
-    return ok && gl_pass_end(rt, SMALL_PASS_FOLLOW);
+    return ok && dt_gl_pass_end(rt, SMALL_PASS_FOLLOW);
 }
 
 static bool record_show(struct gl_runtime *rt, const struct small_gl_state *state)
 {
-    const struct gl_builtin *builtin = gl_builtin(rt);
+    const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
         {.binding = 0, .kind = GL_BIND_IMAGE, .image = &state->images.trail,
          .access = GL_READ_ONLY},
@@ -1088,14 +1088,14 @@ static bool record_show(struct gl_runtime *rt, const struct small_gl_state *stat
         {.binding = 2, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
         {.binding = 3, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
     };
-    bool ok = gl_pass_begin(rt, SMALL_PASS_SHOW, true);
+    bool ok = dt_gl_pass_begin(rt, SMALL_PASS_SHOW, true);
 
-    ok = ok && gl_barrier(rt, GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    ok = ok && gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
+    ok = ok && dt_gl_barrier(rt, GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
     ok = ok &&
-        gl_dispatch(rt, &state->programs.show, small_groups(state->images.shown.width, 8),
+        dt_gl_dispatch(rt, &state->programs.show, small_groups(state->images.shown.width, 8),
         small_groups(state->images.shown.height, 8), 1);
-    return ok && gl_pass_end(rt, SMALL_PASS_SHOW);
+    return ok && dt_gl_pass_end(rt, SMALL_PASS_SHOW);
 }
 
 static bool record(void *runtime, void *opaque, const void *live_block)

@@ -77,7 +77,7 @@ static bool create_texel_sampler(struct vk_runtime *rt, struct small_vk_state *s
         .anisotropy = 1.0f,
     };
 
-    return vk_sampler_create(rt, &state->texel_sampler, &info);
+    return dt_vk_sampler_create(rt, &state->texel_sampler, &info);
 }
 
 static bool create_sampler_soft(struct vk_runtime *rt, struct small_vk_state *state)
@@ -91,7 +91,7 @@ static bool create_sampler_soft(struct vk_runtime *rt, struct small_vk_state *st
         .anisotropy = 1.0f,
     };
 
-    return vk_sampler_create(rt, &state->samplers.soft, &info);
+    return dt_vk_sampler_create(rt, &state->samplers.soft, &info);
 }
 
 static bool create_program_scene(struct vk_runtime *rt, struct small_vk_state *state)
@@ -119,7 +119,7 @@ static bool create_program_scene(struct vk_runtime *rt, struct small_vk_state *s
         .blend_add = false,
     };
 
-    return vk_program_create(rt, &state->programs.scene, &info);
+    return dt_vk_program_create(rt, &state->programs.scene, &info);
 }
 
 static bool create_program_place(struct vk_runtime *rt, struct small_vk_state *state)
@@ -136,7 +136,7 @@ static bool create_program_place(struct vk_runtime *rt, struct small_vk_state *s
         .slot_count = DT_ARRAY_COUNT(slots),
     };
 
-    return vk_program_create(rt, &state->programs.place, &info);
+    return dt_vk_program_create(rt, &state->programs.place, &info);
 }
 
 static bool create_program_shade(struct vk_runtime *rt, struct small_vk_state *state)
@@ -156,7 +156,7 @@ static bool create_program_shade(struct vk_runtime *rt, struct small_vk_state *s
         .slot_count = DT_ARRAY_COUNT(slots),
     };
 
-    return vk_program_create(rt, &state->programs.shade, &info);
+    return dt_vk_program_create(rt, &state->programs.shade, &info);
 }
 
 static bool create_program_glow(struct vk_runtime *rt, struct small_vk_state *state)
@@ -179,7 +179,7 @@ static bool create_program_glow(struct vk_runtime *rt, struct small_vk_state *st
         .blend_add = false,
     };
 
-    return vk_program_create(rt, &state->programs.glow, &info);
+    return dt_vk_program_create(rt, &state->programs.glow, &info);
 }
 
 static bool create_program_follow(struct vk_runtime *rt, struct small_vk_state *state)
@@ -198,7 +198,7 @@ static bool create_program_follow(struct vk_runtime *rt, struct small_vk_state *
         .slot_count = DT_ARRAY_COUNT(slots),
     };
 
-    return vk_program_create(rt, &state->programs.follow, &info);
+    return dt_vk_program_create(rt, &state->programs.follow, &info);
 }
 
 static bool create_program_show(struct vk_runtime *rt, struct small_vk_state *state)
@@ -216,7 +216,7 @@ static bool create_program_show(struct vk_runtime *rt, struct small_vk_state *st
         .slot_count = DT_ARRAY_COUNT(slots),
     };
 
-    return vk_program_create(rt, &state->programs.show, &info);
+    return dt_vk_program_create(rt, &state->programs.show, &info);
 }
 
 static bool create(void *runtime, void *opaque)
@@ -249,7 +249,7 @@ static bool create_buffer_lamps(struct vk_runtime *rt, struct small_vk_state *st
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
     };
 
-    return vk_buffer_create(rt, &state->buffers.lamps, &info);
+    return dt_vk_buffer_create(rt, &state->buffers.lamps, &info);
 }
 
 static bool create_image_normal(struct vk_runtime *rt, struct small_vk_state *state)
@@ -268,7 +268,7 @@ static bool create_image_normal(struct vk_runtime *rt, struct small_vk_state *st
         .layered = false,
     };
 
-    return vk_image_create(rt, &state->images.normal, &info);
+    return dt_vk_image_create(rt, &state->images.normal, &info);
 }
 
 static bool create_image_depth(struct vk_runtime *rt, struct small_vk_state *state)
@@ -287,7 +287,7 @@ static bool create_image_depth(struct vk_runtime *rt, struct small_vk_state *sta
         .layered = false,
     };
 
-    return vk_image_create(rt, &state->images.depth, &info);
+    return dt_vk_image_create(rt, &state->images.depth, &info);
 }
 
 static bool create_image_lit(struct vk_runtime *rt, struct small_vk_state *state)
@@ -306,7 +306,7 @@ static bool create_image_lit(struct vk_runtime *rt, struct small_vk_state *state
         .layered = false,
     };
 
-    return vk_image_create(rt, &state->images.lit, &info);
+    return dt_vk_image_create(rt, &state->images.lit, &info);
 }
 
 static bool create_image_halo(struct vk_runtime *rt, struct small_vk_state *state)
@@ -325,7 +325,7 @@ static bool create_image_halo(struct vk_runtime *rt, struct small_vk_state *stat
         .layered = false,
     };
 
-    return vk_image_create(rt, &state->images.halo, &info);
+    return dt_vk_image_create(rt, &state->images.halo, &info);
 }
 
 static bool create_image_trail(struct vk_runtime *rt, struct small_vk_state *state)
@@ -344,7 +344,7 @@ static bool create_image_trail(struct vk_runtime *rt, struct small_vk_state *sta
         .layered = false,
     };
 
-    return vk_image_create(rt, &state->images.trail, &info);
+    return dt_vk_image_create(rt, &state->images.trail, &info);
 }
 
 static bool create_image_shown(struct vk_runtime *rt, struct small_vk_state *state)
@@ -363,7 +363,7 @@ static bool create_image_shown(struct vk_runtime *rt, struct small_vk_state *sta
         .layered = false,
     };
 
-    return vk_image_create(rt, &state->images.shown, &info);
+    return dt_vk_image_create(rt, &state->images.shown, &info);
 }
 
 /* Resources of one slot are never alive in the same pass. */
@@ -373,7 +373,7 @@ static bool bind_slot_0(struct vk_runtime *rt, struct small_vk_state *state)
         {.image = &state->images.lit},
     };
 
-    return vk_slot_bind(rt, &state->slots[0], users, DT_ARRAY_COUNT(users));
+    return dt_vk_slot_bind(rt, &state->slots[0], users, DT_ARRAY_COUNT(users));
 }
 
 static bool bind_slot_1(struct vk_runtime *rt, struct small_vk_state *state)
@@ -382,7 +382,7 @@ static bool bind_slot_1(struct vk_runtime *rt, struct small_vk_state *state)
         {.image = &state->images.trail},
     };
 
-    return vk_slot_bind(rt, &state->slots[1], users, DT_ARRAY_COUNT(users));
+    return dt_vk_slot_bind(rt, &state->slots[1], users, DT_ARRAY_COUNT(users));
 }
 
 static bool bind_slot_2(struct vk_runtime *rt, struct small_vk_state *state)
@@ -391,7 +391,7 @@ static bool bind_slot_2(struct vk_runtime *rt, struct small_vk_state *state)
         {.image = &state->images.normal},
     };
 
-    return vk_slot_bind(rt, &state->slots[2], users, DT_ARRAY_COUNT(users));
+    return dt_vk_slot_bind(rt, &state->slots[2], users, DT_ARRAY_COUNT(users));
 }
 
 static bool bind_slot_3(struct vk_runtime *rt, struct small_vk_state *state)
@@ -402,7 +402,7 @@ static bool bind_slot_3(struct vk_runtime *rt, struct small_vk_state *state)
         {.image = &state->images.shown},
     };
 
-    return vk_slot_bind(rt, &state->slots[3], users, DT_ARRAY_COUNT(users));
+    return dt_vk_slot_bind(rt, &state->slots[3], users, DT_ARRAY_COUNT(users));
 }
 
 static bool bind_slot_4(struct vk_runtime *rt, struct small_vk_state *state)
@@ -411,20 +411,20 @@ static bool bind_slot_4(struct vk_runtime *rt, struct small_vk_state *state)
         {.buffer = &state->buffers.lamps},
     };
 
-    return vk_slot_bind(rt, &state->slots[4], users, DT_ARRAY_COUNT(users));
+    return dt_vk_slot_bind(rt, &state->slots[4], users, DT_ARRAY_COUNT(users));
 }
 
 static bool initialise(struct vk_runtime *rt, struct small_vk_state *state)
 {
     bool ok = true;
 
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.buffer = &state->buffers.lamps}, false);
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.normal}, false);
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.depth}, false);
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.lit}, false);
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.halo}, false);
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.trail}, true);
-    ok = ok && vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.shown}, false);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.buffer = &state->buffers.lamps}, false);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.normal}, false);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.depth}, false);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.lit}, false);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.halo}, false);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.trail}, true);
+    ok = ok && dt_vk_initialise(rt, &(struct vk_slot_user){.image = &state->images.shown}, false);
     return ok;
 }
 
@@ -449,7 +449,7 @@ static struct vk_targets targets_glow(struct small_vk_state *state)
 
 static bool bind_program_scene(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
         {.binding = 1,
          .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
@@ -468,12 +468,12 @@ static bool bind_program_scene(struct vk_runtime *rt, struct small_vk_state *sta
          .sampler = builtin->texture_sampler},
     };
 
-    return vk_program_bind(rt, &state->programs.scene, bindings, DT_ARRAY_COUNT(bindings));
+    return dt_vk_program_bind(rt, &state->programs.scene, bindings, DT_ARRAY_COUNT(bindings));
 }
 
 static bool bind_program_place(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
         {.binding = 0,
          .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
@@ -486,12 +486,12 @@ static bool bind_program_place(struct vk_runtime *rt, struct small_vk_state *sta
          .buffer = &builtin->live},
     };
 
-    return vk_program_bind(rt, &state->programs.place, bindings, DT_ARRAY_COUNT(bindings));
+    return dt_vk_program_bind(rt, &state->programs.place, bindings, DT_ARRAY_COUNT(bindings));
 }
 
 static bool bind_program_shade(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
         {.binding = 0,
          .type = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -518,12 +518,12 @@ static bool bind_program_shade(struct vk_runtime *rt, struct small_vk_state *sta
          .buffer = &builtin->live},
     };
 
-    return vk_program_bind(rt, &state->programs.shade, bindings, DT_ARRAY_COUNT(bindings));
+    return dt_vk_program_bind(rt, &state->programs.shade, bindings, DT_ARRAY_COUNT(bindings));
 }
 
 static bool bind_program_glow(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
         {.binding = 2,
          .type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
@@ -539,12 +539,12 @@ static bool bind_program_glow(struct vk_runtime *rt, struct small_vk_state *stat
          .buffer = &builtin->live},
     };
 
-    return vk_program_bind(rt, &state->programs.glow, bindings, DT_ARRAY_COUNT(bindings));
+    return dt_vk_program_bind(rt, &state->programs.glow, bindings, DT_ARRAY_COUNT(bindings));
 }
 
 static bool bind_program_follow(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
         {.binding = 0,
          .type = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -566,12 +566,12 @@ static bool bind_program_follow(struct vk_runtime *rt, struct small_vk_state *st
          .buffer = &builtin->live},
     };
 
-    return vk_program_bind(rt, &state->programs.follow, bindings, DT_ARRAY_COUNT(bindings));
+    return dt_vk_program_bind(rt, &state->programs.follow, bindings, DT_ARRAY_COUNT(bindings));
 }
 
 static bool bind_program_show(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    const struct vk_builtin *builtin = vk_builtin(rt);
+    const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
         {.binding = 0,
          .type = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
@@ -589,20 +589,20 @@ static bool bind_program_show(struct vk_runtime *rt, struct small_vk_state *stat
          .buffer = &builtin->live},
     };
 
-    return vk_program_bind(rt, &state->programs.show, bindings, DT_ARRAY_COUNT(bindings));
+    return dt_vk_program_bind(rt, &state->programs.show, bindings, DT_ARRAY_COUNT(bindings));
 }
 
 static void release(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    vk_image_destroy(rt, &state->images.shown);
-    vk_image_destroy(rt, &state->images.trail);
-    vk_image_destroy(rt, &state->images.halo);
-    vk_image_destroy(rt, &state->images.lit);
-    vk_image_destroy(rt, &state->images.depth);
-    vk_image_destroy(rt, &state->images.normal);
-    vk_buffer_destroy(rt, &state->buffers.lamps);
+    dt_vk_image_destroy(rt, &state->images.shown);
+    dt_vk_image_destroy(rt, &state->images.trail);
+    dt_vk_image_destroy(rt, &state->images.halo);
+    dt_vk_image_destroy(rt, &state->images.lit);
+    dt_vk_image_destroy(rt, &state->images.depth);
+    dt_vk_image_destroy(rt, &state->images.normal);
+    dt_vk_buffer_destroy(rt, &state->buffers.lamps);
     for (size_t i = 0; i < DT_ARRAY_COUNT(state->slots); i++)
-        vk_slot_destroy(rt, &state->slots[i]);
+        dt_vk_slot_destroy(rt, &state->slots[i]);
     state->width = state->height = 0;
 }
 
@@ -659,14 +659,14 @@ static void destroy(void *runtime, void *opaque)
     struct small_vk_state *state = opaque;
 
     release(rt, state);
-    vk_program_destroy(rt, &state->programs.scene);
-    vk_program_destroy(rt, &state->programs.place);
-    vk_program_destroy(rt, &state->programs.shade);
-    vk_program_destroy(rt, &state->programs.glow);
-    vk_program_destroy(rt, &state->programs.follow);
-    vk_program_destroy(rt, &state->programs.show);
-    vk_sampler_destroy(rt, &state->samplers.soft);
-    vk_sampler_destroy(rt, &state->texel_sampler);
+    dt_vk_program_destroy(rt, &state->programs.scene);
+    dt_vk_program_destroy(rt, &state->programs.place);
+    dt_vk_program_destroy(rt, &state->programs.shade);
+    dt_vk_program_destroy(rt, &state->programs.glow);
+    dt_vk_program_destroy(rt, &state->programs.follow);
+    dt_vk_program_destroy(rt, &state->programs.show);
+    dt_vk_sampler_destroy(rt, &state->samplers.soft);
+    dt_vk_sampler_destroy(rt, &state->texel_sampler);
 }
 
 /* ---- One frame ------------------------------------------------------------------------------- */
@@ -693,19 +693,19 @@ static bool record_scene(struct vk_runtime *rt, struct small_vk_state *state)
     };
     const struct vk_targets targets = targets_scene(state);
 
-    if (!vk_pass_begin(rt, SMALL_PASS_SCENE, true))
+    if (!dt_vk_pass_begin(rt, SMALL_PASS_SCENE, true))
         return false;
-    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
-    vk_draw_scene(rt, &state->programs.scene, &targets, targets.layers);
-    return vk_pass_end(rt, SMALL_PASS_SCENE);
+    dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
+    dt_vk_draw_scene(rt, &state->programs.scene, &targets, targets.layers);
+    return dt_vk_pass_end(rt, SMALL_PASS_SCENE);
 }
 
 static bool record_place(struct vk_runtime *rt, struct small_vk_state *state)
 {
-    if (!vk_pass_begin(rt, SMALL_PASS_PLACE, true))
+    if (!dt_vk_pass_begin(rt, SMALL_PASS_PLACE, true))
         return false;
-    vk_dispatch(rt, &state->programs.place, 1, 1, 1);
-    return vk_pass_end(rt, SMALL_PASS_PLACE);
+    dt_vk_dispatch(rt, &state->programs.place, 1, 1, 1);
+    return dt_vk_pass_end(rt, SMALL_PASS_PLACE);
 }
 
 /* every lamp on every pixel */
@@ -739,12 +739,12 @@ static bool record_shade(struct vk_runtime *rt, struct small_vk_state *state)
          .discard = true},
     };
 
-    if (!vk_pass_begin(rt, SMALL_PASS_SHADE, true))
+    if (!dt_vk_pass_begin(rt, SMALL_PASS_SHADE, true))
         return false;
-    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
-    vk_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 8),
+    dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
+    dt_vk_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 8),
         small_groups(state->images.lit.height, 8), 1);
-    return vk_pass_end(rt, SMALL_PASS_SHADE);
+    return dt_vk_pass_end(rt, SMALL_PASS_SHADE);
 }
 
 static bool record_glow(struct vk_runtime *rt, struct small_vk_state *state,
@@ -768,15 +768,15 @@ static bool record_glow(struct vk_runtime *rt, struct small_vk_state *state,
     const struct vk_targets targets = targets_glow(state);
     const bool runs = ((live->glow != 0)) != 0;
 
-    if (!vk_pass_begin(rt, SMALL_PASS_GLOW, runs))
+    if (!dt_vk_pass_begin(rt, SMALL_PASS_GLOW, runs))
         return false;
-    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
+    dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
     if (runs) {
-        vk_draw_fullscreen(rt, &state->programs.glow, &targets);
+        dt_vk_draw_fullscreen(rt, &state->programs.glow, &targets);
     } else {
-        vk_clear_targets(rt, &targets);
+        dt_vk_clear_targets(rt, &targets);
     }
-    return vk_pass_end(rt, SMALL_PASS_GLOW);
+    return dt_vk_pass_end(rt, SMALL_PASS_GLOW);
 }
 
 static bool record_follow(struct vk_runtime *rt, struct small_vk_state *state)
@@ -796,12 +796,12 @@ static bool record_follow(struct vk_runtime *rt, struct small_vk_state *state)
          .layout = VK_IMAGE_LAYOUT_GENERAL},
     };
 
-    if (!vk_pass_begin(rt, SMALL_PASS_FOLLOW, true))
+    if (!dt_vk_pass_begin(rt, SMALL_PASS_FOLLOW, true))
         return false;
-    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
-    vk_dispatch(rt, &state->programs.follow, small_groups(state->images.trail.width, 8),
+    dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
+    dt_vk_dispatch(rt, &state->programs.follow, small_groups(state->images.trail.width, 8),
         small_groups(state->images.trail.height, 8), 1);
-    return vk_pass_end(rt, SMALL_PASS_FOLLOW);
+    return dt_vk_pass_end(rt, SMALL_PASS_FOLLOW);
 }
 
 static bool record_show(struct vk_runtime *rt, struct small_vk_state *state)
@@ -822,12 +822,12 @@ static bool record_show(struct vk_runtime *rt, struct small_vk_state *state)
          .discard = true},
     };
 
-    if (!vk_pass_begin(rt, SMALL_PASS_SHOW, true))
+    if (!dt_vk_pass_begin(rt, SMALL_PASS_SHOW, true))
         return false;
-    vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
-    vk_dispatch(rt, &state->programs.show, small_groups(state->images.shown.width, 8),
+    dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
+    dt_vk_dispatch(rt, &state->programs.show, small_groups(state->images.shown.width, 8),
         small_groups(state->images.shown.height, 8), 1);
-    return vk_pass_end(rt, SMALL_PASS_SHOW);
+    return dt_vk_pass_end(rt, SMALL_PASS_SHOW);
 }
 
 static bool record(void *runtime, void *opaque, const void *live_block)

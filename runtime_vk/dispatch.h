@@ -1,0 +1,79 @@
+/* The Vulkan functions that the runtime calls, as pointers that belong to one device: a host may bring
+ * a loader of its own, and its names must not be taken for ours. Filled in context.c for a device that
+ * the runtime opens, in host.c for one that it is given. */
+#ifndef DIPTYCH_RUNTIME_VK_DISPATCH_H
+#define DIPTYCH_RUNTIME_VK_DISPATCH_H
+
+#include <vulkan/vulkan.h>
+
+#define VK_INSTANCE_FUNCTIONS(X) X(GetPhysicalDeviceImageFormatProperties)
+
+#define VK_DEVICE_FUNCTIONS(X)                                                                     \
+    X(AllocateDescriptorSets)                                                                      \
+    X(AllocateMemory)                                                                              \
+    X(BeginCommandBuffer)                                                                          \
+    X(BindBufferMemory)                                                                            \
+    X(BindImageMemory)                                                                             \
+    X(CmdBeginRendering)                                                                           \
+    X(CmdBindDescriptorSets)                                                                       \
+    X(CmdBindIndexBuffer)                                                                          \
+    X(CmdBindPipeline)                                                                             \
+    X(CmdBindVertexBuffers)                                                                        \
+    X(CmdClearColorImage)                                                                          \
+    X(CmdCopyBuffer)                                                                               \
+    X(CmdCopyBufferToImage)                                                                        \
+    X(CmdCopyImageToBuffer)                                                                        \
+    X(CmdDispatch)                                                                                 \
+    X(CmdDispatchIndirect)                                                                         \
+    X(CmdDraw)                                                                                     \
+    X(CmdDrawIndexed)                                                                              \
+    X(CmdDrawIndexedIndirect)                                                                      \
+    X(CmdEndRendering)                                                                             \
+    X(CmdFillBuffer)                                                                               \
+    X(CmdPipelineBarrier2)                                                                         \
+    X(CmdResetQueryPool)                                                                           \
+    X(CmdSetScissor)                                                                               \
+    X(CmdSetViewport)                                                                              \
+    X(CmdWriteTimestamp2)                                                                          \
+    X(CreateBuffer)                                                                                \
+    X(CreateComputePipelines)                                                                      \
+    X(CreateDescriptorPool)                                                                        \
+    X(CreateDescriptorSetLayout)                                                                   \
+    X(CreateGraphicsPipelines)                                                                     \
+    X(CreateImage)                                                                                 \
+    X(CreateImageView)                                                                             \
+    X(CreatePipelineLayout)                                                                        \
+    X(CreateQueryPool)                                                                             \
+    X(CreateSampler)                                                                               \
+    X(CreateShaderModule)                                                                          \
+    X(DestroyBuffer)                                                                               \
+    X(DestroyDescriptorPool)                                                                       \
+    X(DestroyDescriptorSetLayout)                                                                  \
+    X(DestroyImage)                                                                                \
+    X(DestroyImageView)                                                                            \
+    X(DestroyPipeline)                                                                             \
+    X(DestroyPipelineLayout)                                                                       \
+    X(DestroyQueryPool)                                                                            \
+    X(DestroySampler)                                                                              \
+    X(DestroyShaderModule)                                                                         \
+    X(DeviceWaitIdle)                                                                              \
+    X(EndCommandBuffer)                                                                            \
+    X(FreeMemory)                                                                                  \
+    X(GetBufferMemoryRequirements)                                                                 \
+    X(GetImageMemoryRequirements)                                                                  \
+    X(GetQueryPoolResults)                                                                         \
+    X(MapMemory)                                                                                   \
+    X(QueueSubmit2)                                                                                \
+    X(ResetCommandBuffer)                                                                          \
+    X(ResetFences)                                                                                 \
+    X(UpdateDescriptorSets)                                                                        \
+    X(WaitForFences)
+
+struct vk_dispatch {
+#define VK_FUNCTION(name) PFN_vk##name name;
+    VK_INSTANCE_FUNCTIONS(VK_FUNCTION)
+    VK_DEVICE_FUNCTIONS(VK_FUNCTION)
+#undef VK_FUNCTION
+};
+
+#endif
