@@ -425,8 +425,10 @@ static bool load(struct compare *compare)
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
         (options->fault && !find_fault(compare)))
         return false;
-    return session_load_scene(&compare->scene, console, options) &&
-           (!options->against || check_dump(compare));
+    if (!session_load_scene(&compare->scene, console, options))
+        return false;
+    compare->options.frames = session_frames(options, &compare->scene);
+    return !options->against || check_dump(compare);
 }
 
 static bool run(struct compare *compare)

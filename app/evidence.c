@@ -220,7 +220,7 @@ static bool write_blocks(const struct writing *writing)
     const uint32_t *size = evidence->options->size;
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
-    scene_frame(evidence->scene, size[0], size[1], &frame);
+    scene_frame_at(evidence->scene, evidence->frame, size[0], size[1], &frame);
     frame.width = size[0];
     frame.height = size[1];
     frame.index = evidence->frame;

@@ -9,6 +9,7 @@
 
 #include "evidence.h"
 #include "files.h"
+#include "scenes/motion.h"
 #include "texels.h"
 
 enum { HASH_TEXT = 17 };
@@ -51,13 +52,17 @@ static bool hash_code(char text[HASH_TEXT], const struct pipeline *pipeline,
     return good;
 }
 
+/* With the motion, which has a say in what history holds. */
 static bool hash_scene_file(char text[HASH_TEXT], const struct scene *scene,
                             const struct dt_log *log)
 {
     uint64_t hash = FILE_HASH_START;
-    bool good = hash_file(&hash, scene->path);
+    const char *path = scene->path;
+    bool good = hash_file(&hash, path);
+    if (good && scene->motion)
+        good = hash_file(&hash, path = motion_path(scene->motion));
     if (!good)
-        report_error(log, "%s: cannot be read", scene->path);
+        report_error(log, "%s: cannot be read", path);
     snprintf(text, HASH_TEXT, "%016" PRIx64, hash);
     return good;
 }
@@ -69,7 +74,7 @@ static void hash_scene_data(char text[HASH_TEXT], const struct identity *identit
     uint64_t hash = FILE_HASH_START;
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
-    scene_frame(identity->scene, identity->size[0], identity->size[1], &frame);
+    scene_frame_at(identity->scene, identity->frame, identity->size[0], identity->size[1], &frame);
     hash_bytes(&hash, &frame, sizeof frame);
     hash_bytes(&hash, data->vertices, data->vertex_count * sizeof *data->vertices);
     hash_bytes(&hash, data->indices, data->index_count * sizeof *data->indices);
@@ -266,8 +271,8 @@ bool identity_check(const cJSON *manifest, const char *folder, const struct iden
         return false;
     hash_scene_data(data, identity);
     if (strcmp(file, wanted_file) != 0) {
-        report_error(log, "--against %s: was made of %s, and %s has other content", folder, name,
-                     identity->scene_path);
+        report_error(log, "--against %s: was made of %s, and %s has other content%s", folder, name,
+                     identity->scene_path, identity->scene->motion ? ", or its motion has" : "");
         return false;
     }
     if (strcmp(data, wanted_data) != 0)

@@ -14,6 +14,7 @@ enum option_kind {
     OPTION_STRING,
     OPTION_CHOICE,
     OPTION_COUNT,
+    OPTION_INDEX,
     OPTION_NUMBER,
     OPTION_SIZE,
     OPTION_LIST,
@@ -32,6 +33,7 @@ struct option_row {
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
 #define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH)
+#define MOVING    (ALL | VERB_REFERENCE)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH)
 #define MAKING    (SPEC | VERB_REPORT)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
@@ -42,6 +44,8 @@ static const struct option_row rows[] = {
      "folder that compare --bisect wrote"},
     {"--scene", OPTION_STRING, AT(scene), SCENE, SCENE, "FILE",
      "scene file (YAML): mesh, camera, light"},
+    {"--motion", OPTION_STRING, AT(motion), MOVING, 0, "FILE",
+     "camera and light move from frame to frame, by keyframes (YAML)"},
     {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY, VERB_RENDER | VERB_REPLAY,
      "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
@@ -50,7 +54,8 @@ static const struct option_row rows[] = {
     {"--backend", OPTION_STRING, AT(backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "which to measure, turn by turn, like gl,vk,zink (default: gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
-     "picture: .exr linear, .png tone-mapped; --dump or --timings may stand alone"},
+     "picture: .exr linear, .png tone-mapped, of every frame where it has a %04d; --dump or "
+     "--timings may stand alone"},
     {"--spec", OPTION_STRING, AT(spec), MAKING, 0, "SPEC",
      "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_LIST, AT(sets), MAKING, 0, "PATH=VALUE",
@@ -58,7 +63,9 @@ static const struct option_row rows[] = {
     {"--size", OPTION_SIZE, AT(size), SCENE | VERB_REPORT, 0, "WxH",
      "frame size in pixels (default: 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
-     "frames to run, the last one is kept (default: 1)"},
+     "frames to run, the last one is kept (default: 1; with --motion all of it)"},
+    {"--frame", OPTION_INDEX, AT(frame), VERB_REFERENCE, 0, "K",
+     "of the motion, from 0 on (default: 0)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_BENCH | VERB_REPORT, 0, "N",
      "frames to measure (default: 20)"},
     {"--warmup", OPTION_COUNT, AT(warmup), VERB_BENCH | VERB_REPORT, 0, "N",
@@ -259,15 +266,16 @@ static bool unknown_option(const struct verb *verb, const char *argument, size_t
     return false;
 }
 
-/* A whole number from 1 to max, ended by `end`; returns what follows it, or NULL. */
-static const char *read_count(const char *text, char end, uint32_t max, uint32_t *value)
+/* A whole number from least to max, ended by `end`; returns what follows it, or NULL. */
+static const char *read_count(const char *text, char end, uint32_t least, uint32_t max,
+                              uint32_t *value)
 {
     if (*text < '0' || *text > '9')
         return NULL;
     char *rest = NULL;
     errno = 0;
     unsigned long number = strtoul(text, &rest, 10);
-    if (errno || *rest != end || number < 1 || number > max)
+    if (errno || *rest != end || number < least || number > max)
         return NULL;
     *value = (uint32_t)number;
     return end ? rest + 1 : rest;
@@ -295,8 +303,8 @@ static bool is_choice(const char *choices, const char *value)
 
 bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
 {
-    const char *height = read_count(text, 'x', OPTIONS_MAX_SIZE, &size[0]);
-    if (height && read_count(height, 0, OPTIONS_MAX_SIZE, &size[1]))
+    const char *height = read_count(text, 'x', 1, OPTIONS_MAX_SIZE, &size[0]);
+    if (height && read_count(height, 0, 1, OPTIONS_MAX_SIZE, &size[1]))
         return true;
     report_error(log, "--size %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080", text,
                  OPTIONS_MAX_SIZE);
@@ -342,11 +350,14 @@ static bool store(struct options *options, const struct option_row *row, const c
         report_error(log, "%s %s: must be one of %s", row->name, value, row->argument);
         return false;
     case OPTION_COUNT:
-        if (read_count(value, 0, OPTIONS_MAX_FRAMES, numbers))
+    case OPTION_INDEX: {
+        uint32_t least = row->kind == OPTION_COUNT ? 1 : 0;
+        if (read_count(value, 0, least, OPTIONS_MAX_FRAMES, numbers))
             return true;
-        report_error(log, "%s %s: must be a whole number from 1 to %d", row->name, value,
+        report_error(log, "%s %s: must be a whole number from %u to %d", row->name, value, least,
                      OPTIONS_MAX_FRAMES);
         return false;
+    }
     case OPTION_NUMBER:
         if (read_number(value, (double *)(void *)place))
             return true;
@@ -395,7 +406,8 @@ static void fill_in(struct options *options)
         options->size[0] = 1920;
         options->size[1] = 1080;
     }
-    options->frames = options->frames ? options->frames : 1;
+    if (!options->motion && !options->frames)
+        options->frames = 1;
 }
 
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,

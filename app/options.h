@@ -27,14 +27,16 @@ struct text_list {
  * the default. Strings point into argv. */
 struct options {
     const char *scene;
+    const char *motion;  /* file; NULL: nothing moves */
     const char *backend; /* see side.h */
     const char *output;
     const char *spec;      /* NULL: the project's own */
     const char *templates; /* folder of the GLSL library; NULL: the project's */
     const char **sets;
-    uint32_t set_count; /* NAME=VALUE each */
-    uint32_t size[2];   /* this and frames: 0 with --against where not given */
-    uint32_t frames;
+    uint32_t set_count;  /* NAME=VALUE each */
+    uint32_t size[2];    /* this and frames: 0 with --against where not given */
+    uint32_t frames;     /* 0 with --motion where not given: all of it */
+    uint32_t frame;      /* reference: of the motion */
     const char *against; /* folder of a dump */
     const char *dump;
     const char *timings;

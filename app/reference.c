@@ -116,6 +116,10 @@ static bool check_options(struct reference *reference)
         .seed = options->seed,
         .threads = options->threads,
     };
+    if (options->frame && !options->motion) {
+        report_error(log, "--frame %u: nothing moves; name a --motion", options->frame);
+        return false;
+    }
     return check_bounces(reference) && check_goal(reference);
 }
 
@@ -331,7 +335,8 @@ static bool prepare(struct reference *reference)
         (options->json && !file_can_write(options->json, log)) ||
         !session_load_scene(&reference->scene, reference->console, options))
         return false;
-    scene_frame(&reference->scene, options->size[0], options->size[1], &reference->frame);
+    scene_frame_at(&reference->scene, options->frame, options->size[0], options->size[1],
+                   &reference->frame);
     reference->frame.width = options->size[0];
     reference->frame.height = options->size[1];
     reference->settings = describe_settings(reference);

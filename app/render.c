@@ -6,6 +6,7 @@
 #include "dump.h"
 #include "files.h"
 #include "identity.h"
+#include "numbered.h"
 #include "options.h"
 #include "picture.h"
 #include "scenes/image.h"
@@ -15,7 +16,7 @@
 
 struct render {
     struct console *console;
-    const struct options *options;
+    struct options options; /* with the frames of the motion */
     struct side side;
     struct pipeline pipeline;
     struct scene scene;
@@ -24,6 +25,8 @@ struct render {
     struct timings timings; /* of frames without an observer, when there are any */
     struct dump dump;
     bool exr;
+    bool numbered;       /* the picture is one of every frame */
+    bool last;           /* the frame that runs is the last */
     uint32_t shown;      /* resource that becomes the picture */
     uint32_t shown_pass; /* the last that writes it: resources may share memory, so it is read then;
                             pass_count without a picture */
@@ -39,33 +42,43 @@ static bool ends_with(const char *text, const char *tail)
 
 static bool check_output(struct render *render)
 {
-    const char *path = render->options->output;
+    const char *path = render->options.output;
     if (!path) {
-        if (!render->options->show && (render->options->dump || render->options->timings))
+        if (!render->options.show && (render->options.dump || render->options.timings))
             return true;
         report_error(&render->console->log, "-o FILE is missing: where the picture goes");
         return false;
     }
+    bool good = true;
     render->exr = ends_with(path, ".exr");
-    if (render->exr || ends_with(path, ".png"))
-        return true;
-    report_error(&render->console->log, "-o %s: must end in .exr (linear) or .png (tone-mapped)",
-                 path);
-    return false;
+    render->numbered = is_numbered(path, "-o", &good, &render->console->log);
+    if (!render->exr && !ends_with(path, ".png")) {
+        report_error(&render->console->log,
+                     "-o %s: must end in .exr (linear) or .png (tone-mapped)", path);
+        return false;
+    }
+    if (good && render->numbered && render->options.timings) {
+        report_error(&render->console->log,
+                     "--timings: to look at every frame would slow them down; time them without -o "
+                     "%s",
+                     path);
+        return false;
+    }
+    return good;
 }
 
 static bool check_poison(const struct render *render)
 {
-    if (render->options->poison <= UINT8_MAX)
+    if (render->options.poison <= UINT8_MAX)
         return true;
     report_error(&render->console->log, "--poison %u: must be a byte, from 1 to %d",
-                 render->options->poison, UINT8_MAX);
+                 render->options.poison, UINT8_MAX);
     return false;
 }
 
 static bool check_drop(const struct render *render)
 {
-    const struct options *options = render->options;
+    const struct options *options = &render->options;
     if (strcmp(render->side.backend, "vk") == 0 ||
         !(options->drop_barrier || options->drop_dependency))
         return true;
@@ -76,7 +89,7 @@ static bool check_drop(const struct render *render)
 
 static bool read_side(struct render *render)
 {
-    const struct options *options = render->options;
+    const struct options *options = &render->options;
     const struct dt_log *log = &render->console->log;
     return side_read(&render->side, options->backend, options, log) &&
            sides_heed(&render->side, 1, options, log);
@@ -86,7 +99,7 @@ static bool find_shown_by_name(struct render *render)
 {
     const struct dt_pipeline *info = render->pipeline.info;
     const struct dt_log *log = &render->console->log;
-    const char *wanted = render->options->show;
+    const char *wanted = render->options.show;
     const char **names = calloc(info->resource_count + 1, sizeof *names);
     for (uint32_t i = 0; i < info->resource_count; i++) {
         if (strcmp(info->resources[i].name, wanted) == 0) {
@@ -113,9 +126,9 @@ static bool find_shown(struct render *render)
     const struct dt_log *log = &render->console->log;
     int output = render->exr ? info->linear_output : info->display_output;
     render->shown_pass = info->pass_count;
-    if (!render->options->output)
+    if (!render->options.output)
         return true;
-    if (render->options->show) {
+    if (render->options.show) {
         if (!find_shown_by_name(render))
             return false;
     } else if (output < 0) {
@@ -151,13 +164,15 @@ static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32
 {
     const struct session *session = &render->session;
     bool show = mip == 0 && resource == render->shown && pass == render->shown_pass;
-    if (!show && !render->dump.entries)
+    bool dumped = render->dump.entries && render->last;
+    if (!show && !dumped)
         return true;
     struct dt_bytes bytes = {0};
     bool good = session->runtime->read(session->handle, resource, mip, &bytes);
-    if (good && render->dump.entries)
+    if (good && dumped)
         good = dump_add(&render->dump, pass, resource, mip, &bytes);
     if (good && show) {
+        free(render->picture.data);
         render->picture = bytes;
         bytes.data = NULL;
     }
@@ -165,7 +180,7 @@ static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32
     return good;
 }
 
-/* In the last frame only: what it finds of earlier ones is dumped, too. */
+/* Of the last frame only: what it finds of earlier ones is dumped, too. */
 static enum dt_action before_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
@@ -179,7 +194,7 @@ static enum dt_action before_pass(void *user, uint32_t pass)
     return DT_RUN;
 }
 
-/* In the last frame only: reads what is dumped and what is shown. */
+/* In the last frame, or in all that are shown: reads what is dumped and what is shown. */
 static bool after_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
@@ -194,41 +209,10 @@ static bool after_pass(void *user, uint32_t pass)
     return true;
 }
 
-static bool run_frames(struct render *render)
-{
-    const struct options *options = render->options;
-    const struct dt_observer observer = {
-        .before_pass = before_pass, .after_pass = after_pass, .user = render};
-    /* Looking at the passes makes each of them wait for all before it, which hides a dropped barrier: a
-     * frame that nobody looks at comes first. */
-    if ((options->drop_barrier || options->drop_dependency) &&
-        !session_frame(&render->session, NULL))
-        return false;
-    for (uint32_t i = 0; i < options->frames; i++) {
-        bool last = i + 1 == options->frames;
-        double start = milliseconds_now();
-        if (!session_frame(&render->session, last ? &observer : NULL))
-            return false;
-        /* the observer makes every pass wait, so the last frame is timed only when it is the first,
-         * too */
-        if (options->timings && (!last || i == 0) &&
-            !timings_take(&render->timings, &render->session, milliseconds_now() - start))
-            return false;
-    }
-    if (!session_is_silent(&render->session))
-        return false;
-    if (render->picture.data || !options->output)
-        return true;
-    report_error(&render->console->log, "the runtime finished the frame without reporting pass %s",
-                 render->pipeline.info->passes[render->shown_pass].name);
-    return false;
-}
-
-static bool write_picture(const struct render *render)
+static bool write_picture(const struct render *render, const char *path)
 {
     const struct dt_resource *resource = &render->pipeline.info->resources[render->shown];
     const struct dt_log *log = &render->console->log;
-    const char *path = render->options->output;
     struct picture picture = {0};
     console_status(render->console, "writing %s", path);
     bool good = render->exr ? picture_linear(&picture, resource, &render->picture, log)
@@ -244,18 +228,61 @@ static bool write_picture(const struct render *render)
     return good;
 }
 
+/* The picture of one frame; the next one's takes its place. */
+static bool write_numbered(struct render *render, uint32_t frame)
+{
+    char *path = numbered_path(render->options.output, frame);
+    if (!path)
+        report_error(&render->console->log, "out of memory");
+    bool good = path && (!render->picture.data || write_picture(render, path));
+    free(path);
+    return good;
+}
+
+static bool run_frames(struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct dt_observer observer = {
+        .before_pass = before_pass, .after_pass = after_pass, .user = render};
+    /* Looking at the passes makes each of them wait for all before it, which hides a dropped barrier: a
+     * frame that nobody looks at comes first. */
+    if ((options->drop_barrier || options->drop_dependency) &&
+        !session_frame(&render->session, NULL))
+        return false;
+    for (uint32_t i = 0; i < options->frames; i++) {
+        bool looks = render->numbered || i + 1 == options->frames;
+        double start = milliseconds_now();
+        render->last = i + 1 == options->frames;
+        if (!session_frame(&render->session, looks ? &observer : NULL) ||
+            (render->numbered && !write_numbered(render, i)))
+            return false;
+        /* the observer makes every pass wait, so the last frame is timed only when it is the first,
+         * too */
+        if (options->timings && (!render->last || i == 0) &&
+            !timings_take(&render->timings, &render->session, milliseconds_now() - start))
+            return false;
+    }
+    if (!session_is_silent(&render->session))
+        return false;
+    if (render->picture.data || !options->output)
+        return true;
+    report_error(&render->console->log, "the runtime finished the frame without reporting pass %s",
+                 render->pipeline.info->passes[render->shown_pass].name);
+    return false;
+}
+
 static bool find_fault(struct render *render)
 {
     uint32_t side;
-    return !render->options->fault ||
-           fault_parse(&render->fault, &side, render->options->fault, render->pipeline.info,
+    return !render->options.fault ||
+           fault_parse(&render->fault, &side, render->options.fault, render->pipeline.info,
                        (const char *const *)&render->side.label, 1, &render->console->log);
 }
 
 /* The dump's manifest tells what it is of. */
 static bool identify(struct render *render)
 {
-    const struct options *options = render->options;
+    const struct options *options = &render->options;
     const struct session *session = &render->session;
     const struct identity identity = {.backend = render->side.label,
                                       .device = session->runtime->device_name(session->handle),
@@ -267,18 +294,27 @@ static bool identify(struct render *render)
     return identity_add(render->dump.manifest, &identity, &render->console->log);
 }
 
+static bool can_write_picture(const struct render *render)
+{
+    const char *path = render->options.output;
+    char *first = path && render->numbered ? numbered_path(path, 0) : NULL;
+    bool good = !path || file_can_write(first ? first : path, &render->console->log);
+    free(first);
+    return good;
+}
+
 static bool prepare(struct render *render)
 {
-    const struct options *options = render->options;
+    const struct options *options = &render->options;
     const struct dt_log *log = &render->console->log;
-    if ((options->output && !file_can_write(options->output, log)) ||
-        (options->timings && !file_can_write(options->timings, log)))
+    if (!can_write_picture(render) || (options->timings && !file_can_write(options->timings, log)))
         return false;
     if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
     if (!find_shown(render) || !find_fault(render) ||
         !session_load_scene(&render->scene, render->console, options))
         return false;
+    render->options.frames = session_frames(options, &render->scene);
     if (options->timings &&
         !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
         return false;
@@ -299,7 +335,7 @@ static bool prepare(struct render *render)
 
 int verb_render(struct console *console, const struct options *options)
 {
-    struct render render = {.console = console, .options = options};
+    struct render render = {.console = console, .options = *options};
     if (!read_side(&render) || !check_output(&render) || !check_poison(&render) ||
         !check_drop(&render)) {
         side_free(&render.side);
@@ -311,8 +347,8 @@ int verb_render(struct console *console, const struct options *options)
     session_close(&render.session);
     good = good && atomic_load(&console->errors) ==
                        0; /* messages while the device was torn down count, too */
-    if (good && options->output)
-        good = write_picture(&render);
+    if (good && options->output && !render.numbered)
+        good = write_picture(&render, options->output);
     good = dump_end(&render.dump, good) && good;
     free(render.picture.data);
     timings_free(&render.timings);

@@ -6,6 +6,7 @@
 
 #include "runtime_gl/runtime.h"
 #include "runtime_vk/runtime.h"
+#include "scenes/motion.h"
 
 static const struct dt_runtime *find_runtime(const char *backend)
 {
@@ -54,7 +55,8 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
     const struct session_info *info = &session->info;
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
-    scene_frame(info->scene, info->options->size[0], info->options->size[1], &frame);
+    scene_frame_at(info->scene, session->frame, info->options->size[0], info->options->size[1],
+                   &frame);
     frame.index = session->frame++;
     if (info->frame_block)
         frame = *info->frame_block;
@@ -95,5 +97,13 @@ bool session_load_scene(struct scene *scene, struct console *console, const stru
     const char *folder = options->scenes ? options->scenes : getenv("DIPTYCH_SCENES");
     console_status(console, "loading %s", options->scene);
     *scene = (struct scene){0};
-    return scene_load(scene, options->scene, folder, &console->log);
+    return scene_load(scene, options->scene, folder, &console->log) &&
+           (!options->motion || scene_load_motion(scene, options->motion, &console->log));
+}
+
+uint32_t session_frames(const struct options *options, const struct scene *scene)
+{
+    if (options->frames)
+        return options->frames;
+    return scene->motion ? motion_frames(scene->motion) : 1;
 }

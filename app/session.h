@@ -45,8 +45,10 @@ bool session_frame(struct session *session, const struct dt_observer *observer);
 bool session_is_silent(const struct session *session);
 void session_close(struct session *session); /* takes a zeroed one */
 
-/* The scene of --scene, looked up with --scenes or DIPTYCH_SCENES. */
+/* The scene of --scene, looked up with --scenes or DIPTYCH_SCENES, with the motion of --motion. */
 bool session_load_scene(struct scene *scene, struct console *console,
                         const struct options *options);
+/* What --frames asks for, of this scene. */
+uint32_t session_frames(const struct options *options, const struct scene *scene);
 
 #endif

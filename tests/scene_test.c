@@ -4,6 +4,7 @@
  * must lie beside this program or in the folder above it. */
 #include "image.h"
 #include "mesh.h"
+#include "motion.h"
 #include "scene.h"
 
 #include <setjmp.h>
@@ -731,6 +732,180 @@ static void mesh_is_found_below_the_scenes_folder(void **state)
     scene_free(&scene);
 }
 
+/* ---- Motions --------------------------------------------------------------------------------- */
+
+#define SPOT                                                                                       \
+    "light: {kind: spot, position: [0, 2, 0], target: [0, 0, 0], cone: [25, 35], "                 \
+    "intensity: [1, 1, 1]}\n"
+
+/* A box with this light, and a motion for it. */
+static void load_moving(struct scene *scene, const char *light, const char *motion)
+{
+    char text[1024];
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    put("box.obj", box_obj);
+    snprintf(text, sizeof text, "mesh: box.obj\nsubdivide: 0\n" CAMERA "%s", light);
+    put("moving.yaml", text);
+    put("motion.yaml", motion);
+    load(scene, at("moving.yaml"), &heard);
+    if (!scene_load_motion(scene, at("motion.yaml"), &log))
+        fail_msg("%s", heard.text);
+}
+
+static struct scene_camera camera_at(const struct scene *scene, uint32_t frame)
+{
+    struct scene_camera camera = scene->camera;
+    struct scene_light light = scene->light;
+    motion_at(scene->motion, frame, &camera, &light);
+    return camera;
+}
+
+static struct scene_light light_at(const struct scene *scene, uint32_t frame)
+{
+    struct scene_camera camera = scene->camera;
+    struct scene_light light = scene->light;
+    motion_at(scene->motion, frame, &camera, &light);
+    return light;
+}
+
+/* Catmull and Rom's spline through evenly spaced points is 0.5 ((-t + 2t2 - t3) p0 + (2 - 5t2 + 3t3) p1
+ * + (t + 4t2 - 3t3) p2 + (-t2 + t3) p3); and through points on a line in time, it is the line, however
+ * they are spaced. */
+static void splines_are_those_of_the_paper(void **state)
+{
+    (void)state;
+    struct scene scene;
+    load_moving(&scene, SUN,
+                "keys:\n"
+                "  - {at: 0, camera: {eye: [1, 0, 5], fov_y: 40}}\n"
+                "  - {at: 4, camera: {eye: [2, 0, 5], fov_y: 44}}\n"
+                "  - {at: 8, camera: {eye: [7, 0, 5]}}\n"
+                "  - {at: 12, camera: {eye: [-3, 0, 5], fov_y: 52}}\n");
+    assert_int_equal(motion_frames(scene.motion), 13);
+    const double p[] = {1, 2, 7, -3};
+    for (uint32_t frame = 4; frame <= 8; frame++) {
+        double t = (frame - 4) / 4.0, t2 = t * t, t3 = t * t * t;
+        double x = 0.5 * ((-t + 2 * t2 - t3) * p[0] + (2 - 5 * t2 + 3 * t3) * p[1] +
+                          (t + 4 * t2 - 3 * t3) * p[2] + (-t2 + t3) * p[3]);
+        struct scene_camera camera = camera_at(&scene, frame);
+        assert_true(fabs((double)camera.eye[0] - x) < 1e-6);
+        assert_true(camera.eye[2] == 5 && camera.target[2] == 0);
+    }
+    for (uint32_t frame = 0; frame <= 12; frame++)
+        assert_true(fabs((double)camera_at(&scene, frame).fov_y - (40 + frame) * PI / 180) < 1e-6);
+    assert_true(camera_at(&scene, 12).eye[0] == -3 && camera_at(&scene, 99).eye[0] == -3);
+    scene_free(&scene);
+}
+
+static void lines_and_seconds(void **state)
+{
+    (void)state;
+    struct scene scene;
+    load_moving(&scene, SUN,
+                "interpolation: linear\nframes_per_second: 10\nkeys:\n"
+                "  - {at: 0.1, light: {direction: [0, -2, 0], irradiance: [1, 2, 3]}}\n"
+                "  - {at: 0.3, light: {direction: [2, -2, 0]}}\n"
+                "  - {at: 0.5, light: {irradiance: [5, 2, 7]}}\n");
+    assert_int_equal(motion_frames(scene.motion), 6);
+    assert_true(light_at(&scene, 0).direction[1] == -1);
+    struct scene_light light = light_at(&scene, 2);
+    assert_true(fabs((double)light.direction[0] - 1 / sqrt(5)) < 1e-6);
+    assert_true(fabs((double)light.direction[1] + 2 / sqrt(5)) < 1e-6);
+    assert_true(fabs((double)light.color[0] - 2) < 1e-6 && light.color[1] == 2);
+    assert_true(fabs((double)light_at(&scene, 4).direction[0] - sqrt(0.5)) < 1e-6);
+    assert_true(camera_at(&scene, 4).eye[2] == 5); /* the scene's, to the bit */
+    scene_free(&scene);
+}
+
+/* A spot that the scene aims goes on looking at its target, wherever it moves, and the light view
+ * follows. */
+static void moving_spot_keeps_its_target(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct dt_frame frame;
+    load_moving(&scene, SPOT,
+                "keys: [{at: 0, light: {position: [0, 2, 0]}},\n"
+                "       {at: 2, light: {position: [2, 2, 0]}}]\n");
+    scene_frame_at(&scene, 2, 64, 64, &frame);
+    assert_true(fabs((double)frame.light.direction[0] + sqrt(0.5)) < 1e-6);
+    assert_true(fabs((double)frame.light_view.direction[1] + sqrt(0.5)) < 1e-6);
+    assert_true(frame.light_view.position[0] == 2 && frame.light.position[0] == 2);
+    scene_frame_at(&scene, 0, 64, 64, &frame);
+    struct dt_frame still;
+    scene_frame(&scene, 64, 64, &still);
+    assert_memory_equal(&frame, &still, sizeof still);
+    scene_free(&scene);
+}
+
+static void assert_motion_refused(const char *text, const char *const *lines, size_t count)
+{
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    load_moving(&scene, SPOT, "keys: [{at: 0, light: {cone: [1, 2]}}]\n");
+    put("bad_motion.yaml", text);
+    assert_false(scene_load_motion(&scene, at("bad_motion.yaml"), &log));
+    assert_int_equal(heard.count[DT_ERROR], 1);
+    assert_null(scene.motion);
+    for (size_t i = 0; i < count; i++) {
+        char line[512];
+        snprintf(line, sizeof line, "%s:%s", at("bad_motion.yaml"), lines[i]);
+        if (!strstr(heard.text, line))
+            fail_msg("no line '%s' in\n%s", line, heard.text);
+    }
+    scene_free(&scene);
+}
+
+static void wrong_motion_files_are_told_in_one_run(void **state)
+{
+    (void)state;
+    static const char *const several[] = {
+        "1:16: error: `interpolation` is `catmull_rom` or `linear`\n",
+        "3:22: error: unknown key `eyes`; did you mean `eye`?\n  - {at: 1, camera: {eyes:",
+        "4:10: error: `at` must grow from keyframe to keyframe\n",
+        "4:29: error: `fov_y` is out of range: it lies between 1 and 170\n",
+        "5:6: error: the keyframe lacks the key `at`\n",
+        "6:5: error: a keyframe is a mapping with `at`, `camera` and `light`\n",
+    };
+    assert_motion_refused("interpolation: cubic\nkeys:\n"
+                          "  - {at: 1, camera: {eyes: [0, 0, 1]}}\n"
+                          "  - {at: 1, camera: {fov_y: 180}}\n"
+                          "  - {light: {cone: [1, 2]}}\n"
+                          "  - 7\n",
+                          several, DT_ARRAY_COUNT(several));
+    static const char *const none[] = {"1:1: error: the motion lacks the key `keys`"};
+    assert_motion_refused("interpolation: linear\n", none, 1);
+    static const char *const still[] = {"1:1: error: no keyframe moves `camera` or `light`"};
+    assert_motion_refused("keys: [{at: 3}]\n", still, 1);
+    static const char *const kind[] = {"1:24: error: unknown key `kind`"};
+    assert_motion_refused("keys: [{at: 3, light: {kind: spot}}]\n", kind, 1);
+    static const char *const both[] = {
+        "1:1: error: a motion moves either `target` or `direction` of a light"};
+    assert_motion_refused(
+        "keys: [{at: 3, light: {target: [1, 0, 0]}}, {at: 4, light: {direction: [1, 0, 0]}}]\n",
+        both, 1);
+}
+
+/* What is right at every key may be wrong between two of them. */
+static void frames_between_keys_are_tried(void **state)
+{
+    (void)state;
+    static const char *const meet[] = {
+        "1:33: error: in frame 2, `target` is where `eye` is; move one of them\n"};
+    assert_motion_refused("keys: [{at: 0, camera: {target: [0, 0, 3]}}, {at: 4, camera: {target: "
+                          "[0, 0, 7]}}]\n",
+                          meet, 1);
+    static const char *const overshoot[] = {"3:27: error: in frame 5, `cone` is out of range: it "
+                                            "lies between 0 and 85\n"};
+    assert_motion_refused("keys:\n  - {at: 0, light: {cone: [2, 20]}}\n"
+                          "  - {at: 4, light: {cone: [0, 80]}}\n"
+                          "  - {at: 8, light: {cone: [0, 80]}}\n"
+                          "  - {at: 12, light: {cone: [2, 20]}}\n",
+                          overshoot, 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -753,6 +928,11 @@ int main(void)
         cmocka_unit_test(wrong_scene_files_are_told_in_one_run),
         cmocka_unit_test(missing_mesh_says_where_it_looked),
         cmocka_unit_test(mesh_is_found_below_the_scenes_folder),
+        cmocka_unit_test(splines_are_those_of_the_paper),
+        cmocka_unit_test(lines_and_seconds),
+        cmocka_unit_test(moving_spot_keeps_its_target),
+        cmocka_unit_test(wrong_motion_files_are_told_in_one_run),
+        cmocka_unit_test(frames_between_keys_are_tried),
     };
     return cmocka_run_group_tests_name("scenes", tests, make_folder, remove_folder);
 }

@@ -279,9 +279,11 @@ static void close_runtime(void *runtime)
 const struct dt_runtime runtime_gl = MADE_RUNTIME("gl", open_gl);
 const struct dt_runtime runtime_vk = MADE_RUNTIME("vk", open_vk);
 
-void scene_frame(const struct scene *scene, uint32_t width, uint32_t height, struct dt_frame *frame)
+void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
+                    struct dt_frame *frame)
 {
     (void)scene;
+    (void)index;
     (void)width;
     (void)height;
     (void)frame;
@@ -295,6 +297,20 @@ bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
     (void)scenes_dir;
     (void)log;
     return false;
+}
+
+bool scene_load_motion(struct scene *scene, const char *path, const struct dt_log *log)
+{
+    (void)scene;
+    (void)path;
+    (void)log;
+    return false;
+}
+
+uint32_t motion_frames(const struct motion *motion)
+{
+    (void)motion;
+    return 1;
 }
 
 /* ---- What a test needs ------------------------------------------------------------------------ */

@@ -1,0 +1,237 @@
+/* YAML mappings and their diagnostics; see reader.h. */
+#include "reader.h"
+
+#include "mesh.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- Diagnostics ----------------------------------------------------------------------------- */
+
+static void collect(struct fy_diag *diag, void *user, const char *text, size_t length)
+{
+    (void)diag;
+    struct reader *reader = user;
+    fwrite(text, 1, length, reader->diagnostics);
+    reader->errors += length > 0;
+}
+
+void reader_report(struct reader *reader, struct fy_node *node, const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    if (!reader)
+        return;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    fy_node_report(node, FYET_ERROR, "%s%s", reader->context, length < 0 ? "out of memory" : text);
+    if (length >= 0)
+        free(text);
+    reader->errors++;
+}
+
+static size_t smallest(size_t a, size_t b, size_t c)
+{
+    return a < b ? (a < c ? a : c) : (b < c ? b : c);
+}
+
+/* Levenshtein's distance; words of up to 31 letters. */
+static size_t edit_distance(const char *a, const char *b)
+{
+    size_t row[32], length = strlen(b);
+    if (length >= DT_ARRAY_COUNT(row))
+        return SIZE_MAX;
+    for (size_t j = 0; j <= length; j++)
+        row[j] = j;
+    for (size_t i = 0; a[i]; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < length; j++) {
+            size_t next = smallest(row[j] + 1, row[j + 1] + 1, diagonal + (a[i] != b[j]));
+            diagonal = row[j + 1];
+            row[j + 1] = next;
+        }
+    }
+    return row[length];
+}
+
+static void report_unknown(struct reader *reader, struct fy_node *node, const char *name,
+                           const struct key *keys, size_t count)
+{
+    const struct key *nearest = NULL;
+    size_t best = 1 + strlen(name) / 2;
+    for (size_t i = 0; i < count; i++) {
+        bool begins = *name && strncmp(name, keys[i].name, strlen(name)) == 0;
+        size_t distance = begins ? 0 : edit_distance(name, keys[i].name);
+        if (distance < best) {
+            best = distance;
+            nearest = &keys[i];
+        }
+    }
+    if (nearest)
+        reader_report(reader, node, "unknown key `%s`; did you mean `%s`?", name, nearest->name);
+    else
+        reader_report(reader, node, "unknown key `%s`", name);
+}
+
+/* ---- Mappings -------------------------------------------------------------------------------- */
+
+static bool parse_number(struct fy_node *node, double *number)
+{
+    const char *text = node && fy_node_is_scalar(node) ? fy_node_get_scalar0(node) : NULL;
+    if (!text || !*text)
+        return false;
+    char *end;
+    *number = strtod(text, &end);
+    return *end == '\0' && isfinite(*number);
+}
+
+static bool check_number(struct reader *reader, const struct key *key, int i, struct fy_node *place)
+{
+    if (key->number[i] >= key->min && key->number[i] <= key->max)
+        return true;
+    reader_report(reader, place, "`%s` is out of range: it lies between %g and %g", key->name,
+                  key->min, key->max);
+    return false;
+}
+
+static void read_numbers(struct reader *reader, struct key *key)
+{
+    bool plain = key->count == 1;
+    if (!plain &&
+        (!fy_node_is_sequence(key->node) || fy_node_sequence_item_count(key->node) != key->count)) {
+        reader_report(reader, key->node, "`%s` takes a sequence of %d numbers", key->name,
+                      key->count);
+        return;
+    }
+    for (int i = 0; i < key->count; i++) {
+        struct fy_node *item = plain ? key->node : fy_node_sequence_get_by_index(key->node, i);
+        if (!parse_number(item, &key->number[i]))
+            reader_report(reader, item, "`%s` takes a %s here", key->name, "finite number");
+        else
+            check_number(reader, key, i, item);
+    }
+}
+
+bool reader_range(struct reader *reader, const struct key *key)
+{
+    for (int i = 0; i < key->count; i++) {
+        if (!check_number(reader, key, i, key->node))
+            return false;
+    }
+    return true;
+}
+
+static void read_value(struct reader *reader, struct key *key)
+{
+    if (key->type == KEY_NUMBERS)
+        read_numbers(reader, key);
+    else if (key->type == KEY_MAPPING && !fy_node_is_mapping(key->node))
+        reader_report(reader, key->node, "`%s` takes a mapping", key->name);
+    else if (key->type == KEY_TEXT &&
+             (!fy_node_is_scalar(key->node) || !*fy_node_get_scalar0(key->node)))
+        reader_report(reader, key->node, "`%s` takes a text", key->name);
+    else if (key->type == KEY_SEQUENCE && !fy_node_is_sequence(key->node))
+        reader_report(reader, key->node, "`%s` takes a sequence", key->name);
+}
+
+void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_node *place,
+                    const char *owner, struct key *keys, size_t count)
+{
+    void *position = NULL;
+    struct fy_node_pair *pair;
+    while ((pair = fy_node_mapping_iterate(mapping, &position))) {
+        struct fy_node *name_node = fy_node_pair_key(pair);
+        const char *name =
+            name_node && fy_node_is_scalar(name_node) ? fy_node_get_scalar0(name_node) : NULL;
+        struct key *key = NULL;
+        for (size_t i = 0; name && i < count; i++)
+            if (strcmp(name, keys[i].name) == 0)
+                key = &keys[i];
+        if (!key) {
+            report_unknown(reader, name_node ? name_node : mapping, name ? name : "?", keys, count);
+            continue;
+        }
+        key->name_node = name_node;
+        key->node = fy_node_pair_value(pair);
+        key->given = key->node;
+        if (key->node)
+            read_value(reader, key);
+        else
+            reader_report(reader, name_node, "`%s` has no value", name);
+    }
+    for (size_t i = 0; i < count; i++)
+        if (keys[i].required && !keys[i].node)
+            reader_report(reader, place, "%s lacks the key `%s`", owner, keys[i].name);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static void read_document(struct reader *reader, const char *path, const struct file_kind *kind,
+                          void *user)
+{
+    struct fy_diag_cfg diag_config;
+    fy_diag_cfg_default(&diag_config);
+    diag_config.fp = NULL;
+    diag_config.output_fn = collect;
+    diag_config.user = reader;
+    diag_config.colorize = false;
+    struct fy_diag *diag = fy_diag_create(&diag_config);
+    struct fy_parse_cfg config = {.search_path = "", .diag = diag};
+    struct fy_document *document = diag ? fy_document_build_from_file(&config, path) : NULL;
+    struct fy_node *root = document ? fy_document_root(document) : NULL;
+    if (root && fy_node_is_mapping(root)) {
+        kind->read(reader, root, user);
+    } else if (root) {
+        reader_report(reader, root, "a %s file is a mapping with the keys %s", kind->name,
+                      kind->keys);
+    } else if (reader->errors == 0) {
+        fprintf(reader->diagnostics, "%s: cannot be read as YAML", path);
+        reader->errors++;
+    }
+    fy_document_destroy(document);
+    if (diag)
+        fy_diag_destroy(diag);
+}
+
+static bool is_readable_file(const char *path, const struct file_kind *kind,
+                             const struct dt_log *log)
+{
+    struct stat status;
+    if (stat(path, &status) != 0 || access(path, R_OK) != 0)
+        log_message(log, DT_ERROR, "cannot open %s file %s: %s", kind->name, path, strerror(errno));
+    else if (S_ISDIR(status.st_mode))
+        log_message(log, DT_ERROR, "%s is a folder; name a %s file (YAML) in it", path, kind->name);
+    else if (status.st_size == 0 && S_ISREG(status.st_mode))
+        log_message(log, DT_ERROR, "%s:1:1: error: the file is empty; a %s has %s", path,
+                    kind->name, kind->keys);
+    else
+        return true;
+    return false;
+}
+
+bool reader_file(const char *path, const struct file_kind *kind, void *user,
+                 const struct dt_log *log)
+{
+    char *text = NULL;
+    size_t size = 0;
+    if (!is_readable_file(path, kind, log))
+        return false;
+    struct reader reader = {.diagnostics = open_memstream(&text, &size)};
+    if (reader.diagnostics) {
+        read_document(&reader, path, kind, user);
+        fclose(reader.diagnostics);
+    }
+    while (size > 0 && text[size - 1] == '\n')
+        text[--size] = '\0';
+    bool good = text && reader.errors == 0;
+    if (!good)
+        log_message(log, DT_ERROR, "%s", text ? text : "out of memory");
+    free(text);
+    return good;
+}

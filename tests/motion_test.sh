@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# Frames of a motion: the pipelines get camera and light of each frame, and keep their history from frame to frame; both
+# backends have the same bits all along; the path tracer gets the same frames.
+# shellcheck source=tests/tap.sh
+. "$(dirname "$0")/tap.sh"
+scene=$root/scenes/cornell.yaml
+motion=$work/motion.yaml
+cat >"$motion" <<'MOTION'
+keys:
+  - {at: 0, camera: {eye: [0.278, 0.273, -0.8]}, light: {target: [0.556, 0.3, 0.35]}}
+  - {at: 3, camera: {eye: [0.4, 0.3, -0.7]},     light: {target: [0.556, 0.2, 0.2]}}
+MOTION
+render=("$diptych" render --scene "$scene" --backend vk --size 48x27)
+moving=("${render[@]}" --motion "$motion")
+reference=("$diptych" reference --scene "$scene" --size 24x16 --spp 2)
+
+# shellcheck disable=SC2317 # called through check
+complains() { # text command...
+    local text=$1
+    shift
+    "$@" 2>"$work/err"
+    [ $? = 2 ] && grep -qF -- "$text" "$work/err"
+}
+# shellcheck disable=SC2317
+differ() {
+    ! cmp -s "$1" "$2"
+}
+
+check "a picture of every frame" "${moving[@]}" -o "$work/frame_%02d.exr"
+check "... as many as the motion has" [ "$(cd "$work" && echo frame_*)" = "frame_00.exr frame_01.exr frame_02.exr frame_03.exr" ]
+check "the third picture is the last of three frames" "${moving[@]}" --frames 3 -o "$work/last.exr"
+check "... to the bit" cmp "$work/frame_02.exr" "$work/last.exr"
+check "the scene itself" "${render[@]}" -o "$work/still.exr"
+check "... is the first frame, where the motion begins" cmp "$work/frame_00.exr" "$work/still.exr"
+check "... and no other" differ "$work/frame_03.exr" "$work/still.exr"
+
+# The same place in space, come to on another way: only what the frames before left differs.
+printf 'keys: [{at: 0, camera: {eye: [0.4, 0.3, -0.7]}, light: {target: [0.556, 0.2, 0.2]}}]\n' >"$work/there.yaml"
+check "the end of the motion without the way to it" "${render[@]}" --motion "$work/there.yaml" -o "$work/there.exr"
+check "... is another picture: clusters go on from frame to frame" differ "$work/there.exr" "$work/frame_03.exr"
+
+check "both backends agree all along" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27
+check_status 1 "... but for a fault in one frame" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 \
+    --fault vk:kmeans:bit@2
+check "a dump of a motion" "${moving[@]}" --dump "$work/dump"
+check "... is held against the same motion" "$diptych" compare --scene "$scene" --motion "$motion" --backend gl --against "$work/dump"
+check "... and no other" complains "has other content, or its motion has" \
+    "$diptych" compare --scene "$scene" --motion "$work/there.yaml" --backend gl --against "$work/dump"
+
+check "the path tracer's first frame" "${reference[@]}" --motion "$motion" -o "$work/first.exr"
+check "... its last" "${reference[@]}" --motion "$motion" --frame 3 -o "$work/third.exr"
+check "... the scene, and the place where the motion ends" "${reference[@]}" -o "$work/scene.exr"
+check "... alone" "${reference[@]}" --motion "$work/there.yaml" -o "$work/end.exr"
+check "the first is the scene" cmp "$work/first.exr" "$work/scene.exr"
+check "the last is that place" cmp "$work/third.exr" "$work/end.exr"
+
+check "a frame of nothing that moves" complains "nothing moves" "${reference[@]}" --frame 2 -o "$work/no.exr"
+for name in 'a%s.exr' 'a%d_%d.exr' 'a%.exr' 'a%12d.exr'; do
+    check "$name is no pattern" complains "one %d or %04d" "${render[@]}" -o "$work/$name"
+done
+check "a percent sign in a name" "${render[@]}" -o "$work/%3d%%.exr"
+check "... is one" [ -e "$work/  0%.exr" ]
+check "times of frames that are looked at" complains "--timings" "${moving[@]}" -o "$work/a%d.exr" --timings "$work/t.json"
+finish
