@@ -1,89 +1,14 @@
-/* Instance, device, queue and command buffers, and the ways of telling errors. Called by
- * runtime.c when a runtime is opened and closed; vk_check and vk_error by every file of this
- * folder. */
+/* Instance, device, queue and command buffers of a runtime that has its own. Called by runtime.c when it
+ * is opened and closed. */
 #include "internal.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_DEVICES = 16, MAX_QUEUE_FAMILIES = 32 };
+enum { MAX_DEVICES = 16 };
 
-/* ---- Errors ---------------------------------------------------------------------------------- */
-
-static const struct {
-    VkResult result;
-    const char *name, *advice;
-} results[] = {
-#define RESULT(name) name, #name
-    {RESULT(VK_NOT_READY), "this should not happen; run again with --debug"},
-    {RESULT(VK_TIMEOUT), "the device does not answer; see the system log"},
-    {RESULT(VK_INCOMPLETE), "this should not happen; run again with --debug"},
-    {RESULT(VK_ERROR_OUT_OF_HOST_MEMORY), "free system memory, or use a smaller frame or scene"},
-    {RESULT(VK_ERROR_OUT_OF_DEVICE_MEMORY),
-     "use a smaller frame, fewer layers or a smaller scene, or another --device"},
-    {RESULT(VK_ERROR_INITIALIZATION_FAILED), "the driver does not start; try vulkaninfo --summary"},
-    {RESULT(VK_ERROR_DEVICE_LOST),
-     "the driver gave up, often because a pass ran too long; see the system log, "
-     "and try a smaller frame or another --device"},
-    {RESULT(VK_ERROR_MEMORY_MAP_FAILED), "free system memory, or use a smaller frame or scene"},
-    {RESULT(VK_ERROR_LAYER_NOT_PRESENT),
-     "install the validation layers (vulkan-validationlayers), or run without --debug"},
-    {RESULT(VK_ERROR_EXTENSION_NOT_PRESENT),
-     "install the validation layers (vulkan-validationlayers), or run without --debug"},
-    {RESULT(VK_ERROR_FEATURE_NOT_PRESENT), "use another --device"},
-    {RESULT(VK_ERROR_INCOMPATIBLE_DRIVER),
-     "install a Vulkan 1.3 driver (mesa-vulkan-drivers brings one for the CPU)"},
-    {RESULT(VK_ERROR_TOO_MANY_OBJECTS), "use fewer resources, or another --device"},
-    {RESULT(VK_ERROR_FORMAT_NOT_SUPPORTED), "use another format, or another --device"},
-    {RESULT(VK_ERROR_OUT_OF_POOL_MEMORY), "this should not happen; run again with --debug"},
-    {RESULT(VK_ERROR_FRAGMENTATION), "use fewer resources, or another --device"},
-    {RESULT(VK_ERROR_UNKNOWN), "the driver does not say why; run again with --debug"},
-#undef RESULT
-};
-
-static void tell(const struct vk_runtime *rt, enum dt_level level, const char *format,
-                 va_list arguments)
-{
-    char text[1024];
-    vsnprintf(text, sizeof text, format, arguments);
-    if (rt->log.message)
-        rt->log.message(rt->log.user, level, text);
-}
-
-void vk_info(const struct vk_runtime *rt, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    tell(rt, DT_INFO, format, arguments);
-    va_end(arguments);
-}
-
-bool vk_error(const struct vk_runtime *rt, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    tell(rt, DT_ERROR, format, arguments);
-    va_end(arguments);
-    return false;
-}
-
-bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, const char *name)
-{
-    if (result == VK_SUCCESS)
-        return true;
-    const char *own = "rt->vk."; /* a call through the table is told as the function that it is */
-    bool table = strncmp(call, own, strlen(own)) == 0;
-    const char *prefix = table ? "vk" : "";
-    call += table ? strlen(own) : 0;
-    int length = (int)strcspn(call, "(");
-    for (size_t i = 0; i < DT_ARRAY_COUNT(results); i++)
-        if (results[i].result == result)
-            return vk_error(rt, "%s%.*s(%s): %s: %s", prefix, length, call, name, results[i].name,
-                            results[i].advice);
-    return vk_error(rt, "%s%.*s(%s): VkResult %d: run again with --debug", prefix, length, call,
-                    name, (int)result);
-}
+/* ---- Messages --------------------------------------------------------------------------------- */
 
 /* Only messages of type VALIDATION count. PERFORMANCE ones tell, for example, of vertex
  * attributes that a depth-only pass leaves unread, which is what such a pass wants; GENERAL ones
@@ -99,18 +24,6 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
     if (rt->log.message)
         rt->log.message(rt->log.user, counts ? DT_ERROR : DT_DEBUG, data->pMessage);
     return VK_FALSE;
-}
-
-void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name)
-{
-    VkDebugUtilsObjectNameInfoEXT info = {
-        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
-        .objectType = type,
-        .objectHandle = handle,
-        .pObjectName = name,
-    };
-    if (rt->set_name)
-        rt->set_name(rt->device, &info);
 }
 
 /* ---- Instance -------------------------------------------------------------------------------- */
@@ -175,102 +88,6 @@ static bool open_instance(struct vk_runtime *rt)
 
 /* ---- Device ---------------------------------------------------------------------------------- */
 
-struct features {
-    VkPhysicalDeviceFeatures2 core;
-    VkPhysicalDeviceVulkan11Features vulkan11;
-    VkPhysicalDeviceVulkan12Features vulkan12;
-    VkPhysicalDeviceVulkan13Features vulkan13;
-};
-
-static const struct {
-    const char *name;
-    size_t offset; /* of a VkBool32 in struct features */
-} needed_features[] = {
-/* NOLINTNEXTLINE(bugprone-macro-parentheses): a member name */
-#define FEATURE(part, name) #name, offsetof(struct features, part.name)
-    {FEATURE(core.features, fullDrawIndexUint32)},
-    {FEATURE(core.features, multiDrawIndirect)},
-    {FEATURE(core.features, drawIndirectFirstInstance)},
-    {FEATURE(core.features, samplerAnisotropy)},
-    {FEATURE(core.features, vertexPipelineStoresAndAtomics)},
-    {FEATURE(core.features, fragmentStoresAndAtomics)},
-    {FEATURE(core.features, shaderStorageImageExtendedFormats)},
-    {FEATURE(core.features, shaderClipDistance)},
-    {FEATURE(vulkan11, shaderDrawParameters)},
-    {FEATURE(vulkan12, shaderOutputLayer)},
-    {FEATURE(vulkan13, shaderDemoteToHelperInvocation)},
-    {FEATURE(vulkan13, shaderTerminateInvocation)},
-    {FEATURE(vulkan13, synchronization2)},
-    {FEATURE(vulkan13, dynamicRendering)},
-    {FEATURE(vulkan13, maintenance4)},
-#undef FEATURE
-};
-
-static VkBool32 *feature(struct features *features, size_t index)
-{
-    return (VkBool32 *)((char *)features + needed_features[index].offset);
-}
-
-static void link_features(struct features *features)
-{
-    *features = (struct features){
-        .core = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                 .pNext = &features->vulkan11},
-        .vulkan11 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES,
-                     .pNext = &features->vulkan12},
-        .vulkan12 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                     .pNext = &features->vulkan13},
-        .vulkan13 = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES},
-    };
-}
-
-/* The first queue family with graphics and compute; UINT32_MAX: there is none. */
-static uint32_t find_queue_family(VkPhysicalDevice physical, uint32_t *timestamp_bits)
-{
-    VkQueueFamilyProperties families[MAX_QUEUE_FAMILIES];
-    uint32_t count = MAX_QUEUE_FAMILIES;
-    const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    vkGetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
-    for (uint32_t i = 0; i < count; i++) {
-        if ((families[i].queueFlags & wanted) == wanted) {
-            *timestamp_bits = families[i].timestampValidBits;
-            return i;
-        }
-    }
-    return UINT32_MAX;
-}
-
-/* Writes what the device lacks, ", "-separated, to `text`; true when that is nothing. */
-static bool is_suitable(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text,
-                        size_t size)
-{
-    size_t used = 0;
-    uint32_t timestamp_bits = 0;
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(physical, &properties);
-    text[0] = '\0';
-    if (properties.apiVersion < VK_API_VERSION_1_3) {
-        snprintf(text, size, "Vulkan 1.3 (it has %u.%u)",
-                 VK_API_VERSION_MAJOR(properties.apiVersion),
-                 VK_API_VERSION_MINOR(properties.apiVersion));
-        return false;
-    }
-    struct features features;
-    link_features(&features);
-    vkGetPhysicalDeviceFeatures2(physical, &features.core);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(needed_features) && used < size; i++)
-        if (!*feature(&features, i))
-            used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
-                                     needed_features[i].name);
-    if (used < size && find_queue_family(physical, &timestamp_bits) == UINT32_MAX)
-        used += (size_t)snprintf(text + used, size - used, "%sa queue for graphics and compute",
-                                 used ? ", " : "");
-    if (used < size && rt->timing && !timestamp_bits)
-        used += (size_t)snprintf(text + used, size - used, "%stimestamps (run without timing)",
-                                 used ? ", " : "");
-    return used == 0;
-}
-
 /* Index in `devices` that the user's words mean: an index, or a part of the name in any case;
  * -1: none. */
 static int match_device(const VkPhysicalDevice *devices, uint32_t count, const char *wanted)
@@ -321,14 +138,13 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (is_suitable(rt, devices[i], missing, sizeof missing)) {
+        if (vk_device_suits(rt, devices[i], missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
     }
-    rt->physical = devices[chosen];
-    vkGetPhysicalDeviceProperties(rt->physical, &rt->properties);
-    if (!is_suitable(rt, rt->physical, missing, sizeof missing))
+    vk_device_describe(rt, devices[chosen]);
+    if (!vk_device_suits(rt, rt->physical, missing, sizeof missing))
         return vk_error(rt,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "--device",
@@ -336,32 +152,11 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     return true;
 }
 
-static void link_functions(struct vk_dispatch *vk)
-{
-#define LINK(name) vk->name = vk##name;
-    VK_INSTANCE_FUNCTIONS(LINK)
-    VK_DEVICE_FUNCTIONS(LINK)
-#undef LINK
-}
-
 static bool open_device(struct vk_runtime *rt)
 {
-    VkPhysicalDeviceMaintenance3Properties maintenance3 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
-    };
-    VkPhysicalDeviceProperties2 properties = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-        .pNext = &maintenance3,
-    };
-    vkGetPhysicalDeviceProperties2(rt->physical, &properties);
-    rt->max_allocation = maintenance3.maxMemoryAllocationSize;
-    vkGetPhysicalDeviceMemoryProperties(rt->physical, &rt->memory);
-    rt->queue_family = find_queue_family(rt->physical, &rt->timestamp_bits);
-
-    struct features features;
-    link_features(&features);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(needed_features); i++)
-        *feature(&features, i) = VK_TRUE;
+    rt->queue_family = vk_device_queue_family(rt, rt->physical, &rt->timestamp_bits);
+    struct vk_features features;
+    vk_features_needed(&features);
     VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
         .queueFamilyIndex = rt->queue_family,
@@ -376,7 +171,6 @@ static bool open_device(struct vk_runtime *rt)
     };
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->properties.deviceName))
         return false;
-    link_functions(&rt->vk);
     vkGetDeviceQueue(rt->device, rt->queue_family, 0, &rt->queue);
     if (rt->debug) {
         rt->begin_label = (PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(
@@ -414,8 +208,18 @@ static bool open_commands(struct vk_runtime *rt)
     return true;
 }
 
+/* By the names that the linker knows: tests put functions of their own in their place. */
+static void link_functions(struct vk_dispatch *vk)
+{
+#define LINK(name) vk->name = vk##name;
+    VK_INSTANCE_FUNCTIONS(LINK)
+    VK_DEVICE_FUNCTIONS(LINK)
+#undef LINK
+}
+
 bool vk_context_open(struct vk_runtime *rt, const char *device)
 {
+    link_functions(&rt->vk);
     return open_instance(rt) && choose_device(rt, device) && open_device(rt) && open_commands(rt);
 }
 

@@ -6,7 +6,13 @@
 
 #include <vulkan/vulkan.h>
 
-#define VK_INSTANCE_FUNCTIONS(X) X(GetPhysicalDeviceImageFormatProperties)
+#define VK_INSTANCE_FUNCTIONS(X)                                                                   \
+    X(GetPhysicalDeviceFeatures2)                                                                  \
+    X(GetPhysicalDeviceImageFormatProperties)                                                      \
+    X(GetPhysicalDeviceMemoryProperties)                                                           \
+    X(GetPhysicalDeviceProperties)                                                                 \
+    X(GetPhysicalDeviceProperties2)                                                                \
+    X(GetPhysicalDeviceQueueFamilyProperties)
 
 #define VK_DEVICE_FUNCTIONS(X)                                                                     \
     X(AllocateDescriptorSets)                                                                      \
@@ -20,6 +26,7 @@
     X(CmdBindPipeline)                                                                             \
     X(CmdBindVertexBuffers)                                                                        \
     X(CmdClearColorImage)                                                                          \
+    X(CmdClearDepthStencilImage)                                                                   \
     X(CmdCopyBuffer)                                                                               \
     X(CmdCopyBufferToImage)                                                                        \
     X(CmdCopyImageToBuffer)                                                                        \
@@ -34,6 +41,7 @@
     X(CmdResetQueryPool)                                                                           \
     X(CmdSetScissor)                                                                               \
     X(CmdSetViewport)                                                                              \
+    X(CmdUpdateBuffer)                                                                             \
     X(CmdWriteTimestamp2)                                                                          \
     X(CreateBuffer)                                                                                \
     X(CreateComputePipelines)                                                                      \

@@ -118,14 +118,14 @@ bool vk_frame_create(struct vk_runtime *rt)
     rt->pass_ms = calloc(pipeline->pass_count, sizeof *rt->pass_ms);
     if (!rt->pass_runs || !rt->pass_ms)
         return vk_error(rt, "pipeline %s: out of memory; free some", pipeline->name);
-    return vk_mapped_create(rt, &rt->builtin.live, &rt->live_memory, &live) &&
+    return vk_uniform_create(rt, &rt->builtin.live, &rt->live_memory, &rt->live_slot, &live) &&
            (!rt->timing || VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, NULL, &rt->queries),
                               pipeline->name));
 }
 
 void vk_frame_destroy(struct vk_runtime *rt)
 {
-    vk_mapped_destroy(rt, &rt->builtin.live, &rt->live_memory);
+    vk_uniform_destroy(rt, &rt->builtin.live, &rt->live_memory, &rt->live_slot);
     rt->vk.DestroyQueryPool(rt->device, rt->queries, NULL);
     free(rt->pass_runs);
     free(rt->pass_ms);
@@ -136,9 +136,10 @@ void vk_frame_destroy(struct vk_runtime *rt)
 }
 
 /* Milliseconds of every pass that ran; timestamps wrap at the number of bits that the queue
- * counts with. */
-static bool read_timestamps(struct vk_runtime *rt)
+ * counts with. Nobody waits for a host. */
+bool vk_frame_timings(struct vk_runtime *rt)
 {
+    VkQueryResultFlags wait = rt->hosted ? 0 : VK_QUERY_RESULT_WAIT_BIT;
     const struct dt_pipeline *pipeline = rt->panel->pipeline;
     uint64_t mask = rt->timestamp_bits < 64 ? (1ull << rt->timestamp_bits) - 1 : UINT64_MAX;
     for (uint32_t pass = 0; pass < pipeline->pass_count; pass++) {
@@ -148,8 +149,7 @@ static bool read_timestamps(struct vk_runtime *rt)
             continue;
         if (!VK(rt,
                 rt->vk.GetQueryPoolResults(rt->device, rt->queries, 2 * pass, 2, sizeof stamps,
-                                           stamps, sizeof stamps[0],
-                                           VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+                                           stamps, sizeof stamps[0], VK_QUERY_RESULT_64_BIT | wait),
                 pipeline->passes[pass].name))
             return false;
         double ticks = (double)((stamps[1] - stamps[0]) & mask);
@@ -179,17 +179,28 @@ static bool record_frame(struct vk_runtime *rt, const void *live)
     return good;
 }
 
-bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+static struct dt_frame sized_frame(const struct vk_runtime *rt, const struct dt_frame *frame)
 {
-    const struct dt_pipeline *pipeline = rt->panel->pipeline;
     struct dt_frame block = *frame;
     block.width = rt->width;
     block.height = rt->height;
-    memcpy(rt->frame_memory.bytes, &block, sizeof block);
-    memcpy(rt->live_memory.bytes, live, pipeline->live_size);
-    memset(rt->pass_runs, 0, pipeline->pass_count * sizeof *rt->pass_runs);
+    return block;
+}
+
+static void forget_frame(struct vk_runtime *rt)
+{
+    memset(rt->pass_runs, 0, rt->panel->pipeline->pass_count * sizeof *rt->pass_runs);
     rt->failed = false;
     rt->barriers = 0;
+}
+
+bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    struct dt_frame block = sized_frame(rt, frame);
+    memcpy(rt->frame_memory.bytes, &block, sizeof block);
+    memcpy(rt->live_memory.bytes, live, pipeline->live_size);
+    forget_frame(rt);
     if (!record_frame(rt, live) || !run_commands(rt, rt->frame_commands, pipeline->name))
         return false;
     uint32_t dropped =
@@ -197,7 +208,69 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
     if (dropped > rt->barriers)
         return vk_error(rt, "barrier %u: the frame has %u; drop one of those", dropped,
                         rt->barriers);
-    return !rt->timing || read_timestamps(rt);
+    return !rt->timing || vk_frame_timings(rt);
+}
+
+/* ---- Frames of a host ------------------------------------------------------------------------ */
+
+/* Commands write the uniform blocks, so that frames before this one keep theirs until they are done. */
+static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *buffer,
+                          const void *data, VkDeviceSize size)
+{
+    const VkDeviceSize most = 65536; /* in one vkCmdUpdateBuffer */
+    for (VkDeviceSize at = 0; at < size; at += most)
+        rt->vk.CmdUpdateBuffer(rt->frame_commands, buffer->handle, at,
+                               size - at < most ? size - at : most, (const char *)data + at);
+}
+
+static void fill_now(struct vk_runtime *rt, const struct vk_fill *fill)
+{
+    VkCommandBuffer commands = rt->frame_commands;
+    struct vk_image *image = fill->user.image;
+    const VkImageLayout layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
+    if (!image) {
+        rt->vk.CmdFillBuffer(commands, fill->user.buffer->handle, 0, VK_WHOLE_SIZE, 0);
+        return;
+    }
+    VkImageSubresourceRange range = {image->aspect, 0, image->mips, 0, image->layers};
+    VkClearDepthStencilValue depth = {.depth = fill->value};
+    VkClearColorValue color = {.float32 = {fill->value, fill->value, fill->value, fill->value}};
+    vk_transition(rt, commands, image, layout);
+    if (image->aspect & VK_IMAGE_ASPECT_DEPTH_BIT)
+        rt->vk.CmdClearDepthStencilImage(commands, image->handle, layout, &depth, 1, &range);
+    else
+        rt->vk.CmdClearColorImage(commands, image->handle, layout, &color, 1, &range);
+    vk_transition(rt, commands, image, fill->layout);
+}
+
+bool vk_frame_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
+                     const void *live)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    struct dt_frame block = sized_frame(rt, frame);
+    rt->frame_commands = commands;
+    forget_frame(rt);
+    vk_full_barrier(rt, commands);
+    for (uint32_t i = 0; i < rt->import_count; i++)
+        if (rt->imports[i].image)
+            rt->imports[i].image->layout = rt->imports[i].given.layout_before;
+    write_uniform(rt, &rt->builtin.frame, &block, sizeof block);
+    write_uniform(rt, &rt->builtin.live, live, pipeline->live_size);
+    for (uint32_t i = 0; i < rt->fill_count; i++)
+        fill_now(rt, &rt->fills[i]);
+    rt->fill_count = 0;
+    if (rt->timing)
+        rt->vk.CmdResetQueryPool(commands, rt->queries, 0, 2 * pipeline->pass_count);
+    vk_full_barrier(rt, commands);
+    bool good = rt->panel->record(rt, rt->state, live) && !rt->failed;
+    for (uint32_t i = 0; i < rt->import_count; i++) {
+        const struct vk_import *import = &rt->imports[i];
+        if (import->image && import->given.layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
+            vk_transition(rt, commands, import->image, import->given.layout_after);
+    }
+    vk_full_barrier(rt, commands);
+    rt->frame_commands = VK_NULL_HANDLE;
+    return good;
 }
 
 /* ---- Passes ---------------------------------------------------------------------------------- */

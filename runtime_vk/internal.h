@@ -3,15 +3,33 @@
 #ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
 #define DIPTYCH_RUNTIME_VK_INTERNAL_H
 
+#include "diptych_vk.h"
 #include "dispatch.h"
 #include "runtime.h"
 
-enum { VK_MAX_SLOTS = 64 }; /* lines in one descriptor set layout */
+enum {
+    VK_MAX_SLOTS = 64, /* lines in one descriptor set layout */
+    VK_MAX_IMPORTS = 16
+};
 
 /* Memory that the host sees, mapped for as long as it lives. */
 struct vk_mapped {
     VkDeviceMemory memory;
     void *bytes;
+};
+
+/* An image of the host in place of a resource. */
+struct vk_import {
+    const char *name; /* of the resource */
+    struct dt_vk_image given;
+    struct vk_image *image; /* as which passes know it; NULL: not since resize */
+};
+
+/* First content that a host's command buffer gives, since there is none of ours. */
+struct vk_fill {
+    struct vk_slot_user user;
+    float value;          /* images: of every component */
+    VkImageLayout layout; /* images: afterwards */
 };
 
 struct vk_runtime {
@@ -57,6 +75,14 @@ struct vk_runtime {
     uint32_t width, height; /* 0: the panel has no resources */
     bool sized; /* the panel's resources exist and its descriptors point at the present scene */
 
+    /* host.c */
+    bool hosted; /* device and command buffers are a host's: nothing is submitted or waited for */
+    struct vk_import imports[VK_MAX_IMPORTS];
+    uint32_t import_count;
+    struct vk_fill *fills; /* that the next frame begins with */
+    uint32_t fill_count, fill_capacity;
+    struct vk_slot frame_slot, live_slot; /* of the uniform blocks, which commands write */
+
     /* frame.c */
     const struct dt_observer *observer; /* during render */
     bool failed;         /* a recording verb without result has logged an error in this frame */
@@ -84,6 +110,25 @@ bool vk_error(const struct vk_runtime *rt, const char *format, ...)
 bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, const char *name);
 #define VK(rt, call, name) vk_check(rt, call, #call, name)
 
+/* ---- Device (device.c) ----------------------------------------------------------------------- */
+
+struct vk_features {
+    VkPhysicalDeviceFeatures2 core; /* chains the others */
+    VkPhysicalDeviceVulkan11Features vulkan11;
+    VkPhysicalDeviceVulkan12Features vulkan12;
+    VkPhysicalDeviceVulkan13Features vulkan13;
+};
+void vk_features_needed(struct vk_features *features);
+
+/* Writes what the device lacks, ", "-separated, to `text`; true when that is nothing. */
+bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text,
+                     size_t size);
+/* The first queue family with graphics and compute; UINT32_MAX: there is none. */
+uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                                uint32_t *timestamp_bits);
+/* Makes it the runtime's. */
+void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
+
 /* ---- Context (context.c) --------------------------------------------------------------------- */
 
 bool vk_context_open(struct vk_runtime *rt, const char *device);
@@ -105,6 +150,15 @@ void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name);
 
 uint32_t vk_texel_size(enum dt_format format); /* bytes */
 
+/* A uniform block: mapped, or in device memory for a host, where commands write it. */
+bool vk_uniform_create(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
+                       struct vk_slot *slot, const struct vk_buffer_info *info);
+void vk_uniform_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
+                        struct vk_slot *slot);
+
+/* Notes down first content; of image or buffer that is not of an import. */
+bool vk_fill_later(struct vk_runtime *rt, const struct vk_fill *fill);
+
 /* ---- Commands (frame.c) ---------------------------------------------------------------------- */
 
 /* Commands that are executed and waited for on the spot: between begin and end record into the
@@ -123,6 +177,18 @@ void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct
 bool vk_frame_create(struct vk_runtime *rt); /* for rt->panel */
 void vk_frame_destroy(struct vk_runtime *rt);
 bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live);
+
+/* Records the frame into a command buffer of the host. */
+bool vk_frame_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
+                     const void *live);
+/* Of the last frame, into rt->pass_ms. */
+bool vk_frame_timings(struct vk_runtime *rt);
+
+/* ---- The pipeline (panel.c) ------------------------------------------------------------------ */
+
+bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel);
+bool vk_panel_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
+void vk_panel_destroy(struct vk_runtime *rt);
 
 /* ---- Read-back and its inverse (readback.c), scene (scene.c) --------------------------------- */
 

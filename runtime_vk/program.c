@@ -121,7 +121,8 @@ bool dt_vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
             .descriptorType = from->type,
         };
         if (from->buffer) {
-            buffers[i] = (VkDescriptorBufferInfo){from->buffer->handle, 0, VK_WHOLE_SIZE};
+            buffers[i] = (VkDescriptorBufferInfo){from->buffer->handle, from->buffer->offset,
+                                                  from->buffer->size};
             writes[i].pBufferInfo = &buffers[i];
         } else {
             images[i] =

@@ -2,6 +2,7 @@
  * generated pipelines at resize and by scene.c. */
 #include "internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
@@ -107,6 +108,22 @@ void vk_mapped_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct v
     *mapped = (struct vk_mapped){0};
 }
 
+bool vk_uniform_create(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
+                       struct vk_slot *slot, const struct vk_buffer_info *info)
+{
+    struct vk_slot_user user = {.buffer = buffer};
+    if (!rt->hosted)
+        return vk_mapped_create(rt, buffer, mapped, info);
+    return dt_vk_buffer_create(rt, buffer, info) && dt_vk_slot_bind(rt, slot, &user, 1);
+}
+
+void vk_uniform_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
+                        struct vk_slot *slot)
+{
+    vk_mapped_destroy(rt, buffer, mapped);
+    dt_vk_slot_destroy(rt, slot);
+}
+
 void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name)
 {
     if (rt->staging_memory.bytes && rt->staging.size >= size)
@@ -170,9 +187,47 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
     return true;
 }
 
+static struct vk_import *find_import(struct vk_runtime *rt, const char *name)
+{
+    for (uint32_t i = 0; i < rt->import_count; i++)
+        if (strcmp(rt->imports[i].name, name) == 0)
+            return &rt->imports[i];
+    return NULL;
+}
+
+/* A host's image takes the place of one that would have been made. */
+static bool adopt_image(struct vk_runtime *rt, struct vk_import *import, struct vk_image *image,
+                        const VkImageCreateInfo *wanted)
+{
+    const struct dt_vk_image *given = &import->given;
+    VkImageUsageFlags needed =
+        wanted->usage & ~(VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+    if (given->format != wanted->format || given->width != wanted->extent.width ||
+        given->height != wanted->extent.height || given->layers != wanted->arrayLayers ||
+        given->mips != wanted->mipLevels)
+        return vk_error(
+            rt,
+            "image %s: imported with VkFormat %d, %ux%u texels, %u layers, %u mips, but "
+            "the pipeline has VkFormat %d, %ux%u, %u, %u; import one like that",
+            import->name, (int)given->format, given->width, given->height, given->layers,
+            given->mips, (int)wanted->format, wanted->extent.width, wanted->extent.height,
+            wanted->arrayLayers, wanted->mipLevels);
+    if ((given->usage & needed) != needed)
+        return vk_error(
+            rt,
+            "image %s: imported with usage 0x%x, but its passes need 0x%x; make it with "
+            "both",
+            import->name, given->usage, needed);
+    image->handle = given->image;
+    image->imported = true;
+    import->image = image;
+    return true;
+}
+
 bool dt_vk_image_create(struct vk_runtime *rt, struct vk_image *image,
                         const struct vk_image_info *info)
 {
+    struct vk_import *import = find_import(rt, info->name);
     VkImageCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
         .imageType = VK_IMAGE_TYPE_2D,
@@ -198,6 +253,8 @@ bool dt_vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         .layered = info->layered,
         .layout = VK_IMAGE_LAYOUT_UNDEFINED,
     };
+    if (import)
+        return adopt_image(rt, import, image, &create);
     if (!image_fits(rt, &create, info->name) ||
         !VK(rt, rt->vk.CreateImage(rt->device, &create, NULL, &image->handle), info->name))
         return false;
@@ -226,7 +283,11 @@ void dt_vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
     for (uint32_t mip = 0; mip < VK_MAX_MIPS; mip++)
         rt->vk.DestroyImageView(rt->device, image->mip_views[mip], NULL);
     rt->vk.DestroyImageView(rt->device, image->view, NULL);
-    rt->vk.DestroyImage(rt->device, image->handle, NULL);
+    if (!image->imported)
+        rt->vk.DestroyImage(rt->device, image->handle, NULL);
+    for (uint32_t i = 0; i < rt->import_count; i++)
+        if (rt->imports[i].image == image)
+            rt->imports[i].image = NULL;
     *image = (struct vk_image){0};
 }
 
@@ -234,7 +295,7 @@ void dt_vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
 
 static const char *user_name(const struct vk_slot_user *user)
 {
-    return user->buffer ? user->buffer->name : user->image->name;
+    return user->image ? user->image->name : user->buffer->name;
 }
 
 static bool bind_user(struct vk_runtime *rt, VkDeviceMemory memory, const struct vk_slot_user *user)
@@ -243,7 +304,8 @@ static bool bind_user(struct vk_runtime *rt, VkDeviceMemory memory, const struct
     if (user->buffer)
         return VK(rt, rt->vk.BindBufferMemory(rt->device, user->buffer->handle, memory, 0),
                   user->buffer->name);
-    if (!VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory, 0), image->name) ||
+    if ((!image->imported &&
+         !VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory, 0), image->name)) ||
         !create_view(rt, image, 0, image->mips, &image->view))
         return false;
     for (uint32_t mip = 0; mip < image->mips; mip++)
@@ -259,6 +321,8 @@ bool dt_vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct v
     const char *name = user_name(&users[0]);
     for (uint32_t i = 0; i < count; i++) {
         VkMemoryRequirements own;
+        if (users[i].image && users[i].image->imported)
+            continue; /* brings its memory along */
         if (users[i].buffer)
             rt->vk.GetBufferMemoryRequirements(rt->device, users[i].buffer->handle, &own);
         else
@@ -269,9 +333,11 @@ bool dt_vk_slot_bind(struct vk_runtime *rt, struct vk_slot *slot, const struct v
             name = user_name(&users[i]); /* the one to blame when there is not enough */
         }
     }
-    if (!allocate(rt, &slot->memory, name, &needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT))
-        return false;
-    vk_set_name(rt, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)slot->memory, name);
+    if (needs.size) {
+        if (!allocate(rt, &slot->memory, name, &needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT))
+            return false;
+        vk_set_name(rt, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)slot->memory, name);
+    }
     for (uint32_t i = 0; i < count; i++)
         if (!bind_user(rt, slot->memory, &users[i]))
             return false;
@@ -314,11 +380,28 @@ static bool fill_image(struct vk_runtime *rt, struct vk_image *image, int byte)
     return vk_immediate_end(rt, image->name);
 }
 
+bool vk_fill_later(struct vk_runtime *rt, const struct vk_fill *fill)
+{
+    if (rt->fill_count == rt->fill_capacity) {
+        uint32_t capacity = 2 * rt->fill_capacity + 8;
+        struct vk_fill *grown = realloc(rt->fills, capacity * sizeof *grown);
+        if (!grown)
+            return vk_error(rt, "%s: out of memory; free some", user_name(&fill->user));
+        rt->fills = grown;
+        rt->fill_capacity = capacity;
+    }
+    rt->fills[rt->fill_count++] = *fill;
+    return true;
+}
+
 bool dt_vk_initialise(struct vk_runtime *rt, const struct vk_slot_user *user, bool history)
 {
     int byte = history ? 0 : rt->poison;
-    if (!history && !rt->poison)
+    if ((!history && !rt->poison) || (user->image && user->image->imported))
         return true;
+    if (rt->hosted)
+        return vk_fill_later(rt,
+                             &(struct vk_fill){.user = *user, .layout = VK_IMAGE_LAYOUT_GENERAL});
     if (user->image)
         return fill_image(rt, user->image, byte);
     VkCommandBuffer commands = vk_immediate_begin(rt, user->buffer->name);

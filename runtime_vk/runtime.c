@@ -6,30 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void destroy_panel(struct vk_runtime *rt)
-{
-    if (!rt->panel)
-        return;
-    rt->vk.DeviceWaitIdle(
-        rt->device); /* a lost device reports it here, and may be torn down all the same */
-    rt->panel->destroy(rt, rt->state);
-    vk_frame_destroy(rt);
-    free(rt->state);
-    rt->state = NULL;
-    rt->panel = NULL;
-    rt->width = rt->height = 0;
-    rt->sized = false;
-}
-
 static void runtime_close(void *runtime)
 {
     struct vk_runtime *rt = runtime;
     if (!rt)
         return;
-    destroy_panel(rt);
+    vk_panel_destroy(rt);
     if (rt->device) {
         vk_scene_destroy(rt);
-        vk_mapped_destroy(rt, &rt->builtin.frame, &rt->frame_memory);
+        vk_uniform_destroy(rt, &rt->builtin.frame, &rt->frame_memory, &rt->frame_slot);
         vk_mapped_destroy(rt, &rt->staging, &rt->staging_memory);
     }
     vk_context_close(rt);
@@ -55,7 +40,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->drop_barrier = options->drop_barrier;
     rt->drop_dependency = options->drop_dependency;
     if (!vk_context_open(rt, options->device) ||
-        !vk_mapped_create(rt, &rt->builtin.frame, &rt->frame_memory, &frame)) {
+        !vk_uniform_create(rt, &rt->builtin.frame, &rt->frame_memory, &rt->frame_slot, &frame)) {
         runtime_close(rt);
         return NULL;
     }
@@ -83,37 +68,12 @@ static bool runtime_set_scene(void *runtime, const struct dt_scene *scene)
 
 static bool runtime_create(void *runtime, const struct dt_panel *panel)
 {
-    struct vk_runtime *rt = runtime;
-    destroy_panel(rt);
-    rt->state = calloc(1, panel->state_size ? panel->state_size : 1);
-    if (!rt->state)
-        return vk_error(rt, "pipeline %s: out of memory; free some", panel->pipeline->name);
-    rt->panel = panel;
-    if (vk_frame_create(rt) && panel->create(rt, rt->state))
-        return true;
-    destroy_panel(rt);
-    return false;
+    return vk_panel_create(runtime, panel);
 }
 
 static bool runtime_resize(void *runtime, uint32_t width, uint32_t height)
 {
-    struct vk_runtime *rt = runtime;
-    uint32_t limit = rt->properties.limits.maxImageDimension2D;
-    if (!rt->panel || !rt->has_scene)
-        return vk_error(rt, "resize: no pipeline or no scene yet; create and set_scene come first");
-    if (width < 1 || height < 1 || width > limit || height > limit)
-        return vk_error(rt, "frame of %ux%u: the device takes 1x1 to %ux%u; choose another --size",
-                        width, height, limit, limit);
-    rt->width = rt->height = 0;
-    rt->sized = false;
-    rt->rendered = false;
-    if (!VK(rt, rt->vk.DeviceWaitIdle(rt->device), "resize") ||
-        !rt->panel->resize(rt, rt->state, width, height))
-        return false;
-    rt->width = width;
-    rt->height = height;
-    rt->sized = true;
-    return true;
+    return vk_panel_resize(runtime, width, height);
 }
 
 static bool runtime_render(void *runtime, const struct dt_frame *frame, const void *live,
@@ -214,11 +174,6 @@ static uint32_t runtime_messages(void *runtime)
 {
     struct vk_runtime *rt = runtime;
     return rt->messages;
-}
-
-const struct vk_builtin *dt_vk_builtin(const struct vk_runtime *rt)
-{
-    return &rt->builtin;
 }
 
 const struct dt_runtime runtime_vk = {

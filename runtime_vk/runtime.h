@@ -16,7 +16,8 @@ struct vk_runtime;
 struct vk_buffer {
     const char *name;
     VkBuffer handle;
-    VkDeviceSize size; /* bytes, at least 16 */
+    VkDeviceSize offset; /* bytes; 0 but for a host's */
+    VkDeviceSize size;   /* bytes, at least 16 */
 };
 
 struct vk_image {
@@ -27,6 +28,7 @@ struct vk_image {
     VkImageAspectFlags aspect;
     uint32_t width, height, layers, mips;
     bool layered;
+    bool imported;                      /* handle and memory are a host's */
     VkImageLayout layout;               /* as of the commands recorded so far */
     VkImageView view;                   /* all mips, all layers */
     VkImageView mip_views[VK_MAX_MIPS]; /* one mip, all layers */

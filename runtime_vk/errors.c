@@ -1,0 +1,92 @@
+/* The ways of telling errors, and names of handles for messages of the validation layers. Called by
+ * every file of this folder. */
+#include "internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    VkResult result;
+    const char *name, *advice;
+} results[] = {
+#define RESULT(name) name, #name
+    {RESULT(VK_NOT_READY), "this should not happen; run again with --debug"},
+    {RESULT(VK_TIMEOUT), "the device does not answer; see the system log"},
+    {RESULT(VK_INCOMPLETE), "this should not happen; run again with --debug"},
+    {RESULT(VK_ERROR_OUT_OF_HOST_MEMORY), "free system memory, or use a smaller frame or scene"},
+    {RESULT(VK_ERROR_OUT_OF_DEVICE_MEMORY),
+     "use a smaller frame, fewer layers or a smaller scene, or another --device"},
+    {RESULT(VK_ERROR_INITIALIZATION_FAILED), "the driver does not start; try vulkaninfo --summary"},
+    {RESULT(VK_ERROR_DEVICE_LOST),
+     "the driver gave up, often because a pass ran too long; see the system log, "
+     "and try a smaller frame or another --device"},
+    {RESULT(VK_ERROR_MEMORY_MAP_FAILED), "free system memory, or use a smaller frame or scene"},
+    {RESULT(VK_ERROR_LAYER_NOT_PRESENT),
+     "install the validation layers (vulkan-validationlayers), or run without --debug"},
+    {RESULT(VK_ERROR_EXTENSION_NOT_PRESENT),
+     "install the validation layers (vulkan-validationlayers), or run without --debug"},
+    {RESULT(VK_ERROR_FEATURE_NOT_PRESENT), "use another --device"},
+    {RESULT(VK_ERROR_INCOMPATIBLE_DRIVER),
+     "install a Vulkan 1.3 driver (mesa-vulkan-drivers brings one for the CPU)"},
+    {RESULT(VK_ERROR_TOO_MANY_OBJECTS), "use fewer resources, or another --device"},
+    {RESULT(VK_ERROR_FORMAT_NOT_SUPPORTED), "use another format, or another --device"},
+    {RESULT(VK_ERROR_OUT_OF_POOL_MEMORY), "this should not happen; run again with --debug"},
+    {RESULT(VK_ERROR_FRAGMENTATION), "use fewer resources, or another --device"},
+    {RESULT(VK_ERROR_UNKNOWN), "the driver does not say why; run again with --debug"},
+#undef RESULT
+};
+
+static void tell(const struct vk_runtime *rt, enum dt_level level, const char *format,
+                 va_list arguments)
+{
+    char text[1024];
+    vsnprintf(text, sizeof text, format, arguments);
+    if (rt->log.message)
+        rt->log.message(rt->log.user, level, text);
+}
+
+void vk_info(const struct vk_runtime *rt, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    tell(rt, DT_INFO, format, arguments);
+    va_end(arguments);
+}
+
+bool vk_error(const struct vk_runtime *rt, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    tell(rt, DT_ERROR, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, const char *name)
+{
+    if (result == VK_SUCCESS)
+        return true;
+    const char *own = "rt->vk."; /* a call through the table is told as the function that it is */
+    bool table = strncmp(call, own, strlen(own)) == 0;
+    const char *prefix = table ? "vk" : "";
+    call += table ? strlen(own) : 0;
+    int length = (int)strcspn(call, "(");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(results); i++)
+        if (results[i].result == result)
+            return vk_error(rt, "%s%.*s(%s): %s: %s", prefix, length, call, name, results[i].name,
+                            results[i].advice);
+    return vk_error(rt, "%s%.*s(%s): VkResult %d: run again with --debug", prefix, length, call,
+                    name, (int)result);
+}
+
+void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name)
+{
+    VkDebugUtilsObjectNameInfoEXT info = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+        .objectType = type,
+        .objectHandle = handle,
+        .pObjectName = name,
+    };
+    if (rt->set_name)
+        rt->set_name(rt->device, &info);
+}
