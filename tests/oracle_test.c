@@ -366,6 +366,92 @@ static void second_bounce_flux_is_as_derived(void **state)
     }
 }
 
+/* Roberts 2018: multiples of 1 / g and 1 / g2, with g the root of g3 = g + 1. */
+static void shift_of_frame(unsigned frame, double shift[2])
+{
+    const double g = 1.32471795724474602596;
+    shift[0] = frame / g - floor(frame / g);
+    shift[1] = frame / (g * g) - floor(frame / (g * g));
+}
+
+static double fraction(double x)
+{
+    return x - floor(x);
+}
+
+/* How many of the VPLs lie where their map has been looked at in double precision; on the border of two
+ * texels float and double may part. */
+static unsigned count_at(const struct dump_entry *vpls, const struct dump_entry *position,
+                         bool disk, const double shift[2])
+{
+    unsigned count = 0, n = disk ? SECOND_VPLS / CLUSTERS : FIRST_VPLS;
+    for (unsigned k = 0; k < vpls->count; ++k) {
+        double u[2] = {(double)(k % n) / n, radical_inverse(k % n)}, p[2];
+        float x[4];
+        if (disk) {
+            concentric(u[0], u[1], p);
+            double radius = sqrt(fraction(p[0] * p[0] + p[1] * p[1] + shift[0]));
+            double angle = atan2(p[1], p[0]) + 2 * pi * shift[1];
+            u[0] = 0.5 + 0.5 * radius * cos(angle);
+            u[1] = 0.5 + 0.5 * radius * sin(angle);
+        } else {
+            u[0] = fraction(u[0] + shift[0]);
+            u[1] = fraction(u[1] + shift[1]);
+        }
+        dump_texel(position, (size_t)(u[0] * (double)position->width),
+                   (size_t)(u[1] * (double)position->height), disk ? k / n : 0, x);
+        count += memcmp(vec(vpls, k, "position"), x, 3 * sizeof *x) == 0;
+    }
+    return count;
+}
+
+/* Without reuse, the patterns of the third frame are shifted: on the square, and on the disk in the square
+ * of the radius and in the angle. */
+static void patterns_are_shifted_unless_reused(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b) {
+        struct dump dump;
+        double shift[2], none[2] = {0, 0};
+        render(&dump, "spot", backends[b], "--frames 3 --set reuse_pattern=0");
+        shift_of_frame(2, shift);
+        struct dump_entry first = dump_read(&dump, NULL, "vpls");
+        struct dump_entry second = dump_read(&dump, NULL, "second_vpl");
+        struct dump_entry rsm = dump_read(&dump, NULL, "rsm_position");
+        struct dump_entry maps = dump_read(&dump, NULL, "paraboloid_position");
+        assert_in_range(count_at(&first, &rsm, false, shift), FIRST_VPLS * 98 / 100, FIRST_VPLS);
+        assert_in_range(count_at(&second, &maps, true, shift), SECOND_VPLS * 98 / 100, SECOND_VPLS);
+        assert_in_range(count_at(&first, &rsm, false, none), 0, FIRST_VPLS / 4);
+        dump_entry_free(&first);
+        dump_entry_free(&second);
+        dump_entry_free(&rsm);
+        dump_entry_free(&maps);
+        dump_close(&dump);
+    }
+}
+
+/* Where nothing moves, k-means begun anew ends in every frame where it ended in the first; begun with the
+ * last centres it goes on. */
+static void clusters_begin_anew_unless_reused(void **state)
+{
+    (void)state;
+    static const char *const runs[] = {"--set kmeans_iterations=1",
+                                       "--set kmeans_iterations=1 --frames 3 --set reuse_centres=0",
+                                       "--set kmeans_iterations=1 --frames 3"};
+    float means[3][CLUSTERS][3];
+    for (int i = 0; i < 3; ++i) {
+        struct dump dump;
+        render(&dump, "spot", "vk", runs[i]);
+        struct dump_entry centres = dump_read(&dump, NULL, "centres");
+        for (size_t c = 0; c < CLUSTERS; ++c)
+            memcpy(means[i][c], vec(&centres, c, "mean"), sizeof means[i][c]);
+        dump_entry_free(&centres);
+        dump_close(&dump);
+    }
+    assert_memory_equal(means[1], means[0], sizeof means[0]);
+    assert_memory_not_equal(means[2], means[0], sizeof means[0]);
+}
+
 /* Segovia et al. 2006 for any size: class columns start where the wider ones before them end. */
 static size_t split_axis(size_t p, size_t size, size_t n)
 {
@@ -518,6 +604,8 @@ int main(void)
         cmocka_unit_test(directional_flux_is_irradiance_times_area),
         cmocka_unit_test(clusters_are_those_of_kmeans),
         cmocka_unit_test(second_bounce_flux_is_as_derived),
+        cmocka_unit_test(patterns_are_shifted_unless_reused),
+        cmocka_unit_test(clusters_begin_anew_unless_reused),
         cmocka_unit_test(split_then_gather_is_the_identity),
         cmocka_unit_test(second_bounce_irradiance_is_the_sum_of_its_class),
         cmocka_unit_test(display_is_reinhards_curve_of_radiance),

@@ -3,13 +3,15 @@
  * at a silhouette would float in the air. */
 #include "../shared/space.glsl"
 #include "../shared/lighting.glsl"
+#include "reuse.glsl"
 
 void main()
 {
     int k = invocation().x;
     if (k >= first_vpls)
         return;
-    ivec2 texel = min(ivec2(floor(rsm_points(k) * float(rsm_size))), ivec2(rsm_size - 1));
+    vec2 p = shift_square(rsm_points(k)) * float(rsm_size);
+    ivec2 texel = min(ivec2(floor(p)), ivec2(rsm_size - 1));
     vec4 x = rsm_position(texel);
     vec3 flux = rsm_albedo(texel).rgb * sample_flux(x.xyz, float(first_vpls));
     vpls[k].position = x.xyz;

@@ -30,7 +30,7 @@ float power(vec3 flux)
     return flux.r + flux.g + flux.b;
 }
 
-/* Last frame's mean; in the first frame, and when the light reached nothing until now, one of the
+/* Last frame's mean; in the first frame, without reuse_centres, and when the light reached nothing until now, one of the
  * living VPLs, evenly spaced in their order. */
 void seed(int c)
 {
@@ -46,7 +46,7 @@ void seed(int c)
             chosen = k;
         rank += lives ? 1 : 0;
     }
-    bool seen = centres[c].seen != 0u;
+    bool seen = reuse_centres == 1 && centres[c].seen != 0u;
     centre_position[c] = seen ? centres[c].mean : vpls[chosen].position;
     vec3 normal = unit_or(vpls[chosen].normal, vec3(0.0, 0.0, 1.0));
     centre_normal[c] = seen ? centres[c].mean_normal : normal;

@@ -2,13 +2,15 @@
  * distance to the centre of the disk, Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), the solid
  * angle of a texel times the cosine of the emitter (derived in the notes on formulae from dw = 4 dA
  * / (1 + r^2)^2 and cos = (1 - r^2) / (1 + r^2)); the weights sum to 1. */
+#include "reuse.glsl"
+
 void main()
 {
     int k = invocation().x;
     if (k >= second_total)
         return;
     int c = k / second_per_cluster;
-    vec2 p = disk_points(k % second_per_cluster);
+    vec2 p = shift_disk(disk_points(k % second_per_cluster));
     ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(paraboloid_size)));
     texel = clamp(texel, ivec2(0), ivec2(paraboloid_size - 1));
     ivec3 at = ivec3(texel, c);

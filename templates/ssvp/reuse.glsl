@@ -1,0 +1,33 @@
+/* Whether a frame takes the sampling patterns of the one before, which is what keeps a sequence
+ * coherent (paper, section on temporal coherence), or shifts them by a vector of its own (Cranley,
+ * Patterson 1976), which shows what the reuse is worth. The vectors are those of the R2 sequence
+ * (Roberts 2018), multiples of the inverse of the plastic number and of its square, in integers of
+ * 2^-32, so that no rounding has a say; that of the first frame is zero. */
+vec2 pattern_shift()
+{
+    uint turns = reuse_pattern == 1 ? 0u : frame.index;
+    uvec2 shift = (turns * uvec2(3242174889u, 2447445414u)) >> 8;
+    return vec2(shift) * (1.0 / 16777216.0);
+}
+
+/* A point of the unit square. */
+vec2 shift_square(vec2 u)
+{
+    return fract(u + pattern_shift());
+}
+
+/* A point of the unit disk, in the square of its radius and in its angle: these two map the disk to
+ * a rectangle and keep area, whatever map the point came from. */
+vec2 shift_disk(vec2 p)
+{
+    if (reuse_pattern == 1)
+        return p;
+    vec2 shift = pattern_shift();
+    float square = dot(p, p);
+    vec2 way = square > 0.0 ? p * inversesqrt(square) : vec2(1.0, 0.0);
+    float radius = sqrt(fract(square + shift.x));
+    float angle = 6.28318530718 * shift.y;
+    float c = cos(angle);
+    float s = sin(angle);
+    return radius * vec2(way.x * c - way.y * s, way.x * s + way.y * c);
+}
