@@ -45,6 +45,17 @@ static const struct verb verbs[] = {
      "on where it was interrupted, and makes index.html of what they wrote.\n"
      "Exit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report},
+    {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
+     "WASD and mouse fly, Q and E go down and up, Shift faster, the wheel sets the speed. Tab "
+     "shows the "
+     "next\n"
+     "resource, Home the picture again, Up and Down a layer, Page Up and Page Down a mip. C: side "
+     "by side,\n"
+     "one half of each, or the difference, + and - amplify it. Space pauses, P takes a screenshot, "
+     "Ctrl+S\n"
+     "saves the camera into the scene file, Esc ends.\n"
+     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
+     verb_view},
     {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",
      "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
      "ninja,\n"

@@ -32,9 +32,9 @@ struct option_row {
 };
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
-#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH)
+#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW)
 #define MOVING    (ALL | VERB_REFERENCE)
-#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH)
+#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW)
 #define MAKING    (SPEC | VERB_REPORT)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
@@ -53,6 +53,8 @@ static const struct option_row rows[] = {
      "the first is held against each of the others, like gl,vk,zink (default: gl,vk)"},
     {"--backend", OPTION_STRING, AT(backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "which to measure, turn by turn, like gl,vk,zink (default: gl,vk)"},
+    {"--backend", OPTION_STRING, AT(backend), VERB_VIEW, 0, "NAME|both",
+     "gl or vk; both, or two with a comma: side by side, the first draws the window (default: gl)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped, of every frame where it has a %04d; --dump or "
      "--timings may stand alone"},
@@ -60,8 +62,14 @@ static const struct option_row rows[] = {
      "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_LIST, AT(sets), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
-    {"--size", OPTION_SIZE, AT(size), SCENE | VERB_REPORT, 0, "WxH",
+    {"--size", OPTION_SIZE, AT(size), (SCENE & ~VERB_VIEW) | VERB_REPORT, 0, "WxH",
      "frame size in pixels (default: 1920x1080)"},
+    {"--size", OPTION_SIZE, AT(size), VERB_VIEW, 0, "WxH",
+     "pixels of the window, for each backend (default: 960x540)"},
+    {"--frames", OPTION_COUNT, AT(run_frames), VERB_VIEW, 0, "N",
+     "end after so many (default: when the window is closed)"},
+    {"--screenshot", OPTION_STRING, AT(screenshot), VERB_VIEW, 0, "FILE.png",
+     "write what is shown at the end"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
      "frames to run, the last one is kept (default: 1; with --motion all of it)"},
     {"--frame", OPTION_INDEX, AT(frame), VERB_REFERENCE, 0, "K",
@@ -96,11 +104,11 @@ static const struct option_row rows[] = {
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
-    {"--context", OPTION_CHOICE, AT(context), SPEC | VERB_REPLAY, 0, "egl|zink|osmesa|window",
-     "OpenGL context (default: egl)"},
+    {"--context", OPTION_CHOICE, AT(context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
+     "egl|zink|osmesa|window", "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(glsl), SPEC | VERB_REPLAY, 0, NULL,
      "give OpenGL the GLSL text instead of SPIR-V"},
-    {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY, 0, NULL,
+    {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation and KHR_debug; any message fails the run"},
     {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER | VERB_COMPARE, 0, "N",
      "leave out the N-th barrier of Vulkan's frame, to see whether --debug misses it; render runs "
@@ -400,11 +408,11 @@ static bool check_required(const struct options *options, const struct verb *ver
 }
 
 /* What a dump would tell. */
-static void fill_in(struct options *options)
+static void fill_in(struct options *options, const struct verb *verb)
 {
     if (!options->size[0]) {
-        options->size[0] = 1920;
-        options->size[1] = 1080;
+        options->size[0] = verb->id == VERB_VIEW ? 960 : 1920;
+        options->size[1] = verb->id == VERB_VIEW ? 540 : 1080;
     }
     if (!options->motion && !options->frames)
         options->frames = 1;
@@ -442,7 +450,7 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
             return false;
     }
     if (!options->against)
-        fill_in(options);
+        fill_in(options, verb);
     return options->help || check_required(options, verb, log);
 }
 

@@ -14,7 +14,8 @@ enum verb_id {
     VERB_REFERENCE = 16,
     VERB_METRICS = 32,
     VERB_BENCH = 64,
-    VERB_REPORT = 128
+    VERB_REPORT = 128,
+    VERB_VIEW = 256
 };
 
 /* The values of an option that may be repeated. */
@@ -70,10 +71,11 @@ struct options {
     struct text_list size_list;
     struct text_list grid;
     const char *verb;
-    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, too */
+    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, view, too */
     uint32_t warmup;
     bool slurm, collect;
-    const char *outline; /* report: of what to show; NULL: the spec's */
+    const char *screenshot; /* view */
+    const char *outline;    /* report: of what to show; NULL: the spec's */
     bool glsl;
     bool debug;
     bool help;
@@ -97,6 +99,7 @@ int verb_reference(struct console *console, const struct options *options);
 int verb_metrics(struct console *console, const struct options *options);
 int verb_bench(struct console *console, const struct options *options);
 int verb_report(struct console *console, const struct options *options);
+int verb_view(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either

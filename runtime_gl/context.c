@@ -199,7 +199,8 @@ static bool window_make(struct gl_context *ctx, int major, int minor, bool debug
                         struct reason *why)
 {
     const char *text = "no window system";
-    if (window_initialise(ctx)) {
+    bool system = window_initialise(ctx);
+    if (system) {
         glfwDefaultWindowHints();
         glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
         glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -211,8 +212,13 @@ static bool window_make(struct gl_context *ctx, int major, int minor, bool debug
     }
     if (!ctx->window) {
         glfwGetError(&text);
-        snprintf(why->text, sizeof why->text, "GLFW gives no window with OpenGL %d.%d core (%s)",
-                 major, minor, text ? text : "no window system");
+        text = text ? text : "no window system";
+        if (system)
+            snprintf(why->text, sizeof why->text,
+                     "GLFW gives no window with OpenGL %d.%d core (%s)", major, minor, text);
+        else
+            snprintf(why->text, sizeof why->text, "there is no display to open a window on (%s)",
+                     text);
     }
     return ctx->window;
 }
@@ -467,6 +473,16 @@ bool gl_context_current(struct gl_runtime *rt)
         return true;
     gl_log(rt, DT_ERROR, "%s: the OpenGL context cannot be made current", rt->device_name);
     return false;
+}
+
+void gl_context_swap(struct gl_runtime *rt)
+{
+    glfwSwapBuffers(rt->context.window);
+}
+
+void gl_context_window_size(struct gl_runtime *rt, int *width, int *height)
+{
+    glfwGetFramebufferSize(rt->context.window, width, height);
 }
 
 void gl_context_close(struct gl_runtime *rt)

@@ -28,6 +28,14 @@ struct gl_limits {
     GLfloat anisotropy;
 };
 
+/* What present.c shows in a window; made when it is first used. */
+struct gl_present {
+    struct gl_program program;
+    GLuint samplers[2]; /* filtered, not filtered */
+    struct gl_buffer vertices;
+    struct gl_image textures[DT_WINDOW_TEXTURES];
+};
+
 struct gl_runtime {
     GladGLContext gl;
     struct gl_context context;
@@ -40,6 +48,8 @@ struct gl_runtime {
     uint32_t index_count;
     GLuint scene_input, no_input; /* vertex array objects */
     GLuint nearest;               /* the sampler of bindings without one */
+
+    struct gl_present present;
 
     const struct dt_panel *panel; /* NULL: none created */
     void *state;
@@ -68,6 +78,9 @@ bool gl_finish(const struct gl_runtime *rt, const char *object);
 bool gl_context_open(
     struct gl_runtime *rt); /* makes the context current, loads rt->gl, sets the fixed state */
 bool gl_context_current(struct gl_runtime *rt);
+void gl_context_swap(struct gl_runtime *rt); /* shows what was drawn into the window */
+/* Of what is drawn into the window; 0 where it is minimised. */
+void gl_context_window_size(struct gl_runtime *rt, int *width, int *height);
 void gl_context_close(struct gl_runtime *rt);
 
 /* ---- resources.c ----------------------------------------------------------------------------- */
@@ -93,6 +106,14 @@ bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, cons
 bool gl_scene_upload(struct gl_runtime *rt,
                      const struct dt_scene *scene); /* replaces the former scene */
 void gl_scene_destroy(struct gl_runtime *rt);
+
+/* ---- present.c: the verbs of a window -------------------------------------------------------- */
+
+bool gl_window_copy(struct gl_runtime *rt, uint32_t texture, const struct gl_image *image);
+bool gl_window_upload(struct gl_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
+                      const uint8_t *pixels);
+bool gl_present(struct gl_runtime *rt, const struct dt_window_frame *frame);
+void gl_present_destroy(struct gl_runtime *rt);
 
 /* ---- readback.c ------------------------------------------------------------------------------ */
 

@@ -32,7 +32,7 @@ static void log_refusal(struct gl_runtime *rt, const char *program, const char *
 static bool load_code(struct gl_runtime *rt, const char *program, GLuint shader,
                       const struct gl_code *code)
 {
-    if (rt->options.glsl)
+    if (rt->options.glsl || !code->size)
         return GL(rt, program, ShaderSource(shader, 1, &code->glsl, NULL)) &&
                GL(rt, program, CompileShader(shader));
     return GL(rt, program,
@@ -71,7 +71,7 @@ static bool attach_all(struct gl_runtime *rt, const struct gl_program *program,
     };
     for (size_t i = 0; i < DT_ARRAY_COUNT(stages); i++) {
         const struct gl_code *code = stages[i].code;
-        bool present = rt->options.glsl ? code->glsl != NULL : code->size != 0;
+        bool present = code->size != 0 || code->glsl != NULL; /* the runtime's own have only text */
         if (present && !attach_stage(rt, program, &stages[i]))
             return false;
     }

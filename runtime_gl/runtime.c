@@ -355,6 +355,45 @@ static double runtime_record_ms(void *runtime)
     return (double)NAN;
 }
 
+static void *runtime_window(void *runtime)
+{
+    return ((struct gl_runtime *)runtime)->context.window;
+}
+
+static bool has_window(struct gl_runtime *rt, const char *verb)
+{
+    if (rt->context.window)
+        return gl_context_current(rt);
+    gl_log(rt, DT_ERROR, "%s: the OpenGL runtime was opened without a window", verb);
+    return false;
+}
+
+static bool runtime_window_copy(void *runtime, uint32_t texture, uint32_t resource)
+{
+    struct gl_runtime *rt = runtime;
+    struct place place = {0};
+    if (!has_window(rt, "window_copy") || !find(rt, "window_copy", resource, 0, &place))
+        return false;
+    if (place.image && place.image->texel == DT_FORMAT_RGBA8 && !place.image->layered)
+        return gl_window_copy(rt, texture, place.image);
+    gl_log(rt, DT_ERROR, "window_copy %s: is no image of RGBA8; read it, and use window_upload",
+           place.name);
+    return false;
+}
+
+static bool runtime_window_upload(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
+                                  const uint8_t *pixels)
+{
+    struct gl_runtime *rt = runtime;
+    return has_window(rt, "window_upload") && gl_window_upload(rt, texture, width, height, pixels);
+}
+
+static bool runtime_present(void *runtime, const struct dt_window_frame *frame)
+{
+    struct gl_runtime *rt = runtime;
+    return has_window(rt, "present") && gl_present(rt, frame);
+}
+
 static uint32_t runtime_messages(void *runtime)
 {
     return ((struct gl_runtime *)runtime)->messages;
@@ -367,6 +406,7 @@ static void runtime_close(void *runtime)
         return;
     if (rt->context.kind && gl_context_current(rt)) {
         destroy_panel(rt);
+        gl_present_destroy(rt);
         gl_scene_destroy(rt);
         dt_gl_buffer_destroy(rt, &rt->builtin.frame);
         dt_gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
@@ -391,6 +431,10 @@ const struct dt_runtime runtime_gl = {
     .write = runtime_write,
     .timings = runtime_timings,
     .record_ms = runtime_record_ms,
+    .window = runtime_window,
+    .window_copy = runtime_window_copy,
+    .window_upload = runtime_window_upload,
+    .present = runtime_present,
     .messages = runtime_messages,
     .close = runtime_close,
 };

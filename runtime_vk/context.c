@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_DEVICES = 16 };
+enum { MAX_DEVICES = 16, MAX_EXTENSIONS = 16 };
 
 /* ---- Messages --------------------------------------------------------------------------------- */
 
@@ -31,8 +31,12 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
 static bool open_instance(struct vk_runtime *rt)
 {
     static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
-    static const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                             VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    const char *extensions[MAX_EXTENSIONS] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                              VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    uint32_t extension_count = rt->debug ? 2 : 0, window_count = 0;
+    const char *const *window = rt->present.window ? vk_window_extensions(&window_count) : NULL;
+    for (uint32_t i = 0; i < window_count && extension_count < MAX_EXTENSIONS; i++)
+        extensions[extension_count++] = window[i];
     static const VkValidationFeatureEnableEXT enabled[] = {
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
     };
@@ -68,13 +72,13 @@ static bool open_instance(struct vk_runtime *rt)
     VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
         .pApplicationInfo = &application,
+        .enabledExtensionCount = extension_count,
+        .ppEnabledExtensionNames = extensions,
     };
     if (rt->debug) {
         info.pNext = &features;
         info.enabledLayerCount = DT_ARRAY_COUNT(layers);
         info.ppEnabledLayerNames = layers;
-        info.enabledExtensionCount = DT_ARRAY_COUNT(extensions);
-        info.ppEnabledExtensionNames = extensions;
     }
     if (!VK(rt, vkCreateInstance(&info, NULL, &rt->instance), "diptych"))
         return false;
@@ -122,6 +126,19 @@ static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *
                     wanted, list);
 }
 
+/* vk_device_suits, and where there is a window, it can show what the device draws. */
+static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text, size_t size)
+{
+    uint32_t bits;
+    if (!vk_device_suits(rt, physical, text, size))
+        return false;
+    if (!rt->present.window ||
+        vk_window_can_present(rt, physical, vk_device_queue_family(rt, physical, &bits)))
+        return true;
+    snprintf(text, size, "presentation to a window");
+    return false;
+}
+
 /* The device that the user names; without a name the first that has all that is needed. */
 static bool choose_device(struct vk_runtime *rt, const char *wanted)
 {
@@ -138,13 +155,13 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (vk_device_suits(rt, devices[i], missing, sizeof missing)) {
+        if (suits(rt, devices[i], missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
     }
     vk_device_describe(rt, devices[chosen]);
-    if (!vk_device_suits(rt, rt->physical, missing, sizeof missing))
+    if (!suits(rt, rt->physical, missing, sizeof missing))
         return vk_error(rt,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "--device",
@@ -163,11 +180,14 @@ static bool open_device(struct vk_runtime *rt)
         .queueCount = 1,
         .pQueuePriorities = &(float){1},
     };
+    const char *swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
         .pNext = &features.core,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
+        .enabledExtensionCount = rt->present.window != NULL,
+        .ppEnabledExtensionNames = &swapchain,
     };
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->properties.deviceName))
         return false;
@@ -217,10 +237,12 @@ static void link_functions(struct vk_dispatch *vk)
 #undef LINK
 }
 
-bool vk_context_open(struct vk_runtime *rt, const char *device)
+bool vk_context_open(struct vk_runtime *rt, const char *device, bool window)
 {
     link_functions(&rt->vk);
-    return open_instance(rt) && choose_device(rt, device) && open_device(rt) && open_commands(rt);
+    return (!window || vk_window_open(rt)) && open_instance(rt) &&
+           (!window || vk_window_surface(rt)) && choose_device(rt, device) && open_device(rt) &&
+           open_commands(rt);
 }
 
 void vk_context_close(struct vk_runtime *rt)
@@ -230,6 +252,7 @@ void vk_context_close(struct vk_runtime *rt)
         vkDestroyCommandPool(rt->device, rt->command_pool, NULL);
         vkDestroyDevice(rt->device, NULL);
     }
+    vk_window_close(rt);
     if (rt->messenger) {
         PFN_vkDestroyDebugUtilsMessengerEXT destroy =
             (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(

@@ -71,8 +71,15 @@ static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, cons
     return true;
 }
 
-static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name)
+/* The semaphore, or VK_NULL_HANDLE, is signalled when they are done. */
+static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name,
+                         VkSemaphore done)
 {
+    VkSemaphoreSubmitInfo signal = {
+        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+        .semaphore = done,
+        .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+    };
     VkCommandBufferSubmitInfo buffer = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
         .commandBuffer = commands,
@@ -81,6 +88,8 @@ static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const 
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
         .commandBufferInfoCount = 1,
         .pCommandBufferInfos = &buffer,
+        .signalSemaphoreInfoCount = done != VK_NULL_HANDLE,
+        .pSignalSemaphoreInfos = &signal,
     };
     vk_full_barrier(rt, commands); /* the fence alone does not show writes to the host */
     return VK(rt, rt->vk.EndCommandBuffer(commands), name) &&
@@ -96,7 +105,12 @@ VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name)
 
 bool vk_immediate_end(struct vk_runtime *rt, const char *name)
 {
-    return run_commands(rt, rt->immediate_commands, name);
+    return run_commands(rt, rt->immediate_commands, name, VK_NULL_HANDLE);
+}
+
+bool vk_immediate_end_signal(struct vk_runtime *rt, const char *name, VkSemaphore done)
+{
+    return run_commands(rt, rt->immediate_commands, name, done);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -201,7 +215,8 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
     memcpy(rt->frame_memory.bytes, &block, sizeof block);
     memcpy(rt->live_memory.bytes, live, pipeline->live_size);
     forget_frame(rt);
-    if (!record_frame(rt, live) || !run_commands(rt, rt->frame_commands, pipeline->name))
+    if (!record_frame(rt, live) ||
+        !run_commands(rt, rt->frame_commands, pipeline->name, VK_NULL_HANDLE))
         return false;
     uint32_t dropped =
         rt->drop_barrier > rt->drop_dependency ? rt->drop_barrier : rt->drop_dependency;
@@ -319,7 +334,7 @@ bool dt_vk_pass_end(struct vk_runtime *rt, uint32_t pass)
         rt->end_label(rt->frame_commands);
     if (rt->failed || !observer)
         return !rt->failed;
-    return run_commands(rt, rt->frame_commands, name) &&
+    return run_commands(rt, rt->frame_commands, name, VK_NULL_HANDLE) &&
            (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
            begin_commands(rt, rt->frame_commands, name);
 }

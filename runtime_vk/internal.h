@@ -32,6 +32,28 @@ struct vk_fill {
     VkImageLayout layout; /* images: afterwards */
 };
 
+enum { VK_MAX_WINDOW_IMAGES = 8 };
+
+/* The window and what present.c shows in it; made when it is first used. */
+struct vk_present {
+    void *window; /* GLFWwindow; NULL: opened without */
+    bool owns_glfw;
+    VkSurfaceKHR surface;
+    VkSwapchainKHR swapchain; /* null: to be made before the next frame */
+    VkFormat format;
+    uint32_t width, height, image_count;
+    VkImage images[VK_MAX_WINDOW_IMAGES];
+    VkImageView views[VK_MAX_WINDOW_IMAGES];
+    VkSemaphore drawn[VK_MAX_WINDOW_IMAGES]; /* of each image: it may be shown */
+    VkFence acquired;
+    VkSampler samplers[2]; /* filtered, not filtered */
+    struct vk_buffer vertices;
+    struct vk_mapped vertex_memory;
+    struct vk_image textures[DT_WINDOW_TEXTURES];
+    struct vk_slot texture_slots[DT_WINDOW_TEXTURES];
+    struct vk_program programs[DT_WINDOW_TEXTURES]; /* alike but for what is bound */
+};
+
 struct vk_runtime {
     struct dt_log log;
     bool debug, timing;
@@ -57,6 +79,8 @@ struct vk_runtime {
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label; /* these three only with debug */
     PFN_vkCmdEndDebugUtilsLabelEXT end_label;
     PFN_vkSetDebugUtilsObjectNameEXT set_name;
+
+    struct vk_present present;
 
     /* resources.c: copies to and from the device pass through here; grows on demand */
     struct vk_buffer staging;
@@ -131,7 +155,8 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
 
 /* ---- Context (context.c) --------------------------------------------------------------------- */
 
-bool vk_context_open(struct vk_runtime *rt, const char *device);
+/* With a window where `window` says so. */
+bool vk_context_open(struct vk_runtime *rt, const char *device, bool window);
 void vk_context_close(struct vk_runtime *rt); /* takes what a failed open left behind */
 
 /* Names a handle in messages of the validation layers; does nothing without debug. */
@@ -166,6 +191,8 @@ bool vk_fill_later(struct vk_runtime *rt, const struct vk_fill *fill);
  * against them. */
 VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name);
 bool vk_immediate_end(struct vk_runtime *rt, const char *name);
+/* The same, and signals the semaphore for what comes to wait for it. */
+bool vk_immediate_end_signal(struct vk_runtime *rt, const char *name, VkSemaphore done);
 
 /* Everything before happens before everything after, and is visible to it; the host too. */
 void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands);
@@ -203,6 +230,20 @@ bool vk_write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
                      const struct dt_bytes *bytes);
 bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
                     const struct dt_bytes *bytes);
+
+/* ---- The window (present.c) ------------------------------------------------------------------ */
+
+bool vk_window_open(struct vk_runtime *rt); /* before the instance */
+/* The instance extensions that surfaces need. */
+const char *const *vk_window_extensions(uint32_t *count);
+bool vk_window_surface(struct vk_runtime *rt); /* after the instance; also when it was lost */
+bool vk_window_can_present(const struct vk_runtime *rt, VkPhysicalDevice physical, uint32_t family);
+bool vk_window_copy(struct vk_runtime *rt, uint32_t texture, struct vk_image *image);
+bool vk_window_upload(struct vk_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
+                      const uint8_t *pixels);
+bool vk_present(struct vk_runtime *rt, const struct dt_window_frame *frame);
+void vk_present_destroy(struct vk_runtime *rt); /* before the device */
+void vk_window_close(struct vk_runtime *rt);    /* after it, before the instance */
 
 bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene);
 void vk_scene_destroy(struct vk_runtime *rt);

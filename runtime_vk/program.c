@@ -211,14 +211,15 @@ static const VkPipelineDynamicStateCreateInfo dynamic_state = {
     .pDynamicStates = dynamic_states,
 };
 
-static VkPipelineColorBlendAttachmentState blend_state(bool add)
+static VkPipelineColorBlendAttachmentState blend_state(const struct vk_program_info *info)
 {
+    bool over = info->blend_over;
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = add,
-        .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-        .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
+        .blendEnable = info->blend_add || over,
+        .srcColorBlendFactor = over ? VK_BLEND_FACTOR_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
+        .dstColorBlendFactor = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
         .colorBlendOp = VK_BLEND_OP_ADD,
-        .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+        .srcAlphaBlendFactor = over ? VK_BLEND_FACTOR_ZERO : VK_BLEND_FACTOR_ONE,
         .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
         .alphaBlendOp = VK_BLEND_OP_ADD,
         .colorWriteMask = 0xf,
@@ -252,7 +253,7 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
     };
     VkPipelineColorBlendAttachmentState blends[VK_MAX_COLOR_TARGETS];
     for (uint32_t i = 0; i < info->color_count; i++)
-        blends[i] = blend_state(info->blend_add);
+        blends[i] = blend_state(info);
     VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = info->color_count,

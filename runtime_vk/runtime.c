@@ -13,6 +13,7 @@ static void runtime_close(void *runtime)
         return;
     vk_panel_destroy(rt);
     if (rt->device) {
+        vk_present_destroy(rt);
         vk_scene_destroy(rt);
         vk_uniform_destroy(rt, &rt->builtin.frame, &rt->frame_memory, &rt->frame_slot);
         vk_mapped_destroy(rt, &rt->staging, &rt->staging_memory);
@@ -39,7 +40,8 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->poison = options->poison;
     rt->drop_barrier = options->drop_barrier;
     rt->drop_dependency = options->drop_dependency;
-    if (!vk_context_open(rt, options->device) ||
+    bool window = options->context && strcmp(options->context, "window") == 0;
+    if (!vk_context_open(rt, options->device, window) ||
         !vk_uniform_create(rt, &rt->builtin.frame, &rt->frame_memory, &rt->frame_slot, &frame)) {
         runtime_close(rt);
         return NULL;
@@ -170,6 +172,42 @@ static double runtime_record_ms(void *runtime)
     return rt->rendered ? rt->record_ms : NAN;
 }
 
+static void *runtime_window(void *runtime)
+{
+    return ((struct vk_runtime *)runtime)->present.window;
+}
+
+static bool has_window(const struct vk_runtime *rt, const char *verb)
+{
+    return rt->present.window ||
+           vk_error(rt, "%s: the Vulkan runtime was opened without a window", verb);
+}
+
+static bool runtime_window_copy(void *runtime, uint32_t texture, uint32_t resource)
+{
+    struct vk_runtime *rt = runtime;
+    struct place place = {0};
+    if (!has_window(rt, "window_copy") || !find(rt, "window_copy", resource, 0, &place))
+        return false;
+    if (!place.image || place.image->texel != DT_FORMAT_RGBA8 || place.image->layered)
+        return vk_error(rt, "window_copy %s: is no image of RGBA8; read it, and use window_upload",
+                        place.name);
+    return vk_window_copy(rt, texture, place.image);
+}
+
+static bool runtime_window_upload(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
+                                  const uint8_t *pixels)
+{
+    struct vk_runtime *rt = runtime;
+    return has_window(rt, "window_upload") && vk_window_upload(rt, texture, width, height, pixels);
+}
+
+static bool runtime_present(void *runtime, const struct dt_window_frame *frame)
+{
+    struct vk_runtime *rt = runtime;
+    return has_window(rt, "present") && vk_present(rt, frame);
+}
+
 static uint32_t runtime_messages(void *runtime)
 {
     struct vk_runtime *rt = runtime;
@@ -189,6 +227,10 @@ const struct dt_runtime runtime_vk = {
     .write = runtime_write,
     .timings = runtime_timings,
     .record_ms = runtime_record_ms,
+    .window = runtime_window,
+    .window_copy = runtime_window_copy,
+    .window_upload = runtime_window_upload,
+    .present = runtime_present,
     .messages = runtime_messages,
     .close = runtime_close,
 };

@@ -141,6 +141,7 @@ struct vk_program_info {
     VkCompareOp depth_compare;
     VkCullModeFlags cull; /* front faces are VK_FRONT_FACE_CLOCKWISE, the match of GL_CCW */
     bool depth_test, depth_write, blend_add;
+    bool blend_over;     /* by the source's alpha; leaves the target's alone */
     bool scene_vertices; /* attributes of struct dt_vertex at locations 0 to 3; else none */
 };
 

@@ -264,11 +264,12 @@ struct dt_panel {
 
 struct dt_runtime_options {
     struct dt_log log;
-    const char *device;  /* vk: name part or index; NULL: the first */
-    const char *context; /* gl: "egl" (NULL), "osmesa", "zink" or "window" */
-    bool debug;          /* validation with synchronization checking; KHR_debug */
-    bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
-    bool timing;         /* timestamps around every pass */
+    const char *device; /* vk: name part or index; NULL: the first */
+    /* gl: "egl" (NULL), "osmesa", "zink" or "window"; vk: NULL or "window" */
+    const char *context;
+    bool debug;  /* validation with synchronization checking; KHR_debug */
+    bool glsl;   /* gl: programs from GLSL text instead of SPIR-V */
+    bool timing; /* timestamps around every pass */
     /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
     int poison;
     /* vk: the barrier of this number, counted from 1 over the frame in the order of recording, is left
@@ -303,6 +304,33 @@ struct dt_observer {
     void *user;
 };
 
+/* ---- Windows --------------------------------------------------------------------------------- */
+
+/* What a window shows is drawn in triangles over black, each draw with one texture that multiplies
+ * the vertices' colours, blended by alpha. Texture 0 is the overlay's and filtered, the others are
+ * pictures and are not. */
+enum { DT_WINDOW_TEXTURES = 4 };
+
+struct dt_window_vertex {
+    float position[2]; /* pixels of the window, from its top left corner */
+    float uv[2];       /* (0, 0) is the first texel of row 0 */
+    uint8_t color[4];  /* R, G, B, A */
+};
+_Static_assert(sizeof(struct dt_window_vertex) == 20, "five scalars, no padding");
+
+struct dt_window_draw {
+    uint32_t texture;
+    uint32_t first, count; /* vertices; three per triangle */
+    int32_t clip[4];       /* left, top, right, bottom: pixels of the window */
+};
+
+struct dt_window_frame {
+    const struct dt_window_vertex *vertices;
+    uint32_t vertex_count;
+    const struct dt_window_draw *draws;
+    uint32_t draw_count;
+};
+
 /* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the thing
  * that open returned. */
 struct dt_runtime {
@@ -329,6 +357,15 @@ struct dt_runtime {
      * command to the last and without submission; NAN where commands are carried out while they are
      * recorded, or with an observer. */
     double (*record_ms)(void *runtime);
+    /* These four with context "window" only. The GLFWwindow, hidden at first: its events are the
+     * caller's business, and all of it the main thread's. */
+    void *(*window)(void *runtime);
+    /* Give a texture its content: an image of the pipeline of format RGBA8, or rows of RGBA8. */
+    bool (*window_copy)(void *runtime, uint32_t texture, uint32_t resource);
+    bool (*window_upload)(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
+                          const uint8_t *pixels);
+    /* Draws and shows, or does nothing while the window has no pixels. */
+    bool (*present)(void *runtime, const struct dt_window_frame *frame);
     uint32_t (*messages)(void *runtime); /* validation and debug messages so far; must be 0 */
     void (*close)(void *runtime);        /* takes NULL; destroys the panel first */
 };

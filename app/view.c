@@ -1,0 +1,273 @@
+/* `diptych view`: a window on one backend, or on two of them beside each other, from a camera that
+ * flies. Frames run one after the other on this thread, which is also the window's; wishes that
+ * keys and mouse leave behind are carried out between them. */
+#include "view.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "camera.h"
+#include "files.h"
+#include "texels.h"
+
+/* ---- Opening --------------------------------------------------------------------------------- */
+
+static bool read_sides(struct view *view)
+{
+    struct options options = *view->options;
+    const struct dt_log *log = &view->console->log;
+    const char *given = options.backend ? options.backend : "gl";
+    options.backend = strcmp(given, "both") == 0 ? "gl,vk" : given;
+    if (!sides_read_each(&view->sides, &options, log))
+        return false;
+    struct side *first = &view->sides.list[0];
+    if (view->sides.count > VIEW_SIDES) {
+        report_error(log, "--backend %s: a window shows one backend, or two of them", given);
+        return false;
+    }
+    if (first->context) {
+        report_error(log, "--backend %s: only gl and vk can draw into a window", first->label);
+        return false;
+    }
+    first->context = "window";
+    view->side_count = view->sides.count;
+    return true;
+}
+
+static bool find_home(struct view *view)
+{
+    const struct dt_pipeline *info = view->pipeline.info;
+    int output = info->display_output >= 0 ? info->display_output : info->linear_output;
+    for (uint32_t i = 0; i < info->resource_count && output < 0; i++)
+        if (view_can_show(info, i))
+            output = (int)i;
+    if (output < 0) {
+        report_error(&view->console->log, "%s has no image that could be shown", info->name);
+        return false;
+    }
+    view->home = (uint32_t)output;
+    view_show(view, view->home);
+    return true;
+}
+
+static const struct dt_panel *panel_of(const struct view *view, const struct view_side *side)
+{
+    return strcmp(side->session.runtime->name, "gl") == 0 ? view->pipeline.gl : view->pipeline.vk;
+}
+
+static bool open_side(struct view *view, uint32_t index)
+{
+    const struct session_info info = {.side = &view->sides.list[index],
+                                      .console = view->console,
+                                      .options = view->options,
+                                      .pipeline = &view->pipeline,
+                                      .scene = &view->scene,
+                                      .timing = true,
+                                      .name_in_log = view->side_count > 1};
+    struct view_side *side = &view->side[index];
+    struct session *session = &side->session;
+    return session_open(session, &info) &&
+           session->runtime->set_scene(session->handle, &view->scene.data) &&
+           session->runtime->create(session->handle, panel_of(view, side));
+}
+
+static void open_window(struct view *view)
+{
+    const uint32_t *size = view->options->size;
+    char *title = format_string("diptych: %s, %s", view->pipeline.info->name, view->options->scene);
+    int panels = view->side_count > 1 ? 2 : 1;
+    view->window = view->side[0].session.runtime->window(view->side[0].session.handle);
+    glfwSetWindowTitle(view->window, title ? title : "diptych");
+    glfwSetWindowSize(view->window, (int)size[0] * panels, (int)size[1]);
+    glfwShowWindow(view->window);
+    free(title);
+    view_input_open(view);
+}
+
+static bool open_view(struct view *view)
+{
+    const struct options *options = view->options;
+    const struct dt_log *log = &view->console->log;
+    if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
+        !pipeline_load(&view->pipeline, view->console, options) || !find_home(view) ||
+        !session_load_scene(&view->scene, view->console, options))
+        return false;
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (!open_side(view, i))
+            return false;
+    open_window(view);
+    console_status(view->console, "%s", "");
+    return true;
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+struct watch {
+    struct view *view;
+    struct view_side *side;
+};
+
+/* Resources may share memory: what is shown is read after the pass that wrote it. */
+static bool after_pass(void *user, uint32_t pass)
+{
+    const struct watch *watch = user;
+    const struct view *view = watch->view;
+    const struct session *session = &watch->side->session;
+    return pass != view->shown_pass ||
+           session->runtime->read(session->handle, view->resource, view->mip, &watch->side->shown);
+}
+
+static bool render_side(struct view *view, struct view_side *side, const struct dt_frame *frame)
+{
+    struct watch watch = {view, side};
+    const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
+    const struct dt_pipeline *info = view->pipeline.info;
+    bool output =
+        (int)view->resource == info->display_output || (int)view->resource == info->linear_output;
+    free(side->shown.data);
+    side->shown = (struct dt_bytes){0};
+    return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
+                                         output ? NULL : &observer);
+}
+
+static bool fit_to_window(struct view *view)
+{
+    uint32_t size[2];
+    view_panel_size(view, size);
+    if (size[0] == view->size[0] && size[1] == view->size[1])
+        return true;
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        const struct session *session = &view->side[i].session;
+        if (!session->runtime->resize(session->handle, size[0], size[1]))
+            return false;
+    }
+    memcpy(view->size, size, sizeof size);
+    view->step = true;
+    return true;
+}
+
+static bool render(struct view *view)
+{
+    struct dt_frame frame;
+    memset(&frame, 0, sizeof frame);
+    scene_frame(&view->scene, view->size[0], view->size[1], &frame);
+    frame.index = view->frame++;
+    view->shown_pass = view_last_writer(view->pipeline.info, view->resource, view->mip);
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (!render_side(view, &view->side[i], &frame))
+            return false;
+    return view_pictures(view);
+}
+
+static bool present(struct view *view)
+{
+    struct dt_window_vertex vertices[6 * VIEW_MAX_DRAWS];
+    struct dt_window_draw draws[VIEW_MAX_DRAWS];
+    uint32_t count = view_layout(view, vertices, draws);
+    const struct session *window = &view->side[0].session;
+    return window->runtime->present(window->handle,
+                                    &(struct dt_window_frame){vertices, 6 * count, draws, count});
+}
+
+/* diptych-NNN.png, the first number that is free. */
+static bool take_screenshot(struct view *view)
+{
+    char *path = NULL;
+    for (int i = 0; i < 1000 && (!path || access(path, F_OK) == 0); i++) {
+        free(path);
+        path = format_string("diptych-%03d.png", i);
+        if (!path)
+            return false;
+    }
+    bool good = view_write_png(view, path);
+    if (good)
+        report_message(&view->console->log, DT_INFO, "wrote %s", path);
+    free(path);
+    return good;
+}
+
+/* What fails here is told and goes on. */
+static void fulfil_wishes(struct view *view)
+{
+    const struct dt_log *log = &view->console->log;
+    if (view->screenshot)
+        take_screenshot(view);
+    if (view->save_camera && camera_save(&view->scene.camera, view->scene.path, log))
+        report_message(log, DT_INFO, "saved the camera into %s", view->scene.path);
+    view->screenshot = view->save_camera = false;
+}
+
+static bool is_over(const struct view *view)
+{
+    uint32_t frames = view->options->run_frames;
+    return view->quit || glfwWindowShouldClose(view->window) || (frames && view->frame >= frames);
+}
+
+static bool run_frame(struct view *view)
+{
+    double now = glfwGetTime();
+    view_input_fly(view, now - view->time);
+    view->time = now;
+    if (!fit_to_window(view))
+        return false;
+    if ((!view->paused || view->step) && !render(view))
+        return false;
+    view->step = false;
+    if (!present(view))
+        return false;
+    fulfil_wishes(view);
+    return true;
+}
+
+static bool run(struct view *view)
+{
+    view->time = glfwGetTime();
+    while (!is_over(view)) {
+        int width, height;
+        if (view->paused && !view->step)
+            glfwWaitEventsTimeout(0.05);
+        else
+            glfwPollEvents();
+        glfwGetFramebufferSize(view->window, &width, &height);
+        if (width < 1 || height < 1) { /* minimised */
+            glfwWaitEventsTimeout(0.2);
+            continue;
+        }
+        view->window_size[0] = (uint32_t)width;
+        view->window_size[1] = (uint32_t)height;
+        if (!run_frame(view))
+            return false;
+    }
+    return true;
+}
+
+/* ---- Closing --------------------------------------------------------------------------------- */
+
+static bool close_sides(struct view *view)
+{
+    bool silent = true;
+    for (uint32_t i = view->side_count; i-- > 0;) { /* the window's last */
+        struct view_side *side = &view->side[i];
+        if (side->session.handle)
+            silent = session_is_silent(&side->session) && silent;
+        session_close(&side->session);
+        free(side->shown.data);
+        picture_free(&side->picture);
+    }
+    return silent;
+}
+
+int verb_view(struct console *console, const struct options *options)
+{
+    struct view view = {.console = console, .options = options, .gain = 16, .speed = 0.5f};
+    bool good = open_view(&view) && run(&view);
+    if (good && options->screenshot)
+        good = view_write_png(&view, options->screenshot);
+    good = close_sides(&view) && good;
+    scene_free(&view.scene);
+    sides_free(&view.sides);
+    pipeline_unload(&view.pipeline);
+    return good ? EXIT_FINE : EXIT_FAILED;
+}

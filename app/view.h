@@ -1,0 +1,93 @@
+/* What the files of `diptych view` share: the window and what is shown in it. Called by nobody
+ * else. view.c runs the frames, view_input.c reads keys and mouse, view_picture.c makes pictures
+ * of resources and lays them out in the window. */
+#ifndef DIPTYCH_VIEW_H
+#define DIPTYCH_VIEW_H
+
+#include <GLFW/glfw3.h>
+
+#include "picture.h"
+#include "session.h"
+
+enum { VIEW_SIDES = 2 };
+
+/* How two sides are shown. */
+enum view_mode {
+    VIEW_PANELS,     /* each whole, side by side */
+    VIEW_CURTAIN,    /* one picture: the left half of the first, the right half of the second */
+    VIEW_DIFFERENCE, /* one picture: how far they are apart, amplified */
+    VIEW_MODES
+};
+
+/* A backend at work. The first one has the window. */
+struct view_side {
+    struct session session;
+    struct dt_bytes shown;  /* what the last frame left in the resource shown; owned */
+    struct picture picture; /* the same for looking at; without codes while copied directly */
+};
+
+struct view {
+    struct console *console;
+    const struct options *options;
+    struct sides sides;
+    struct pipeline pipeline;
+    struct scene scene; /* its camera flies */
+    struct view_side side[VIEW_SIDES];
+    uint32_t side_count;
+    GLFWwindow *window;
+
+    /* What is shown. */
+    uint32_t home;     /* the display output, mostly */
+    uint32_t resource; /* an image of the pipeline */
+    int layer;         /* of it; -1: all of them, as a sheet */
+    uint32_t mip;
+    enum view_mode mode;
+    float gain; /* of the difference */
+
+    /* As of the last frame. */
+    bool direct; /* the first side's texture is a copy of its display output, row 0 at the bottom */
+    uint32_t size[2]; /* of the pipeline's frame */
+    uint32_t window_size[2];
+    uint32_t frame;      /* index of the next one */
+    uint32_t shown_pass; /* after which the resource is read */
+    double time;         /* seconds, when the last frame began */
+
+    /* Wishes of the user, carried out between frames. */
+    bool paused, step; /* step: one more frame all the same */
+    bool screenshot, save_camera, quit;
+    double mouse[2]; /* of the last motion with a button held */
+    bool looking;
+    float speed; /* scene radii per second */
+};
+
+/* ---- view_input.c ---------------------------------------------------------------------------- */
+
+void view_input_open(struct view *view);                /* callbacks of the window */
+void view_input_fly(struct view *view, double seconds); /* keys that are held */
+
+/* ---- view_picture.c -------------------------------------------------------------------------- */
+
+/* An image that some pass writes can be shown. */
+bool view_can_show(const struct dt_pipeline *info, uint32_t resource);
+/* The last pass that writes that mip; pass_count: none does. */
+uint32_t view_last_writer(const struct dt_pipeline *info, uint32_t resource, uint32_t mip);
+void view_show(struct view *view, uint32_t resource); /* its layer and mip go back to the first */
+uint32_t view_mips(const struct view *view);
+uint32_t view_layers(const struct view *view);
+
+/* The pipeline's display output, shown from device memory as it is. */
+bool view_is_direct(const struct view *view);
+
+/* Of what the last frame left: the window's textures. */
+bool view_pictures(struct view *view);
+/* Where they come to stand; appends to vertices and draws. Returns how many draws there are. */
+enum { VIEW_MAX_DRAWS = 4 };
+uint32_t view_layout(const struct view *view, struct dt_window_vertex vertices[6 * VIEW_MAX_DRAWS],
+                     struct dt_window_draw draws[VIEW_MAX_DRAWS]);
+/* What is shown, without overlay, as PNG. */
+bool view_write_png(struct view *view, const char *path);
+
+/* Which part of the window one side's picture has, in pixels. */
+void view_panel_size(const struct view *view, uint32_t size[2]);
+
+#endif

@@ -1,0 +1,163 @@
+/* Keys and mouse of the window: what is held moves the camera, what is pressed becomes a wish that
+ * view.c carries out between frames. Called by view.c. */
+#include "view.h"
+
+#include <math.h>
+
+#include "camera.h"
+
+static struct view *view_of(GLFWwindow *window)
+{
+    return glfwGetWindowUserPointer(window);
+}
+
+/* The next image that can be shown, forwards or backwards. */
+static void cycle(struct view *view, int way)
+{
+    const struct dt_pipeline *info = view->pipeline.info;
+    uint32_t count = info->resource_count, next = view->resource;
+    do {
+        next = (next + count + (uint32_t)way) % count;
+    } while (next != view->resource && !view_can_show(info, next));
+    view_show(view, next);
+}
+
+static void change_layer(struct view *view, int way)
+{
+    int layers = (int)view_layers(view);
+    view->layer += way;
+    view->layer = view->layer < -1 ? layers - 1 : view->layer >= layers ? -1 : view->layer;
+}
+
+static void change_mip(struct view *view, int way)
+{
+    uint32_t mips = view_mips(view);
+    view->mip = (view->mip + mips + (uint32_t)way) % mips;
+}
+
+static void press(struct view *view, int key, int modifiers)
+{
+    bool shift = modifiers & GLFW_MOD_SHIFT;
+    view->step = true; /* most of them change the picture */
+    switch (key) {
+    case GLFW_KEY_ESCAPE:
+        view->quit = true;
+        break;
+    case GLFW_KEY_TAB:
+        cycle(view, shift ? -1 : 1);
+        break;
+    case GLFW_KEY_RIGHT:
+        cycle(view, 1);
+        break;
+    case GLFW_KEY_LEFT:
+        cycle(view, -1);
+        break;
+    case GLFW_KEY_HOME:
+        view_show(view, view->home);
+        break;
+    case GLFW_KEY_UP:
+        change_layer(view, 1);
+        break;
+    case GLFW_KEY_DOWN:
+        change_layer(view, -1);
+        break;
+    case GLFW_KEY_PAGE_UP:
+        change_mip(view, 1);
+        break;
+    case GLFW_KEY_PAGE_DOWN:
+        change_mip(view, -1);
+        break;
+    case GLFW_KEY_SPACE:
+        view->paused = !view->paused;
+        break;
+    case GLFW_KEY_C:
+        view->mode = (view->mode + 1) % VIEW_MODES;
+        break;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+        view->gain = fminf(view->gain * 2, 256);
+        break;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+        view->gain = fmaxf(view->gain / 2, 1);
+        break;
+    case GLFW_KEY_P:
+        view->screenshot = true;
+        break;
+    case GLFW_KEY_S:
+        view->save_camera |= modifiers & GLFW_MOD_CONTROL;
+        break;
+    default:
+        view->step = false;
+        break;
+    }
+}
+
+static void on_key(GLFWwindow *window, int key, int scancode, int action, int modifiers)
+{
+    (void)scancode;
+    if (action != GLFW_RELEASE)
+        press(view_of(window), key, modifiers);
+}
+
+static void on_button(GLFWwindow *window, int button, int action, int modifiers)
+{
+    struct view *view = view_of(window);
+    (void)button;
+    (void)modifiers;
+    view->looking = action == GLFW_PRESS;
+    glfwGetCursorPos(window, &view->mouse[0], &view->mouse[1]);
+}
+
+/* Half a turn across the window. */
+static void on_motion(GLFWwindow *window, double x, double y)
+{
+    struct view *view = view_of(window);
+    if (!view->looking)
+        return;
+    double scale = M_PI / (view->window_size[0] ? view->window_size[0] : 1);
+    camera_turn(&view->scene.camera, (float)((x - view->mouse[0]) * scale),
+                (float)((view->mouse[1] - y) * scale));
+    view->mouse[0] = x;
+    view->mouse[1] = y;
+    view->step = true;
+}
+
+static void on_scroll(GLFWwindow *window, double x, double y)
+{
+    struct view *view = view_of(window);
+    (void)x;
+    view->speed = fminf(fmaxf(view->speed * powf(1.2f, (float)y), 0.001f), 100);
+}
+
+void view_input_open(struct view *view)
+{
+    glfwSetWindowUserPointer(view->window, view);
+    glfwSetInputMode(view->window, GLFW_STICKY_KEYS, GLFW_TRUE); /* a tap between frames counts */
+    glfwSetKeyCallback(view->window, on_key);
+    glfwSetMouseButtonCallback(view->window, on_button);
+    glfwSetCursorPosCallback(view->window, on_motion);
+    glfwSetScrollCallback(view->window, on_scroll);
+}
+
+static float held(const struct view *view, int forth, int back)
+{
+    bool plus = glfwGetKey(view->window, forth), minus = glfwGetKey(view->window, back);
+    return (float)plus - (float)minus;
+}
+
+void view_input_fly(struct view *view, double seconds)
+{
+    static const double longest = 0.25; /* a slow frame is no leap */
+    bool control = glfwGetKey(view->window, GLFW_KEY_LEFT_CONTROL) ||
+                   glfwGetKey(view->window, GLFW_KEY_RIGHT_CONTROL);
+    bool fast = glfwGetKey(view->window, GLFW_KEY_LEFT_SHIFT) ||
+                glfwGetKey(view->window, GLFW_KEY_RIGHT_SHIFT);
+    float right = held(view, GLFW_KEY_D, GLFW_KEY_A), up = held(view, GLFW_KEY_E, GLFW_KEY_Q),
+          forward = held(view, GLFW_KEY_W, GLFW_KEY_S);
+    if (control || (right == 0 && up == 0 && forward == 0))
+        return;
+    float way = view->scene.radius * view->speed * (fast ? 4 : 1) * (float)fmin(seconds, longest);
+    camera_move(&view->scene.camera, right * way, up * way, forward * way);
+    view->step = true;
+}

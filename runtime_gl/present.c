@@ -1,0 +1,184 @@
+/* Shows pictures and an overlay in the window of context "window": textures, filled from the
+ * pipeline's images or from memory, and triangles that show them. The only place that turns
+ * pictures the window's way up is the vertices', which count y from the top. Called by runtime.c. */
+#include "internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Vertices are fetched from a storage buffer, in clip space already. */
+static const char vertex_text[] =
+    "#version 460 core\n"
+    "struct Vertex { float x, y, u, v; uint color; };\n"
+    "layout(std430, binding = 0) readonly buffer Vertices { Vertex vertices[]; };\n"
+    "layout(location = 0) out vec2 uv;\n"
+    "layout(location = 1) out vec4 color;\n"
+    "out gl_PerVertex { vec4 gl_Position; };\n"
+    "void main()\n"
+    "{\n"
+    "    Vertex v = vertices[gl_VertexID];\n"
+    "    uv = vec2(v.u, v.v);\n"
+    "    color = unpackUnorm4x8(v.color);\n"
+    "    gl_Position = vec4(v.x, v.y, 0.0, 1.0);\n"
+    "}\n";
+
+static const char fragment_text[] = "#version 460 core\n"
+                                    "layout(binding = 0) uniform sampler2D picture;\n"
+                                    "layout(location = 0) in vec2 uv;\n"
+                                    "layout(location = 1) in vec4 color;\n"
+                                    "layout(location = 0) out vec4 shown;\n"
+                                    "void main() { shown = color * texture(picture, uv); }\n";
+
+/* ---- Textures -------------------------------------------------------------------------------- */
+
+/* The texture with that many texels; what it held is lost when it had others. */
+static struct gl_image *sized_texture(struct gl_runtime *rt, uint32_t texture, uint32_t width,
+                                      uint32_t height)
+{
+    static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
+                                                          "picture 3"};
+    if (texture >= DT_WINDOW_TEXTURES) {
+        gl_log(rt, DT_ERROR, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES,
+               texture);
+        return NULL;
+    }
+    struct gl_image *image = &rt->present.textures[texture];
+    const struct gl_image_info info = {.name = names[texture],
+                                       .format = DT_FORMAT_RGBA8,
+                                       .width = width,
+                                       .height = height,
+                                       .layers = 1,
+                                       .mips = 1};
+    if (image->handle && image->width == width && image->height == height)
+        return image;
+    dt_gl_image_destroy(rt, image);
+    return dt_gl_image_create(rt, image, &info) ? image : NULL;
+}
+
+bool gl_window_copy(struct gl_runtime *rt, uint32_t texture, const struct gl_image *image)
+{
+    const struct gl_image *to = sized_texture(rt, texture, image->width, image->height);
+    return to && GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)) &&
+           GL(rt, image->name,
+              CopyImageSubData(image->handle, image->target, 0, 0, 0, 0, to->handle, to->target, 0,
+                               0, 0, 0, (GLsizei)to->width, (GLsizei)to->height, 1));
+}
+
+bool gl_window_upload(struct gl_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
+                      const uint8_t *pixels)
+{
+    const struct gl_image *to = sized_texture(rt, texture, width, height);
+    return to && GL(rt, to->name,
+                    TextureSubImage2D(to->handle, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA,
+                                      GL_UNSIGNED_BYTE, pixels));
+}
+
+/* ---- Drawing --------------------------------------------------------------------------------- */
+
+static bool prepare(struct gl_runtime *rt)
+{
+    struct gl_present *present = &rt->present;
+    const struct gl_program_info info = {.name = "window",
+                                         .vertex = {.glsl = vertex_text},
+                                         .fragment = {.glsl = fragment_text},
+                                         .cull = GL_NONE};
+    const struct gl_sampler_info filtered = {"window overlay", GL_LINEAR, GL_NEAREST,
+                                             GL_CLAMP_TO_EDGE, false,     1.0f};
+    const struct gl_sampler_info plain = {"window picture", GL_NEAREST, GL_NEAREST,
+                                          GL_CLAMP_TO_EDGE, false,      1.0f};
+    return present->program.handle || (dt_gl_sampler_create(rt, &present->samplers[0], &filtered) &&
+                                       dt_gl_sampler_create(rt, &present->samplers[1], &plain) &&
+                                       dt_gl_program_create(rt, &present->program, &info));
+}
+
+/* From pixels counted from the top to clip space, whose y = -1 is the window's bottom row. */
+static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame *frame, int width,
+                            int height)
+{
+    size_t size = frame->vertex_count * sizeof *frame->vertices;
+    struct dt_window_vertex *vertices = malloc(size + 1);
+    if (!vertices) {
+        gl_log(rt, DT_ERROR, "window: out of memory for %u vertices", frame->vertex_count);
+        return false;
+    }
+    for (uint32_t i = 0; i < frame->vertex_count; i++) {
+        vertices[i] = frame->vertices[i];
+        vertices[i].position[0] = vertices[i].position[0] * 2 / (float)width - 1;
+        vertices[i].position[1] = 1 - vertices[i].position[1] * 2 / (float)height;
+    }
+    const struct gl_buffer_info info = {"window vertices", (GLsizeiptr)(size + size / 2)};
+    bool fits = rt->present.vertices.handle && rt->present.vertices.size >= (GLsizeiptr)size;
+    if (!fits)
+        dt_gl_buffer_destroy(rt, &rt->present.vertices);
+    bool good = (fits || gl_buffer_upload(rt, &rt->present.vertices, &info, NULL)) &&
+                (size == 0 || gl_buffer_write(rt, &rt->present.vertices, vertices, size));
+    free(vertices);
+    return good;
+}
+
+/* Picture codes are shown as they are: neither encoded nor turned. */
+static void begin(struct gl_runtime *rt, int width, int height)
+{
+    static const float black[4] = {0, 0, 0, 1};
+    rt->gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    rt->gl.Viewport(0, 0, width, height);
+    rt->gl.Disable(GL_FRAMEBUFFER_SRGB);
+    rt->gl.Disable(GL_DEPTH_TEST);
+    rt->gl.Disable(GL_CULL_FACE);
+    rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    rt->gl.ClearBufferfv(GL_COLOR, 0, black);
+    rt->gl.Enable(GL_SCISSOR_TEST);
+    rt->gl.Enable(GL_BLEND);
+    rt->gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    rt->gl.UseProgram(rt->present.program.handle);
+    rt->gl.BindVertexArray(rt->no_input);
+    rt->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, rt->present.vertices.handle);
+}
+
+static void end(struct gl_runtime *rt)
+{
+    rt->gl.Disable(GL_BLEND);
+    rt->gl.Disable(GL_SCISSOR_TEST);
+    rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
+}
+
+static void draw(struct gl_runtime *rt, const struct dt_window_draw *draw, int height)
+{
+    const int32_t *clip = draw->clip;
+    const struct gl_image *image = &rt->present.textures[draw->texture];
+    if (!image->handle || clip[2] <= clip[0] || clip[3] <= clip[1])
+        return;
+    rt->gl.Scissor(clip[0], height - clip[3], clip[2] - clip[0], clip[3] - clip[1]);
+    rt->gl.BindTextureUnit(0, image->handle);
+    rt->gl.BindSampler(0, rt->present.samplers[draw->texture != 0]);
+    rt->gl.DrawArrays(GL_TRIANGLES, (GLint)draw->first, (GLsizei)draw->count);
+}
+
+bool gl_present(struct gl_runtime *rt, const struct dt_window_frame *frame)
+{
+    int width, height;
+    gl_context_window_size(rt, &width, &height);
+    if (width < 1 || height < 1)
+        return true;
+    if (!prepare(rt) || !upload_vertices(rt, frame, width, height))
+        return false;
+    begin(rt, width, height);
+    for (uint32_t i = 0; i < frame->draw_count; i++)
+        draw(rt, &frame->draws[i], height);
+    end(rt);
+    if (!gl_check(rt, "DrawArrays", "window"))
+        return false;
+    gl_context_swap(rt);
+    return gl_finish(rt, "window");
+}
+
+void gl_present_destroy(struct gl_runtime *rt)
+{
+    struct gl_present *present = &rt->present;
+    for (int i = 0; i < DT_WINDOW_TEXTURES; i++)
+        dt_gl_image_destroy(rt, &present->textures[i]);
+    dt_gl_buffer_destroy(rt, &present->vertices);
+    for (int i = 0; i < 2; i++)
+        dt_gl_sampler_destroy(rt, &present->samplers[i]);
+    dt_gl_program_destroy(rt, &present->program);
+}
