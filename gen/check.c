@@ -70,17 +70,30 @@ static void forget_pass(struct pipeline *pipeline, const char *name)
     }
 }
 
+/* Drawings tell what was left out. */
+static void drop_pass(struct checker *c, const struct pass *pass)
+{
+    struct pass *copy = arena_alloc(c->model->arena, sizeof *copy);
+    if (copy && c->pipeline->dropped) {
+        *copy = *pass;
+        c->pipeline->dropped[c->pipeline->dropped_count++] = copy;
+    }
+    forget_pass(c->pipeline, pass->name);
+}
+
 /* A pass whose condition is false for good does not exist for the later stages. */
 static void drop_passes(struct checker *c)
 {
     struct pipeline *pipeline = c->pipeline;
     uint32_t kept = 0;
+    pipeline->dropped =
+        arena_alloc(c->model->arena, (pipeline->pass_count + 1) * sizeof *pipeline->dropped);
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         int64_t value = 1;
         struct pass *pass = &pipeline->passes[i];
         bool baked = pass->when && expr_reach(pass->when) == EXPR_BAKED;
         if (baked && expr_eval(pass->when, 1, 1, &value) == EXPR_OK && !value)
-            forget_pass(pipeline, pass->name);
+            drop_pass(c, pass);
         else
             pipeline->passes[kept++] = *pass;
     }

@@ -21,7 +21,7 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 /* ---- Command line ---------------------------------------------------------------------------- */
 
 struct options {
-    const char *spec, *out, *graph, *depfile, *templates, *variations, *seed, *memory;
+    const char *spec, *out, *graph, *lifetimes, *depfile, *templates, *variations, *seed, *memory;
     const char **sets;
     size_t set_count;
     bool check, live, schema, reference, help, version;
@@ -36,7 +36,9 @@ static const struct option_name option_names[] = {
     {"--set", "PATH=VALUE",
      "override a value of the spec: a.b.c=VALUE, or PARAMETER=VALUE; may be repeated"},
     {"--check", NULL, "check only, write nothing"},
-    {"--graph", "FILE.dot", "also write the pass graph to this file"},
+    {"--graph", "FILE.dot",
+     "draw passes, what they read and write and wait for, for Graphviz: dot -Tsvg"},
+    {"--lifetimes", "FILE.dot", "draw when resources live, and which of them share memory"},
     {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
     {"--templates", "DIR",
      "folder with glsl/ and c/; default: templates here, else beside the program's folder"},
@@ -93,6 +95,8 @@ static void take_option(struct options *options, const char *name, const char *v
         options->sets[options->set_count++] = value;
     else if (!strcmp(name, "--graph"))
         options->graph = value;
+    else if (!strcmp(name, "--lifetimes"))
+        options->lifetimes = value;
     else if (!strcmp(name, "--depfile"))
         options->depfile = value;
     else if (!strcmp(name, "--templates"))
@@ -158,8 +162,8 @@ static bool parse_options(int count, char **words, struct options *options)
         return true;
     if (!options->spec)
         return usage_error("no spec given%s", "");
-    if (!options->out && !options->check && !options->graph && !options->live &&
-        !options->variations)
+    if (!options->out && !options->check && !options->graph && !options->lifetimes &&
+        !options->live && !options->variations)
         return usage_error("`-o DIR` is missing for `%s`", options->spec);
     if (options->depfile && !options->out)
         return usage_error("`--depfile %s` needs `-o DIR`", options->depfile);
@@ -251,22 +255,24 @@ static void add_depfile(struct generation *g)
     output_add(g->output, "", g->options->depfile, &text);
 }
 
-static void add_graph(struct generation *g)
+static void add_drawing(struct generation *g, const char *path,
+                        void (*emit)(const struct model *model, struct text *out))
 {
     struct text text = {0};
-    emit_graph(&g->model, &text);
-    output_add(g->output, "", g->options->graph, &text);
+    emit(&g->model, &text);
+    output_add(g->output, "", path, &text);
 }
 
 static void add_sources(struct generation *g)
 {
     const struct model *model = &g->model;
-    struct text header = {0}, pipeline = {0}, gl = {0}, vk = {0}, graph = {0};
+    struct text header = {0}, pipeline = {0}, gl = {0}, vk = {0}, graph = {0}, lifetimes = {0};
     emit_header(model, &header);
     emit_c_pipeline(model, g->shaders[BACKEND_VK], &pipeline);
     emit_c_gl(model, g->shaders[BACKEND_GL], &gl);
     emit_c_vk(model, g->shaders[BACKEND_VK], &vk);
     emit_graph(model, &graph);
+    emit_lifetimes(model, &lifetimes);
     struct text *const long_lined[] = {&header, &pipeline, &gl, &vk};
     for (size_t i = 0; i < sizeof long_lined / sizeof *long_lined; i++)
         text_wrap(long_lined[i], GENERATED_COLUMNS);
@@ -275,6 +281,7 @@ static void add_sources(struct generation *g)
     add_named(g, "_gl.c", &gl);
     add_named(g, "_vk.c", &vk);
     add_named(g, ".dot", &graph);
+    add_named(g, "_lifetimes.dot", &lifetimes);
     add_shaders(g);
     add_limits(g);
 }
@@ -289,7 +296,9 @@ static enum status write_files(struct generation *g)
     if (g->options->out)
         add_sources(g);
     if (g->options->graph)
-        add_graph(g);
+        add_drawing(g, g->options->graph, emit_graph);
+    if (g->options->lifetimes)
+        add_drawing(g, g->options->lifetimes, emit_lifetimes);
     if (g->options->depfile)
         add_depfile(g);
     return output_commit(g->output) ? STATUS_DONE : STATUS_FAILED;

@@ -245,6 +245,7 @@ struct pass {
     struct loc limit_loc;
     const struct source *limit_body; /* check */
     struct expr *when;               /* NULL: always */
+    const char *when_text;           /* as written */
     const char **after;              /* explicit order */
     struct loc *after_locs;
     uint32_t after_count;
@@ -308,7 +309,9 @@ struct pipeline {
     struct interleave *interleaves;
     uint32_t interleave_count;
     struct pass *passes;
-    uint32_t pass_count; /* spec order; without passes whose `when` folds to false */
+    uint32_t pass_count;         /* spec order; without passes whose `when` folds to false */
+    const struct pass **dropped; /* check: whose `when` folds to false, in the order of the spec */
+    uint32_t dropped_count;
     struct assertion *assertions;
     uint32_t assertion_count;
     const char *linear_output, *display_output; /* names, or NULL */

@@ -288,6 +288,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     pass->indices = field_text(reader, fields, "indices");
     pass->indices_loc = field_loc(reader, fields, "indices");
     pass->when = field_expr(reader, fields, "when");
+    pass->when_text = field_text(reader, fields, "when");
     pass->when_loc = field_loc(reader, fields, "when");
     pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
     pass->after_count =

@@ -61,11 +61,12 @@ void emit_c_pipeline(const struct model *model, const struct pass_shaders *shade
 void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
                struct text *out); /* NAME_gl.c */
 void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,
-               struct text *out);                             /* NAME_vk.c */
-void emit_limit(const struct pass *pass, struct text *out);   /* limit/PASS.c; emit_work.c */
-void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
-void emit_schema(struct text *out);                           /* schema.c */
-void emit_reference(struct text *out);                        /* reference.c: Markdown */
+               struct text *out);                                 /* NAME_vk.c */
+void emit_limit(const struct pass *pass, struct text *out);       /* limit/PASS.c; emit_work.c */
+void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
+void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
+void emit_schema(struct text *out);                               /* schema.c */
+void emit_reference(struct text *out);                            /* reference.c: Markdown */
 
 /* vary.c: `count` valid variations of a spec, as JSON; the same for the same seed on every machine.
  * False when the spec itself is wrong (reported) or a variation cannot be found. */

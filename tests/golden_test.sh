@@ -80,7 +80,7 @@ for name in small kinds ssvp rsm; do
     check "... the same bytes" diff -r "$work/$name" "$work/elsewhere/$name"
     check "$name names no path, host or date" names_nothing_of_here $name
 done
-for file in small.h small.c small_gl.c small_vk.c small.dot; do
+for file in small.h small.c small_gl.c small_vk.c small.dot small_lifetimes.dot; do
     check "$file is as expected" as_expected $file
 done
 
