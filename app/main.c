@@ -31,6 +31,12 @@ static const struct verb verbs[] = {
      "alone.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics},
+    {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
+     "Only where both frames show the same surface, found by casting rays, and beside what the\n"
+     "reference changes there: flicker is the mean difference of both changes. Percentages are of\n"
+     "the reference's mean, or without one, of the pictures' own; app/change.h has the formulas.\n"
+     "Exit status: 0 done, 1 it failed, 2 wrong usage.",
+     verb_flicker},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
      "Milliseconds are those of the device, medians with the 5th and 95th percentile. Rates count "
      "every\n"

@@ -33,7 +33,8 @@ struct option_row {
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
 #define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW)
-#define MOVING    (ALL | VERB_REFERENCE)
+#define SHOWN     (SCENE | VERB_FLICKER)
+#define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW)
 #define MAKING    (SPEC | VERB_REPORT)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
@@ -42,7 +43,7 @@ struct option_row {
 static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
      "folder that compare --bisect wrote"},
-    {"--scene", OPTION_STRING, AT(scene), SCENE, SCENE, "FILE",
+    {"--scene", OPTION_STRING, AT(scene), SHOWN, SHOWN, "FILE",
      "scene file (YAML): mesh, camera, light"},
     {"--motion", OPTION_STRING, AT(motion), MOVING, 0, "FILE",
      "camera and light move from frame to frame, by keyframes (YAML)"},
@@ -72,6 +73,8 @@ static const struct option_row rows[] = {
      "write what is shown at the end"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
      "frames to run, the last one is kept (default: 1; with --motion all of it)"},
+    {"--frames", OPTION_COUNT, AT(frames), VERB_FLICKER, 0, "N",
+     "frames to look at, 2 and up (default: all of the motion)"},
     {"--frame", OPTION_INDEX, AT(frame), VERB_REFERENCE, 0, "K",
      "of the motion, from 0 on (default: 0)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_BENCH | VERB_REPORT, 0, "N",
@@ -90,17 +93,24 @@ static const struct option_row rows[] = {
      "the picture to measure"},
     {"-o", OPTION_STRING, AT(output), VERB_METRICS, 0, "DIR",
      "write there flip_ldr.png, flip_hdr.png and what they compare: reference.png, test.png"},
+    {"--test", OPTION_STRING, AT(test), VERB_FLICKER, VERB_FLICKER, "PATTERN",
+     "linear pictures of all frames, like frame_%04d.exr, of irradiance (render --show)"},
+    {"--reference", OPTION_STRING, AT(reference), VERB_FLICKER, 0, "PATTERN",
+     "what is right in each of them (reference --quantity irradiance --frame)"},
+    {"--block", OPTION_COUNT, AT(block), VERB_FLICKER, 0, "N",
+     "average the changes over N x N pixels first, against noise of the reference (default: 1)"},
     {"--exposure", OPTION_NUMBER, AT(exposure), VERB_METRICS, 0, "FACTOR",
      "of both pictures (default: log-average luminance of the reference to 0.18)"},
     {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
     {"--pictures", OPTION_STRING, AT(pictures), VERB_COMPARE, 0, "DIR",
      "write a PNG strip of each image that differs: one side, the other, the difference"},
-    {"--json", OPTION_STRING, AT(json), VERB_COMPARE | VERB_REPLAY | VERB_METRICS | VERB_BENCH, 0,
-     "FILE", "write the table as JSON, too"},
+    {"--json", OPTION_STRING, AT(json),
+     VERB_COMPARE | VERB_REPLAY | VERB_METRICS | VERB_FLICKER | VERB_BENCH, 0, "FILE",
+     "write the table as JSON, too"},
     {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
      "a dump, of another machine or driver, is the first side; size and frame are its own"},
-    {"--scenes", OPTION_STRING, AT(scenes), SCENE | VERB_SWEEP | VERB_REPORT, 0, "DIR",
+    {"--scenes", OPTION_STRING, AT(scenes), SHOWN | VERB_SWEEP | VERB_REPORT, 0, "DIR",
      "where meshes are found (default: DIPTYCH_SCENES)"},
     {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
@@ -178,7 +188,7 @@ static const struct option_row rows[] = {
      "scene file; may be repeated (default: those of the outline)"},
     {"--outline", OPTION_STRING, AT(outline), VERB_REPORT, 0, "FILE",
      "what to show (default: NAME/report.yaml beside the spec NAME.yaml)"},
-    {"--help", OPTION_FLAG, AT(help), SCENE | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY,
+    {"--help", OPTION_FLAG, AT(help), SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY,
      0, NULL, "show this"},
 };
 

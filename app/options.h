@@ -15,7 +15,8 @@ enum verb_id {
     VERB_METRICS = 32,
     VERB_BENCH = 64,
     VERB_REPORT = 128,
-    VERB_VIEW = 256
+    VERB_VIEW = 256,
+    VERB_FLICKER = 512
 };
 
 /* The values of an option that may be repeated. */
@@ -63,10 +64,11 @@ struct options {
     const char *sampler;
     const char *checkpoint;
     bool emission;
-    const char *reference; /* picture files */
+    const char *reference; /* picture files; flicker: patterns of them */
     const char *test;
     double exposure; /* factor; 0: of the reference's log-average luminance */
     double pixels_per_degree;
+    uint32_t block;              /* flicker: 0: not given */
     struct text_list scene_list; /* sweep, report: these two in place of scene and size */
     struct text_list size_list;
     struct text_list grid;
@@ -97,6 +99,7 @@ int verb_compare(struct console *console, const struct options *options);
 int verb_replay(struct console *console, const struct options *options);
 int verb_reference(struct console *console, const struct options *options);
 int verb_metrics(struct console *console, const struct options *options);
+int verb_flicker(struct console *console, const struct options *options);
 int verb_bench(struct console *console, const struct options *options);
 int verb_report(struct console *console, const struct options *options);
 int verb_view(struct console *console, const struct options *options);

@@ -287,14 +287,12 @@ static struct vec3 indirect_radiance(struct tracer_thread *thread, struct ray_hi
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
 
-/* What the camera sees at a place of the picture, in pixels from its upper left corner. The ray goes
- * from the near plane to the far one, by the very matrix that the rasterizer inverts. */
-static bool camera_hit(struct tracer_thread *thread, double x, double y, struct ray_hit *hit)
+/* From the near plane to the far one, by the very matrix that the rasterizer inverts. */
+void tracer_camera_ray(const struct dt_frame *frame, double x, double y, float origin[3],
+                       float direction[3])
 {
-    const struct dt_frame *frame = &thread->tracer->frame;
     double ndc[3] = {2 * x / frame->width - 1, 1 - 2 * y / frame->height, 0};
     double near[3], far[3], length = 0;
-    float origin[3], direction[3];
     unproject(&frame->camera, ndc, near);
     ndc[2] = 1;
     unproject(&frame->camera, ndc, far);
@@ -304,6 +302,13 @@ static bool camera_hit(struct tracer_thread *thread, double x, double y, struct 
         origin[i] = (float)near[i];
         direction[i] = (float)((far[i] - near[i]) / sqrt(length));
     }
+}
+
+/* What the camera sees at a place of the picture. */
+static bool camera_hit(struct tracer_thread *thread, double x, double y, struct ray_hit *hit)
+{
+    float origin[3], direction[3];
+    tracer_camera_ray(&thread->tracer->frame, x, y, origin, direction);
     thread->rays++;
     return ray_closest(thread->tracer->rays, vec3_of(origin), vec3_of(direction), hit);
 }

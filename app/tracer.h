@@ -49,6 +49,11 @@ void tracer_close(struct tracer *tracer); /* takes NULL */
  * `threads`, and on how many samples it holds, not on how many calls or threads it took. */
 bool tracer_add(struct tracer *tracer, struct film *film, uint32_t samples);
 
+/* Where the ray through a place of the picture starts, and its unit direction; in pixels from the
+ * upper left corner, so that a pixel's centre lies at halves. */
+void tracer_camera_ray(const struct dt_frame *frame, double x, double y, float origin[3],
+                       float direction[3]);
+
 uint64_t tracer_rays(const struct tracer *tracer); /* traced so far, shadow rays among them */
 
 #endif

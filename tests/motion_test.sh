@@ -61,4 +61,32 @@ done
 check "a percent sign in a name" "${render[@]}" -o "$work/%3d%%.exr"
 check "... is one" [ -e "$work/  0%.exr" ]
 check "times of frames that are looked at" complains "--timings" "${moving[@]}" -o "$work/a%d.exr" --timings "$work/t.json"
+
+flicker=("$diptych" flicker --scene "$scene" --motion "$motion")
+# shellcheck disable=SC2317
+shows() { # expression of the JSON's object r
+    /usr/bin/python3 -c 'import json, sys; r = json.load(open(sys.argv[1])); sys.exit(not eval(sys.argv[2]))' "$work/flicker.json" "$1"
+}
+check "pictures held against themselves" "${flicker[@]}" --test "$work/frame_%02d.exr" --reference "$work/frame_%02d.exr" \
+    --json "$work/flicker.json"
+check "... have no flicker, but change" shows 'r["flicker"] == 0 and r["excess"] == 0 and r["change"] > 0'
+check "... in three steps, of which the mean is over pixels" shows \
+    'len(r["per_frame"]) == 3 and r["compared"] == sum(f["compared"] for f in r["per_frame"])'
+check "... where the same surface is seen" shows 'r["surfaces"] * 0.5 < r["compared"] < r["surfaces"]'
+for frame in 0 1 2; do cp "$work/still.exr" "$work/still_$frame.exr"; done
+check "one picture, three times" "$diptych" flicker --scene "$scene" --frames 3 --test "$work/still_%d.exr" --json "$work/flicker.json"
+check "... does not change" shows 'r["change"] == 0 and r["compared"] == r["surfaces"] > 0 and "flicker" not in r'
+# shellcheck disable=SC2317
+fails() { # text command...
+    local text=$1
+    shift
+    "$@" 2>"$work/err"
+    [ $? = 1 ] && grep -qF -- "$text" "$work/err"
+}
+check "one frame alone" fails "one frame does not change" "${flicker[@]}" --frames 1 --test "$work/frame_%02d.exr"
+check "a frame that is not there" fails "frame_04.exr" "${flicker[@]}" --frames 5 --test "$work/frame_%02d.exr"
+cp "$work/first.exr" "$work/small_00.exr"
+check "another size" fails "frame 0 of $work/small_%02d.exr has 24x16 pixels, not 48x27" "${flicker[@]}" \
+    --test "$work/frame_%02d.exr" --reference "$work/small_%02d.exr"
+check "a picture in place of a pattern" complains "names one picture" "${flicker[@]}" --test "$work/still.exr"
 finish
