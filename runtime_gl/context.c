@@ -1,6 +1,5 @@
 /* Makes an OpenGL 4.6 core context, without a window (EGL surfaceless, the same through zink,
- * OSMesa) or with a hidden one (GLFW), and brings it into the one fixed state in which both backends rasterise alike.
- * Called by runtime.c. */
+ * OSMesa) or with a hidden one (GLFW). Called by runtime.c. */
 #include "internal.h"
 
 #include <EGL/egl.h>
@@ -266,22 +265,13 @@ static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int 
 {
     struct gl_context *ctx = &rt->context;
     ctx->kind = kind;
+    ctx->current = kind->current;
     bool made = kind->make(ctx, major, minor, rt->options.debug, why);
     if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, kind->load, ctx))
         return true;
     if (made)
         snprintf(why->text, sizeof why->text, "the context cannot be made current");
     destroy(ctx, false);
-    return false;
-}
-
-static bool has_extension(const struct gl_runtime *rt, const char *name)
-{
-    GLint count = 0;
-    rt->gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
-    for (GLint i = 0; i < count; i++)
-        if (strcmp((const char *)rt->gl.GetStringi(GL_EXTENSIONS, (GLuint)i), name) == 0)
-            return true;
     return false;
 }
 
@@ -300,23 +290,6 @@ static const char *const core_4_6[] = {
     "GL_KHR_no_error",
 };
 
-static const char *const needed[] = {
-    "GL_ARB_shader_viewport_layer_array", /* gl_Layer from the vertex shader */
-};
-
-/* True when all are there; else `missing` lists the others, separated by blanks. */
-static bool has_all(const struct gl_runtime *rt, const char *const *names, size_t count,
-                    char *missing, size_t size)
-{
-    missing[0] = '\0';
-    for (size_t i = 0; i < count; i++) {
-        size_t used = strlen(missing);
-        if (!has_extension(rt, names[i]))
-            snprintf(missing + used, size - used, "%s%s", used ? " " : "", names[i]);
-    }
-    return !missing[0];
-}
-
 /* The driver refused 4.6. Mesa's software drivers hold it back although they have all of it, and
  * give it when they are told so by the environment, which they read once when they are loaded:
  * the trial context goes away, driver and all. */
@@ -332,7 +305,7 @@ static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind 
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
     bool mesa = version && strstr(version, "Mesa") && rt->gl.VERSION_4_5;
     char missing[512];
-    bool complete = has_all(rt, core_4_6, DT_ARRAY_COUNT(core_4_6), missing, sizeof missing);
+    bool complete = gl_has_all(rt, core_4_6, DT_ARRAY_COUNT(core_4_6), missing, sizeof missing);
     if (mesa && complete && !getenv("MESA_GL_VERSION_OVERRIDE")) {
         gl_log(rt, DT_INFO,
                "%s has every extension of OpenGL 4.6 but reports 4.5: setting "
@@ -359,7 +332,7 @@ static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind 
     return false;
 }
 
-/* ---- Fixed state ----------------------------------------------------------------------------- */
+/* ---- Messages --------------------------------------------------------------------------------- */
 
 /* Errors, undefined behaviour, deprecated and unportable use, and whatever else the driver finds
  * worth a severity. Advice on performance and notes about where memory went say nothing about
@@ -377,51 +350,14 @@ static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenu
     gl_log(rt, DT_ERROR, "OpenGL debug message %u: %.*s", id, (int)length, message);
 }
 
-static void read_limits(struct gl_runtime *rt)
+static void hear_messages(struct gl_runtime *rt)
 {
-    struct gl_limits *l = &rt->limits;
-    const struct {
-        GLenum name;
-        GLint *value;
-    } integers[] = {
-        {GL_MAX_TEXTURE_SIZE, &l->texture_size},
-        {GL_MAX_ARRAY_TEXTURE_LAYERS, &l->texture_layers},
-        {GL_MAX_COLOR_ATTACHMENTS, &l->color_targets},
-        {GL_MAX_DRAW_BUFFERS, &l->draw_buffers},
-        {GL_MAX_VIEWPORT_DIMS, l->viewport},
-        {GL_MAX_UNIFORM_BUFFER_BINDINGS, &l->uniform_bindings},
-        {GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &l->storage_bindings},
-        {GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &l->texture_bindings},
-        {GL_MAX_IMAGE_UNITS, &l->image_bindings},
-        {GL_MAX_CLIP_DISTANCES, &l->clip_distances},
-    };
-    for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
-        rt->gl.GetIntegerv(integers[i].name, integers[i].value);
-    for (GLuint i = 0; i < 3; i++)
-        rt->gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, i, &l->groups[i]);
-    rt->gl.GetInteger64v(GL_MAX_UNIFORM_BLOCK_SIZE, &l->uniform_size);
-    rt->gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &l->storage_size);
-    rt->gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &l->anisotropy);
+    rt->gl.Enable(GL_DEBUG_OUTPUT);
+    rt->gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+    rt->gl.DebugMessageCallback(on_message, rt);
 }
 
-/* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the
- * first vertex provokes, sRGB targets encode. */
-static bool set_fixed_state(struct gl_runtime *rt)
-{
-    if (rt->options.debug) {
-        rt->gl.Enable(GL_DEBUG_OUTPUT);
-        rt->gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-        rt->gl.DebugMessageCallback(on_message, rt);
-    }
-    rt->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    rt->gl.ProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
-    rt->gl.FrontFace(GL_CCW);
-    rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
-    rt->gl.Enable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
-    rt->gl.Disable(GL_DITHER);
-    rt->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    return GL(rt, "fixed state", PixelStorei(GL_UNPACK_ALIGNMENT, 1));
-}
+/* ---- Open and close -------------------------------------------------------------------------- */
 
 bool gl_context_open(struct gl_runtime *rt)
 {
@@ -440,7 +376,6 @@ bool gl_context_open(struct gl_runtime *rt)
         return false;
 
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
-    snprintf(rt->device_name, sizeof rt->device_name, "%s", renderer);
     if (kind->driver && !strstr(renderer, kind->driver)) {
         gl_log(rt, DT_ERROR,
                "context %s: the driver that came up is %s; Mesa must have %s (Debian: "
@@ -448,31 +383,9 @@ bool gl_context_open(struct gl_runtime *rt)
                name, renderer, kind->driver);
         return false;
     }
-    GLint flags = 0;
-    rt->gl.GetIntegerv(GL_CONTEXT_FLAGS, &flags);
-    if (flags & GL_CONTEXT_FLAG_NO_ERROR_BIT) {
-        gl_log(rt, DT_ERROR, "%s was told to find no errors: unset MESA_NO_ERROR", renderer);
-        return false;
-    }
-    char missing[512];
-    if (!rt->gl.VERSION_4_6 ||
-        !has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing)) {
-        gl_log(rt, DT_ERROR, "%s lacks %s: use a newer driver", renderer,
-               rt->gl.VERSION_4_6 ? missing : "OpenGL 4.6");
-        return false;
-    }
-    read_limits(rt);
-    return set_fixed_state(rt);
-}
-
-/* Always for real, by way of no context: OSMesa, EGL and GLX share Mesa's dispatch table without
- * telling each other, and each leaves out the change to a context that it believes current. */
-bool gl_context_current(struct gl_runtime *rt)
-{
-    if (rt->context.kind->current(&rt->context))
-        return true;
-    gl_log(rt, DT_ERROR, "%s: the OpenGL context cannot be made current", rt->device_name);
-    return false;
+    if (rt->options.debug)
+        hear_messages(rt);
+    return gl_context_suits(rt) && gl_state_fix(rt);
 }
 
 void gl_context_swap(struct gl_runtime *rt)

@@ -80,16 +80,25 @@ static bool check_binding(struct gl_runtime *rt, const struct gl_binding *bindin
     return true;
 }
 
+static bool bind_buffer(struct gl_runtime *rt, GLenum target, GLuint index,
+                        const struct gl_buffer *buffer)
+{
+    if (buffer->imported)
+        return GL(rt, buffer->name,
+                  BindBufferRange(target, index, buffer->handle, buffer->offset, buffer->size));
+    return GL(rt, buffer->name, BindBufferBase(target, index, buffer->handle));
+}
+
 static bool bind_one(struct gl_runtime *rt, const struct gl_binding *b)
 {
     const struct gl_image *image = b->image;
+    if (rt->kept)
+        gl_state_keep_binding(rt, b);
     switch (b->kind) {
     case GL_BIND_UNIFORM:
-        return GL(rt, b->buffer->name,
-                  BindBufferBase(GL_UNIFORM_BUFFER, b->binding, b->buffer->handle));
+        return bind_buffer(rt, GL_UNIFORM_BUFFER, b->binding, b->buffer);
     case GL_BIND_STORAGE:
-        return GL(rt, b->buffer->name,
-                  BindBufferBase(GL_SHADER_STORAGE_BUFFER, b->binding, b->buffer->handle));
+        return bind_buffer(rt, GL_SHADER_STORAGE_BUFFER, b->binding, b->buffer);
     case GL_BIND_TEXTURE:
         return GL(rt, image->name, BindTextureUnit(b->binding, image->handle)) &&
                GL(rt, image->name, BindSampler(b->binding, b->sampler ? b->sampler : rt->nearest));

@@ -3,6 +3,9 @@
 #ifndef DIPTYCH_RUNTIME_GL_INTERNAL_H
 #define DIPTYCH_RUNTIME_GL_INTERNAL_H
 
+#include <glad/gl.h>
+
+#include "diptych_gl.h"
 #include "runtime.h"
 
 struct gl_context_kind;
@@ -10,19 +13,23 @@ struct gl_context_kind;
 /* One OpenGL context and whatever stands below it; see context.c. */
 struct gl_context {
     const struct gl_context_kind *kind; /* NULL: not made */
-    void *display;                      /* EGLDisplay */
-    void *context;                      /* EGLContext or OSMesaContext */
-    void *library;                      /* libOSMesa */
-    void *window;                       /* GLFWwindow */
+    bool (*current)(struct gl_context *context);
+    void *display; /* EGLDisplay */
+    void *context; /* EGLContext or OSMesaContext */
+    void *library; /* libOSMesa */
+    void *window;  /* GLFWwindow */
     bool owns_glfw;
     uint8_t pixels[16 * 16 * 4]; /* OSMesa wants a default framebuffer; nothing is drawn to it */
 };
+
+enum { GL_MAX_IMPORTS = 16 };
 
 struct gl_limits {
     GLint texture_size, texture_layers;
     GLint color_targets, draw_buffers, viewport[2];
     GLint uniform_bindings, storage_bindings, texture_bindings, image_bindings;
     GLint64 uniform_size, storage_size; /* bytes of one block */
+    GLint storage_alignment;            /* of an offset into a buffer */
     GLint groups[3];
     GLint clip_distances;
     GLfloat anisotropy;
@@ -35,6 +42,14 @@ struct gl_present {
     struct gl_buffer vertices;
     struct gl_image textures[DT_WINDOW_TEXTURES];
 };
+
+/* An image of the host in place of a resource. */
+struct gl_import {
+    const char *name; /* of the resource */
+    GLuint texture;
+};
+
+struct gl_kept; /* state.c: a host's state while it is away */
 
 struct gl_runtime {
     GladGLContext gl;
@@ -54,6 +69,13 @@ struct gl_runtime {
     const struct dt_panel *panel; /* NULL: none created */
     void *state;
     uint32_t width, height;
+
+    /* host.c */
+    bool hosted; /* the context is a host's: current in every call, and left as it was found */
+    bool leave_state;
+    struct gl_import imports[GL_MAX_IMPORTS];
+    uint32_t import_count;
+    struct gl_kept *kept; /* NULL: nothing is to be given back */
 
     const char *pass;                   /* the one that is recorded; NULL: none */
     const struct dt_observer *observer; /* during render */
@@ -75,13 +97,44 @@ bool gl_finish(const struct gl_runtime *rt, const char *object);
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 
-bool gl_context_open(
-    struct gl_runtime *rt); /* makes the context current, loads rt->gl, sets the fixed state */
-bool gl_context_current(struct gl_runtime *rt);
+/* Makes the context current, loads rt->gl, sets the fixed state. */
+bool gl_context_open(struct gl_runtime *rt);
 void gl_context_swap(struct gl_runtime *rt); /* shows what was drawn into the window */
 /* Of what is drawn into the window; 0 where it is minimised. */
 void gl_context_window_size(struct gl_runtime *rt, int *width, int *height);
 void gl_context_close(struct gl_runtime *rt);
+
+/* ---- state.c --------------------------------------------------------------------------------- */
+
+/* Makes the runtime's own context current; a host has done that for its. */
+bool gl_context_current(struct gl_runtime *rt);
+
+/* True when the context has all of the extensions; else `missing` lists the others, separated by
+ * blanks. */
+bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
+                size_t size);
+/* Whether the current context has all that the runtime needs; and its limits. */
+bool gl_context_suits(struct gl_runtime *rt);
+/* Everything that passes rely on and do not set themselves. */
+bool gl_state_fix(struct gl_runtime *rt);
+
+/* Around whatever is done in a host's context: keep what is about to be changed and set all that a host
+ * may have set otherwise; then give it back. */
+bool gl_state_enter(struct gl_runtime *rt);
+bool gl_state_leave(struct gl_runtime *rt);
+/* Before a binding is changed for the first time in between. */
+void gl_state_keep_binding(struct gl_runtime *rt, const struct gl_binding *binding);
+
+/* ---- panel.c --------------------------------------------------------------------------------- */
+
+bool gl_builtin_create(struct gl_runtime *rt);
+void gl_builtin_destroy(struct gl_runtime *rt);
+bool gl_panel_create(struct gl_runtime *rt, const struct dt_panel *panel);
+bool gl_panel_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
+void gl_panel_destroy(struct gl_runtime *rt);
+bool gl_frame_render(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
+                     const struct dt_observer *observer);
+bool gl_frame_timings(struct gl_runtime *rt, double *pass_ms);
 
 /* ---- resources.c ----------------------------------------------------------------------------- */
 
@@ -105,6 +158,7 @@ bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, cons
 
 bool gl_scene_upload(struct gl_runtime *rt,
                      const struct dt_scene *scene); /* replaces the former scene */
+bool gl_scene_describe(struct gl_runtime *rt);      /* the vertex buffer, for draws */
 void gl_scene_destroy(struct gl_runtime *rt);
 
 /* ---- present.c: the verbs of a window -------------------------------------------------------- */

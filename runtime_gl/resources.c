@@ -70,7 +70,7 @@ bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, cons
 
 void dt_gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
 {
-    if (buffer->handle)
+    if (buffer->handle && !buffer->imported)
         rt->gl.DeleteBuffers(1, &buffer->handle);
     *buffer = (struct gl_buffer){0};
 }
@@ -128,6 +128,45 @@ static bool share_image(struct gl_runtime *rt, struct gl_image *image, const str
     return true;
 }
 
+static const struct gl_import *find_import(const struct gl_runtime *rt, const char *name)
+{
+    for (uint32_t i = 0; i < rt->import_count; i++)
+        if (strcmp(rt->imports[i].name, name) == 0)
+            return &rt->imports[i];
+    return NULL;
+}
+
+/* A host's texture takes the place of one that would have been made. */
+static bool adopt_image(struct gl_runtime *rt, const struct gl_import *import,
+                        struct gl_image *image)
+{
+    GLint width = 0, height = 0, depth = 0, format = 0, levels = 0, target = 0;
+    GLuint texture = import->texture;
+    const char *name = import->name;
+    if (!GL(rt, name, GetTextureParameteriv(texture, GL_TEXTURE_TARGET, &target)) ||
+        !GL(rt, name, GetTextureParameteriv(texture, GL_TEXTURE_IMMUTABLE_LEVELS, &levels)) ||
+        !GL(rt, name, GetTextureLevelParameteriv(texture, 0, GL_TEXTURE_WIDTH, &width)) ||
+        !GL(rt, name, GetTextureLevelParameteriv(texture, 0, GL_TEXTURE_HEIGHT, &height)) ||
+        !GL(rt, name, GetTextureLevelParameteriv(texture, 0, GL_TEXTURE_DEPTH, &depth)) ||
+        !GL(rt, name, GetTextureLevelParameteriv(texture, 0, GL_TEXTURE_INTERNAL_FORMAT, &format)))
+        return false;
+    if ((GLenum)target != image->target || (GLenum)format != image->format ||
+        (uint32_t)width != image->width || (uint32_t)height != image->height ||
+        (uint32_t)depth != image->layers || (uint32_t)levels != image->mips) {
+        gl_log(
+            rt, DT_ERROR,
+            "image %s: imported a texture of target 0x%x, format 0x%x, %dx%d texels, %d layers, %d "
+            "immutable levels, but the pipeline has 0x%x, 0x%x, %ux%u, %u, %u; import one like "
+            "that",
+            name, (unsigned)target, (unsigned)format, width, height, depth, levels, image->target,
+            image->format, image->width, image->height, image->layers, image->mips);
+        return false;
+    }
+    image->handle = texture;
+    image->imported = true;
+    return true;
+}
+
 bool dt_gl_image_create(struct gl_runtime *rt, struct gl_image *image,
                         const struct gl_image_info *info)
 {
@@ -145,7 +184,11 @@ bool dt_gl_image_create(struct gl_runtime *rt, struct gl_image *image,
         .mips = info->mips,
         .layered = info->layered,
     };
-    if (info->share)
+    const struct gl_import *import = find_import(rt, name);
+    if (import)
+        return adopt_image(rt, import, image);
+    if (info->share &&
+        !info->share->imported) /* what a host gave is written by its own passes only */
         return share_image(rt, image, info->share);
     GLsizei width = (GLsizei)info->width, height = (GLsizei)info->height;
     GLsizei layers = (GLsizei)info->layers, mips = (GLsizei)info->mips;
@@ -159,7 +202,7 @@ bool dt_gl_image_create(struct gl_runtime *rt, struct gl_image *image,
 
 void dt_gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
 {
-    if (image->handle && !image->borrowed)
+    if (image->handle && !image->borrowed && !image->imported)
         rt->gl.DeleteTextures(1, &image->handle);
     *image = (struct gl_image){0};
 }
@@ -226,8 +269,10 @@ bool dt_gl_initialise(struct gl_runtime *rt, struct gl_buffer *buffer, struct gl
 {
     if (!history && !rt->options.poison)
         return true;
+    if (image && image->imported)
+        return true;
     int byte = history ? 0 : rt->options.poison;
-    return buffer ? fill_buffer(rt, buffer, byte) : fill_image(rt, image, byte);
+    return image ? fill_image(rt, image, byte) : fill_buffer(rt, buffer, byte);
 }
 
 /* ---- Samplers -------------------------------------------------------------------------------- */

@@ -8,106 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Log and errors -------------------------------------------------------------------------- */
-
-void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format, ...)
-{
-    if (!rt->options.log.message)
-        return;
-    va_list args;
-    va_start(args, format);
-    char *text = NULL;
-    if (vasprintf(&text, format, args) >= 0)
-        rt->options.log.message(rt->options.log.user, level, text);
-    else
-        rt->options.log.message(rt->options.log.user, level,
-                                "out of memory while telling an OpenGL error");
-    va_end(args);
-    free(text);
-}
-
-static const char *error_text(GLenum error)
-{
-    switch (error) {
-    case GL_INVALID_ENUM:
-        return "invalid enumerant";
-    case GL_INVALID_VALUE:
-        return "invalid value";
-    case GL_INVALID_OPERATION:
-        return "invalid operation";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-        return "incomplete framebuffer";
-    case GL_OUT_OF_MEMORY:
-        return "out of memory: use a smaller frame or smaller resources";
-    case GL_STACK_OVERFLOW:
-        return "stack overflow";
-    case GL_STACK_UNDERFLOW:
-        return "stack underflow";
-    default:
-        return "unknown error";
-    }
-}
-
-static const char *reset_text(GLenum status)
-{
-    switch (status) {
-    case GL_GUILTY_CONTEXT_RESET:
-        return "because of this program, perhaps a pass that ran too long: try a smaller frame";
-    case GL_INNOCENT_CONTEXT_RESET:
-        return "because of another program: start again";
-    default:
-        return "and does not say why: see the system log, and start again";
-    }
-}
-
-/* Names the pass in which it was noticed: the guilty one when an observer has every pass finish
- * before the next. */
-static bool device_lost(const struct gl_runtime *rt, const char *call, const char *object,
-                        GLenum status)
-{
-    gl_log(rt, DT_ERROR, "%s%s: gl%.*s: the device was reset %s", rt->pass ? "pass " : "",
-           rt->pass ? rt->pass : object, (int)strcspn(call, "("), call, reset_text(status));
-    return false;
-}
-
-bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
-{
-    GLenum error = rt->gl.GetError();
-    if (error == GL_NO_ERROR)
-        return true;
-    if (error == GL_CONTEXT_LOST)
-        return device_lost(rt, call, object, rt->gl.GetGraphicsResetStatus());
-    gl_log(rt, DT_ERROR, "%s: gl%.*s: %s", object, (int)strcspn(call, "("), call,
-           error_text(error));
-    /* The next call must not be blamed for what this one left behind; a lost context repeats its
-     * error for ever. */
-    for (int i = 0; i < 8 && error != GL_NO_ERROR && error != GL_CONTEXT_LOST; i++)
-        error = rt->gl.GetError();
-    return false;
-}
-
-bool gl_finish(const struct gl_runtime *rt, const char *object)
-{
-    if (!GL(rt, object, Finish()))
-        return false;
-    GLenum status = rt->gl.GetGraphicsResetStatus();
-    return status == GL_NO_ERROR || device_lost(rt, "Finish", object, status);
-}
-
 /* ---- Open ------------------------------------------------------------------------------------ */
-
-static bool create_builtin(struct gl_runtime *rt)
-{
-    const struct gl_buffer_info frame = {"frame", sizeof(struct dt_frame)};
-    const struct gl_sampler_info nearest = {"nearest",        GL_NEAREST, GL_NEAREST,
-                                            GL_CLAMP_TO_EDGE, false,      1.0f};
-    const struct gl_sampler_info trilinear = {"scene textures", GL_LINEAR, GL_LINEAR,
-                                              GL_REPEAT,        false,     1.0f};
-    return dt_gl_buffer_create(rt, &rt->builtin.frame, &frame) &&
-           dt_gl_sampler_create(rt, &rt->nearest, &nearest) &&
-           dt_gl_sampler_create(rt, &rt->builtin.texture_sampler, &trilinear) &&
-           GL(rt, "no vertex input", CreateVertexArrays(1, &rt->no_input));
-}
 
 static void runtime_close(void *runtime);
 
@@ -121,7 +22,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
         return NULL;
     }
     rt->options = *options;
-    if (gl_context_open(rt) && create_builtin(rt))
+    if (gl_context_open(rt) && gl_builtin_create(rt))
         return rt;
     runtime_close(rt);
     return NULL;
@@ -142,11 +43,6 @@ static bool runtime_is_software(void *runtime)
     return false;
 }
 
-const struct gl_builtin *dt_gl_builtin(const struct gl_runtime *rt)
-{
-    return &rt->builtin;
-}
-
 static bool runtime_set_scene(void *runtime, const struct dt_scene *scene)
 {
     struct gl_runtime *rt = runtime;
@@ -155,74 +51,17 @@ static bool runtime_set_scene(void *runtime, const struct dt_scene *scene)
 
 /* ---- The panel ------------------------------------------------------------------------------- */
 
-static void destroy_panel(struct gl_runtime *rt)
-{
-    if (!rt->panel)
-        return;
-    if (rt->state)
-        rt->panel->destroy(rt, rt->state);
-    if (rt->queries)
-        rt->gl.DeleteQueries((GLsizei)(2 * rt->panel->pipeline->pass_count), rt->queries);
-    dt_gl_buffer_destroy(rt, &rt->builtin.live);
-    free(rt->queries);
-    free(rt->ran);
-    free(rt->state);
-    rt->queries = NULL;
-    rt->ran = NULL;
-    rt->state = NULL;
-    rt->panel = NULL;
-    rt->width = rt->height = 0;
-}
-
-static bool allocate_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeline)
-{
-    rt->state = calloc(1, rt->panel->state_size ? rt->panel->state_size : 1);
-    rt->ran = calloc(pipeline->pass_count + 1, sizeof *rt->ran);
-    bool ok = rt->state && rt->ran;
-    if (ok && rt->options.timing) {
-        rt->queries = calloc(2 * pipeline->pass_count + 1, sizeof *rt->queries);
-        ok = rt->queries;
-    }
-    if (!ok)
-        gl_log(rt, DT_ERROR, "pipeline %s: out of memory", pipeline->name);
-    return ok;
-}
-
-static bool create_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeline)
-{
-    const struct gl_buffer_info live = {"live parameters", pipeline->live_size};
-    return allocate_panel(rt, pipeline) &&
-           gl_buffer_upload(rt, &rt->builtin.live, &live, pipeline->live_defaults) &&
-           (!rt->queries ||
-            GL(rt, "timestamps",
-               CreateQueries(GL_TIMESTAMP, (GLsizei)(2 * pipeline->pass_count), rt->queries))) &&
-           rt->panel->create(rt, rt->state);
-}
-
 static bool runtime_create(void *runtime, const struct dt_panel *panel)
 {
     struct gl_runtime *rt = runtime;
-    if (!gl_context_current(rt))
-        return false;
-    destroy_panel(rt);
-    rt->panel = panel;
-    if (create_panel(rt, panel->pipeline))
-        return true;
-    destroy_panel(rt);
-    return false;
+    return gl_context_current(rt) && gl_panel_create(rt, panel);
 }
 
 static bool runtime_resize(void *runtime, uint32_t width, uint32_t height)
 {
     struct gl_runtime *rt = runtime;
     rt->width = rt->height = 0; /* until it is done nothing can be rendered or read */
-    if (!gl_context_current(rt) || !gl_finish(rt, "resize") ||
-        !rt->panel->resize(rt, rt->state, width, height))
-        return false;
-    memset(rt->ran, 0, rt->panel->pipeline->pass_count * sizeof *rt->ran);
-    rt->width = width;
-    rt->height = height;
-    return true;
+    return gl_context_current(rt) && gl_finish(rt, "resize") && gl_panel_resize(rt, width, height);
 }
 
 static bool has_size(const struct gl_runtime *rt, const char *verb)
@@ -242,18 +81,7 @@ static bool runtime_render(void *runtime, const struct dt_frame *frame, const vo
     struct gl_runtime *rt = runtime;
     if (!has_size(rt, "render") || !gl_context_current(rt))
         return false;
-    struct dt_frame sized = *frame;
-    sized.width = rt->width;
-    sized.height = rt->height;
-    const void *values = live ? live : rt->panel->pipeline->live_defaults;
-    if (!gl_buffer_write(rt, &rt->builtin.frame, &sized, sizeof sized) ||
-        !gl_buffer_write(rt, &rt->builtin.live, values, rt->panel->pipeline->live_size))
-        return false;
-    rt->observer = observer;
-    bool ok = rt->panel->record(rt, rt->state, values);
-    rt->observer = NULL;
-    rt->pass = NULL;
-    return ok && gl_finish(rt, "frame");
+    return gl_frame_render(rt, frame, live, observer) && gl_finish(rt, "frame");
 }
 
 /* One mip of an image, or a buffer: one of the two is NULL. */
@@ -336,16 +164,7 @@ static bool runtime_timings(void *runtime, double *pass_ms)
         gl_log(rt, DT_ERROR, "timings: the OpenGL runtime was opened without timing");
         return false;
     }
-    for (uint32_t i = 0; i < rt->panel->pipeline->pass_count; i++) {
-        const char *name = rt->panel->pipeline->passes[i].name;
-        GLuint64 begin = 0, end = 0;
-        if (rt->ran[i] &&
-            (!GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i], GL_QUERY_RESULT, &begin)) ||
-             !GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i + 1], GL_QUERY_RESULT, &end))))
-            return false;
-        pass_ms[i] = rt->ran[i] ? (double)(end - begin) * 1e-6 : (double)NAN;
-    }
-    return true;
+    return gl_frame_timings(rt, pass_ms);
 }
 
 /* A driver may carry out a command before the call returns. */
@@ -405,14 +224,10 @@ static void runtime_close(void *runtime)
     if (!rt)
         return;
     if (rt->context.kind && gl_context_current(rt)) {
-        destroy_panel(rt);
+        gl_panel_destroy(rt);
         gl_present_destroy(rt);
         gl_scene_destroy(rt);
-        dt_gl_buffer_destroy(rt, &rt->builtin.frame);
-        dt_gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
-        dt_gl_sampler_destroy(rt, &rt->nearest);
-        if (rt->no_input)
-            rt->gl.DeleteVertexArrays(1, &rt->no_input);
+        gl_builtin_destroy(rt);
     }
     gl_context_close(rt);
     free(rt);

@@ -1,12 +1,12 @@
 /* The OpenGL 4.6 runtime: what generated pipelines (NAME_gl.c) call, and the table of verbs for
  * the app. The Vulkan runtime has the same file names and the same verbs. Knows no pipeline. All
- * state is in struct gl_runtime; functions are called through its GladGLContext, so several
+ * state is in struct gl_runtime; functions are called through a table of its own, so several
  * contexts live side by side. Every function that returns bool has logged the error when it
  * returns false. */
 #ifndef DIPTYCH_RUNTIME_GL_H
 #define DIPTYCH_RUNTIME_GL_H
 
-#include <glad/gl.h>
+#include <GL/glcorearb.h>
 
 #include "diptych.h"
 
@@ -18,6 +18,8 @@ struct gl_buffer {
     const char *name;
     GLuint handle;
     GLsizeiptr size; /* bytes, at least 16 */
+    GLintptr offset; /* bytes; 0 but for a host's */
+    bool imported;   /* the handle is a host's, and so are the bytes before and behind */
 };
 
 struct gl_image {
@@ -29,6 +31,7 @@ struct gl_image {
     uint32_t width, height, layers, mips;
     bool layered;
     bool borrowed; /* shares the texture of another resource of disjoint lifetime, that owns it */
+    bool imported; /* the texture is a host's */
 };
 
 /* ---- Resources: resize, destroy -------------------------------------------------------------- */

@@ -45,7 +45,7 @@ static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)
     return true;
 }
 
-static bool describe_input(struct gl_runtime *rt)
+bool gl_scene_describe(struct gl_runtime *rt)
 {
     const char *name = "scene vertices";
     if (!GL(rt, name, CreateVertexArrays(1, &rt->scene_input)))
@@ -63,15 +63,15 @@ static bool describe_input(struct gl_runtime *rt)
         rt->gl.EnableVertexArrayAttrib(input, i);
     }
     return GL(rt, name,
-              VertexArrayVertexBuffer(input, 0, rt->builtin.vertices.handle, 0,
-                                      sizeof(struct dt_vertex)));
+              VertexArrayVertexBuffer(input, 0, rt->builtin.vertices.handle,
+                                      rt->builtin.vertices.offset, sizeof(struct dt_vertex)));
 }
 
 bool gl_scene_upload(struct gl_runtime *rt, const struct dt_scene *scene)
 {
     gl_scene_destroy(rt);
     rt->index_count = scene->index_count;
-    return upload_buffers(rt, scene) && upload_textures(rt, scene) && describe_input(rt);
+    return upload_buffers(rt, scene) && upload_textures(rt, scene) && gl_scene_describe(rt);
 }
 
 void gl_scene_destroy(struct gl_runtime *rt)

@@ -837,12 +837,12 @@ static struct {
     PFNGLGETGRAPHICSRESETSTATUSPROC reset_status;
 } lost;
 
-static GLenum GLAD_API_PTR lost_error(void)
+static GLenum APIENTRY lost_error(void)
 {
     return lost.status && lost.errors ? GL_CONTEXT_LOST : lost.error();
 }
 
-static GLenum GLAD_API_PTR lost_status(void)
+static GLenum APIENTRY lost_status(void)
 {
     return lost.status ? lost.status : lost.reset_status();
 }

@@ -1,0 +1,90 @@
+/* The ways of telling errors. Called by every file of this folder. */
+#include "internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format, ...)
+{
+    if (!rt->options.log.message)
+        return;
+    va_list args;
+    va_start(args, format);
+    char *text = NULL;
+    if (vasprintf(&text, format, args) >= 0)
+        rt->options.log.message(rt->options.log.user, level, text);
+    else
+        rt->options.log.message(rt->options.log.user, level,
+                                "out of memory while telling an OpenGL error");
+    va_end(args);
+    free(text);
+}
+
+static const char *error_text(GLenum error)
+{
+    switch (error) {
+    case GL_INVALID_ENUM:
+        return "invalid enumerant";
+    case GL_INVALID_VALUE:
+        return "invalid value";
+    case GL_INVALID_OPERATION:
+        return "invalid operation";
+    case GL_INVALID_FRAMEBUFFER_OPERATION:
+        return "incomplete framebuffer";
+    case GL_OUT_OF_MEMORY:
+        return "out of memory: use a smaller frame or smaller resources";
+    case GL_STACK_OVERFLOW:
+        return "stack overflow";
+    case GL_STACK_UNDERFLOW:
+        return "stack underflow";
+    default:
+        return "unknown error";
+    }
+}
+
+static const char *reset_text(GLenum status)
+{
+    switch (status) {
+    case GL_GUILTY_CONTEXT_RESET:
+        return "because of this program, perhaps a pass that ran too long: try a smaller frame";
+    case GL_INNOCENT_CONTEXT_RESET:
+        return "because of another program: start again";
+    default:
+        return "and does not say why: see the system log, and start again";
+    }
+}
+
+/* Names the pass in which it was noticed: the guilty one when an observer has every pass finish
+ * before the next. */
+static bool device_lost(const struct gl_runtime *rt, const char *call, const char *object,
+                        GLenum status)
+{
+    gl_log(rt, DT_ERROR, "%s%s: gl%.*s: the device was reset %s", rt->pass ? "pass " : "",
+           rt->pass ? rt->pass : object, (int)strcspn(call, "("), call, reset_text(status));
+    return false;
+}
+
+bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
+{
+    GLenum error = rt->gl.GetError();
+    if (error == GL_NO_ERROR)
+        return true;
+    if (error == GL_CONTEXT_LOST)
+        return device_lost(rt, call, object, rt->gl.GetGraphicsResetStatus());
+    gl_log(rt, DT_ERROR, "%s: gl%.*s: %s", object, (int)strcspn(call, "("), call,
+           error_text(error));
+    /* The next call must not be blamed for what this one left behind; a lost context repeats its
+     * error for ever. */
+    for (int i = 0; i < 8 && error != GL_NO_ERROR && error != GL_CONTEXT_LOST; i++)
+        error = rt->gl.GetError();
+    return false;
+}
+
+bool gl_finish(const struct gl_runtime *rt, const char *object)
+{
+    if (!GL(rt, object, Finish()))
+        return false;
+    GLenum status = rt->gl.GetGraphicsResetStatus();
+    return status == GL_NO_ERROR || device_lost(rt, "Finish", object, status);
+}

@@ -1,0 +1,457 @@
+/* The state of a context: whether it is one that the runtime can use, what passes rely on, and for a host
+ * how it was before. Called by context.c when the runtime has a context of its own, by host.c around
+ * whatever is done in a host's. */
+#include "internal.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Whether it suits ------------------------------------------------------------------------ */
+
+static bool has_extension(const struct gl_runtime *rt, const char *name)
+{
+    GLint count = 0;
+    rt->gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++)
+        if (strcmp((const char *)rt->gl.GetStringi(GL_EXTENSIONS, (GLuint)i), name) == 0)
+            return true;
+    return false;
+}
+
+static const char *const needed[] = {
+    "GL_ARB_shader_viewport_layer_array", /* gl_Layer from the vertex shader */
+};
+
+bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
+                size_t size)
+{
+    missing[0] = '\0';
+    for (size_t i = 0; i < count; i++) {
+        size_t used = strlen(missing);
+        if (!has_extension(rt, names[i]))
+            snprintf(missing + used, size - used, "%s%s", used ? " " : "", names[i]);
+    }
+    return !missing[0];
+}
+
+static void read_limits(struct gl_runtime *rt)
+{
+    struct gl_limits *l = &rt->limits;
+    const struct {
+        GLenum name;
+        GLint *value;
+    } integers[] = {
+        {GL_MAX_TEXTURE_SIZE, &l->texture_size},
+        {GL_MAX_ARRAY_TEXTURE_LAYERS, &l->texture_layers},
+        {GL_MAX_COLOR_ATTACHMENTS, &l->color_targets},
+        {GL_MAX_DRAW_BUFFERS, &l->draw_buffers},
+        {GL_MAX_VIEWPORT_DIMS, l->viewport},
+        {GL_MAX_UNIFORM_BUFFER_BINDINGS, &l->uniform_bindings},
+        {GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &l->storage_bindings},
+        {GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &l->texture_bindings},
+        {GL_MAX_IMAGE_UNITS, &l->image_bindings},
+        {GL_MAX_CLIP_DISTANCES, &l->clip_distances},
+        {GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &l->storage_alignment},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
+        rt->gl.GetIntegerv(integers[i].name, integers[i].value);
+    for (GLuint i = 0; i < 3; i++)
+        rt->gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, i, &l->groups[i]);
+    rt->gl.GetInteger64v(GL_MAX_UNIFORM_BLOCK_SIZE, &l->uniform_size);
+    rt->gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &l->storage_size);
+    rt->gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &l->anisotropy);
+}
+
+bool gl_context_suits(struct gl_runtime *rt)
+{
+    const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
+    char missing[512];
+    GLint flags = 0;
+    snprintf(rt->device_name, sizeof rt->device_name, "%s", renderer ? renderer : "OpenGL");
+    rt->gl.GetIntegerv(GL_CONTEXT_FLAGS, &flags);
+    if (flags & GL_CONTEXT_FLAG_NO_ERROR_BIT) {
+        gl_log(rt, DT_ERROR, "%s was told to find no errors: unset MESA_NO_ERROR", rt->device_name);
+        return false;
+    }
+    if (!rt->gl.VERSION_4_6 ||
+        !gl_has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing)) {
+        gl_log(rt, DT_ERROR, "%s lacks %s: use a newer driver", rt->device_name,
+               rt->gl.VERSION_4_6 ? missing : "OpenGL 4.6");
+        return false;
+    }
+    read_limits(rt);
+    return true;
+}
+
+/* Always for real, by way of no context: OSMesa, EGL and GLX share Mesa's dispatch table without
+ * telling each other, and each leaves out the change to a context that it believes current. */
+bool gl_context_current(struct gl_runtime *rt)
+{
+    if (rt->hosted || rt->context.current(&rt->context))
+        return true;
+    gl_log(rt, DT_ERROR, "%s: the OpenGL context cannot be made current", rt->device_name);
+    return false;
+}
+
+/* ---- What passes rely on --------------------------------------------------------------------- */
+
+/* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the
+ * first vertex provokes, sRGB targets encode. */
+bool gl_state_fix(struct gl_runtime *rt)
+{
+    rt->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    rt->gl.ProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
+    rt->gl.FrontFace(GL_CCW);
+    rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
+    rt->gl.Enable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+    rt->gl.Disable(GL_DITHER);
+    rt->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    return GL(rt, "fixed state", PixelStorei(GL_UNPACK_ALIGNMENT, 1));
+}
+
+/* ---- A host's state -------------------------------------------------------------------------- */
+
+/* Switches that passes change, or that would change what they draw. */
+static const GLenum switches[] = {
+    GL_BLEND,
+    GL_COLOR_LOGIC_OP,
+    GL_CULL_FACE,
+    GL_DEPTH_CLAMP,
+    GL_DEPTH_TEST,
+    GL_DITHER,
+    GL_FRAMEBUFFER_SRGB,
+    GL_POLYGON_OFFSET_FILL,
+    GL_PRIMITIVE_RESTART,
+    GL_PRIMITIVE_RESTART_FIXED_INDEX,
+    GL_RASTERIZER_DISCARD,
+    GL_SCISSOR_TEST,
+    GL_STENCIL_TEST,
+    GL_TEXTURE_CUBE_MAP_SEAMLESS,
+};
+
+static const GLenum stores[] = {
+    GL_PACK_ALIGNMENT,     GL_UNPACK_ALIGNMENT,  GL_UNPACK_IMAGE_HEIGHT,
+    GL_UNPACK_LSB_FIRST,   GL_UNPACK_ROW_LENGTH, GL_UNPACK_SKIP_IMAGES,
+    GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS,  GL_UNPACK_SWAP_BYTES,
+};
+
+/* Plain bindings: what tells them, and what they are bound to. */
+static const struct {
+    GLenum name, target;
+} buffers[] = {
+    {GL_DISPATCH_INDIRECT_BUFFER_BINDING, GL_DISPATCH_INDIRECT_BUFFER},
+    {GL_DRAW_INDIRECT_BUFFER_BINDING, GL_DRAW_INDIRECT_BUFFER},
+    {GL_PIXEL_UNPACK_BUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER},
+    {GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER},
+    {GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER},
+};
+
+enum {
+    SWITCHES = DT_ARRAY_COUNT(switches),
+    STORES = DT_ARRAY_COUNT(stores),
+    BUFFERS = DT_ARRAY_COUNT(buffers),
+    MAX_BINDINGS = 64,  /* of each kind that a pass may have */
+    MAX_VIEWPORTS = 16, /* as the two below: those of all drivers so far */
+    MAX_DRAW_BUFFERS = 8,
+    MAX_CLIP_DISTANCES = 8
+};
+
+struct kept_range {
+    GLint buffer;
+    GLint64 start, size;
+};
+
+struct kept_texture {
+    GLint plane, array, sampler;
+};
+
+struct kept_image {
+    GLint texture, level, layered, layer, access, format;
+};
+
+struct kept_blend {
+    GLboolean on, mask[4];
+    GLint source_rgb, target_rgb, source_alpha, target_alpha, equation_rgb, equation_alpha;
+};
+
+struct gl_kept {
+    GLboolean on[SWITCHES], clip[MAX_CLIP_DISTANCES], scissor[MAX_VIEWPORTS];
+    GLint store[STORES], buffer[BUFFERS];
+    GLint program, input, draw_framebuffer, read_framebuffer, unit;
+    GLint clip_origin, clip_depth, provoking, front, cull, depth_function, polygon[2];
+    GLboolean depth_mask;
+    GLfloat viewport[MAX_VIEWPORTS][4];
+    GLdouble depth_range[MAX_VIEWPORTS][2];
+    struct kept_blend blend[MAX_DRAW_BUFFERS];
+    /* of bindings only what is about to be changed: a bit per number that is kept */
+    uint64_t kept[GL_BIND_IMAGE + 1];
+    struct kept_range uniform[MAX_BINDINGS], storage[MAX_BINDINGS];
+    struct kept_texture texture[MAX_BINDINGS];
+    struct kept_image image[MAX_BINDINGS];
+};
+
+static GLint count_of(const struct gl_runtime *rt, GLenum name, GLint most)
+{
+    GLint count = 0;
+    rt->gl.GetIntegerv(name, &count);
+    return count < most ? count : most;
+}
+
+static void keep_blend(const struct gl_runtime *rt, struct gl_kept *kept)
+{
+    const GladGLContext *gl = &rt->gl;
+    GLint count = count_of(rt, GL_MAX_DRAW_BUFFERS, MAX_DRAW_BUFFERS);
+    for (GLuint i = 0; i < (GLuint)count; i++) {
+        struct kept_blend *blend = &kept->blend[i];
+        blend->on = gl->IsEnabledi(GL_BLEND, i);
+        gl->GetBooleani_v(GL_COLOR_WRITEMASK, i, blend->mask);
+        gl->GetIntegeri_v(GL_BLEND_SRC_RGB, i, &blend->source_rgb);
+        gl->GetIntegeri_v(GL_BLEND_DST_RGB, i, &blend->target_rgb);
+        gl->GetIntegeri_v(GL_BLEND_SRC_ALPHA, i, &blend->source_alpha);
+        gl->GetIntegeri_v(GL_BLEND_DST_ALPHA, i, &blend->target_alpha);
+        gl->GetIntegeri_v(GL_BLEND_EQUATION_RGB, i, &blend->equation_rgb);
+        gl->GetIntegeri_v(GL_BLEND_EQUATION_ALPHA, i, &blend->equation_alpha);
+    }
+}
+
+static void give_blend(const struct gl_runtime *rt, const struct gl_kept *kept)
+{
+    const GladGLContext *gl = &rt->gl;
+    GLint count = count_of(rt, GL_MAX_DRAW_BUFFERS, MAX_DRAW_BUFFERS);
+    for (GLuint i = 0; i < (GLuint)count; i++) {
+        const struct kept_blend *b = &kept->blend[i];
+        if (b->on)
+            gl->Enablei(GL_BLEND, i);
+        else
+            gl->Disablei(GL_BLEND, i);
+        gl->ColorMaski(i, b->mask[0], b->mask[1], b->mask[2], b->mask[3]);
+        gl->BlendFuncSeparatei(i, (GLenum)b->source_rgb, (GLenum)b->target_rgb,
+                               (GLenum)b->source_alpha, (GLenum)b->target_alpha);
+        gl->BlendEquationSeparatei(i, (GLenum)b->equation_rgb, (GLenum)b->equation_alpha);
+    }
+}
+
+static void keep_viewports(const struct gl_runtime *rt, struct gl_kept *kept)
+{
+    GLint count = count_of(rt, GL_MAX_VIEWPORTS, MAX_VIEWPORTS);
+    for (GLuint i = 0; i < (GLuint)count; i++) {
+        rt->gl.GetFloati_v(GL_VIEWPORT, i, kept->viewport[i]);
+        rt->gl.GetDoublei_v(GL_DEPTH_RANGE, i, kept->depth_range[i]);
+        kept->scissor[i] = rt->gl.IsEnabledi(GL_SCISSOR_TEST, i);
+    }
+}
+
+static void give_viewports(const struct gl_runtime *rt, const struct gl_kept *kept)
+{
+    GLint count = count_of(rt, GL_MAX_VIEWPORTS, MAX_VIEWPORTS);
+    for (GLuint i = 0; i < (GLuint)count; i++) {
+        rt->gl.ViewportIndexedfv(i, kept->viewport[i]);
+        rt->gl.DepthRangeIndexed(i, kept->depth_range[i][0], kept->depth_range[i][1]);
+        if (kept->scissor[i])
+            rt->gl.Enablei(GL_SCISSOR_TEST, i);
+        else
+            rt->gl.Disablei(GL_SCISSOR_TEST, i);
+    }
+}
+
+/* Integers that one call tells, each. */
+static void keep_integers(const struct gl_runtime *rt, struct gl_kept *kept)
+{
+    const struct {
+        GLenum name;
+        GLint *value;
+    } integers[] = {
+        {GL_CURRENT_PROGRAM, &kept->program},
+        {GL_VERTEX_ARRAY_BINDING, &kept->input},
+        {GL_DRAW_FRAMEBUFFER_BINDING, &kept->draw_framebuffer},
+        {GL_READ_FRAMEBUFFER_BINDING, &kept->read_framebuffer},
+        {GL_ACTIVE_TEXTURE, &kept->unit},
+        {GL_CLIP_ORIGIN, &kept->clip_origin},
+        {GL_CLIP_DEPTH_MODE, &kept->clip_depth},
+        {GL_PROVOKING_VERTEX, &kept->provoking},
+        {GL_FRONT_FACE, &kept->front},
+        {GL_CULL_FACE_MODE, &kept->cull},
+        {GL_DEPTH_FUNC, &kept->depth_function},
+        {GL_POLYGON_MODE, kept->polygon},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
+        rt->gl.GetIntegerv(integers[i].name, integers[i].value);
+    rt->gl.GetBooleanv(GL_DEPTH_WRITEMASK, &kept->depth_mask);
+    for (size_t i = 0; i < STORES; i++)
+        rt->gl.GetIntegerv(stores[i], &kept->store[i]);
+    for (size_t i = 0; i < BUFFERS; i++)
+        rt->gl.GetIntegerv(buffers[i].name, &kept->buffer[i]);
+    for (size_t i = 0; i < SWITCHES; i++)
+        kept->on[i] = rt->gl.IsEnabled(switches[i]);
+    GLint clips = count_of(rt, GL_MAX_CLIP_DISTANCES, MAX_CLIP_DISTANCES);
+    for (GLuint i = 0; i < (GLuint)clips; i++)
+        kept->clip[i] = rt->gl.IsEnabled(GL_CLIP_DISTANCE0 + i);
+}
+
+static void give_integers(const struct gl_runtime *rt, const struct gl_kept *kept)
+{
+    const GladGLContext *gl = &rt->gl;
+    gl->UseProgram((GLuint)kept->program);
+    gl->BindVertexArray((GLuint)kept->input);
+    gl->BindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)kept->draw_framebuffer);
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)kept->read_framebuffer);
+    gl->ActiveTexture((GLenum)kept->unit);
+    gl->ClipControl((GLenum)kept->clip_origin, (GLenum)kept->clip_depth);
+    gl->ProvokingVertex((GLenum)kept->provoking);
+    gl->FrontFace((GLenum)kept->front);
+    gl->CullFace((GLenum)kept->cull);
+    gl->DepthFunc((GLenum)kept->depth_function);
+    gl->DepthMask(kept->depth_mask);
+    gl->PolygonMode(GL_FRONT_AND_BACK, (GLenum)kept->polygon[0]);
+    for (size_t i = 0; i < STORES; i++)
+        gl->PixelStorei(stores[i], kept->store[i]);
+    for (size_t i = 0; i < BUFFERS; i++)
+        gl->BindBuffer(buffers[i].target, (GLuint)kept->buffer[i]);
+    for (size_t i = 0; i < SWITCHES; i++)
+        (kept->on[i] ? gl->Enable : gl->Disable)(switches[i]);
+    GLint clips = count_of(rt, GL_MAX_CLIP_DISTANCES, MAX_CLIP_DISTANCES);
+    for (GLuint i = 0; i < (GLuint)clips; i++)
+        (kept->clip[i] ? gl->Enable : gl->Disable)(GL_CLIP_DISTANCE0 + i);
+}
+
+/* As a context begins, but for what passes set before every draw. */
+static bool neutralise(struct gl_runtime *rt)
+{
+    for (size_t i = 0; i < SWITCHES; i++)
+        rt->gl.Disable(switches[i]);
+    for (size_t i = 0; i < STORES; i++)
+        if (stores[i] != GL_PACK_ALIGNMENT && stores[i] != GL_UNPACK_ALIGNMENT)
+            rt->gl.PixelStorei(stores[i], 0);
+    rt->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    rt->gl.BlendEquation(GL_FUNC_ADD);
+    rt->gl.DepthRange(0, 1);
+    rt->gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    return gl_state_fix(rt);
+}
+
+bool gl_state_enter(struct gl_runtime *rt)
+{
+    GLenum error = rt->gl.GetError();
+    if (error != GL_NO_ERROR)
+        gl_log(rt, DT_WARNING, "OpenGL error 0x%x was pending before diptych was called", error);
+    for (int i = 0; i < 8 && error != GL_NO_ERROR; i++)
+        error = rt->gl.GetError();
+    if (!rt->leave_state) {
+        rt->kept = calloc(1, sizeof *rt->kept);
+        if (!rt->kept) {
+            gl_log(rt, DT_ERROR, "out of memory for the state of the context; free some");
+            return false;
+        }
+        keep_integers(rt, rt->kept);
+        keep_blend(rt, rt->kept);
+        keep_viewports(rt, rt->kept);
+    }
+    return neutralise(rt);
+}
+
+/* ---- Bindings -------------------------------------------------------------------------------- */
+
+static void keep_range(const struct gl_runtime *rt, struct kept_range *range, GLuint index,
+                       bool storage)
+{
+    rt->gl.GetIntegeri_v(storage ? GL_SHADER_STORAGE_BUFFER_BINDING : GL_UNIFORM_BUFFER_BINDING,
+                         index, &range->buffer);
+    rt->gl.GetInteger64i_v(storage ? GL_SHADER_STORAGE_BUFFER_START : GL_UNIFORM_BUFFER_START,
+                           index, &range->start);
+    rt->gl.GetInteger64i_v(storage ? GL_SHADER_STORAGE_BUFFER_SIZE : GL_UNIFORM_BUFFER_SIZE, index,
+                           &range->size);
+}
+
+static void give_range(const struct gl_runtime *rt, const struct kept_range *range, GLuint index,
+                       GLenum target)
+{
+    if (range->size > 0)
+        rt->gl.BindBufferRange(target, index, (GLuint)range->buffer, (GLintptr)range->start,
+                               (GLsizeiptr)range->size);
+    else
+        rt->gl.BindBufferBase(target, index, (GLuint)range->buffer);
+}
+
+static void keep_texture(const struct gl_runtime *rt, struct kept_texture *texture, GLuint unit)
+{
+    rt->gl.ActiveTexture(GL_TEXTURE0 + unit);
+    rt->gl.GetIntegerv(GL_TEXTURE_BINDING_2D, &texture->plane);
+    rt->gl.GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &texture->array);
+    rt->gl.GetIntegerv(GL_SAMPLER_BINDING, &texture->sampler);
+}
+
+static void give_texture(const struct gl_runtime *rt, const struct kept_texture *texture,
+                         GLuint unit)
+{
+    rt->gl.ActiveTexture(GL_TEXTURE0 + unit);
+    rt->gl.BindTexture(GL_TEXTURE_2D, (GLuint)texture->plane);
+    rt->gl.BindTexture(GL_TEXTURE_2D_ARRAY, (GLuint)texture->array);
+    rt->gl.BindSampler(unit, (GLuint)texture->sampler);
+}
+
+static void keep_image(const struct gl_runtime *rt, struct kept_image *image, GLuint unit)
+{
+    rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_NAME, unit, &image->texture);
+    rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_LEVEL, unit, &image->level);
+    rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_LAYERED, unit, &image->layered);
+    rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_LAYER, unit, &image->layer);
+    rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_ACCESS, unit, &image->access);
+    rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_FORMAT, unit, &image->format);
+}
+
+void gl_state_keep_binding(struct gl_runtime *rt, const struct gl_binding *binding)
+{
+    struct gl_kept *kept = rt->kept;
+    GLuint at = binding->binding;
+    if (!kept || at >= MAX_BINDINGS || (kept->kept[binding->kind] >> at & 1))
+        return;
+    kept->kept[binding->kind] |= (uint64_t)1 << at;
+    switch (binding->kind) {
+    case GL_BIND_UNIFORM:
+        keep_range(rt, &kept->uniform[at], at, false);
+        break;
+    case GL_BIND_STORAGE:
+        keep_range(rt, &kept->storage[at], at, true);
+        break;
+    case GL_BIND_TEXTURE:
+        keep_texture(rt, &kept->texture[at], at);
+        break;
+    case GL_BIND_IMAGE:
+        keep_image(rt, &kept->image[at], at);
+        break;
+    }
+}
+
+static void give_bindings(const struct gl_runtime *rt, const struct gl_kept *kept)
+{
+    for (GLuint i = 0; i < MAX_BINDINGS; i++) {
+        if (kept->kept[GL_BIND_UNIFORM] >> i & 1)
+            give_range(rt, &kept->uniform[i], i, GL_UNIFORM_BUFFER);
+        if (kept->kept[GL_BIND_STORAGE] >> i & 1)
+            give_range(rt, &kept->storage[i], i, GL_SHADER_STORAGE_BUFFER);
+        if (kept->kept[GL_BIND_TEXTURE] >> i & 1)
+            give_texture(rt, &kept->texture[i], i);
+        const struct kept_image *image = &kept->image[i];
+        if (kept->kept[GL_BIND_IMAGE] >> i & 1)
+            rt->gl.BindImageTexture(i, (GLuint)image->texture, image->level,
+                                    (GLboolean)image->layered, image->layer, (GLenum)image->access,
+                                    (GLenum)image->format);
+    }
+}
+
+/* Indexed bindings change the plain ones, and units the active one: those come last. */
+bool gl_state_leave(struct gl_runtime *rt)
+{
+    struct gl_kept *kept = rt->kept;
+    rt->kept = NULL;
+    if (!kept)
+        return true;
+    give_bindings(rt, kept);
+    give_integers(rt, kept);
+    give_blend(rt, kept);
+    give_viewports(rt, kept);
+    free(kept);
+    return gl_check(rt, "Enable", "the host's state");
+}
