@@ -281,10 +281,9 @@ static void emit_bindings(const struct c_output *c, const struct pass *pass)
              "        {.binding = %d, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},\n",
              pass->live_binding);
     if (pass->kind == PASS_SCENE) {
-        text_add(
-            c->out,
-            "        {.binding = %d, .kind = GL_BIND_STORAGE, .buffer = &builtin->materials},\n",
-            pass->materials_binding);
+        text_add(c->out,
+                 "        {.binding = %d, .kind = GL_BIND_%s, .buffer = &builtin->materials},\n",
+                 pass->materials_binding, pass->uniform_materials ? "UNIFORM" : "STORAGE");
         text_add(c->out,
                  "        {.binding = %d, .kind = GL_BIND_TEXTURE, .image = &builtin->textures, "
                  ".sampler = builtin->texture_sampler},\n",

@@ -125,6 +125,12 @@ static const char *descriptor_type(const struct access *access)
                                    : "VK_DESCRIPTOR_TYPE_STORAGE_BUFFER";
 }
 
+static const char *materials_type(const struct pass *pass)
+{
+    return pass->uniform_materials ? "VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER"
+                                   : "VK_DESCRIPTOR_TYPE_STORAGE_BUFFER";
+}
+
 /* A scene draw always binds materials and textures, also when its reads name them. */
 static bool has_own_binding(const struct pass *pass, const struct access *access)
 {
@@ -145,8 +151,7 @@ static void emit_binding_slots(const struct c_output *c, const struct pass *pass
     text_add(c->out, "        {%d, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},\n", pass->frame_binding);
     text_add(c->out, "        {%d, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},\n", pass->live_binding);
     if (pass->kind == PASS_SCENE) {
-        text_add(c->out, "        {%d, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},\n",
-                 pass->materials_binding);
+        text_add(c->out, "        {%d, %s},\n", pass->materials_binding, materials_type(pass));
         text_add(c->out, "        {%d, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},\n",
                  pass->textures_binding);
     }
@@ -396,9 +401,9 @@ static void emit_bind(const struct c_output *c, const struct pass *pass)
     text_add(c->out, block, pass->live_binding, "live");
     if (pass->kind == PASS_SCENE) {
         text_add(c->out,
-                 "        {.binding = %d,\n         .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,\n"
+                 "        {.binding = %d,\n         .type = %s,\n"
                  "         .buffer = &builtin->materials},\n",
-                 pass->materials_binding);
+                 pass->materials_binding, materials_type(pass));
         text_add(
             c->out,
             "        {.binding = %d,\n         .type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,\n"

@@ -265,9 +265,13 @@ static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text
                                                         NULL};
     if (binding < 0 || !glsl_uses(glsl, "%s", names[builtin]))
         return;
-    text_add(out, "layout(%s", elements[builtin] ? "std430, " : "");
+    bool uniform = builtin == BUILTIN_MATERIALS && glsl->pass->uniform_materials;
+    text_add(out, "layout(%s", uniform ? "std140, " : elements[builtin] ? "std430, " : "");
     glsl_binding(glsl, binding, out);
-    if (elements[builtin])
+    if (uniform)
+        text_add(out, ") uniform %s_block {\n    %s %s[%d];\n};\n", names[builtin],
+                 elements[builtin], names[builtin], DT_MAX_MATERIALS);
+    else if (elements[builtin])
         text_add(out, ") readonly buffer %s_block {\n    %s %s[];\n};\n", names[builtin],
                  elements[builtin], names[builtin]);
     else
@@ -306,19 +310,6 @@ void glsl_resources(struct glsl *glsl)
         add_builtin(glsl, BUILTIN_TEXTURES, pass->textures_binding, out);
     if (glsl->stage == STAGE_IS_FRAGMENT)
         add_targets(glsl, out);
-}
-
-/* std140 and std430 agree on a uniform buffer's elements when each is a multiple of 16 bytes
- * with no array inside. */
-static bool std140_equals_std430(const struct resource *buffer)
-{
-    if (buffer->stride % 16)
-        return false;
-    for (uint32_t i = 0; buffer->structure && i < buffer->structure->field_count; i++)
-        if (buffer->structure->fields[i].array_count &&
-            buffer->structure->fields[i].array_stride % 16)
-            return false;
-    return !buffer->structure || buffer->structure->align == 16;
 }
 
 bool glsl_check_accesses(struct glsl *glsl)

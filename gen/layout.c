@@ -51,6 +51,19 @@ static void layout_struct(struct structure *structure)
     structure->stride = align_up(offset, align);
 }
 
+/* Each element has to be a multiple of 16 bytes, and so have those of arrays inside. */
+bool std140_equals_std430(const struct resource *buffer)
+{
+    const struct structure *structure = buffer->structure;
+
+    for (uint32_t i = 0; structure && i < structure->field_count; i++) {
+        if (structure->fields[i].array_stride % 16) {
+            return false;
+        }
+    }
+    return buffer->stride % 16 == 0 && (!structure || structure->align == 16);
+}
+
 /* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be
  * bound. */
 static void layout_live(struct pipeline *pipeline)

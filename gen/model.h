@@ -278,6 +278,7 @@ struct pass {
     uint32_t barrier_count;
     int frame_binding, live_binding;         /* uniform blocks; every pass has both */
     int textures_binding, materials_binding; /* scene draws; -1: none */
+    bool uniform_materials;                  /* plan: a uniform block, not a storage buffer */
     uint32_t index;                          /* in order of execution */
 };
 

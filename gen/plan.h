@@ -17,6 +17,10 @@ struct type_info {
 };
 const struct type_info *type_info(enum dt_type type);
 
+/* Whether std140 and std430 place the buffer's elements alike, so that its bytes can be read as a
+ * uniform block too. */
+bool std140_equals_std430(const struct resource *buffer);
+
 /* ---- format.c -------------------------------------------------------------------------------- */
 
 struct format_info {

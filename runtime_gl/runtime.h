@@ -176,7 +176,7 @@ struct gl_builtin {
     struct gl_buffer live;      /* uniform block of the live parameters */
     struct gl_buffer vertices;  /* storage, struct dt_vertex[]; also the vertex buffer */
     struct gl_buffer indices;   /* storage, uint[]; also the index buffer */
-    struct gl_buffer materials; /* storage, struct dt_material[] */
+    struct gl_buffer materials; /* storage or uniform, struct dt_material[DT_MAX_MATERIALS] */
     struct gl_image textures;   /* array texture */
     GLuint texture_sampler;     /* trilinear, repeat */
 };

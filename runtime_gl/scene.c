@@ -10,10 +10,17 @@ static bool upload_buffers(struct gl_runtime *rt, const struct dt_scene *scene)
     const struct gl_buffer_info indices = {"scene indices",
                                            (GLsizeiptr)sizeof *scene->indices * scene->index_count};
     const struct gl_buffer_info materials = {
-        "scene materials", (GLsizeiptr)sizeof *scene->materials * scene->material_count};
+        "scene materials", (GLsizeiptr)sizeof *scene->materials * DT_MAX_MATERIALS};
+    if (scene->material_count > DT_MAX_MATERIALS) {
+        gl_log(rt, DT_ERROR, "the scene has %u materials, and shaders see %d: merge some",
+               scene->material_count, DT_MAX_MATERIALS);
+        return false;
+    }
     return gl_buffer_upload(rt, &b->vertices, &vertices, scene->vertices) &&
            gl_buffer_upload(rt, &b->indices, &indices, scene->indices) &&
-           gl_buffer_upload(rt, &b->materials, &materials, scene->materials);
+           dt_gl_buffer_create(rt, &b->materials, &materials) &&
+           gl_buffer_write(rt, &b->materials, scene->materials,
+                           scene->material_count * sizeof *scene->materials);
 }
 
 static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)

@@ -235,7 +235,7 @@ struct vk_builtin {
     struct vk_buffer live;      /* uniform block of the live parameters */
     struct vk_buffer vertices;  /* storage, struct dt_vertex[]; also the vertex buffer */
     struct vk_buffer indices;   /* storage, uint[]; also the index buffer */
-    struct vk_buffer materials; /* storage, struct dt_material[] */
+    struct vk_buffer materials; /* storage or uniform, struct dt_material[DT_MAX_MATERIALS] */
     struct vk_image textures;   /* sampled array, SHADER_READ_ONLY_OPTIMAL */
     VkSampler texture_sampler;  /* trilinear, repeat */
 };

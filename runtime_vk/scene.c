@@ -4,8 +4,9 @@
 
 #include <string.h>
 
+/* Zeros behind the `bytes` of data. */
 static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_slot *slot,
-                          const struct vk_buffer_info *info, const void *data)
+                          const struct vk_buffer_info *info, const void *data, size_t bytes)
 {
     struct vk_slot_user user = {.buffer = buffer};
     VkCommandBuffer commands;
@@ -13,10 +14,10 @@ static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer, struc
     if (!dt_vk_buffer_create(rt, buffer, info) || !dt_vk_slot_bind(rt, slot, &user, 1) ||
         !(staging = vk_staging(rt, buffer->size, info->name)))
         return false;
-    if (info->size < buffer->size)
+    if (bytes < buffer->size)
         memset(staging, 0, buffer->size);
-    if (info->size)
-        memcpy(staging, data, info->size);
+    if (bytes)
+        memcpy(staging, data, bytes);
     if (!(commands = vk_immediate_begin(rt, info->name)))
         return false;
     rt->vk.CmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
@@ -101,14 +102,20 @@ bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene)
     };
     struct vk_buffer_info materials = {
         .name = "scene_materials",
-        .size = (VkDeviceSize)scene->material_count * sizeof *scene->materials,
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        .size = (VkDeviceSize)DT_MAX_MATERIALS * sizeof *scene->materials,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
     };
+    if (scene->material_count > DT_MAX_MATERIALS)
+        return vk_error(rt, "the scene has %u materials, and shaders see %d: merge some",
+                        scene->material_count, DT_MAX_MATERIALS);
     vk_scene_destroy(rt);
     rt->has_scene =
-        upload_buffer(rt, &builtin->vertices, &rt->vertex_slot, &vertices, scene->vertices) &&
-        upload_buffer(rt, &builtin->indices, &rt->index_slot, &indices, scene->indices) &&
-        upload_buffer(rt, &builtin->materials, &rt->material_slot, &materials, scene->materials) &&
+        upload_buffer(rt, &builtin->vertices, &rt->vertex_slot, &vertices, scene->vertices,
+                      vertices.size) &&
+        upload_buffer(rt, &builtin->indices, &rt->index_slot, &indices, scene->indices,
+                      indices.size) &&
+        upload_buffer(rt, &builtin->materials, &rt->material_slot, &materials, scene->materials,
+                      scene->material_count * sizeof *scene->materials) &&
         upload_textures(rt, scene);
     rt->index_count = scene->index_count;
     vk_mapped_destroy(rt, &rt->staging, &rt->staging_memory); /* as large as the scene: let it go */

@@ -301,9 +301,37 @@ static void test_kinds_and_bindings(void **state)
     assert_int_equal(shade->textures_binding, -1);
     assert_int_equal(draw->accesses[0].attachment, 0);
     assert_int_equal(draw->accesses[0].binding, -1);
-    assert_int_equal(draw->accesses[2].binding, 1);
-    assert_int_equal(draw->materials_binding, 0);
+    assert_int_equal(draw->accesses[2].binding, 0);
+    assert_int_equal(draw->materials_binding, 3);
     assert_int_equal(draw->textures_binding, 4);
+}
+
+/* 1024 vec4 are the 16 KiB that every device has; a uint array would be padded in std140. */
+static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *fits = buffer(f, "fits", "1024"), *large = buffer(f, "large", "1025"),
+                    *uints = buffer(f, "uints", "8"), *out = image(f, "out", DT_FORMAT_RGBA16F);
+    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *draw = pass(f, "draw", PASS_SCENE);
+
+    fits->type = large->type = DT_TYPE_VEC4;
+    touch(fill, fits, MODE_WRITE);
+    touch(fill, large, MODE_WRITE);
+    touch(fill, uints, MODE_WRITE);
+    touch(draw, fits, MODE_READ);
+    touch(draw, large, MODE_READ);
+    touch(draw, uints, MODE_READ);
+    touch(draw, out, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(draw->accesses[0].kind, ACCESS_UNIFORM);
+    assert_int_equal(draw->accesses[1].kind, ACCESS_STORAGE_READ);
+    assert_int_equal(draw->accesses[2].kind, ACCESS_STORAGE_READ);
+    assert_true(draw->uniform_materials);
+    f->model.pipeline.gpu = true;
+    assert_true(plan(f));
+    assert_int_equal(draw->accesses[0].kind, ACCESS_STORAGE_READ);
+    assert_false(draw->uniform_materials);
+    assert_int_equal(draw->materials_binding, 0);
 }
 
 static void test_ranges(void **state)
@@ -691,6 +719,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_two_writers_need_an_order, setup, teardown),
         cmocka_unit_test_setup_teardown(test_read_before_write, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kinds_and_bindings, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_draws_read_small_buffers_as_uniform_blocks, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(test_ranges, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draw_then_load_then_load, setup, teardown),
         cmocka_unit_test_setup_teardown(test_conditional_dispatch_may_clear, setup, teardown),

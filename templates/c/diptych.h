@@ -181,13 +181,16 @@ struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at l
 };
 _Static_assert(sizeof(struct dt_vertex) == 36, "nine scalars, no padding");
 
-struct dt_material {    /* GLSL: SceneMaterial in std430 */
+struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float albedo[3];    /* linear, 0..1; multiplies the texture */
     int32_t texture;    /* layer of scene_textures, or -1 */
     float emission[3];  /* not used by the shipped pipelines */
     float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
 };
 _Static_assert(sizeof(struct dt_material) == 32, "two vec4");
+
+/* Of a scene: 64 KiB, what desktop devices bind as a uniform block. */
+enum { DT_MAX_MATERIALS = 2048 };
 
 enum { DT_LIGHT_DIRECTIONAL = 0, DT_LIGHT_SPOT = 1 };
 

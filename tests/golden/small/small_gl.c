@@ -71,7 +71,7 @@ static const char scene_vertex_glsl[] =
     "    float cos_outer;\n"
     "};\n"
     "\n"
-    "layout(std140, binding = 1) uniform Frame {\n"
+    "layout(std140, binding = 0) uniform Frame {\n"
     "    View camera;\n"
     "    View light_view;\n"
     "    Light light;\n"
@@ -976,9 +976,9 @@ static bool record_scene(struct gl_runtime *rt, const struct small_gl_state *sta
 {
     const struct gl_builtin *builtin = dt_gl_builtin(rt);
     const struct gl_binding bindings[] = {
-        {.binding = 1, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
-        {.binding = 2, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
-        {.binding = 0, .kind = GL_BIND_STORAGE, .buffer = &builtin->materials},
+        {.binding = 0, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
+        {.binding = 1, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
+        {.binding = 2, .kind = GL_BIND_UNIFORM, .buffer = &builtin->materials},
         {.binding = 3, .kind = GL_BIND_TEXTURE, .image = &builtin->textures,
          .sampler = builtin->texture_sampler},
     };

@@ -97,9 +97,9 @@ static bool create_sampler_soft(struct vk_runtime *rt, struct small_vk_state *st
 static bool create_program_scene(struct vk_runtime *rt, struct small_vk_state *state)
 {
     static const struct vk_binding_slot slots[] = {
+        {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
         {1, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
         {2, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
-        {0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
         {3, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
     };
     const struct vk_program_info info = {
@@ -451,14 +451,14 @@ static bool bind_program_scene(struct vk_runtime *rt, struct small_vk_state *sta
 {
     const struct vk_builtin *builtin = dt_vk_builtin(rt);
     const struct vk_binding bindings[] = {
-        {.binding = 1,
+        {.binding = 0,
          .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
          .buffer = &builtin->frame},
-        {.binding = 2,
+        {.binding = 1,
          .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
          .buffer = &builtin->live},
-        {.binding = 0,
-         .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        {.binding = 2,
+         .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
          .buffer = &builtin->materials},
         {.binding = 3,
          .type = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
