@@ -120,11 +120,10 @@ static float map_number(const struct dt_resource *resource, struct range range, 
     return srgb_encode(range.most > 1 ? value / (1 + value) : value);
 }
 
-/* Neighbouring labels get colours far apart: the bits of a multiplicative hash. */
-static void label_color(const float color[3], uint8_t codes[3])
+/* The bits of a multiplicative hash. */
+void picture_label(int64_t label, uint8_t codes[3])
 {
-    uint32_t label = (uint32_t)(int64_t)color[0];
-    uint32_t hash = (label + 1) * 2654435761u;
+    uint32_t hash = ((uint32_t)label + 1) * 2654435761u;
     hash = (hash ^ hash >> 15) * 2246822519u;
     for (int c = 0; c < 3; c++)
         codes[c] = (uint8_t)(64 + (hash >> (8 * c) & 255) * 191 / 255);
@@ -161,7 +160,7 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
     struct range range = find_range(picture->linear, count * 3, resource->format == DT_FORMAT_D32F);
     for (size_t i = 0; i < count; i++) {
         if (labels)
-            label_color(picture->linear + i * 3, picture->codes + i * 3);
+            picture_label((int64_t)picture->linear[i * 3], picture->codes + i * 3);
         else
             encode(resource, range, picture->linear + i * 3, picture->codes + i * 3);
     }

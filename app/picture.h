@@ -22,6 +22,9 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
 bool picture_linear(struct picture *picture, const struct dt_resource *resource,
                     const struct dt_bytes *bytes, const struct dt_log *log);
 
+/* The colour of a label; neighbouring ones get colours far apart. */
+void picture_label(int64_t label, uint8_t codes[3]);
+
 void picture_free(struct picture *picture);
 
 #endif

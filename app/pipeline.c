@@ -182,6 +182,18 @@ bool pipeline_set_live(struct pipeline *pipeline, const struct dt_param *param, 
     return true;
 }
 
+void pipeline_get_live(const struct pipeline *pipeline, const struct dt_param *param,
+                       double values[4])
+{
+    static const enum number_kind kinds[] = {[DT_TYPE_FLOAT] = NUMBER_FLOAT,
+                                             [DT_TYPE_INT] = NUMBER_INT,
+                                             [DT_TYPE_UINT] = NUMBER_UINT,
+                                             [DT_TYPE_BOOL] = NUMBER_UINT};
+    const uint8_t *place = (const uint8_t *)pipeline->live + param->offset;
+    for (uint32_t i = 0; i < type_components(param->type) && i < 4; i++)
+        values[i] = number_value(kinds[type_scalar(param->type)], place + i * 4);
+}
+
 /* A bare name is a parameter or a top-level key, everything else (dots, brackets) a path in the
  * spec. */
 static bool is_bare(const char *set)

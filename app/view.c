@@ -92,7 +92,7 @@ static bool open_view(struct view *view)
     const struct dt_log *log = &view->console->log;
     if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, options) || !find_home(view) ||
-        !session_load_scene(&view->scene, view->console, options))
+        !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!open_side(view, i))
@@ -113,10 +113,7 @@ struct watch {
 static bool after_pass(void *user, uint32_t pass)
 {
     const struct watch *watch = user;
-    const struct view *view = watch->view;
-    const struct session *session = &watch->side->session;
-    return pass != view->shown_pass ||
-           session->runtime->read(session->handle, view->resource, view->mip, &watch->side->shown);
+    return view_take(watch->view, watch->side, pass);
 }
 
 static bool render_side(struct view *view, struct view_side *side, const struct dt_frame *frame)
@@ -124,12 +121,10 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
     struct watch watch = {view, side};
     const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
     const struct dt_pipeline *info = view->pipeline.info;
-    bool output =
-        (int)view->resource == info->display_output || (int)view->resource == info->linear_output;
-    free(side->shown.data);
-    side->shown = (struct dt_bytes){0};
+    bool output = (int)view->resource == info->display_output; /* lives on after the frame */
+    view_forget(side);
     return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
-                                         output ? NULL : &observer);
+                                         output && !view->shown_points ? NULL : &observer);
 }
 
 static bool fit_to_window(struct view *view)
@@ -154,7 +149,7 @@ static bool render(struct view *view)
     memset(&frame, 0, sizeof frame);
     scene_frame(&view->scene, view->size[0], view->size[1], &frame);
     frame.index = view->frame++;
-    view->shown_pass = view_last_writer(view->pipeline.info, view->resource, view->mip);
+    view->camera = frame.camera;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!render_side(view, &view->side[i], &frame))
             return false;
@@ -253,8 +248,7 @@ static bool close_sides(struct view *view)
         if (side->session.handle)
             silent = session_is_silent(&side->session) && silent;
         session_close(&side->session);
-        free(side->shown.data);
-        picture_free(&side->picture);
+        view_forget(side);
     }
     return silent;
 }
@@ -266,6 +260,7 @@ int verb_view(struct console *console, const struct options *options)
     if (good && options->screenshot)
         good = view_write_png(&view, options->screenshot);
     good = close_sides(&view) && good;
+    view_outline_forget(&view);
     scene_free(&view.scene);
     sides_free(&view.sides);
     pipeline_unload(&view.pipeline);

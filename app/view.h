@@ -7,9 +7,10 @@
 #include <GLFW/glfw3.h>
 
 #include "picture.h"
+#include "points.h"
 #include "session.h"
 
-enum { VIEW_SIDES = 2 };
+enum { VIEW_SIDES = 2, VIEW_MAX_POINTS = 8, VIEW_MAX_SOURCES = 4 };
 
 /* How two sides are shown. */
 enum view_mode {
@@ -19,10 +20,19 @@ enum view_mode {
     VIEW_MODES
 };
 
+/* Points that one wish shows: elements of one buffer or more. */
+struct view_points {
+    char *name; /* owned */
+    struct point_source sources[VIEW_MAX_SOURCES];
+    uint32_t count;
+};
+
 /* A backend at work. The first one has the window. */
 struct view_side {
     struct session session;
-    struct dt_bytes shown;  /* what the last frame left in the resource shown; owned */
+    struct dt_bytes shown; /* what the last frame left in the resource shown; owned */
+    /* and in the buffers of the points shown: of each source its own, and its labels; owned */
+    struct dt_bytes elements[VIEW_MAX_SOURCES], labels[VIEW_MAX_SOURCES];
     struct picture picture; /* the same for looking at; without codes while copied directly */
 };
 
@@ -42,15 +52,21 @@ struct view {
     int layer;         /* of it; -1: all of them, as a sheet */
     uint32_t mip;
     enum view_mode mode;
-    float gain; /* of the difference */
+    float gain;            /* of the difference */
+    uint32_t shown_points; /* counted from 1; 0: none */
+
+    /* What the pipeline's outline offers. */
+    const struct dt_param *digits; /* set by the keys 0 to 9; NULL: nothing is */
+    struct view_points points[VIEW_MAX_POINTS];
+    uint32_t points_count;
 
     /* As of the last frame. */
     bool direct; /* the first side's texture is a copy of its display output, row 0 at the bottom */
     uint32_t size[2]; /* of the pipeline's frame */
+    struct dt_view camera;
     uint32_t window_size[2];
-    uint32_t frame;      /* index of the next one */
-    uint32_t shown_pass; /* after which the resource is read */
-    double time;         /* seconds, when the last frame began */
+    uint32_t frame; /* index of the next one */
+    double time;    /* seconds, when the last frame began */
 
     /* Wishes of the user, carried out between frames. */
     bool paused, step; /* step: one more frame all the same */
@@ -65,6 +81,12 @@ struct view {
 void view_input_open(struct view *view);                /* callbacks of the window */
 void view_input_fly(struct view *view, double seconds); /* keys that are held */
 
+/* ---- view_outline.c -------------------------------------------------------------------------- */
+
+/* Of view->pipeline. False, with the error logged, when it is wrong: then nothing is offered. */
+bool view_outline_read(struct view *view);
+void view_outline_forget(struct view *view);
+
 /* ---- view_picture.c -------------------------------------------------------------------------- */
 
 /* An image that some pass writes can be shown. */
@@ -77,6 +99,11 @@ uint32_t view_layers(const struct view *view);
 
 /* The pipeline's display output, shown from device memory as it is. */
 bool view_is_direct(const struct view *view);
+
+/* To be called after that pass: reads what is shown, and points, where it is the last to write
+ * them. */
+bool view_take(const struct view *view, struct view_side *side, uint32_t pass);
+void view_forget(struct view_side *side); /* what was read, and its picture */
 
 /* Of what the last frame left: the window's textures. */
 bool view_pictures(struct view *view);

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "camera.h"
+#include "texels.h"
 
 static struct view *view_of(GLFWwindow *window)
 {
@@ -35,10 +36,21 @@ static void change_mip(struct view *view, int way)
     view->mip = (view->mip + mips + (uint32_t)way) % mips;
 }
 
+/* Sets the live parameter of the outline, where the number is one that it takes. */
+static void set_digit(struct view *view, int digit)
+{
+    const struct dt_param *param = view->digits;
+    char text[2] = {(char)('0' + digit), 0};
+    if (param && type_components(param->type) == 1 && digit >= param->min && digit <= param->max)
+        pipeline_set_live(&view->pipeline, param, text, &view->console->log);
+}
+
 static void press(struct view *view, int key, int modifiers)
 {
     bool shift = modifiers & GLFW_MOD_SHIFT;
     view->step = true; /* most of them change the picture */
+    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9)
+        set_digit(view, key - GLFW_KEY_0);
     switch (key) {
     case GLFW_KEY_ESCAPE:
         view->quit = true;
@@ -70,6 +82,9 @@ static void press(struct view *view, int key, int modifiers)
     case GLFW_KEY_SPACE:
         view->paused = !view->paused;
         break;
+    case GLFW_KEY_V:
+        view->shown_points = (view->shown_points + 1) % (view->points_count + 1);
+        break;
     case GLFW_KEY_C:
         view->mode = (view->mode + 1) % VIEW_MODES;
         break;
@@ -88,7 +103,7 @@ static void press(struct view *view, int key, int modifiers)
         view->save_camera |= modifiers & GLFW_MOD_CONTROL;
         break;
     default:
-        view->step = false;
+        view->step = key >= GLFW_KEY_0 && key <= GLFW_KEY_9;
         break;
     }
 }

@@ -50,17 +50,63 @@ bool view_is_direct(const struct view *view)
     const struct dt_pipeline *info = view->pipeline.info;
     const struct dt_resource *resource = &info->resources[view->resource];
     return (int)view->resource == info->display_output && resource->format == DT_FORMAT_RGBA8 &&
-           !resource->layered && view->mip == 0 &&
+           !resource->layered && view->mip == 0 && !view->shown_points &&
            (view->side_count == 1 || view->mode != VIEW_DIFFERENCE);
 }
 
 /* ---- From resources to codes ----------------------------------------------------------------- */
 
-static void forget(struct view_side *side)
+static void free_bytes(struct dt_bytes *bytes)
 {
-    free(side->shown.data);
-    side->shown = (struct dt_bytes){0};
+    free(bytes->data);
+    *bytes = (struct dt_bytes){0};
+}
+
+void view_forget(struct view_side *side)
+{
+    free_bytes(&side->shown);
+    for (int i = 0; i < VIEW_MAX_SOURCES; i++) {
+        free_bytes(&side->elements[i]);
+        free_bytes(&side->labels[i]);
+    }
     picture_free(&side->picture);
+}
+
+static bool take(const struct view *view, const struct view_side *side, uint32_t pass,
+                 uint32_t resource, uint32_t mip, struct dt_bytes *bytes)
+{
+    const struct session *session = &side->session;
+    return view_last_writer(view->pipeline.info, resource, mip) != pass || bytes->data ||
+           session->runtime->read(session->handle, resource, mip, bytes);
+}
+
+bool view_take(const struct view *view, struct view_side *side, uint32_t pass)
+{
+    if (!take(view, side, pass, view->resource, view->mip, &side->shown))
+        return false;
+    if (!view->shown_points)
+        return true;
+    const struct view_points *points = &view->points[view->shown_points - 1];
+    for (uint32_t i = 0; i < points->count; i++) {
+        const struct point_source *source = &points->sources[i];
+        if (!take(view, side, pass, source->buffer, 0, &side->elements[i]) ||
+            (source->label == POINT_BUFFER &&
+             !take(view, side, pass, source->label_buffer, 0, &side->labels[i])))
+            return false;
+    }
+    return true;
+}
+
+/* Over pictures of the frame alone: others are of other views. */
+static void draw_points(const struct view *view, const struct view_side *side)
+{
+    const struct picture *picture = &side->picture;
+    if (!view->shown_points || picture->width != view->size[0] || picture->height != view->size[1])
+        return;
+    const struct view_points *points = &view->points[view->shown_points - 1];
+    for (uint32_t i = 0; i < points->count; i++)
+        points_draw(picture, &view->camera, view->pipeline.info, &points->sources[i],
+                    &side->elements[i], &side->labels[i]);
 }
 
 /* The bytes of one layer, or of all: a part of `shown`. */
@@ -84,8 +130,11 @@ static bool make_picture(struct view *view, struct view_side *side)
         return false;
     struct dt_bytes part = chosen_layer(view, &side->shown);
     picture_free(&side->picture);
-    return picture_codes(&side->picture, &view->pipeline.info->resources[view->resource], &part,
-                         &session->log);
+    if (!picture_codes(&side->picture, &view->pipeline.info->resources[view->resource], &part,
+                       &session->log))
+        return false;
+    draw_points(view, side);
+    return true;
 }
 
 /* The first picture becomes the difference of both. */
@@ -136,7 +185,7 @@ bool view_pictures(struct view *view)
     uint32_t first = view_is_direct(view) ? 1 : 0;
     view->direct = first > 0;
     if (view->direct) {
-        forget(&view->side[0]);
+        view_forget(&view->side[0]);
         if (!window->runtime->window_copy(window->handle, 1, view->resource))
             return false;
     }

@@ -113,6 +113,10 @@ static void emit_param(struct text *out, const struct param *param)
     c_double(out, param->min);
     text_add(out, ",\n        .max = ");
     c_double(out, param->max);
+    if (param->step > 0) {
+        text_add(out, ",\n        .step = ");
+        c_double(out, param->step);
+    }
     text_add(out, ",\n    },\n");
 }
 

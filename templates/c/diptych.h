@@ -154,6 +154,7 @@ struct dt_param {
     uint32_t offset; /* live: bytes into the live block */
     double value[4]; /* as many as the type has components */
     double min, max; /* -INFINITY, INFINITY where the spec gives none */
+    double step;     /* of a slider; 0: none given */
 };
 
 struct dt_pipeline {

@@ -123,6 +123,7 @@ static const struct dt_param params[] = {
         .value = {0.5},
         .min = 0,
         .max = 1,
+        .step = 0.050000000000000003,
     },
 };
 
