@@ -1,6 +1,10 @@
-"""Checks for tests/language.sh: `spec SCHEMA FILE` validates a spec; `reference SCHEMA FILE` holds the reference's tables
-against the schema: the same keys in every section, and examples that the schema accepts."""
+"""Checks for tests/language_test.sh: `files FILE...`: each names its schema as yaml-language-server reads it, and is valid by it;
+`misspelled FILE...`: and would not be with any one of its keys misspelled; `reference SCHEMA FILE` holds the reference's tables against the schema: the
+same keys in every section, and examples that the schema accepts; `keys SCHEMA... -- SOURCE...`: the schemas have the keys
+that the reader's tables in C have."""
+import copy
 import json
+import os
 import re
 import sys
 
@@ -39,15 +43,88 @@ def check_reference(schema, markdown):
             sys.exit(f"section {anchor}: schema has {sorted(keys)}, reference has {sorted(found.get(anchor, []))}")
 
 
-def main():
-    with open(sys.argv[2], encoding="utf-8") as file:
-        schema = json.load(file)
-    with open(sys.argv[3], encoding="utf-8") as file:
+def load(path):
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def misspelled(value, fixed=False):
+    """The value with one of its keys misspelled, for every key that the language fixes, not the file."""
+    if isinstance(value, list):
+        for i, item in enumerate(value):
+            for wrong in misspelled(item):
+                yield value[:i] + [wrong] + value[i + 1:]
+    if not isinstance(value, dict):
+        return
+    for key, item in value.items():
+        if not fixed:
+            yield {name + "x" * (name == key): other for name, other in value.items()}
+        named = key in NAMED and not fixed
+        for wrong in misspelled(item, named):
+            yield {**value, key: wrong}
+
+
+# what stands below these is called as the file likes
+NAMED = {"params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves", "ranges", "contracts"}
+
+
+def check_file(path):
+    with open(path, encoding="utf-8") as file:
         text = file.read()
-    if sys.argv[1] == "spec":
-        jsonschema.validate(yaml.safe_load(text), schema)
+    found = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
+    if not found:
+        sys.exit(f"{path}: its first line names no schema")
+    schema = load(os.path.join(os.path.dirname(path), found.group(1)))
+    validator = jsonschema.Draft202012Validator(schema)
+    validator.check_schema(schema)
+    value = yaml.safe_load(text)
+    for error in validator.iter_errors(value):
+        sys.exit(f"{path}: {error.message}")
+    return validator, value
+
+
+def check_misspelled(path):
+    validator, value = check_file(path)
+    value = copy.deepcopy(value)
+    for name in ("structs", "published"):  # their keys are names, down to the last
+        value.pop(name, None)
+    for wrong in misspelled(value):
+        if validator.is_valid(wrong):
+            sys.exit(f"{path}: the schema accepts a misspelled key: {wrong}")
+
+
+def properties(schema):
+    found = set(schema.get("properties", {})) if isinstance(schema, dict) else set()
+    for part in schema.values() if isinstance(schema, dict) else schema:
+        if isinstance(part, (dict, list)):
+            found |= properties(part)
+    return found
+
+
+def check_keys(schemas, sources):
+    known = set().union(*(properties(load(path)) for path in schemas))
+    read = set()
+    for path in sources:
+        with open(path, encoding="utf-8") as file:
+            read |= set(re.findall(r'(?:KEY_OF_NUMBERS\(|\.name = )"(\w+)"', file.read()))
+    read -= {"scene", "motion"}  # what the files are called
+    if known != read:
+        sys.exit(f"only the schemas have {sorted(known - read)}, only the reader has {sorted(read - known)}")
+
+
+def main():
+    arguments = sys.argv[2:]
+    if sys.argv[1] == "files":
+        for path in arguments:
+            check_file(path)
+    elif sys.argv[1] == "misspelled":
+        for path in arguments:
+            check_misspelled(path)
+    elif sys.argv[1] == "keys":
+        check_keys(arguments[:arguments.index("--")], arguments[arguments.index("--") + 1:])
     else:
-        check_reference(schema, text)
+        with open(arguments[1], encoding="utf-8") as file:
+            check_reference(load(arguments[0]), file.read())
 
 
 main()

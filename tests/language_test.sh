@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The language's table, its schema and its reference say the same: shipped specs are valid by the schema, every key of the
-# schema stands in the reference, every example in the reference is YAML that the schema accepts. And the command line's
-# errors, overrides and untouched outputs. TAP.
+# schema stands in the reference, every example in the reference is YAML that the schema accepts; so are scenes, motions and
+# outlines of reports by theirs. And the command line's errors, overrides and untouched outputs. UPDATE=1 writes the schema that
+# editors find. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root" || exit 1
@@ -14,18 +15,31 @@ says() { # text command...
 }
 
 check "--schema prints" bash -c "'$gen' --schema >'$work/schema.json'"
+[ -z "${UPDATE:-}" ] || cp "$work/schema.json" templates/diptych.schema.json
+check "... what lies beside the specs" diff -u templates/diptych.schema.json "$work/schema.json"
 check "--reference prints" bash -c "'$gen' --reference >'$work/LANGUAGE.md'"
 python=/usr/bin/python3
 if $python -c 'import jsonschema, yaml' 2>/dev/null; then
-    for spec in templates/*.yaml tests/specs/*.yaml; do
-        grep -q "^pipeline:" "$spec" || continue
-        check "$spec is valid by the schema" $python tests/language.py spec "$work/schema.json" "$spec"
-    done
+    check "every shipped YAML names a schema and is valid by it" $python tests/language.py files \
+        templates/*.yaml templates/*/report.yaml tests/specs/*.yaml scenes/*.yaml
+    check "... and not with a misspelled key" $python tests/language.py misspelled \
+        templates/rsm.yaml templates/*/report.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
+    check "schemas of scenes and motions have the reader's keys" $python tests/language.py keys \
+        scenes/{scene,motion}.schema.json -- scenes/{scene,motion,camera_light}.c
     check "keys and examples of the reference fit the schema" \
         $python tests/language.py reference "$work/schema.json" "$work/LANGUAGE.md"
 else
     skip "the schema accepts the shipped specs" "python3-jsonschema or python3-yaml is missing"
 fi
+
+# shellcheck disable=SC2317 # called through check
+example_of_errors() (
+    cp -r templates "$work/templates" && cd "$work" || return
+    sed -i 's/{of: Vpl, count: first_vpls/{of: Vpl, count: first_vpl/; /name: kmeans/,/reads:/s/\[vpls\]/[vlps]/' templates/ssvp.yaml
+    ! "$gen" templates/ssvp.yaml --check >/dev/null 2>errors || return
+    sed -n '/^templates.ssvp.yaml:.*error/,/^```/p' "$root/README.md" | sed '/^```/d' | diff - errors
+)
+check "the README's example of errors" example_of_errors
 
 check_status 2 "an unknown option" "$gen" --chek
 check "... with a hint" says "did you mean \`--check\`?" "$gen" --chek
