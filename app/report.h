@@ -64,6 +64,11 @@ bool report_write_steps(const struct report *report);
 char *report_file(const struct report_scene *scene, const char *name, const char *ending);
 char *report_sweep_file(const struct report *report, const struct report_scene *scene, int index,
                         const char *ending);
+/* Of a picture of the outline at a value of the sweep. */
+char *report_error_file(const struct report *report, const struct report_scene *scene,
+                        const cJSON *picture, int index, const char *ending);
+/* The picture that stands for the pipeline at its best. */
+const cJSON *report_last_picture(const struct report *report);
 
 /* report_results.c: what the steps left; NULL or NaN where a step has failed. */
 const cJSON *report_result(struct report *report, const char *file);

@@ -4,7 +4,7 @@
  *   scenes: [FILE, ...]      beside the outline, for when --scene names none
  *   reference: {bounces: N, title: ...}
  *   pictures: [{name: ..., title: ..., set: [PATH=VALUE, ...]}, ...]
- *   sweep: {parameter: NAME, values: [...]}       the last value is the best
+ *   sweep: {parameter: NAME, values: [...]}       of each picture; the last value is the best
  *   stages: [{name: ..., doc: ..., passes: [...]}, ...]
  *   published: {by, device, scene, size, stages: {NAME: [ms of each value of the sweep]}, total: [...],
  *               own_error: {metric: ..., values: [...]}}

@@ -269,7 +269,7 @@ static void put_agreement(FILE *out, struct report *report, const struct report_
 static void put_scene(FILE *out, struct report *report, const struct report_scene *scene)
 {
     const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
-    const cJSON *last = cJSON_GetArrayItem(pictures, cJSON_GetArraySize(pictures) - 1);
+    const cJSON *last = report_last_picture(report);
     char *file = report_file(scene, report_text(last, "name"), ".json");
     fprintf(out, "<h3 id=\"scene-%u\">", (unsigned)(scene - report->scenes));
     report_put_text(out, scene->name);
@@ -363,10 +363,13 @@ static void put_errors(FILE *out, struct report *report)
     fputs("<h2>Error against ", out);
     report_put_text(out, parameter);
     fputs("</h2>\n<div class=\"plots\">\n", out);
-    put_plot(out, report, "errors", "Against the reference",
+    put_plot(out, report, "errors", "Relative MSE against the reference",
              "Lower is better. What is left at the right end is the method&rsquo;s own, and the "
              "noise of the reference.");
-    put_plot(out, report, "own_errors", "Against the pipeline's own picture with the last value",
+    put_plot(out, report, "flip", "FLIP against the reference",
+             "What an observer sees of the same, from 0 to 1.");
+    put_plot(out, report, "own_errors",
+             "Relative MSE against the pipeline's own picture with the last value",
              "How much would still change: the reference plays no part in it.");
     fputs("</div>\n", out);
     put_published_error(out, report);

@@ -168,20 +168,23 @@ static void put_field(FILE *out, double value)
         fprintf(out, ",%.6g", value);
 }
 
-/* One row per scene and value; a scene's rows follow one another. */
+/* One row per scene, picture and value; the rows of a line of the plots follow one another. */
 static void put_errors(FILE *out, struct report *report)
 {
     static const char *const paths[] = {"hdr.relative_mse", "ldr.flip.mean"};
+    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
     char buffer[32];
     int count = cJSON_GetArraySize(sweep_values(report));
-    fprintf(out, "scene,%s,relative_mse,flip,own_relative_mse,own_flip\n",
+    fprintf(out, "scene,picture,%s,relative_mse,flip,own_relative_mse,own_flip\n",
             report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
     for (uint32_t s = 0; s < report->scene_count; s++) {
         const struct report_scene *scene = &report->scenes[s];
-        for (int i = 0; i < count && scene->mesh; i++) {
-            char *file = report_sweep_file(report, scene, i, ".json");
-            char *own = report_sweep_file(report, scene, i, "_own.json");
-            fprintf(out, "%s,\"%s\"", scene->name, report_item(sweep_values(report), i, buffer));
+        cJSON_ArrayForEach(picture, pictures) for (int i = 0; i < count && scene->mesh; i++)
+        {
+            char *file = report_error_file(report, scene, picture, i, ".json");
+            char *own = report_error_file(report, scene, picture, i, "_own.json");
+            fprintf(out, "%s,%s,\"%s\"", scene->name, report_text(picture, "name"),
+                    report_item(sweep_values(report), i, buffer));
             for (int p = 0; p < 4 && file && own; p++)
                 put_field(out, report_number(report, p < 2 ? file : own, paths[p % 2]));
             fputc('\n', out);
@@ -240,14 +243,22 @@ static bool remove_plot(const struct report *report, const char *name)
     return good;
 }
 
-/* Takes in the errors of a scene; false when there is none that the axis can show. */
-static bool find_errors(struct report *report, const struct report_scene *scene, const char *ending,
-                        struct range *range)
+/* One of the plots of errors. */
+struct error_plot {
+    const char *name, *label;
+    const char *ending, *path; /* of the results, and in them */
+    int column;                /* of errors.csv */
+    int points;                /* values of the sweep, from the first on */
+};
+
+/* Takes in the errors of a picture; false when there is none that the axis can show. */
+static bool find_errors(struct report *report, const struct report_scene *scene,
+                        const cJSON *picture, const struct error_plot *plot, struct range *range)
 {
     struct range own = {0};
-    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)) && scene->mesh; i++) {
-        char *file = report_sweep_file(report, scene, i, ending);
-        take_in(&own, report_number(report, file ? file : "", "hdr.relative_mse"));
+    for (int i = 0; i < plot->points && scene->mesh; i++) {
+        char *file = report_error_file(report, scene, picture, i, plot->ending);
+        take_in(&own, report_number(report, file ? file : "", plot->path));
         free(file);
     }
     take_in(range, own.low);
@@ -255,42 +266,69 @@ static bool find_errors(struct report *report, const struct report_scene *scene,
     return own.high > 0;
 }
 
-/* A line for each scene, through its first `points` rows of errors.csv. */
-static void put_error_lines(FILE *out, struct report *report, const char *ending, int column,
-                            int points)
+/* A line for each picture of each scene: colours tell scenes apart, dashes all pictures but the last. */
+static void put_error_lines(FILE *out, struct report *report, const struct error_plot *plot)
 {
+    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
     struct range unused = {0};
-    int lines = 0, rows = 1; /* the head */
-    fprintf(out, "set xrange [0:%d]\nplot", points - 1);
+    int lines = 0, rows = 1, colour = 0; /* the head is a row */
+    fprintf(out, "set xrange [0:%d]\nplot", plot->points - 1);
     for (uint32_t i = 0; i < report->scene_count; i++) {
         const struct report_scene *scene = &report->scenes[i];
-        if (find_errors(report, scene, ending, &unused)) {
-            fprintf(out, "%s 'errors.csv' skip %d every ::0::%d using 0:%d with linespoints title ",
-                    lines++ ? "," : "", rows, points - 1, column);
-            put_quoted(out, scene->name);
+        int dash = cJSON_GetArraySize(pictures);
+        colour += scene->mesh != NULL;
+        cJSON_ArrayForEach(picture, pictures)
+        {
+            if (find_errors(report, scene, picture, plot, &unused)) {
+                char *title = format_string("%s, %s", scene->name, report_text(picture, "title"));
+                fprintf(out,
+                        "%s 'errors.csv' skip %d every ::0::%d using 0:%d with linespoints lt %d "
+                        "dt %d title ",
+                        lines++ ? "," : "", rows, plot->points - 1, plot->column, colour, dash);
+                put_quoted(out, title ? title : "");
+                free(title);
+            }
+            dash--;
+            rows += scene->mesh ? cJSON_GetArraySize(sweep_values(report)) : 0;
         }
-        rows += scene->mesh ? cJSON_GetArraySize(sweep_values(report)) : 0;
     }
     fputs("\n", out);
 }
 
-static bool draw_errors(struct report *report, const char *name, const char *label,
-                        const char *ending, int column, int points)
+static bool draw_errors(struct report *report, const struct error_plot *plot)
 {
+    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
     char *script = NULL;
     size_t size = 0;
     struct range range = {0};
     for (uint32_t i = 0; i < report->scene_count; i++)
-        find_errors(report, &report->scenes[i], ending, &range);
+        cJSON_ArrayForEach(picture, pictures)
+            find_errors(report, &report->scenes[i], picture, plot, &range);
     if (!(range.high > 0))
-        return remove_plot(report, name);
+        return remove_plot(report, plot->name);
     FILE *out = open_memstream(&script, &size);
     if (out) {
-        put_axes(out, report, label, &range);
-        put_error_lines(out, report, ending, column, points);
+        put_axes(out, report, plot->label, &range);
+        put_error_lines(out, report, plot);
     }
-    bool good = draw(report, name, out, &script);
+    bool good = draw(report, plot->name, out, &script);
     free(script);
+    return good;
+}
+
+/* Against the reference, and against the same picture at the last value, which has no error of its own. */
+static bool draw_all_errors(struct report *report)
+{
+    int count = cJSON_GetArraySize(sweep_values(report));
+    const struct error_plot plots[] = {
+        {"errors", "relative MSE against the reference", ".json", "hdr.relative_mse", 4, count},
+        {"flip", "FLIP against the reference", ".json", "ldr.flip.mean", 5, count},
+        {"own_errors", "relative MSE against the last value", "_own.json", "hdr.relative_mse", 6,
+         count - 1},
+    };
+    bool good = true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(plots) && good; i++)
+        good = draw_errors(report, &plots[i]);
     return good;
 }
 
@@ -377,17 +415,13 @@ static bool draw_times(struct report *report, const struct report_scene *scene, 
 
 bool report_draw_plots(struct report *report)
 {
-    int count = cJSON_GetArraySize(sweep_values(report));
     char *folder = format_string("%s/plots", report->folder);
     bool good = folder && file_make_folders(folder, &report->console->log) &&
                 write_numbers(report, "errors", put_errors) &&
                 write_numbers(report, "times", put_times);
     free(folder);
     console_status(report->console, "drawing plots");
-    good = good &&
-           draw_errors(report, "errors", "relative MSE against the reference", ".json", 3, count) &&
-           draw_errors(report, "own_errors", "relative MSE against the last picture", "_own.json",
-                       5, count - 1);
+    good = good && draw_all_errors(report);
     for (uint32_t i = 0, here = 0; i < report->scene_count && good; i++) {
         if (report->scenes[i].mesh)
             good = draw_times(report, &report->scenes[i], here++);

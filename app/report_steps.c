@@ -29,6 +29,21 @@ char *report_sweep_file(const struct report *report, const struct report_scene *
     return file;
 }
 
+char *report_error_file(const struct report *report, const struct report_scene *scene,
+                        const cJSON *picture, int index, const char *ending)
+{
+    char *suffix = format_string("_%s%s", report_text(picture, "name"), ending);
+    char *file = suffix ? report_sweep_file(report, scene, index, suffix) : NULL;
+    free(suffix);
+    return file;
+}
+
+const cJSON *report_last_picture(const struct report *report)
+{
+    const cJSON *pictures = cJSON_GetObjectItem(report->outline, "pictures");
+    return cJSON_GetArrayItem(pictures, cJSON_GetArraySize(pictures) - 1);
+}
+
 /* ---- Commands -------------------------------------------------------------------------------- */
 
 /* A command on its way into a step. */
@@ -244,14 +259,14 @@ static bool add_pictures(struct report *report, const struct report_scene *scene
     return good;
 }
 
-/* [PARAMETER=VALUE] of one value of the sweep. */
-static cJSON *sweep_set(const struct report *report, int index)
+/* What a picture sets, and behind it PARAMETER=VALUE of one value of the sweep, which wins. */
+static cJSON *sweep_sets(const struct report *report, const cJSON *picture, int index)
 {
     const cJSON *sweep = cJSON_GetObjectItem(report->outline, "sweep");
     char buffer[32];
     char *set = format_string("%s=%s", report_text(sweep, "parameter"),
                               report_item(cJSON_GetObjectItem(sweep, "values"), index, buffer));
-    cJSON *sets = cJSON_CreateArray();
+    cJSON *sets = cJSON_Duplicate(cJSON_GetObjectItem(picture, "set"), true);
     cJSON_AddItemToArray(sets, cJSON_CreateString(set ? set : ""));
     free(set);
     return sets;
@@ -271,30 +286,47 @@ static bool add_bench(struct report *report, const struct report_scene *scene, c
     return add_step(report, scene, PART_TIMES, file, &command);
 }
 
+/* One picture at one value: its errors against the reference, and against `best`, the same picture at
+ * the last value, if that is another. */
+static bool add_errors(struct report *report, const struct report_scene *scene,
+                       const cJSON *picture, int index, const char *reference, const char **best)
+{
+    char *reference_picture = report_file(scene, "reference", ".exr");
+    cJSON *sets = sweep_sets(report, picture, index);
+    bool good = reference_picture && sets &&
+                add_render(report, scene, PART_ERRORS,
+                           report_error_file(report, scene, picture, index, ".exr"), sets);
+    const char *made = good ? last_file(report) : NULL;
+    good = good && add_metrics(report, PART_ERRORS, made, reference_picture, reference, NULL,
+                               report_error_file(report, scene, picture, index, ".json"));
+    if (good && *best)
+        good = add_metrics(report, PART_ERRORS, made, *best, *best, NULL,
+                           report_error_file(report, scene, picture, index, "_own.json"));
+    *best = *best ? *best : made;
+    cJSON_Delete(sets);
+    free(reference_picture);
+    return good;
+}
+
 /* The last value comes first, since the others are held against its picture, too. */
 static bool add_sweep(struct report *report, const struct report_scene *scene,
                       const char *reference)
 {
+    const cJSON *picture, *last = report_last_picture(report);
     int count = cJSON_GetArraySize(
         cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values"));
-    char *reference_picture = report_file(scene, "reference", ".exr");
-    const char *best = NULL;
-    bool good = reference_picture;
+    bool good = true;
+    cJSON_ArrayForEach(picture, cJSON_GetObjectItem(report->outline, "pictures"))
+    {
+        const char *best = NULL;
+        for (int i = count - 1; i >= 0 && good; i--)
+            good = add_errors(report, scene, picture, i, reference, &best);
+    }
     for (int i = count - 1; i >= 0 && good; i--) {
-        cJSON *sets = sweep_set(report, i);
-        good = add_render(report, scene, PART_ERRORS, report_sweep_file(report, scene, i, ".exr"),
-                          sets);
-        const char *picture = good ? last_file(report) : NULL;
-        best = best ? best : picture;
-        good = good &&
-               add_metrics(report, PART_ERRORS, picture, reference_picture, reference, NULL,
-                           report_sweep_file(report, scene, i, ".json")) &&
-               (picture == best || add_metrics(report, PART_ERRORS, picture, best, best, NULL,
-                                               report_sweep_file(report, scene, i, "_own.json"))) &&
-               add_bench(report, scene, sets, report_sweep_file(report, scene, i, "_bench.json"));
+        cJSON *sets = sweep_sets(report, last, i);
+        good = add_bench(report, scene, sets, report_sweep_file(report, scene, i, "_bench.json"));
         cJSON_Delete(sets);
     }
-    free(reference_picture);
     return good;
 }
 

@@ -151,43 +151,53 @@ void report_put_overview(FILE *out, struct report *report)
 
 /* ---- Errors over the sweep ------------------------------------------------------------------- */
 
-static void put_error_row(FILE *out, struct report *report, const struct report_scene *scene,
-                          const char *ending, const char *path)
+/* Of all pictures of a scene. */
+static void put_error_rows(FILE *out, struct report *report, const struct report_scene *scene,
+                           const char *ending, const char *path)
 {
-    fputs("<tr><th scope=\"row\">", out);
+    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
+    fprintf(out, "<tbody><tr><th scope=\"rowgroup\" rowspan=\"%d\">", cJSON_GetArraySize(pictures));
     report_put_text(out, scene->name);
     fputs("</th>", out);
-    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
-        char *file = report_sweep_file(report, scene, i, ending);
-        put_result_cell(out, report, file, path);
-        free(file);
+    cJSON_ArrayForEach(picture, pictures)
+    {
+        fprintf(out, "%s<td class=\"word\">", picture == pictures->child ? "" : "<tr>");
+        report_put_text(out, report_text(picture, "title"));
+        fputs("</td>", out);
+        for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
+            char *file = report_error_file(report, scene, picture, i, ending);
+            put_result_cell(out, report, file, path);
+            free(file);
+        }
+        fputs("</tr>\n", out);
     }
-    fputs("</tr>\n", out);
+    fputs("</tbody>\n", out);
 }
 
 static void put_error_table(FILE *out, struct report *report, const char *caption,
                             const char *ending, const char *path)
 {
     fprintf(out,
-            "<div class=\"scroll\"><table><caption>%s</caption>\n<thead><tr><th scope=\"col\">",
+            "<div class=\"scroll\"><table><caption>%s</caption>\n<thead><tr><th scope=\"col\">"
+            "Scene</th><th class=\"word\" scope=\"col\">",
             caption);
     report_put_text(out, sweep_name(report));
     fputs("</th>", out);
     put_value_heads(out, report);
-    fputs("</tr></thead>\n<tbody>\n", out);
+    fputs("</tr></thead>\n", out);
     for (uint32_t i = 0; i < report->scene_count; i++) {
         if (report->scenes[i].mesh)
-            put_error_row(out, report, &report->scenes[i], ending, path);
+            put_error_rows(out, report, &report->scenes[i], ending, path);
     }
-    fputs("</tbody></table></div>\n", out);
+    fputs("</table></div>\n", out);
 }
 
 void report_put_errors(FILE *out, struct report *report)
 {
     put_error_table(out, report, "Relative MSE against the reference", ".json", "hdr.relative_mse");
     put_error_table(out, report, "FLIP against the reference", ".json", "ldr.flip.mean");
-    put_error_table(out, report, "Relative MSE against the picture of the last column", "_own.json",
-                    "hdr.relative_mse");
+    put_error_table(out, report, "Relative MSE against the same picture of the last column",
+                    "_own.json", "hdr.relative_mse");
 }
 
 /* ---- Stages ---------------------------------------------------------------------------------- */

@@ -12,6 +12,7 @@ import urllib.parse
 VOID = {"meta", "img", "br", "link", "hr"}
 SCENE = "a & box"
 VALUES = ["0.05", "0.1", "0.2"]
+PICTURES = ["dark", "shown"]
 
 
 class Page(html.parser.HTMLParser):
@@ -73,9 +74,10 @@ def check_links(page, folder):
 
 def check_numbers(page, results, missing, values):
     marked = page.all("data")
-    # two in the overview and under each of two pictures, if they are there; samples; two of the map; three tables of errors
+    # two in the overview and under each of two pictures, if they are there; samples; two of the map; three tables of errors,
+    # two pictures each
     shown = 2 - (f"{SCENE}/dark.json" in missing)
-    assert len(marked) == 2 * 2 + 2 * shown + 1 + 2 + 3 * len(values), len(marked)
+    assert len(marked) == 2 * 2 + 2 * shown + 1 + 2 + 2 * 3 * len(values), len(marked)
     for _, attributes, text in marked:
         file, path = attributes["value"].split("#")
         if file in missing:
@@ -141,12 +143,12 @@ def check_overview(page, results):
 def check_csv(folder, results):
     with open(os.path.join(folder, "plots/errors.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [r["level"] for r in rows] == VALUES, rows
+    assert [(r["picture"], r["level"]) for r in rows] == [(p, v) for p in PICTURES for v in VALUES], rows
     for row in rows:
-        result = results[f"{SCENE}/level_{row['level']}.json"]
+        result = results[f"{SCENE}/level_{row['level']}_{row['picture']}.json"]
         near(row["relative_mse"], result["hdr"]["relative_mse"], "CSV")
         near(row["flip"], result["ldr"]["flip"]["mean"], "CSV")
-        own = results.get(f"{SCENE}/level_{row['level']}_own.json")
+        own = results.get(f"{SCENE}/level_{row['level']}_{row['picture']}_own.json")
         assert bool(own) == bool(row["own_flip"]), row
         if own:
             near(row["own_flip"], own["ldr"]["flip"]["mean"], "CSV")
@@ -166,11 +168,14 @@ def main():
     page = Page(text)
     values = ["0.05", "0.1", "7"] if incomplete else VALUES
     # of the last value against itself there is nothing to measure
-    missing = [f"{SCENE}/level_{values[-1]}_own.json"]
+    missing = [f"{SCENE}/level_{values[-1]}_{p}_own.json" for p in PICTURES]
     if incomplete:
-        missing += [f"{SCENE}/{v}.json" for v in ("dark", "level_7", "level_7_bench", "level_0.05_own", "level_0.1_own")]
+        missing += [f"{SCENE}/{v}.json" for v in ("dark", "level_7_bench")]
+        missing += [f"{SCENE}/level_{v}_dark.json" for v in values] + [f"{SCENE}/level_7_shown.json"]
+        missing += [f"{SCENE}/level_{v}_{p}_own.json" for p in PICTURES for v in ("0.05", "0.1")]
     names = ["reference", "dark", "shown", "compare"]
-    names += [f"level_{v}{e}" for i, v in enumerate(values) for e in ("", "_bench") + (("_own",) if i + 1 < len(values) else ())]
+    names += [f"level_{v}_bench" for v in values]
+    names += [f"level_{v}_{p}{e}" for p in PICTURES for i, v in enumerate(values) for e in ["", "_own"][:1 + (i + 1 < len(values))]]
     results = {}
     for name in (f"{SCENE}/{n}.json" for n in names):
         if name not in missing:
