@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "files.h"
+#include "place.h"
 
 enum { TICK_NS = 200000000, PROGRESS_AFTER_S = 2 };
 
@@ -27,11 +28,15 @@ static void print_message(void *user, enum dt_level level, const char *message)
 {
     static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
     struct console *console = user;
+    struct place place;
     if (level == DT_ERROR)
         atomic_fetch_add(&console->errors, 1);
     pthread_mutex_lock(&console->lock);
     clear_line(console);
-    fprintf(stderr, "diptych: %s%s\n", labels[level], message);
+    if (place_read(message, &place))
+        fprintf(stderr, "%s\n", message);
+    else
+        fprintf(stderr, "diptych: %s%s\n", labels[level], message);
     pthread_mutex_unlock(&console->lock);
 }
 

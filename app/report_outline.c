@@ -12,6 +12,7 @@
  * Only pictures, sweep and reference must be there. Called by report.c. */
 #include <errno.h>
 #include <libfyaml.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -19,6 +20,7 @@
 #include "files.h"
 #include "pipeline.h"
 #include "report.h"
+#include "scenes/reader.h"
 #include "scenes/scene.h"
 
 const char *report_text(const cJSON *object, const char *name)
@@ -57,121 +59,184 @@ static char *find_outline(const struct report *report)
     return real;
 }
 
-/* libfyaml says on stderr, with line and column, what is no YAML. */
-static cJSON *read_yaml(const char *path, const struct dt_log *log)
-{
-    struct fy_document *document = fy_document_build_from_file(NULL, path);
-    char *text = document ? fy_emit_document_to_string(document, FYECF_MODE_JSON_ONELINE) : NULL;
-    cJSON *root = text ? cJSON_Parse(text) : NULL;
-    if (!root)
-        report_error(log, "%s: is no YAML file", path);
-    free(text);
-    fy_document_destroy(document);
-    return root;
-}
-
-/* Whether there is a list of one thing or more, with `words` of nothing but text. */
-static bool is_list(const cJSON *object, const char *name, bool words)
-{
-    const cJSON *item, *list = cJSON_GetObjectItem(object, name);
-    cJSON_ArrayForEach(item, list)
-    {
-        if (words && !cJSON_IsString(item))
-            return false;
-    }
-    return cJSON_IsArray(list) && cJSON_GetArraySize(list) > 0;
-}
-
 /* A word that can be the name of a file. */
 static bool is_name(const char *text)
 {
     return *text && text[0] != '.' && !strpbrk(text, "/\n|");
 }
 
-static const char *picture_flaw(const cJSON *outline)
+static bool is_number(struct fy_node *node)
 {
-    const cJSON *picture;
-    if (!is_list(outline, "pictures", false))
-        return "`pictures` must be a list of {name, title, set}";
-    cJSON_ArrayForEach(picture, cJSON_GetObjectItem(outline, "pictures"))
-    {
-        if (!is_name(report_text(picture, "name")) || !*report_text(picture, "title") ||
-            !is_list(picture, "set", true))
-            return "each of `pictures` takes a `name`, a `title` and a list `set`";
+    const char *text = node && fy_node_is_scalar(node) ? fy_node_get_scalar0(node) : "";
+    char *end = NULL;
+    return *text && isfinite(strtod(text, &end)) && !*end;
+}
+
+static bool is_text(struct fy_node *node)
+{
+    return node && fy_node_is_scalar(node) && *fy_node_get_scalar0(node) && !is_number(node);
+}
+
+/* Reports what is not one thing or more of those that `fits` says, which are called `what`. */
+static void check_list(struct reader *reader, const struct key *key,
+                       bool (*fits)(struct fy_node *item), const char *what)
+{
+    void *position = NULL;
+    struct fy_node *item;
+    if (!key->node || !fy_node_is_sequence(key->node))
+        return;
+    if (fy_node_sequence_item_count(key->node) == 0)
+        reader_report(reader, key->node, "`%s` takes a list of %s", key->name, what);
+    while ((item = fy_node_sequence_iterate(key->node, &position))) {
+        if (fits && !fits(item))
+            reader_report(reader, item, "`%s` takes a list of %s", key->name, what);
     }
-    return NULL;
 }
 
-static const char *stage_flaw(const cJSON *outline)
+/* Reads each item of a list that holds mappings. */
+static void read_list(struct reader *reader, const struct key *key, const char *owner,
+                      const struct key *keys, size_t count,
+                      void (*check)(struct reader *reader, const struct key *keys))
 {
-    const cJSON *stage;
-    if (cJSON_HasObjectItem(outline, "stages") && !is_list(outline, "stages", false))
-        return "`stages` must be a list of {name, passes}";
-    cJSON_ArrayForEach(stage, cJSON_GetObjectItem(outline, "stages"))
-    {
-        if (!*report_text(stage, "name") || !is_list(stage, "passes", true))
-            return "each of `stages` takes a `name` and a list `passes`";
+    void *position = NULL;
+    struct fy_node *item;
+    struct key own[4];
+    check_list(reader, key, fy_node_is_mapping, "mappings");
+    if (!key->node || !fy_node_is_sequence(key->node))
+        return;
+    while ((item = fy_node_sequence_iterate(key->node, &position))) {
+        if (!fy_node_is_mapping(item))
+            continue;
+        struct fy_node_pair *first = fy_node_mapping_get_by_index(item, 0);
+        memcpy(own, keys, count * sizeof *keys);
+        reader_mapping(reader, item, first ? fy_node_pair_key(first) : item, owner, own, count);
+        check(reader, own);
     }
-    return NULL;
 }
 
-static bool are_numbers(const cJSON *list, int least, int most)
+static void read_part(struct reader *reader, const struct key *self, const char *owner,
+                      struct key *keys, size_t count)
 {
-    const cJSON *item;
-    int count = cJSON_GetArraySize(list);
-    cJSON_ArrayForEach(item, list)
-    {
-        if (!cJSON_IsNumber(item))
-            return false;
+    if (self->node && fy_node_is_mapping(self->node))
+        reader_mapping(reader, self->node, self->name_node, owner, keys, count);
+}
+
+static void check_picture(struct reader *reader, const struct key *keys)
+{
+    struct fy_node *name = keys[0].node;
+    if (name && fy_node_is_scalar(name) && !(is_text(name) && is_name(fy_node_get_scalar0(name))))
+        reader_report(reader, name, "`name` is a word that can be the name of a file");
+    check_list(reader, &keys[2], is_text, "PATH=VALUE");
+}
+
+static void check_stage(struct reader *reader, const struct key *keys)
+{
+    check_list(reader, &keys[1], is_text, "passes");
+}
+
+static void read_lists(struct reader *reader, const struct key *pictures, const struct key *stages)
+{
+    static const struct key picture[] = {{.name = "name", .type = KEY_TEXT, .required = true},
+                                         {.name = "title", .type = KEY_TEXT, .required = true},
+                                         {.name = "set", .type = KEY_SEQUENCE, .required = true}};
+    static const struct key stage[] = {{.name = "name", .type = KEY_TEXT, .required = true},
+                                       {.name = "passes", .type = KEY_SEQUENCE, .required = true},
+                                       {.name = "doc", .type = KEY_TEXT}};
+    read_list(reader, pictures, "a picture", picture, DT_ARRAY_COUNT(picture), check_picture);
+    read_list(reader, stages, "a stage", stage, DT_ARRAY_COUNT(stage), check_stage);
+}
+
+/* One number for each value of the sweep, or fewer. */
+static void check_numbers(struct reader *reader, struct fy_node *node, const char *name, int count,
+                          bool fewer)
+{
+    void *position = NULL;
+    struct fy_node *item;
+    int found = node && fy_node_is_sequence(node) ? fy_node_sequence_item_count(node) : -1;
+    if (!node)
+        return;
+    if (found < 1 || found > count || (found < count && !fewer)) {
+        reader_report(reader, node, "`%s` takes %s the sweep has values", name,
+                      fewer ? "no more numbers than" : "as many numbers as");
+        return;
     }
-    return !list || (cJSON_IsArray(list) && count >= least && count <= most);
+    while ((item = fy_node_sequence_iterate(node, &position))) {
+        if (!is_number(item))
+            reader_report(reader, item, "`%s` takes numbers", name);
+    }
 }
 
-static const char *published_flaw(const cJSON *outline, int values)
+static void read_published(struct reader *reader, const struct key *self, int values)
 {
-    const cJSON *item, *published = cJSON_GetObjectItem(outline, "published");
-    const cJSON *stages = cJSON_GetObjectItem(published, "stages");
-    const cJSON *error = cJSON_GetObjectItem(published, "own_error");
-    bool good = are_numbers(cJSON_GetObjectItem(published, "total"), values, values);
-    cJSON_ArrayForEach(item, stages) good = good && are_numbers(item, values, values);
-    if (!good)
-        return "`total` and each of `stages` in `published` take as many numbers as the sweep has "
-               "values";
-    if (!are_numbers(cJSON_GetObjectItem(error, "values"), 1, values))
-        return "`own_error` in `published` takes no more `values` than the sweep has";
-    return NULL;
+    enum { BY, DEVICE, SCENE, SIZE, STAGES, TOTAL, OWN_ERROR, COUNT };
+    struct key keys[COUNT] = {
+        [BY] = {.name = "by", .type = KEY_TEXT},
+        [DEVICE] = {.name = "device", .type = KEY_TEXT},
+        [SCENE] = {.name = "scene", .type = KEY_TEXT},
+        [SIZE] = {.name = "size", .type = KEY_TEXT},
+        [STAGES] = {.name = "stages", .type = KEY_MAPPING},
+        [TOTAL] = {.name = "total", .type = KEY_SEQUENCE},
+        [OWN_ERROR] = {.name = "own_error", .type = KEY_MAPPING},
+    };
+    struct key error[] = {{.name = "metric", .type = KEY_TEXT},
+                          {.name = "values", .type = KEY_SEQUENCE}};
+    struct fy_node_pair *pair;
+    void *position = NULL;
+    read_part(reader, self, "`published`", keys, COUNT);
+    read_part(reader, &keys[OWN_ERROR], "`own_error`", error, DT_ARRAY_COUNT(error));
+    check_numbers(reader, keys[TOTAL].node, "total", values, false);
+    check_numbers(reader, error[1].node, "values", values, true);
+    struct fy_node *stages = keys[STAGES].node;
+    while (stages && fy_node_is_mapping(stages) &&
+           (pair = fy_node_mapping_iterate(stages, &position))) {
+        check_numbers(reader, fy_node_pair_value(pair), "stages", values, false);
+    }
 }
 
-/* What is wrong with an outline, or NULL. */
-static const char *outline_flaw(const cJSON *outline)
+static void read_outline(struct reader *reader, struct fy_node *root, void *user)
 {
-    const cJSON *sweep = cJSON_GetObjectItem(outline, "sweep");
-    const cJSON *reference = cJSON_GetObjectItem(outline, "reference");
-    const char *flaw = picture_flaw(outline);
-    if (!cJSON_IsObject(outline))
-        return "must be a mapping with `pictures`, `sweep` and `reference`";
-    if (flaw)
-        return flaw;
-    if (!*report_text(sweep, "parameter") || !is_list(sweep, "values", false))
-        return "`sweep` takes a `parameter` and a list `values`";
-    if (!cJSON_IsNumber(cJSON_GetObjectItem(reference, "bounces")))
-        return "`reference` takes a number of `bounces`";
-    if (cJSON_HasObjectItem(outline, "scenes") && !is_list(outline, "scenes", true))
-        return "`scenes` must be a list of files";
-    flaw = stage_flaw(outline);
-    return flaw ? flaw
-                : published_flaw(outline, cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "values")));
+    enum { TITLE, SOURCE, SCENES, REFERENCE, PICTURES, SWEEP, STAGES, PUBLISHED, COUNT };
+    struct key keys[COUNT] = {
+        [TITLE] = {.name = "title", .type = KEY_TEXT},
+        [SOURCE] = {.name = "source", .type = KEY_TEXT},
+        [SCENES] = {.name = "scenes", .type = KEY_SEQUENCE},
+        [REFERENCE] = {.name = "reference", .type = KEY_MAPPING, .required = true},
+        [PICTURES] = {.name = "pictures", .type = KEY_SEQUENCE, .required = true},
+        [SWEEP] = {.name = "sweep", .type = KEY_MAPPING, .required = true},
+        [STAGES] = {.name = "stages", .type = KEY_SEQUENCE},
+        [PUBLISHED] = {.name = "published", .type = KEY_MAPPING},
+    };
+    struct key reference[] = {KEY_OF_NUMBERS("bounces", true, 1, 0, 1000, 0),
+                              {.name = "title", .type = KEY_TEXT}};
+    struct key sweep[] = {{.name = "parameter", .type = KEY_TEXT, .required = true},
+                          {.name = "values", .type = KEY_SEQUENCE, .required = true}};
+    struct fy_node_pair *first = fy_node_mapping_get_by_index(root, 0);
+    reader_mapping(reader, root, first ? fy_node_pair_key(first) : root, "the outline", keys,
+                   COUNT);
+    check_list(reader, &keys[SCENES], is_text, "scene files");
+    read_lists(reader, &keys[PICTURES], &keys[STAGES]);
+    read_part(reader, &keys[REFERENCE], "`reference`", reference, DT_ARRAY_COUNT(reference));
+    read_part(reader, &keys[SWEEP], "`sweep`", sweep, DT_ARRAY_COUNT(sweep));
+    check_list(reader, &sweep[1], NULL, "values");
+    bool listed = sweep[1].node && fy_node_is_sequence(sweep[1].node);
+    read_published(reader, &keys[PUBLISHED],
+                   listed ? fy_node_sequence_item_count(sweep[1].node) : 0);
+
+    struct report *report = user;
+    char *text = fy_emit_document_to_string(fy_node_document(root), FYECF_MODE_JSON_ONELINE);
+    report->outline = text ? cJSON_Parse(text) : NULL;
+    free(text);
+    if (!report->outline)
+        reader_report(reader, root, "the file cannot be kept as JSON");
 }
 
 bool report_read_outline(struct report *report)
 {
+    static const struct file_kind outline_file = {
+        "report outline", "`pictures`, `sweep` and `reference`", read_outline};
     const struct dt_log *log = &report->console->log;
     report->outline_path = find_outline(report);
-    report->outline = report->outline_path ? read_yaml(report->outline_path, log) : NULL;
-    const char *flaw = report->outline ? outline_flaw(report->outline) : NULL;
-    if (flaw)
-        report_error(log, "%s: %s", report->outline_path, flaw);
-    return report->outline && !flaw;
+    return report->outline_path && reader_file(report->outline_path, &outline_file, report, log);
 }
 
 /* ---- Scenes ---------------------------------------------------------------------------------- */

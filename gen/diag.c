@@ -245,7 +245,8 @@ static void print_message(const struct message *message)
     const char *path = loc.source ? loc.source->path : "diptych-gen";
     const char *severity = severity_names[message->severity];
     if (loc.line < 1) {
-        fprintf(stderr, "%s: %s: %s\n", path, severity, message->text);
+        /* a place all the same, where it is a file: editors know no other */
+        fprintf(stderr, "%s%s: %s: %s\n", path, loc.source ? ":1:1" : "", severity, message->text);
         return;
     }
     fprintf(stderr, "%s:%d:%d: %s: %s\n", path, loc.line, loc.column, severity, message->text);

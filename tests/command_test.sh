@@ -40,6 +40,36 @@ refused 1 "choose another --size" "${render[@]}" --backend vk -o "$work/a.png" -
 refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"
 refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
 
+# What is wrong in a file is told with its place, as compilers tell it, and without a word before it: editors match that.
+cat >"$work/scene.yaml" <<END
+mesh: $root/scenes/cornell.obj
+camra: {}
+camera: {eye: [0, 0, 0], target: [0, 0], fov_y: 40}
+light: {kind: spott}
+END
+echo 'mesh: [' >"$work/broken.yaml"
+printf 'keys:\n  - {at: 0, camera: {eye: [0, 0]}}\n' >"$work/motion.yaml"
+printf 'tittle: x\npictures: []\nreference: {bounces: 1}\nsweep: {parameter: tile, values: [1]}\n' >"$work/outline.yaml"
+sed 's/rgba8,/rgba9,/' "$root/templates/rsm.yaml" >"$work/spec.yaml"
+ln -s "$root/templates/shared" "$root/templates/rsm" "$work/"
+# shellcheck disable=SC2317
+placed() { # places command...: one for each line that tells an error, in order, and nothing else of the kind
+    local places=$1
+    shift
+    ! "$@" >"$work/said" 2>&1 </dev/null || return
+    cat "$work/said"
+    [ "$(sed -nE 's/^.*\/([a-z.]+:[0-9]+:[0-9]+): error: .+$/\1/p' "$work/said" | xargs)" = "$places" ] && ! grep -q '^diptych:' "$work/said"
+}
+check "a scene's errors have places" placed "scene.yaml:2:1 scene.yaml:3:34 scene.yaml:4:15" \
+    "$diptych" render --scene "$work/scene.yaml" --backend vk -o "$work/a.png"
+check "... and one that is no YAML" placed "broken.yaml:2:1" \
+    "$diptych" reference --scene "$work/broken.yaml" -o "$work/a.exr"
+check "a motion's" placed "motion.yaml:2:27" "${compare[@]}" --motion "$work/motion.yaml"
+check "a report outline's" placed "outline.yaml:1:1 outline.yaml:2:11" \
+    "$diptych" report --outline "$work/outline.yaml" --scene "$scene" -o "$work/report"
+check "a spec's" placed "spec.yaml:$(grep -n rgba9 "$work/spec.yaml" | cut -d: -f1):30" \
+    "${render[@]}" --backend vk -o "$work/a.png" --spec "$work/spec.yaml"
+
 # Each of these two is refused without the other: a block of 16 KiB holds few lights, and there are 256 to begin with.
 check "values that are valid only together are" \
     "${render[@]}" --backend vk -o "$work/a.png" --set passes.shade.ranges.first_range.storage=uniform \
