@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -31,6 +32,11 @@ static void print_message(void *user, enum dt_level level, const char *message)
     struct place place;
     if (level == DT_ERROR)
         atomic_fetch_add(&console->errors, 1);
+    int capture = console_capturing(console);
+    if (capture >= 0) {
+        dprintf(capture, "%s%s\n", labels[level], message);
+        return;
+    }
     pthread_mutex_lock(&console->lock);
     clear_line(console);
     if (place_read(message, &place))
@@ -38,6 +44,39 @@ static void print_message(void *user, enum dt_level level, const char *message)
     else
         fprintf(stderr, "diptych: %s%s\n", labels[level], message);
     pthread_mutex_unlock(&console->lock);
+}
+
+bool console_capture(struct console *console)
+{
+    pthread_mutex_lock(&console->lock);
+    bool taken = console->capture >= 0;
+    if (!taken) {
+        console->capture = memfd_create("messages", MFD_CLOEXEC);
+        console->capturing = pthread_self();
+    }
+    pthread_mutex_unlock(&console->lock);
+    return !taken;
+}
+
+char *console_captured(struct console *console)
+{
+    pthread_mutex_lock(&console->lock);
+    int file = console->capture;
+    console->capture = -1;
+    pthread_mutex_unlock(&console->lock);
+    char *text = file < 0 ? NULL : file_contents(file);
+    if (file >= 0)
+        close(file);
+    return text;
+}
+
+int console_capturing(struct console *console)
+{
+    pthread_mutex_lock(&console->lock);
+    bool own = console->capture >= 0 && pthread_equal(console->capturing, pthread_self());
+    int file = own ? console->capture : -1;
+    pthread_mutex_unlock(&console->lock);
+    return file;
 }
 
 static void show_progress(struct console *console)
@@ -108,7 +147,7 @@ static void *watch(void *user)
 
 bool console_open(struct console *console)
 {
-    *console = (struct console){.terminal = isatty(STDERR_FILENO)};
+    *console = (struct console){.terminal = isatty(STDERR_FILENO), .capture = -1};
     console->log = (struct dt_log){.message = print_message, .user = console};
     pthread_mutex_init(&console->lock, NULL);
     pthread_mutex_init(&console->writing, NULL);

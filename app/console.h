@@ -28,6 +28,8 @@ struct console {
     struct timespec start; /* of the verb */
     char status[128];
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
+    int capture; /* memory file that takes what the capturing thread says; -1: none */
+    pthread_t capturing;
     pid_t child; /* leads a process group, which a signal ends, too; 0: none */
 };
 
@@ -49,6 +51,13 @@ struct log_source {
     const char *name;
 };
 struct dt_log log_from(struct log_source *source);
+
+/* From here to console_captured, what this thread logs, and what tools that it runs write to stderr, is
+ * kept and not shown; NULL then when out of memory, else to be freed. False where another thread does. */
+bool console_capture(struct console *console);
+char *console_captured(struct console *console);
+int console_capturing(
+    struct console *console); /* the file, when it is this thread that does; or -1 */
 
 /* What is being done, shown with the elapsed time once the verb takes longer than two seconds. */
 void console_status(struct console *console, const char *format, ...)

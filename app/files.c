@@ -167,3 +167,21 @@ bool hash_file(uint64_t *hash, const char *path)
     fclose(stream);
     return good;
 }
+
+char *file_contents(int file)
+{
+    struct stat info;
+    char *text = fstat(file, &info) == 0 ? malloc((size_t)info.st_size + 1) : NULL;
+    size_t size = 0;
+    while (text && size < (size_t)info.st_size) {
+        ssize_t got = pread(file, text + size, (size_t)info.st_size - size, (off_t)size);
+        if (got <= 0 && errno != EINTR) {
+            free(text);
+            return NULL;
+        }
+        size += got > 0 ? (size_t)got : 0;
+    }
+    if (text)
+        text[size] = 0;
+    return text;
+}

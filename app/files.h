@@ -12,6 +12,9 @@ char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)
 /* The whole file plus a terminating zero that *size does not count; free(). */
 char *file_read(const char *path, size_t *size, const struct dt_log *log);
 
+/* All that an open file holds, ended by a zero; NULL with errno; free(). */
+char *file_contents(int file);
+
 /* Writes beside `path` and renames, so that the file is there whole or not at all. */
 bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log);
 

@@ -12,11 +12,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "files.h"
+
 extern char **environ;
 
-/* The child leads a process group, so that console_wait can end it with all its own children; signals are
+/* Its output goes to the file `output`, -1: nowhere; its messages to `errors`, -1: to stderr. The child leads a process group, so that console_wait can end it with all its own children; signals are
  * unblocked in it. Returns 0 or an errno. */
-static int start(pid_t *child, char *const argv[], int output)
+static int start(pid_t *child, char *const argv[], int output, int errors)
 {
     sigset_t none;
     sigemptyset(&none);
@@ -31,6 +33,8 @@ static int start(pid_t *child, char *const argv[], int output)
         posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     else
         posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    if (errors >= 0)
+        posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
     int error = posix_spawnp(child, argv[0], &actions, &attributes, argv, environ);
     posix_spawn_file_actions_destroy(&actions);
     posix_spawnattr_destroy(&attributes);
@@ -41,7 +45,7 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
 {
     const struct dt_log *log = &console->log;
     pid_t child;
-    int error = start(&child, argv, output);
+    int error = start(&child, argv, output, console_capturing(console));
     if (error) {
         report_error(log, "%s: cannot be started: %s; %s", argv[0], strerror(error), tool->hint);
         return false;
@@ -61,32 +65,13 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
     return false;
 }
 
-/* All that was written to a memory file. */
-static char *contents(int file)
-{
-    struct stat info;
-    char *text = fstat(file, &info) == 0 ? malloc((size_t)info.st_size + 1) : NULL;
-    size_t size = 0;
-    while (text && size < (size_t)info.st_size) {
-        ssize_t got = pread(file, text + size, (size_t)info.st_size - size, (off_t)size);
-        if (got <= 0 && errno != EINTR) {
-            free(text);
-            return NULL;
-        }
-        size += got > 0 ? (size_t)got : 0;
-    }
-    if (text)
-        text[size] = 0;
-    return text;
-}
-
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console)
 {
     int file = memfd_create("output", MFD_CLOEXEC);
     char *text = NULL;
     bool ran = file >= 0 && tool_run(tool, argv, file, console);
     if (ran)
-        text = contents(file);
+        text = file_contents(file);
     if (file < 0 || (ran && !text))
         report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
     if (file >= 0)

@@ -10,7 +10,7 @@
 
 #include "camera.h"
 #include "files.h"
-#include "texels.h"
+#include "timings.h"
 
 /* ---- Opening --------------------------------------------------------------------------------- */
 
@@ -36,27 +36,6 @@ static bool read_sides(struct view *view)
     return true;
 }
 
-static bool find_home(struct view *view)
-{
-    const struct dt_pipeline *info = view->pipeline.info;
-    int output = info->display_output >= 0 ? info->display_output : info->linear_output;
-    for (uint32_t i = 0; i < info->resource_count && output < 0; i++)
-        if (view_can_show(info, i))
-            output = (int)i;
-    if (output < 0) {
-        report_error(&view->console->log, "%s has no image that could be shown", info->name);
-        return false;
-    }
-    view->home = (uint32_t)output;
-    view_show(view, view->home);
-    return true;
-}
-
-static const struct dt_panel *panel_of(const struct view *view, const struct view_side *side)
-{
-    return strcmp(side->session.runtime->name, "gl") == 0 ? view->pipeline.gl : view->pipeline.vk;
-}
-
 static bool open_side(struct view *view, uint32_t index)
 {
     const struct session_info info = {.side = &view->sides.list[index],
@@ -70,7 +49,7 @@ static bool open_side(struct view *view, uint32_t index)
     struct session *session = &side->session;
     return session_open(session, &info) &&
            session->runtime->set_scene(session->handle, &view->scene.data) &&
-           session->runtime->create(session->handle, panel_of(view, side));
+           session->runtime->create(session->handle, view_panel_of(side, &view->pipeline));
 }
 
 static void open_window(struct view *view)
@@ -86,20 +65,35 @@ static void open_window(struct view *view)
     view_input_open(view);
 }
 
+static bool open_overlay(struct view *view)
+{
+    const struct session *window = &view->side[0].session;
+    uint32_t width, height;
+    view->overlay = overlay_open(view->window);
+    if (!view->overlay) {
+        report_error(&view->console->log, "out of memory for the overlay");
+        return false;
+    }
+    const uint8_t *atlas = overlay_atlas(view->overlay, &width, &height);
+    return window->runtime->window_upload(window->handle, 0, width, height, atlas);
+}
+
 static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
-    if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
-        !pipeline_load(&view->pipeline, view->console, options) || !find_home(view) ||
+    if ((options->screenshot && !file_can_write(options->screenshot, log)) ||
+        (options->json && !file_can_write(options->json, log)) || !read_sides(view) ||
+        !pipeline_load(&view->pipeline, view->console, options) || !view_find_home(view) ||
         !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!open_side(view, i))
             return false;
     open_window(view);
+    view->reload = reload_start(view->console, options, &view->pipeline);
     console_status(view->console, "%s", "");
-    return true;
+    return view->reload && open_overlay(view) && view_times_create(view);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -122,9 +116,11 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
     const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
     const struct dt_pipeline *info = view->pipeline.info;
     bool output = (int)view->resource == info->display_output; /* lives on after the frame */
+    double start = milliseconds_now();
     view_forget(side);
     return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
-                                         output && !view->shown_points ? NULL : &observer);
+                                         output && !view->shown_points ? NULL : &observer) &&
+           view_times_take(side, milliseconds_now() - start);
 }
 
 static bool fit_to_window(struct view *view)
@@ -149,6 +145,7 @@ static bool render(struct view *view)
     memset(&frame, 0, sizeof frame);
     scene_frame(&view->scene, view->size[0], view->size[1], &frame);
     frame.index = view->frame++;
+    view->frames++;
     view->camera = frame.camera;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!render_side(view, &view->side[i], &frame))
@@ -156,14 +153,47 @@ static bool render(struct view *view)
     return view_pictures(view);
 }
 
+/* The overlay's triangles behind those of the pictures. */
+static bool join(const struct view *view, struct dt_window_vertex **vertices,
+                 struct dt_window_draw **draws, struct dt_window_frame *frame)
+{
+    struct dt_window_vertex own[6 * VIEW_MAX_DRAWS];
+    struct dt_window_draw own_draws[VIEW_MAX_DRAWS];
+    uint32_t count = view_layout(view, own, own_draws);
+    struct dt_window_frame over = {0};
+    if (!view->overlay_hidden)
+        over = overlay_frame(view->overlay);
+    *vertices = malloc((6 * count + over.vertex_count) * sizeof **vertices);
+    *draws = malloc((count + over.draw_count) * sizeof **draws);
+    if (!*vertices || !*draws) {
+        report_error(&view->console->log, "window: out of memory");
+        return false;
+    }
+    memcpy(*vertices, own, 6 * count * sizeof *own);
+    memcpy(*draws, own_draws, count * sizeof *own_draws);
+    if (over.draw_count) {
+        memcpy(*vertices + 6 * (size_t)count, over.vertices,
+               over.vertex_count * sizeof *over.vertices);
+        memcpy(*draws + count, over.draws, over.draw_count * sizeof *over.draws);
+    }
+    for (uint32_t i = 0; i < over.draw_count; i++)
+        (*draws)[count + i].first += 6 * count;
+    *frame = (struct dt_window_frame){*vertices, 6 * count + over.vertex_count, *draws,
+                                      count + over.draw_count};
+    return true;
+}
+
 static bool present(struct view *view)
 {
-    struct dt_window_vertex vertices[6 * VIEW_MAX_DRAWS];
-    struct dt_window_draw draws[VIEW_MAX_DRAWS];
-    uint32_t count = view_layout(view, vertices, draws);
+    struct dt_window_vertex *vertices = NULL;
+    struct dt_window_draw *draws = NULL;
+    struct dt_window_frame frame;
     const struct session *window = &view->side[0].session;
-    return window->runtime->present(window->handle,
-                                    &(struct dt_window_frame){vertices, 6 * count, draws, count});
+    bool good = view_overlay_build(view) && join(view, &vertices, &draws, &frame) &&
+                window->runtime->present(window->handle, &frame);
+    free(vertices);
+    free(draws);
+    return good;
 }
 
 /* diptych-NNN.png, the first number that is free. */
@@ -197,7 +227,15 @@ static void fulfil_wishes(struct view *view)
 static bool is_over(const struct view *view)
 {
     uint32_t frames = view->options->run_frames;
-    return view->quit || glfwWindowShouldClose(view->window) || (frames && view->frame >= frames);
+    return view->quit || glfwWindowShouldClose(view->window) || (frames && view->frames >= frames);
+}
+
+/* Also while a pipeline is made, where frames would take the processor away from it. */
+static bool rests(const struct view *view)
+{
+    const struct session *window = &view->side[0].session;
+    return (view->paused && !view->step) ||
+           (view->reloading && window->runtime->is_software(window->handle));
 }
 
 static bool run_frame(struct view *view)
@@ -205,11 +243,13 @@ static bool run_frame(struct view *view)
     double now = glfwGetTime();
     view_input_fly(view, now - view->time);
     view->time = now;
-    if (!fit_to_window(view))
+    if (!view_reload(view) || !fit_to_window(view))
         return false;
-    if ((!view->paused || view->step) && !render(view))
-        return false;
-    view->step = false;
+    if (!rests(view)) {
+        if (!render(view))
+            return false;
+        view->step = false;
+    }
     if (!present(view))
         return false;
     fulfil_wishes(view);
@@ -221,8 +261,8 @@ static bool run(struct view *view)
     view->time = glfwGetTime();
     while (!is_over(view)) {
         int width, height;
-        if (view->paused && !view->step)
-            glfwWaitEventsTimeout(0.05);
+        if (rests(view))
+            glfwWaitEventsTimeout(0.02);
         else
             glfwPollEvents();
         glfwGetFramebufferSize(view->window, &width, &height);
@@ -243,24 +283,34 @@ static bool run(struct view *view)
 static bool close_sides(struct view *view)
 {
     bool silent = true;
+    overlay_close(view->overlay);                   /* before its window */
     for (uint32_t i = view->side_count; i-- > 0;) { /* the window's last */
         struct view_side *side = &view->side[i];
         if (side->session.handle)
             silent = session_is_silent(&side->session) && silent;
         session_close(&side->session);
         view_forget(side);
+        view_times_free(&side->times);
     }
     return silent;
 }
 
 int verb_view(struct console *console, const struct options *options)
 {
-    struct view view = {.console = console, .options = options, .gain = 16, .speed = 0.5f};
+    struct view view = {.console = console,
+                        .options = options,
+                        .gain = 16,
+                        .speed = 0.5f,
+                        .reload_ms = (double)NAN};
     bool good = open_view(&view) && run(&view);
     if (good && options->screenshot)
         good = view_write_png(&view, options->screenshot);
+    if (good && options->json)
+        good = view_write_json(&view, options->json);
+    reload_stop(view.reload);
     good = close_sides(&view) && good;
     view_outline_forget(&view);
+    free(view.error);
     scene_free(&view.scene);
     sides_free(&view.sides);
     pipeline_unload(&view.pipeline);

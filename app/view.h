@@ -1,16 +1,17 @@
 /* What the files of `diptych view` share: the window and what is shown in it. Called by nobody
- * else. view.c runs the frames, view_input.c reads keys and mouse, view_picture.c makes pictures
- * of resources and lays them out in the window. */
+ * else. view.c runs the frames; see the heads of the others. */
 #ifndef DIPTYCH_VIEW_H
 #define DIPTYCH_VIEW_H
 
 #include <GLFW/glfw3.h>
 
+#include "overlay.h"
 #include "picture.h"
 #include "points.h"
+#include "reload.h"
 #include "session.h"
 
-enum { VIEW_SIDES = 2, VIEW_MAX_POINTS = 8, VIEW_MAX_SOURCES = 4 };
+enum { VIEW_SIDES = 2, VIEW_MAX_POINTS = 8, VIEW_MAX_SOURCES = 4, VIEW_TIMED_FRAMES = 256 };
 
 /* How two sides are shown. */
 enum view_mode {
@@ -27,9 +28,17 @@ struct view_points {
     uint32_t count;
 };
 
+/* Of the last frames, in turn. */
+struct view_times {
+    uint32_t passes, frames; /* frames so far, also those that are overwritten */
+    double *pass_ms;         /* VIEW_TIMED_FRAMES x passes; owned */
+    double frame_ms[VIEW_TIMED_FRAMES];
+};
+
 /* A backend at work. The first one has the window. */
 struct view_side {
     struct session session;
+    struct view_times times;
     struct dt_bytes shown; /* what the last frame left in the resource shown; owned */
     /* and in the buffers of the points shown: of each source its own, and its labels; owned */
     struct dt_bytes elements[VIEW_MAX_SOURCES], labels[VIEW_MAX_SOURCES];
@@ -45,6 +54,13 @@ struct view {
     struct view_side side[VIEW_SIDES];
     uint32_t side_count;
     GLFWwindow *window;
+    struct overlay *overlay;
+    bool overlay_hidden;
+    struct reload *reload;
+    bool reloading;
+    char *error; /* of the last reload, NULL: it went well; owned */
+    uint32_t reloads;
+    double reload_ms; /* of the last one, from the saved file to the pipeline at work; NAN: none */
 
     /* What is shown. */
     uint32_t home;     /* the display output, mostly */
@@ -65,8 +81,9 @@ struct view {
     uint32_t size[2]; /* of the pipeline's frame */
     struct dt_view camera;
     uint32_t window_size[2];
-    uint32_t frame; /* index of the next one */
-    double time;    /* seconds, when the last frame began */
+    uint32_t frame;  /* index of the next one, since the pipeline was made */
+    uint32_t frames; /* so far */
+    double time;     /* seconds, when the last frame began */
 
     /* Wishes of the user, carried out between frames. */
     bool paused, step; /* step: one more frame all the same */
@@ -81,6 +98,22 @@ struct view {
 void view_input_open(struct view *view);                /* callbacks of the window */
 void view_input_fly(struct view *view, double seconds); /* keys that are held */
 
+/* ---- view_overlay.c -------------------------------------------------------------------------- */
+
+bool view_times_create(struct view *view); /* for the present pipeline */
+void view_times_free(struct view_times *times);
+bool view_times_take(struct view_side *side, double frame_ms); /* after its frame */
+bool view_overlay_build(struct view *view); /* takes what the user's hand changes */
+/* Frames, and median times of the last ones. */
+bool view_write_json(const struct view *view, const char *path);
+
+/* ---- view_reload.c --------------------------------------------------------------------------- */
+
+/* Takes what was made anew, if anything was. False when nothing can run any more. */
+bool view_reload(struct view *view);
+const struct dt_panel *view_panel_of(const struct view_side *side, const struct pipeline *pipeline);
+void view_set_live(struct view *view, const struct dt_param *param, const double values[4]);
+
 /* ---- view_outline.c -------------------------------------------------------------------------- */
 
 /* Of view->pipeline. False, with the error logged, when it is wrong: then nothing is offered. */
@@ -89,6 +122,7 @@ void view_outline_forget(struct view *view);
 
 /* ---- view_picture.c -------------------------------------------------------------------------- */
 
+bool view_find_home(struct view *view); /* and shows it */
 /* An image that some pass writes can be shown. */
 bool view_can_show(const struct dt_pipeline *info, uint32_t resource);
 /* The last pass that writes that mip; pass_count: none does. */

@@ -96,6 +96,9 @@ static void press(struct view *view, int key, int modifiers)
     case GLFW_KEY_KP_SUBTRACT:
         view->gain = fmaxf(view->gain / 2, 1);
         break;
+    case GLFW_KEY_H:
+        view->overlay_hidden = !view->overlay_hidden;
+        break;
     case GLFW_KEY_P:
         view->screenshot = true;
         break;
@@ -111,7 +114,7 @@ static void press(struct view *view, int key, int modifiers)
 static void on_key(GLFWwindow *window, int key, int scancode, int action, int modifiers)
 {
     (void)scancode;
-    if (action != GLFW_RELEASE)
+    if (action != GLFW_RELEASE && !overlay_takes_keys(view_of(window)->overlay))
         press(view_of(window), key, modifiers);
 }
 
@@ -120,7 +123,7 @@ static void on_button(GLFWwindow *window, int button, int action, int modifiers)
     struct view *view = view_of(window);
     (void)button;
     (void)modifiers;
-    view->looking = action == GLFW_PRESS;
+    view->looking = action == GLFW_PRESS && !overlay_takes_mouse(view->overlay);
     glfwGetCursorPos(window, &view->mouse[0], &view->mouse[1]);
 }
 
@@ -142,6 +145,8 @@ static void on_scroll(GLFWwindow *window, double x, double y)
 {
     struct view *view = view_of(window);
     (void)x;
+    if (overlay_takes_mouse(view->overlay))
+        return;
     view->speed = fminf(fmaxf(view->speed * powf(1.2f, (float)y), 0.001f), 100);
 }
 
@@ -170,7 +175,7 @@ void view_input_fly(struct view *view, double seconds)
                 glfwGetKey(view->window, GLFW_KEY_RIGHT_SHIFT);
     float right = held(view, GLFW_KEY_D, GLFW_KEY_A), up = held(view, GLFW_KEY_E, GLFW_KEY_Q),
           forward = held(view, GLFW_KEY_W, GLFW_KEY_S);
-    if (control || (right == 0 && up == 0 && forward == 0))
+    if (overlay_takes_keys(view->overlay) || control || (right == 0 && up == 0 && forward == 0))
         return;
     float way = view->scene.radius * view->speed * (fast ? 4 : 1) * (float)fmin(seconds, longest);
     camera_move(&view->scene.camera, right * way, up * way, forward * way);

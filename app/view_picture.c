@@ -26,6 +26,22 @@ bool view_can_show(const struct dt_pipeline *info, uint32_t resource)
            view_last_writer(info, resource, 0) < info->pass_count;
 }
 
+bool view_find_home(struct view *view)
+{
+    const struct dt_pipeline *info = view->pipeline.info;
+    int output = info->display_output >= 0 ? info->display_output : info->linear_output;
+    for (uint32_t i = 0; i < info->resource_count && output < 0; i++)
+        if (view_can_show(info, i))
+            output = (int)i;
+    if (output < 0) {
+        report_error(&view->console->log, "%s has no image that could be shown", info->name);
+        return false;
+    }
+    view->home = (uint32_t)output;
+    view_show(view, view->home);
+    return true;
+}
+
 uint32_t view_mips(const struct view *view)
 {
     return view->pipeline.info->resources[view->resource].mips;

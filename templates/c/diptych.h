@@ -9,6 +9,7 @@
 #ifndef DIPTYCH_H
 #define DIPTYCH_H
 
+#include <assert.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -180,7 +181,7 @@ struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at l
     float uv[2];
     uint32_t material;
 };
-_Static_assert(sizeof(struct dt_vertex) == 36, "nine scalars, no padding");
+static_assert(sizeof(struct dt_vertex) == 36, "nine scalars, no padding");
 
 struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float albedo[3];    /* linear, 0..1; multiplies the texture */
@@ -188,7 +189,7 @@ struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float emission[3];  /* not used by the shipped pipelines */
     float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
 };
-_Static_assert(sizeof(struct dt_material) == 32, "two vec4");
+static_assert(sizeof(struct dt_material) == 32, "two vec4");
 
 /* Of a scene: 64 KiB, what desktop devices bind as a uniform block. */
 enum { DT_MAX_MATERIALS = 2048 };
@@ -205,7 +206,7 @@ struct dt_view { /* std140: GLSL struct View */
     float direction[3]; /* unit, into the view */
     float far_plane;
 };
-_Static_assert(sizeof(struct dt_view) == 288, "std140");
+static_assert(sizeof(struct dt_view) == 288, "std140");
 
 struct dt_light {      /* std140: GLSL struct Light */
     float position[3]; /* spot */
@@ -218,7 +219,7 @@ struct dt_light {      /* std140: GLSL struct Light */
     float cos_outer;
     float padding[3];
 };
-_Static_assert(sizeof(struct dt_light) == 64, "std140");
+static_assert(sizeof(struct dt_light) == 64, "std140");
 
 struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new in every frame */
     struct dt_view camera;
@@ -231,7 +232,7 @@ struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new i
     uint32_t index;         /* 0 in the first frame after create */
     uint32_t triangle_count;
 };
-_Static_assert(sizeof(struct dt_frame) == 288 * 2 + 64 + 32, "std140");
+static_assert(sizeof(struct dt_frame) == 288 * 2 + 64 + 32, "std140");
 
 /* All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with
  * sRGB-encoded colour and linear alpha; all layers have one size and a full mip chain; texels hold
@@ -320,7 +321,7 @@ struct dt_window_vertex {
     float uv[2];       /* (0, 0) is the first texel of row 0 */
     uint8_t color[4];  /* R, G, B, A */
 };
-_Static_assert(sizeof(struct dt_window_vertex) == 20, "five scalars, no padding");
+static_assert(sizeof(struct dt_window_vertex) == 20, "five scalars, no padding");
 
 struct dt_window_draw {
     uint32_t texture;
