@@ -9,6 +9,7 @@
 
 #include "files.h"
 #include "timings.h"
+#include "tool.h"
 
 enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3 };
 
@@ -214,15 +215,15 @@ static bool load_programmes(struct bench *bench)
     subject->options = *bench->options;
     subject->options.frames = bench->warmup + bench->frames;
     machine->options = subject->options;
-    char *project = project_folder(&bench->console->log);
-    char *spec = project ? format_string("%s/templates/machine.yaml", project) : NULL;
+    char *templates = templates_folder(&bench->console->log);
+    char *spec = templates ? format_string("%s/machine.yaml", templates) : NULL;
     machine->options.spec = spec;
     machine->options.sets = NULL;
     machine->options.set_count = 0;
     bool good = spec && pipeline_load(&subject->pipeline, bench->console, &subject->options) &&
                 pipeline_load(&machine->pipeline, bench->console, &machine->options);
     free(spec);
-    free(project);
+    free(templates);
     return good;
 }
 

@@ -62,13 +62,9 @@ static bool compile(const struct build_request *request, const char *folder, con
         .hint = "install a C compiler, or name one in the environment variable CC"};
     const char *compiler = getenv("CC");
     char *parts[] = {
-        format_string("-I%s", request->project),
-        format_string("-I%s/templates/c", request->project),
-        format_string("-I%s/glad/include", request->tools),
-        format_string("%s/%s.c", folder, name),
-        format_string("%s/%s_gl.c", folder, name),
-        format_string("%s/%s_vk.c", folder, name),
-        format_string("%s/panels.so", folder),
+        format_string("-I%s", request->headers[0]), format_string("-I%s", request->headers[1]),
+        format_string("%s/%s.c", folder, name),     format_string("%s/%s_gl.c", folder, name),
+        format_string("%s/%s_vk.c", folder, name),  format_string("%s/panels.so", folder),
         format_string("%s/cc.d", folder),
     };
     bool good = true;
@@ -81,15 +77,14 @@ static bool compile(const struct build_request *request, const char *folder, con
                     (char *)"-shared",
                     (char *)"-MMD",
                     (char *)"-MF",
-                    parts[7],
+                    parts[6],
                     parts[0],
                     parts[1],
-                    parts[2],
                     (char *)"-o",
-                    parts[6],
+                    parts[5],
+                    parts[2],
                     parts[3],
                     parts[4],
-                    parts[5],
                     NULL};
     if (good)
         good = tool_run(&c_compiler, argv, -1, console);
@@ -281,11 +276,13 @@ static void ignore_message(void *user, enum dt_level level, const char *message)
     (void)message;
 }
 
-/* build/cache where that can be written, else the user's own cache folder. */
+/* build/cache where that can be written, else the user's own cache folder, as for what is installed. */
 static char *cache_folder(const struct build_request *request, const struct dt_log *log)
 {
     const struct dt_log silent = {.message = ignore_message};
-    char *folder = usable_folder(format_string("%s/cache", request->tools), &silent);
+    bool installed = tools_installed(request->tools);
+    char *folder =
+        installed ? NULL : usable_folder(format_string("%s/cache", request->tools), &silent);
     const char *base = getenv("XDG_CACHE_HOME");
     const char *home = getenv("HOME");
     if (!folder && base && *base == '/')
@@ -293,8 +290,8 @@ static char *cache_folder(const struct build_request *request, const struct dt_l
     if (!folder && home)
         folder = usable_folder(format_string("%s/.cache/diptych", home), &silent);
     if (!folder)
-        report_error(log, "%s/cache cannot be written; set XDG_CACHE_HOME to a folder that can",
-                     request->tools);
+        report_error(log, "%s cannot be written; set XDG_CACHE_HOME to a folder that can",
+                     installed ? "the user's cache folder" : "build/cache");
     return folder;
 }
 

@@ -8,11 +8,11 @@
 #include "console.h"
 
 struct build_request {
-    const char *project;   /* folder that holds templates/ and the runtimes' headers */
-    const char *tools;     /* folder that holds diptych-gen and glad/, the executable's own */
-    const char *templates; /* folder of the GLSL library, mostly the project's */
-    const char *spec;      /* real path */
-    const char **sets;     /* sorted */
+    const char *headers[2]; /* folders with diptych.h and with the runtimes' headers */
+    const char *tools;      /* folder that holds diptych-gen, the executable's own */
+    const char *templates;  /* folder of the GLSL library, mostly the project's */
+    const char *spec;       /* real path */
+    const char **sets;      /* sorted */
     uint32_t set_count;
 };
 

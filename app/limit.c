@@ -20,7 +20,7 @@
 /* argv of the compiler with a place for every pass's file; NULL when out of memory. All strings but
  * the first are owned. */
 static char **compiler_arguments(const struct limits *limits, const char *folder,
-                                 const char *project, const char *object)
+                                 const char *headers, const char *object)
 {
     static const char *const flags[] = {"-std=gnu11", "-O3",   "-march=native", "-ffast-math",
                                         "-fopenmp",   "-fPIC", "-shared"};
@@ -33,7 +33,7 @@ static char **compiler_arguments(const struct limits *limits, const char *folder
     for (size_t i = 0; i < DT_ARRAY_COUNT(flags) && good; i++)
         good = (argv[n++] = strdup(flags[i]));
     good = good && (argv[n++] = format_string("-I%s", folder));
-    good = good && (argv[n++] = format_string("-I%s/templates/c", project));
+    good = good && (argv[n++] = format_string("-I%s", headers));
     for (uint32_t i = 0; i < limits->count && good; i++)
         good = (argv[n++] = format_string("%s/limit/%s.c", folder,
                                           limits->info->passes[limits->list[i].pass].name));
@@ -53,12 +53,12 @@ static bool compile(const struct limits *limits, struct console *console, const 
     static const struct tool c_compiler = {
         .what = "compiling the limits that the spec names",
         .hint = "install a C compiler, or name one in the environment variable CC"};
-    char *project = project_folder(&console->log);
+    char *headers = headers_folder(&console->log);
     char *temporary = format_string("%s.%d", object, (int)getpid());
     char **argv =
-        project && temporary ? compiler_arguments(limits, folder, project, temporary) : NULL;
+        headers && temporary ? compiler_arguments(limits, folder, headers, temporary) : NULL;
     bool good = argv;
-    if (!argv && project)
+    if (!argv && headers)
         report_error(&console->log, "out of memory");
     if (good) {
         console_temporary(console, temporary);
@@ -69,7 +69,7 @@ static bool compile(const struct limits *limits, struct console *console, const 
         free(argv[i]);
     free(argv);
     free(temporary);
-    free(project);
+    free(headers);
     return good;
 }
 
@@ -78,15 +78,15 @@ static bool compile(const struct limits *limits, struct console *console, const 
 static char *object_path(const struct pipeline *pipeline, const struct dt_log *log)
 {
     uint64_t hash = FILE_HASH_START;
-    char *project = project_folder(log);
-    char *header = project ? format_string("%s/templates/c/limit.h", project) : NULL;
+    char *headers = headers_folder(log);
+    char *header = headers ? format_string("%s/limit.h", headers) : NULL;
     char *path = NULL;
     if (header && !hash_file(&hash, header))
         report_error(log, "%s: cannot be read", header);
     else if (header)
         path = format_string("%s/limits-%016" PRIx64 ".so", pipeline->generated, hash);
     free(header);
-    free(project);
+    free(headers);
     return path;
 }
 

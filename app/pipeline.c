@@ -14,26 +14,17 @@
 #include "texels.h"
 #include "tool.h"
 
-char *project_folder(const struct dt_log *log)
-{
-    char *path = tools_folder(log);
-    char *slash = path ? strrchr(path, '/') : NULL;
-    if (slash)
-        *(slash == path ? slash + 1 : slash) = 0;
-    return path;
-}
-
 char *pipeline_spec_path(const char *spec, const struct dt_log *log)
 {
-    char *project = spec ? NULL : project_folder(log);
-    char *own = project ? format_string("%s/templates/ssvp.yaml", project) : NULL;
+    char *templates = spec ? NULL : templates_folder(log);
+    char *own = templates ? format_string("%s/ssvp.yaml", templates) : NULL;
     const char *wanted = spec ? spec : own;
     char *path = wanted ? realpath(wanted, NULL) : NULL;
     if (!path)
         report_error(log, "%s: the spec cannot be read: %s", wanted ? wanted : "spec",
                      strerror(errno));
     free(own);
-    free(project);
+    free(templates);
     return path;
 }
 
@@ -283,14 +274,18 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
 {
     *pipeline = (struct pipeline){0};
     char *tools = tools_folder(&console->log);
-    char *project = tools ? project_folder(&console->log) : NULL;
-    char *spec = project ? pipeline_spec_path(options->spec, &console->log) : NULL;
-    char *templates = !project             ? NULL
+    char *headers = tools ? headers_folder(&console->log) : NULL;
+    char *runtimes = headers ? runtimes_folder(&console->log) : NULL;
+    char *spec = runtimes ? pipeline_spec_path(options->spec, &console->log) : NULL;
+    char *templates = !spec                ? NULL
                       : options->templates ? realpath(options->templates, NULL)
-                                           : format_string("%s/templates", project);
+                                           : templates_folder(&console->log);
     const char **sets = calloc(options->set_count + 1, sizeof *sets);
-    struct build_request request = {
-        .project = project, .tools = tools, .templates = templates, .spec = spec, .sets = sets};
+    struct build_request request = {.headers = {headers, runtimes},
+                                    .tools = tools,
+                                    .templates = templates,
+                                    .spec = spec,
+                                    .sets = sets};
     if (spec && (!templates || !sets))
         report_error(&console->log, "%s: cannot be read: %s",
                      options->templates ? options->templates : "templates", strerror(errno));
@@ -300,7 +295,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
     if (!good)
         pipeline_unload(pipeline);
     free(sets);
-    free(project);
+    free(runtimes);
+    free(headers);
     free(tools);
     return good;
 }

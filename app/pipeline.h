@@ -19,14 +19,11 @@ struct pipeline {
     char *spec, *templates; /* real paths of what it was generated from; owned */
 };
 
-/* The project's folder (that holds templates/), found from the executable's place; free(). */
-char *project_folder(const struct dt_log *log);
-
 /* The real path of a spec, NULL: of the project's own; logged; free(). */
 char *pipeline_spec_path(const char *spec, const struct dt_log *log);
 
 /* Generates, compiles and loads what is not in the cache yet: in build/cache beside the executable,
- * or in $XDG_CACHE_HOME/diptych when that cannot be written. --set of a live parameter only writes
+ * or in $XDG_CACHE_HOME/diptych when it is installed or that cannot be written. --set of a live parameter only writes
  * pipeline->live. On false the error is logged and nothing is left loaded. */
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options);

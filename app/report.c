@@ -31,12 +31,12 @@ static bool ask_generator(struct report *report)
         .what = "checking the spec", .hint = "build the project with ninja", .explains = true};
     const struct options *options = report->options;
     struct console *console = report->console;
-    char *tools = tools_folder(&console->log), *project = project_folder(&console->log);
+    char *tools = tools_folder(&console->log), *found = templates_folder(&console->log);
     char *program = format_string("%s/diptych-gen", tools ? tools : "");
-    char *templates = format_string("--templates=%s/templates", project ? project : "");
+    char *templates = format_string("--templates=%s", found ? found : "");
     char **argv = calloc((size_t)options->set_count * 2 + 5, sizeof *argv);
     char *text = NULL;
-    if (tools && project && program && templates && argv) {
+    if (tools && found && program && templates && argv) {
         char *first[] = {program, templates, (char *)"--variations=0", report->spec};
         memcpy(argv, first, sizeof first);
         for (uint32_t i = 0; i < options->set_count; i++) {
@@ -54,7 +54,7 @@ static bool ask_generator(struct report *report)
     free(argv);
     free(templates);
     free(program);
-    free(project);
+    free(found);
     free(tools);
     return report->spec_files;
 }

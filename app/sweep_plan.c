@@ -126,16 +126,16 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
         .what = "varying the spec", .hint = "build the project with ninja", .explains = true};
     const cJSON *sets = cJSON_GetObjectItem(options, "set"), *set;
     bool random = cJSON_HasObjectItem(options, "random");
-    char *folder = tools_folder(&console->log), *project = project_folder(&console->log);
+    char *folder = tools_folder(&console->log), *templates = templates_folder(&console->log);
     char *parts[] = {
         format_string("%s/diptych-gen", folder ? folder : ""),
-        format_string("--templates=%s/templates", project ? project : ""),
+        format_string("--templates=%s", templates ? templates : ""),
         format_string("--variations=%u", random ? sweep_number(options, "random") : 0),
         format_string("--seed=%u", random ? sweep_number(options, "seed") : 1),
         format_string("--memory=%u", random ? sweep_number(options, "memory") : DEFAULT_MEMORY)};
     char **argv = calloc((size_t)cJSON_GetArraySize(sets) * 2 + 7, sizeof *argv);
     size_t n = 0;
-    bool good = folder && project && argv;
+    bool good = folder && templates && argv;
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts) && good; i++) {
         good = parts[i];
         argv[n++] = parts[i];
@@ -154,7 +154,7 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
     free(argv);
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
         free(parts[i]);
-    free(project);
+    free(templates);
     free(folder);
     return answer;
 }

@@ -91,3 +91,42 @@ char *tools_folder(const struct dt_log *log)
     *slash = 0;
     return path;
 }
+
+/* A folder by its path in the project and where it was installed, both from beside the tools. */
+static char *brought_along(const char *in_project, const char *installed, const struct dt_log *log)
+{
+    char *path = tools_folder(log);
+    if (!path)
+        return NULL;
+    const char *below = tools_installed(path) ? installed : in_project;
+    char *slash = strrchr(path, '/');
+    *(slash == path ? slash + 1 : slash) = 0;
+    char *folder = format_string("%s%s", path, below);
+    if (!folder)
+        report_error(log, "out of memory");
+    free(path);
+    return folder;
+}
+
+bool tools_installed(const char *tools)
+{
+    char *templates = format_string("%s/../share/diptych/templates/glsl", tools);
+    bool installed = templates && access(templates, R_OK) == 0;
+    free(templates);
+    return installed;
+}
+
+char *templates_folder(const struct dt_log *log)
+{
+    return brought_along("/templates", "/share/diptych/templates", log);
+}
+
+char *headers_folder(const struct dt_log *log)
+{
+    return brought_along("/templates/c", "/include/diptych", log);
+}
+
+char *runtimes_folder(const struct dt_log *log)
+{
+    return brought_along("", "/include/diptych", log);
+}

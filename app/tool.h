@@ -24,4 +24,13 @@ char *tool_read(const struct tool *tool, char *const argv[], struct console *con
  * be found; free(). */
 char *tools_folder(const struct dt_log *log);
 
+/* Whether that is the bin folder of an installation, and not the build folder of the project. */
+bool tools_installed(const char *tools);
+
+/* What the executable brings along, found from its own place: the project's folder, or share and include
+ * of where it was installed. free(). */
+char *templates_folder(const struct dt_log *log);
+char *headers_folder(const struct dt_log *log);  /* diptych.h and limit.h */
+char *runtimes_folder(const struct dt_log *log); /* runtime_gl/runtime.h, runtime_vk/runtime.h */
+
 #endif

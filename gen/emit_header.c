@@ -261,8 +261,10 @@ static void emit_functions(const struct c_output *c)
         "{\n"
         "    return count > 0 ? (uint32_t)((count - 1) / local + 1) : 0;\n"
         "}\n\n"
+        "#ifdef __cplusplus\nextern \"C\" {\n#endif\n"
         "extern const struct dt_pipeline %s_pipeline;\n"
-        "extern const struct dt_panel %s_gl, %s_vk;\n",
+        "extern const struct dt_panel %s_gl, %s_vk;\n"
+        "#ifdef __cplusplus\n}\n#endif\n",
         name, name, name, name);
 }
 

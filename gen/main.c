@@ -41,7 +41,7 @@ static const struct option_name option_names[] = {
     {"--lifetimes", "FILE.dot", "draw when resources live, and which of them share memory"},
     {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
     {"--templates", "DIR",
-     "folder with glsl/ and c/; default: templates here, else beside the program's folder"},
+     "folder with glsl/; default: templates here, else those that came with the program"},
     {"--variations", "N",
      "print N random variations of the spec that are valid, as JSON; writes nothing else"},
     {"--seed", "S", "--variations: the same seed draws the same (default: 1)"},
@@ -385,7 +385,7 @@ static enum status print_variations(struct generation *g)
 }
 
 /* `templates` in the working folder, else beside the program's folder: build/diptych-gen finds
- * templates/. */
+ * templates/, bin/diptych-gen of an installation share/diptych/templates. */
 static const char *find_templates(struct arena *arena, const char *given)
 {
     char program[PATH_MAX];
@@ -402,7 +402,10 @@ static const char *find_templates(struct arena *arena, const char *given)
         if (slash)
             *slash = '\0';
     }
-    const char *path = arena_printf(arena, "%s/templates", program);
+    const char *path = arena_printf(arena, "%s/share/diptych/templates", program);
+    const char *glsl = arena_printf(arena, "%s/glsl", path ? path : "");
+    if (!glsl || access(glsl, R_OK) != 0)
+        path = arena_printf(arena, "%s/templates", program);
     return path ? path : "templates";
 }
 

@@ -50,6 +50,8 @@
 extern "C" {
 #endif
 
+#pragma GCC visibility push(default) /* what the libraries export */
+
 struct gl_runtime;
 
 struct dt_gl_host {
@@ -68,7 +70,7 @@ void dt_gl_close(struct gl_runtime *rt); /* takes NULL; leaves what was imported
 /* ---- The scene ------------------------------------------------------------------------------- */
 
 /* Bytes `offset` to `offset + size` of a buffer; the offset is a multiple of
- * GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT. */
+ * GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT and GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT. */
 struct dt_gl_range {
     unsigned buffer;
     uint64_t offset, size;
@@ -80,7 +82,8 @@ struct dt_gl_scene {
     struct dt_gl_range vertices; /* struct dt_vertex[] */
     struct dt_gl_range indices;  /* uint32_t[], three per triangle; offset 0 */
     uint32_t index_count;
-    struct dt_gl_range materials; /* struct dt_material[] */
+    /* struct dt_material[DT_MAX_MATERIALS], whatever stands behind those in use */
+    struct dt_gl_range materials;
     /* Array of all textures (GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full chain
      * of mips). 0: no material has a texture. */
     unsigned textures;
@@ -120,6 +123,8 @@ bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resou
 /* Milliseconds of each pass of the last frame, pass_count of them, NAN for a skipped one. Waits for the
  * frame. */
 bool dt_gl_timings(struct gl_runtime *rt, double *pass_ms);
+
+#pragma GCC visibility pop
 
 #ifdef __cplusplus
 }

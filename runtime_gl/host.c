@@ -64,7 +64,10 @@ void dt_gl_close(struct gl_runtime *rt)
 static bool import_buffer(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
                           const struct dt_gl_range *range, uint64_t least)
 {
-    uint64_t alignment = (uint64_t)rt->limits.storage_alignment;
+    const struct gl_limits *limits = &rt->limits;
+    uint64_t alignment = (uint64_t)(limits->storage_alignment > limits->uniform_alignment
+                                        ? limits->storage_alignment
+                                        : limits->uniform_alignment);
     if (!range->buffer || range->size < least || range->offset % (alignment ? alignment : 1)) {
         gl_log(
             rt, DT_ERROR,
@@ -127,12 +130,15 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
         return false;
     }
     rt->index_count = scene->index_count;
+    struct dt_gl_range materials = scene->materials;
+    if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* as a uniform block */
+        materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     return import_buffer(rt, &builtin->vertices, "scene vertices", &scene->vertices,
                          sizeof(struct dt_vertex)) &&
            import_buffer(rt, &builtin->indices, "scene indices", &scene->indices,
                          (uint64_t)scene->index_count * sizeof(uint32_t)) &&
-           import_buffer(rt, &builtin->materials, "scene materials", &scene->materials,
-                         sizeof(struct dt_material)) &&
+           import_buffer(rt, &builtin->materials, "scene materials", &materials,
+                         DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
            import_textures(rt, scene->textures) && gl_scene_describe(rt);
 }
 

@@ -28,8 +28,8 @@ struct gl_limits {
     GLint texture_size, texture_layers;
     GLint color_targets, draw_buffers, viewport[2];
     GLint uniform_bindings, storage_bindings, texture_bindings, image_bindings;
-    GLint64 uniform_size, storage_size; /* bytes of one block */
-    GLint storage_alignment;            /* of an offset into a buffer */
+    GLint64 uniform_size, storage_size;         /* bytes of one block */
+    GLint storage_alignment, uniform_alignment; /* of offsets into buffers */
     GLint groups[3];
     GLint clip_distances;
     GLfloat anisotropy;

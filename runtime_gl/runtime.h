@@ -10,6 +10,8 @@
 
 #include "diptych.h"
 
+#pragma GCC visibility push(default) /* what the libraries export */
+
 enum { GL_ALL_MIPS = 0xffff, GL_MAX_COLOR_TARGETS = 8 };
 
 struct gl_runtime;
@@ -181,6 +183,8 @@ struct gl_builtin {
     GLuint texture_sampler;     /* trilinear, repeat */
 };
 const struct gl_builtin *dt_gl_builtin(const struct gl_runtime *rt);
+
+#pragma GCC visibility pop
 
 extern const struct dt_runtime runtime_gl;
 

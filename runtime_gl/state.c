@@ -53,6 +53,7 @@ static void read_limits(struct gl_runtime *rt)
         {GL_MAX_IMAGE_UNITS, &l->image_bindings},
         {GL_MAX_CLIP_DISTANCES, &l->clip_distances},
         {GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &l->storage_alignment},
+        {GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &l->uniform_alignment},
     };
     for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
         rt->gl.GetIntegerv(integers[i].name, integers[i].value);

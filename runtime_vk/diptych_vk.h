@@ -58,6 +58,8 @@
 extern "C" {
 #endif
 
+#pragma GCC visibility push(default) /* what the libraries export */
+
 struct vk_runtime;
 
 struct dt_vk_host {
@@ -86,7 +88,7 @@ void dt_vk_close(struct vk_runtime *rt); /* takes NULL; leaves what was imported
 /* ---- The scene ------------------------------------------------------------------------------- */
 
 /* Bytes `offset` to `offset + size` of a buffer; the offset is a multiple of the device's
- * minStorageBufferOffsetAlignment. */
+ * minStorageBufferOffsetAlignment and minUniformBufferOffsetAlignment. */
 struct dt_vk_range {
     VkBuffer buffer;
     VkDeviceSize offset, size;
@@ -98,7 +100,9 @@ struct dt_vk_scene {
     struct dt_vk_range vertices; /* struct dt_vertex[]; usage VERTEX_BUFFER and STORAGE_BUFFER */
     struct dt_vk_range indices;  /* uint32_t[], three per triangle; INDEX_BUFFER, STORAGE_BUFFER */
     uint32_t index_count;
-    struct dt_vk_range materials; /* struct dt_material[]; STORAGE_BUFFER */
+    /* struct dt_material[DT_MAX_MATERIALS], whatever stands behind those in use; STORAGE_BUFFER,
+     * UNIFORM_BUFFER */
+    struct dt_vk_range materials;
     /* Array of all textures (VK_IMAGE_VIEW_TYPE_2D_ARRAY, sRGB colour, linear alpha, a full chain of
      * mips), usage SAMPLED, in SHADER_READ_ONLY_OPTIMAL during every frame. VK_NULL_HANDLE: no
      * material has a texture. */
@@ -159,6 +163,8 @@ bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resou
 /* Milliseconds of each pass of the frame recorded last, pass_count of them, NAN for a skipped one. Its
  * command buffer must have finished. */
 bool dt_vk_timings(struct vk_runtime *rt, double *pass_ms);
+
+#pragma GCC visibility pop
 
 #ifdef __cplusplus
 }

@@ -135,6 +135,8 @@ static bool import_buffer(const struct vk_runtime *rt, struct vk_buffer *buffer,
                           const struct dt_vk_range *range, VkDeviceSize least)
 {
     VkDeviceSize alignment = rt->properties.limits.minStorageBufferOffsetAlignment;
+    if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
+        alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
     if (!range->buffer || range->size < least || range->offset % alignment)
         return vk_error(rt,
                         "%s: a buffer of at least %llu bytes is needed, at a multiple of %llu, but "
@@ -201,9 +203,11 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
         !import_buffer(rt, &builtin->indices, "scene_indices", indices,
                        (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
         !import_buffer(rt, &builtin->materials, "scene_materials", &scene->materials,
-                       sizeof(struct dt_material)) ||
+                       DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
         !import_textures(rt, scene->textures))
         return false;
+    builtin->materials.size =
+        DT_MAX_MATERIALS * sizeof(struct dt_material); /* as a uniform block */
     rt->index_count = scene->index_count;
     rt->has_scene = true;
     return true;

@@ -9,6 +9,8 @@
 
 #include "diptych.h"
 
+#pragma GCC visibility push(default) /* what the libraries export */
+
 enum { VK_ALL_MIPS = 0xffff, VK_MAX_COLOR_TARGETS = 8, VK_MAX_MIPS = 16 };
 
 struct vk_runtime;
@@ -240,6 +242,8 @@ struct vk_builtin {
     VkSampler texture_sampler;  /* trilinear, repeat */
 };
 const struct vk_builtin *dt_vk_builtin(const struct vk_runtime *rt);
+
+#pragma GCC visibility pop
 
 extern const struct dt_runtime runtime_vk;
 

@@ -11,6 +11,8 @@
 extern "C" {
 #endif
 
+#pragma GCC visibility push(default) /* what the libraries export */
+
 struct dt_scene_file;
 
 /* Reads a scene file (YAML) and its mesh, which is looked up beside it, then below `meshes` (may be
@@ -32,6 +34,8 @@ void dt_scene_look(struct dt_scene_file *file, const struct dt_scene_camera *cam
  * `index` is 0. */
 void dt_scene_frame(const struct dt_scene_file *file, uint32_t width, uint32_t height,
                     struct dt_frame *frame);
+
+#pragma GCC visibility pop
 
 #ifdef __cplusplus
 }

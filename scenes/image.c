@@ -15,29 +15,34 @@
 
 #define SHIM "libdiptych_image.so"
 
-/* The shim stays loaded after its first use (RTLD_NODELETE), so every call may look it up anew:
- * no global state. It is looked for beside the executable, in the folder above it (tests live
- * one below), then where the loader looks. */
+/* The shim stays loaded after its first use (RTLD_NODELETE), so every call may look it up anew: no
+ * global state. It is looked for beside the executable, in the folder above it (tests live one below),
+ * from an installation's bin/ in lib/diptych/; for a program that has taken in the scenes as a library
+ * below the folder of that; then where the loader looks. */
+static const char *const places[] = {"", "../", "../lib/diptych/", "diptych/"};
+enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 1 };
+
+static bool shim_path(int place, char path[static PATH_MAX])
+{
+    char file[PATH_MAX] = "";
+    Dl_info library;
+    if (place == IN_LIBRARY && dladdr((const void *)places, &library))
+        snprintf(file, sizeof file, "%s", library.dli_fname);
+    else if (readlink("/proc/self/exe", file, sizeof file - 1) < 0)
+        return false;
+    const char *slash = strrchr(file, '/');
+    int folder = slash ? (int)(slash - file) + 1 : 0;
+    return snprintf(path, PATH_MAX, "%.*s%s%s", folder, file, places[place], SHIM) < PATH_MAX &&
+           access(path, R_OK) == 0;
+}
+
 static void *shim_open(const struct dt_log *log)
 {
-    char folder[PATH_MAX];
-    ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - 1);
-    folder[length > 0 ? length : 0] = '\0';
-    for (int up = 0; up < 2; up++) {
-        char *slash = strrchr(folder, '/');
-        if (!slash)
-            break;
-        *slash = '\0';
-        char path[PATH_MAX + sizeof "/" SHIM];
-        snprintf(path, sizeof path, "%s/%s", folder, SHIM);
-        if (access(path, R_OK) != 0)
-            continue;
-        void *shim = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-        if (!shim)
-            log_message(log, DT_ERROR, "cannot load %s: %s", path, dlerror());
-        return shim;
-    }
-    void *shim = dlopen(SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    char path[PATH_MAX];
+    int place = 0;
+    while (place < PLACES && !shim_path(place, path))
+        place++;
+    void *shim = dlopen(place < PLACES ? path : SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!shim)
         log_message(log, DT_ERROR,
                     "cannot read or write images: " SHIM " is not beside the executable (%s)",

@@ -15,6 +15,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus /* which has the same by another name */
+#define _Static_assert static_assert
+#endif
+
 #define DT_ARRAY_COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 /* ---- Log: the one way in which anything below the command line speaks ------------------------ */

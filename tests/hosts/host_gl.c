@@ -275,7 +275,7 @@ static struct gl_runtime *open_pipeline(struct host *host, const struct dt_scene
         .vertices = {host->vertices, 0, scene->vertex_count * sizeof *scene->vertices},
         .indices = {host->indices, 0, scene->index_count * sizeof *scene->indices},
         .index_count = scene->index_count,
-        .materials = {host->materials, 0, scene->material_count * sizeof *scene->materials},
+        .materials = {host->materials, 0, DT_MAX_MATERIALS * sizeof *scene->materials},
     };
     check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, panel) &&
               dt_gl_import_image(rt, output, picture) &&
@@ -304,8 +304,9 @@ static void make_scene(struct host *host, const struct dt_scene *scene)
 {
     host->vertices = make_buffer(scene->vertices, scene->vertex_count * sizeof *scene->vertices);
     host->indices = make_buffer(scene->indices, scene->index_count * sizeof *scene->indices);
-    host->materials =
-        make_buffer(scene->materials, scene->material_count * sizeof *scene->materials);
+    struct dt_material materials[DT_MAX_MATERIALS] = {0};
+    memcpy(materials, scene->materials, scene->material_count * sizeof *materials);
+    host->materials = make_buffer(materials, sizeof materials);
 }
 
 int main(int argc, char **argv)

@@ -227,8 +227,10 @@ static void make_scene(struct host *host, const struct dt_scene *scene)
         make_buffer(host, scene->indices, scene->index_count * sizeof *scene->indices,
                     VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     host->materials =
-        make_buffer(host, scene->materials, scene->material_count * sizeof *scene->materials,
-                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+        make_buffer(host, NULL, DT_MAX_MATERIALS * sizeof *scene->materials,
+                    VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    memcpy(host->materials.bytes, scene->materials,
+           scene->material_count * sizeof *scene->materials);
 }
 
 static struct vk_runtime *open_pipeline(struct host *host, const struct dt_scene *scene,
@@ -248,7 +250,7 @@ static struct vk_runtime *open_pipeline(struct host *host, const struct dt_scene
         .vertices = {host->vertices.handle, 0, scene->vertex_count * sizeof *scene->vertices},
         .indices = {host->indices.handle, 0, scene->index_count * sizeof *scene->indices},
         .index_count = scene->index_count,
-        .materials = {host->materials.handle, 0, scene->material_count * sizeof *scene->materials},
+        .materials = {host->materials.handle, 0, DT_MAX_MATERIALS * sizeof *scene->materials},
     };
     const struct dt_vk_image image = {
         .image = picture->image,

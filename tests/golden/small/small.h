@@ -73,7 +73,13 @@ static inline uint32_t small_groups(int64_t count, int64_t local)
     return count > 0 ? (uint32_t)((count - 1) / local + 1) : 0;
 }
 
+#ifdef __cplusplus
+extern "C" {
+#endif
 extern const struct dt_pipeline small_pipeline;
 extern const struct dt_panel small_gl, small_vk;
+#ifdef __cplusplus
+}
+#endif
 
 #endif

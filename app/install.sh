@@ -1,0 +1,78 @@
+#!/bin/sh
+# Puts what is built under DESTDIR/PREFIX: `PREFIX=/opt/diptych ninja install`. Called by that, with the version. PREFIX is
+# /usr/local where it is not given; DESTDIR is for packagers, and no file names it. The tree that is installed can be moved:
+# programs find their files from where they are, and so do the pkg-config files.
+set -eu
+version=$1
+root=${DESTDIR:-}${PREFIX:-/usr/local}
+case $root in
+/*) ;;
+*)
+    echo "install: PREFIX and DESTDIR must be absolute, but together they are $root" >&2
+    exit 1
+    ;;
+esac
+
+# Each file appears whole: under a name of its own first.
+put() { # mode file target
+    install -d -m 755 "$(dirname "$root/$3")"
+    install -m "$1" "$2" "$root/$3.new.$$"
+    mv -f "$root/$3.new.$$" "$root/$3"
+}
+
+# The same of what a command writes.
+put_output() { # target command...
+    target=$1
+    shift
+    output=$(mktemp)
+    "$@" >"$output" || { rm -f "$output" && exit 1; }
+    put 644 "$output" "$target"
+    rm -f "$output"
+}
+
+package() { # name description cflags libs private-libs
+    cat <<END
+prefix=\${pcfiledir}/../..
+includedir=\${prefix}/include/diptych
+libdir=\${prefix}/lib
+templates=\${prefix}/share/diptych/templates
+generator=\${prefix}/bin/diptych-gen
+
+Name: $1
+Description: $2
+Version: $version
+Cflags: -I\${includedir}
+Libs: -L\${libdir} $3
+Libs.private: $4
+END
+}
+
+put 755 build/diptych bin/diptych
+put 755 build/diptych-gen bin/diptych-gen
+put 644 build/libdiptych_image.so lib/diptych/libdiptych_image.so
+
+for name in gl vk scene; do
+    put 644 build/library/libdiptych_$name.a lib/libdiptych_$name.a
+    put 644 "build/library/libdiptych_$name.so.$version" "lib/libdiptych_$name.so.$version"
+    ln -sfn "libdiptych_$name.so.$version" "$root/lib/libdiptych_$name.so.0"
+    ln -sfn "libdiptych_$name.so.0" "$root/lib/libdiptych_$name.so"
+done
+put_output lib/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
+put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
+put_output lib/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
+    "-lassimp -lfyaml -ldl -lm"
+
+for header in templates/c/diptych.h templates/c/limit.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h \
+    scenes/diptych_scene.h; do
+    put 644 $header "include/diptych/$(basename $header)"
+done
+put 644 runtime_gl/runtime.h include/diptych/runtime_gl/runtime.h
+put 644 runtime_vk/runtime.h include/diptych/runtime_vk/runtime.h
+
+# Scaffolds and headers are in the generator and in include/.
+find templates -type f ! -path 'templates/c/*' | sort | while read -r file; do
+    put 644 "$file" "share/diptych/$file"
+done
+for file in cornell.yaml cornell.obj cornell.mtl; do
+    put 644 "scenes/$file" "share/diptych/scenes/$file"
+done

@@ -1,0 +1,178 @@
+#!/usr/bin/env bash
+# What `ninja install` puts down, moved to another folder and used there, with the source tree out of sight: the command, and
+# two renderers of somebody else's (tests/hosts) that take the pipelines in and find the command's bits. TAP.
+. "$(dirname "$0")/tap.sh"
+cd "$root" || exit
+size=(96 64)
+frames=2
+scene=share/diptych/scenes/cornell.yaml
+
+# shellcheck disable=SC2317 # called through check
+installs() {
+    DESTDIR=$work/dest PREFIX=/opt/diptych sh app/install.sh 0.1.0
+}
+# Beside the command line that ninja would run, the test's own.
+# shellcheck disable=SC2317
+ninja_runs_it() {
+    ninja -t commands -s install | grep -Fx "sh app/install.sh 0.1.0"
+}
+# shellcheck disable=SC2317
+refuses_relative() {
+    ! DESTDIR='' PREFIX=somewhere sh app/install.sh 0.1.0 && [ ! -e somewhere ]
+}
+# shellcheck disable=SC2317
+modes_are_right() { # programs 755, folders 755, all else 644
+    find "$work/dest" \( -type f -path '*/bin/*' ! -perm 755 \) -o \( -type d ! -perm 755 \) -o \
+        \( -type f ! -path '*/bin/*' ! -perm 644 \) -o -name '*.new.*' | tee "$work/odd" && [ ! -s "$work/odd" ]
+}
+# shellcheck disable=SC2317
+names_no_dest() {
+    ! grep -rl "$work/dest" "$work/dest"
+}
+
+check "install puts everything under DESTDIR" installs
+check "... as ninja install does" ninja_runs_it
+check "... with the modes that belong" modes_are_right
+check "... and no file names DESTDIR" names_no_dest
+check "... nor does it install to a relative path" refuses_relative
+
+installed=$work/moved
+mv "$work/dest/opt/diptych" "$installed"
+export PKG_CONFIG_PATH=$installed/lib/pkgconfig XDG_CACHE_HOME=$work/cache LD_LIBRARY_PATH=$installed/lib
+
+# ---- Symbols ----
+
+# shellcheck disable=SC2317
+only_own_symbols() { # nothing defined but dt_..., no function of the graphics APIs needed
+    local file
+    for file in "$installed"/lib/libdiptych_*.so; do
+        nm -D --defined-only "$file" | awk '{ print $3 }' | grep -v '^dt_' && return 1
+        nm -D --undefined-only "$file" | grep -E ' U (vk|gl|egl)[A-Z]' && return 1
+        readelf -d "$file" | grep -E 'NEEDED.*(stdc|vulkan|libGL|libEGL|glfw)' && return 1
+        readelf -d "$file" | grep -q "SONAME.*$(basename "$file").0\]" || return
+    done
+    for file in "$installed"/lib/libdiptych_*.a; do
+        nm -g --defined-only "$file" | awk 'NF == 3 { print $3 }' | grep -v '^dt_' && return 1
+        nm -u "$file" | grep -E ' U (vk|gl|egl)[A-Z]' && return 1
+    done
+    return 0
+}
+check "libraries define dt_ names alone, and need no loader" only_own_symbols
+
+# ---- The command, from another folder ----
+
+# Runs with the source tree covered up, where the kernel lets us.
+hidden=(unshare -rm sh -c "mount -t tmpfs none '$root' && cd '$work' && exec \"\$@\"" sh)
+"${hidden[@]}" true 2>"$work/output" || hidden=()
+# shellcheck disable=SC2317
+hide() { # command...
+    if [ ${#hidden[@]} = 0 ]; then (cd "$work" && "$@"); else "${hidden[@]}" "$@"; fi
+}
+if [ ${#hidden[@]} = 0 ]; then skip "the source tree is out of sight" "unshare cannot mount here"; fi
+
+# shellcheck disable=SC2317
+installed_diptych() { # verb...
+    hide "$installed/bin/diptych" "$@" --size "${size[0]}x${size[1]}"
+}
+# shellcheck disable=SC2317
+in_cache() {
+    [ -d "$work/cache/diptych" ] && [ ! -e "$installed/bin/cache" ]
+}
+# shellcheck disable=SC2317
+no_ego() { # what was compiled for the cache was made of installed files alone
+    ! grep -rl --include='*.d' "$root/" "$work/cache"
+}
+for backend in gl vk; do
+    check "the installed command renders with $backend" installed_diptych render --scene "$installed/$scene" \
+        --backend $backend --frames $frames --dump "$work/$backend"
+done
+check "... a second time without a compiler" env PATH= "$(command -v env)" -u CC "$installed/bin/diptych" render \
+    --scene "$installed/$scene" --backend vk --size 8x8 -o "$work/small.png"
+check "... caches where the user's files are" in_cache
+check "... made of what is installed" no_ego
+check "the installed command compares, another pipeline" installed_diptych compare --scene "$installed/$scene" \
+    --spec "$installed/share/diptych/templates/rsm.yaml"
+check "... and measures, limits included" installed_diptych bench --scene "$installed/$scene" --frames 1 --warmup 1 \
+    --json "$work/bench.json"
+check "rsm for the hosts" installed_diptych render --scene "$installed/$scene" --backend vk --frames $frames \
+    --spec "$installed/share/diptych/templates/rsm.yaml" --dump "$work/rsm"
+
+# ---- Hosts ----
+
+gen=$(pkg-config --variable=generator diptych-vk)
+templates=$(pkg-config --variable=templates diptych-vk)
+mkdir "$work/host"
+cp tests/hosts/host_gl.c tests/hosts/host_vk.c "$work/host"
+
+# shellcheck disable=SC2317
+generate() {
+    hide "$gen" "$templates/ssvp.yaml" -o "$work/host" && hide "$gen" "$templates/rsm.yaml" -o "$work/host"
+}
+# shellcheck disable=SC2317
+build_host() { # gl|vk library...
+    local api=$1 cflags sources=()
+    shift
+    read -ra cflags < <(pkg-config --cflags "diptych-$api" diptych-scene)
+    for name in "host_$api" ssvp "ssvp_$api" rsm "rsm_$api"; do sources+=("$work/host/$name.c"); done
+    hide cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "-I$work/host" "${cflags[@]}" "${sources[@]}" \
+        -o "$work/host/host_$api" "$@"
+}
+# shellcheck disable=SC2317
+run_host() { # gl|vk; its own renderer's messages fail it
+    HOST_DEBUG=1 hide "$work/host/host_$1" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$1.ssvp.ppm" \
+        "$work/host/$1.rsm.ppm" && [ ! -s "$work/output" ]
+}
+# shellcheck disable=SC2317
+same_picture() { # PPM dump
+    python3 - "$@" <<'END'
+import json, sys
+lines, pixels = open(sys.argv[1], "rb").read().split(b"255\n", 1)
+manifest = json.load(open(sys.argv[2] + "/manifest.json"))
+entry = [e for e in manifest["entries"] if e["resource"] == "display"][-1]
+texels, width = open(sys.argv[2] + "/" + entry["file"], "rb").read(), entry["width"]
+rows = [texels[at:at + 4 * width] for at in range(0, len(texels), 4 * width)]
+wanted = b"".join(row[i:i + 3] for row in reversed(rows) for i in range(0, 4 * width, 4))
+sys.exit(pixels != wanted or len(set(pixels)) < 50)
+END
+}
+# shellcheck disable=SC2317
+same_pictures() { # gl|vk
+    same_picture "$work/host/$1.ssvp.ppm" "$work/$1" && same_picture "$work/host/$1.rsm.ppm" "$work/rsm"
+}
+read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
+read -ra private < <(pkg-config --static --libs-only-l diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
+check "the installed generator generates" generate
+check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@]}" -lvulkan
+check "... runs two pipelines in its own command buffers, and validation is silent" run_host vk
+check "... to the bits that the command has" same_pictures vk
+check "an OpenGL renderer builds with static libraries" build_host gl "$installed"/lib/libdiptych_{gl,scene}.a \
+    "${private[@]}" -lEGL
+check "... runs two pipelines in its own context, whose state is as it was" run_host gl
+check "... to the bits that the command has" same_pictures gl
+
+# shellcheck disable=SC2317
+both_static() { # libraries in one program, from C++
+    cat >"$work/host/both.cpp" <<'END'
+#include <diptych_gl.h>
+#include <diptych_scene.h>
+#include <diptych_vk.h>
+
+#include "ssvp.h"
+
+int main()
+{
+    dt_vk_host vk = {};
+    dt_gl_host gl = {};
+    ssvp_live live = {};
+    return dt_vk_open(&vk) || dt_gl_open(&gl) || live.bounces || dt_scene_open("", nullptr, &vk.log);
+}
+END
+    # a loader's variables, a renderer's functions
+    echo "void *vkCreateBuffer, *glad_glBindBuffer; int vk_check, gl_check, scene_load;" >"$work/host/names.c"
+    read -ra cflags < <(pkg-config --cflags diptych-vk)
+    hide cc -c "$work/host/names.c" -o "$work/host/names.o" && hide c++ -std=c++17 -Wall -Wextra -Werror \
+        "-I$work/host" "${cflags[@]}" "$work/host/both.cpp" "$work/host/names.o" -o "$work/host/both" "$installed"/lib/libdiptych_{gl,vk,scene}.a "${private[@]}" && hide "$work/host/both"
+}
+check "all three libraries go into one C++ program, beside its own names" both_static
+
+finish
