@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What `ninja install` puts down, moved to another folder and used there, with the source tree out of sight: the command, and
-# two renderers of somebody else's (tests/hosts) that take the pipelines in and find the command's bits. TAP.
+# two renderers of somebody else's (tests/hosts) that take the pipelines in and find the command's bits, and a project that
+# CMake and Meson build. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 size=(96 64)
@@ -174,5 +175,44 @@ END
         "-I$work/host" "${cflags[@]}" "$work/host/both.cpp" "$work/host/names.o" -o "$work/host/both" "$installed"/lib/libdiptych_{gl,vk,scene}.a "${private[@]}" && hide "$work/host/both"
 }
 check "all three libraries go into one C++ program, beside its own names" both_static
+
+# ---- Build systems ----
+
+# The project of tests/hosts/project, built by one of them: each step does what it must and no more.
+# shellcheck disable=SC2317
+built() { # least pattern command...: so many lines of the build have the pattern, and 0 means none
+    local least=$1 pattern=$2 count
+    shift 2
+    hide "$@" >"$work/built" 2>&1 || { cat "$work/built" && return 1; }
+    count=$(grep -cE "$pattern" "$work/built")
+    cat "$work/built"
+    if [ "$least" = 0 ]; then [ "$count" = 0 ]; else [ "$count" -ge "$least" ]; fi
+}
+# shellcheck disable=SC2317
+set_up() { # command...
+    hide "$@" && [ -e "$project/build" ]
+}
+# shellcheck disable=SC2317
+says_stripe() {
+    "$project/build/wave" | grep -q '^pass stripe' && "$project/build/wave" | grep -q '^log: struct dt_vk_host'
+}
+build_system() { # name set-up-command -- build-command
+    local name=$1 setup=() work_done='Generating|Building|Linking|Compiling'
+    shift
+    project=$work/project-$name
+    cp -r tests/hosts/project "$project"
+    while [ "$1" != -- ]; do setup+=("${1//PROJECT/$project}") && shift; done
+    shift
+    check "$name sets up a project with a pipeline" set_up "${setup[@]}"
+    check "... builds it" built 2 "$work_done" "$@" "$project/build"
+    check "... which runs" says_stripe
+    check "... does nothing when nothing was touched" built 0 "$work_done" "$@" "$project/build"
+    touch "$project/wave.glsl"
+    check "... generates anew when a body was touched" built 1 'Generating' "$@" "$project/build"
+    check "... and that once" built 0 "$work_done" "$@" "$project/build"
+}
+build_system cmake cmake -S PROJECT -B PROJECT/build -G Ninja -- cmake --build
+build_system make cmake -S PROJECT -B PROJECT/build -G "Unix Makefiles" -- cmake --build
+build_system meson meson setup PROJECT/build PROJECT -- ninja -C
 
 finish
