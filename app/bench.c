@@ -230,8 +230,6 @@ static bool load_programmes(struct bench *bench)
 static bool prepare(struct bench *bench)
 {
     const struct dt_log *log = &bench->console->log;
-    if (bench->options->json && !file_can_write(bench->options->json, log))
-        return false;
     bench->list = calloc(bench->sides.count, sizeof *bench->list);
     bench->copy_ms = calloc(bench->frames, sizeof *bench->copy_ms);
     bench->original = malloc(2 * (size_t)COPY_BYTES);
@@ -284,9 +282,10 @@ int verb_bench(struct console *console, const struct options *options)
         return EXIT_USAGE;
     }
     bool good = prepare(&bench) && prepare_limits(&bench) && run_all(&bench);
-    if (good)
+    if (good) {
         bench_print(&bench);
-    good = good && (!options->json || bench_write_json(&bench));
+        console->result = bench_json(&bench);
+    }
     release(&bench);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

@@ -69,7 +69,7 @@ struct spread bench_limit_ratio(const struct bench *bench, const struct bench_si
 /* How long a pass has to take at the least, by what the device can do. */
 double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);
 
-void bench_print(const struct bench *bench);      /* on stdout */
-bool bench_write_json(const struct bench *bench); /* to options->json; logs its error */
+void bench_print(const struct bench *bench);         /* on stdout */
+struct cJSON *bench_json(const struct bench *bench); /* for --json */
 
 #endif

@@ -1,10 +1,8 @@
 /* What `bench` measured, as JSON; see bench.h. */
 #include <cjson/cJSON.h>
 #include <math.h>
-#include <string.h>
 
 #include "bench.h"
-#include "files.h"
 
 static void add_number(cJSON *parent, const char *name, double value)
 {
@@ -103,7 +101,7 @@ static void add_work(cJSON *root, const struct bench *bench)
     }
 }
 
-static cJSON *bench_json(const struct bench *bench)
+cJSON *bench_json(const struct bench *bench)
 {
     const struct options *options = bench->options;
     cJSON *root = cJSON_CreateObject();
@@ -122,22 +120,4 @@ static cJSON *bench_json(const struct bench *bench)
     for (uint32_t i = 0; i < bench->sides.count; i++)
         cJSON_AddItemToArray(sides, side_json(bench, &bench->list[i]));
     return root;
-}
-
-bool bench_write_json(const struct bench *bench)
-{
-    const char *path = bench->options->json;
-    cJSON *root = bench_json(bench);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(bench->console);
-        good = file_write(path, text, strlen(text), &bench->console->log);
-        console_release(bench->console);
-    } else {
-        report_error(&bench->console->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
-    cJSON_Delete(root);
-    return good;
 }

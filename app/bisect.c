@@ -50,7 +50,8 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
 
 /* Narrows down and writes; returns the line for people. */
 static char *conclude(const struct gathering *gathering, const struct replay *replay,
-                      uint32_t guilty, const char *const devices[2], const char *folder)
+                      uint32_t guilty, const char *const devices[2], const char *folder,
+                      struct region *region)
 {
     const struct session_info *session = &replay->workers[0].session;
     const struct row_list *outputs = &gathering->rows->outputs;
@@ -79,6 +80,7 @@ static char *conclude(const struct gathering *gathering, const struct replay *re
                      gathering->rows->pipeline->passes[gathering->pass].name);
         return NULL;
     }
+    *region = evidence.region;
     char *text = region_describe(&evidence.region, resource);
     if (text && evidence_write(&evidence, folder))
         return text;
@@ -94,7 +96,7 @@ static void free_rows(struct dt_bytes *bytes, uint32_t count)
 }
 
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
-             const char *folder)
+             const char *folder, struct region *region)
 {
     const struct rows *rows = replay->rows;
     uint32_t pass = rows->outputs.list[guilty].pass;
@@ -111,7 +113,7 @@ char *bisect(const struct replay *replay, uint32_t guilty, const char *const dev
     if (!gathering.inputs || !gathering.outputs[0] || !gathering.outputs[1])
         report_error(gathering.log, "out of memory");
     else if (replay_run(replay, &viewer))
-        text = conclude(&gathering, replay, guilty, devices, folder);
+        text = conclude(&gathering, replay, guilty, devices, folder, region);
     free_rows(gathering.inputs, inputs);
     free_rows(gathering.outputs[0], outputs);
     free_rows(gathering.outputs[1], outputs);

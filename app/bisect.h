@@ -6,10 +6,10 @@
 #include "blame.h"
 #include "evidence.h"
 
-/* Writes the folder and tells the region, a malloc'ed line for people. `guilty` is a row of
+/* Writes the folder and tells the region, as a malloc'ed line for people, too. `guilty` is a row of
  * replay->rows->outputs with an own error in replay->frame; devices are what the two sides ran on.
  * NULL, with the error logged, when it could not be done. */
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
-             const char *folder);
+             const char *folder, struct region *region);
 
 #endif

@@ -293,7 +293,8 @@ static bool keep_evidence(struct compare *compare)
         const char *const devices[2] = {compare->devices[0], compare->devices[i + 1]};
         if (blame->outcome != BLAME_GUILTY)
             continue;
-        compare->region = bisect(&replay, blame->row, devices, folder);
+        compare->bisected = &compare->pairs[i];
+        compare->region = bisect(&replay, blame->row, devices, folder, &compare->found);
         return compare->region;
     }
     if (folder)
@@ -437,8 +438,7 @@ static bool run(struct compare *compare)
     const struct options *options = &compare->options;
     if (!sides_read(&compare->sides, options, &console->log))
         return false;
-    if ((options->json && !file_can_write(options->json, &console->log)) ||
-        (options->pictures && !file_make_folders(options->pictures, &console->log)))
+    if (options->pictures && !file_make_folders(options->pictures, &console->log))
         return false;
     if (!load(compare) || !allocate(compare))
         return false;
@@ -455,7 +455,7 @@ int verb_compare(struct console *console, const struct options *options)
     bool good = run(&compare);
     /* what was found out before something went wrong is worth knowing, too */
     if (compare.complete && options->json)
-        good = compare_write_json(&compare) && good;
+        console->result = compare_json(&compare);
     console_status(console, "%s", "");
     if (compare.complete)
         compare_print(&compare);

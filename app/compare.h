@@ -7,6 +7,7 @@
 #include "difference.h"
 #include "options.h"
 #include "pipeline.h"
+#include "region.h"
 #include "rows.h"
 #include "source.h"
 #include "strip.h"
@@ -48,10 +49,12 @@ struct compare {
     struct source *sources; /* one per side */
     char **devices;         /* what the sides ran on */
     struct pair *pairs;
-    uint32_t pair_count; /* sides.count - 1 */
-    uint64_t compared;   /* elements, over all rows, pairs and frames */
-    bool complete;       /* all rows were compared */
-    char *region;        /* of the guilty resource, in words; with --bisect */
+    uint32_t pair_count;         /* sides.count - 1 */
+    uint64_t compared;           /* elements, over all rows, pairs and frames */
+    bool complete;               /* all rows were compared */
+    char *region;                /* of the guilty resource, in words; with --bisect */
+    struct region found;         /* the same, */
+    const struct pair *bisected; /* of this pair */
 };
 
 /* With --pictures, and when what the pair found last, in this row of rows.outputs, is an image that
@@ -63,7 +66,6 @@ const struct row *broken_row(const struct compare *compare, const struct pair *p
 
 void compare_print(const struct compare *compare); /* on stdout */
 
-/* --json; logs its error. */
-bool compare_write_json(const struct compare *compare);
+struct cJSON *compare_json(const struct compare *compare); /* for --json */
 
 #endif

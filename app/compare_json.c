@@ -1,10 +1,7 @@
-/* The JSON that `compare` writes; see compare.h. */
-#include <string.h>
-
+/* What `compare` tells with --json; see compare.h. */
 #include <cjson/cJSON.h>
 
 #include "compare.h"
-#include "files.h"
 
 /* Without a pass: what a frame found of earlier ones. */
 static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass)
@@ -84,6 +81,26 @@ static void add_pair(cJSON *root, const struct compare *compare, const struct pa
             results, result_json(compare, pair, &rows->outputs.list[i], &pair->results[i], true));
 }
 
+static void add_corner(cJSON *region, const char *name, const uint32_t corner[3], int axes)
+{
+    cJSON *item = cJSON_AddArrayToObject(region, name);
+    for (int i = 0; i < axes; i++)
+        cJSON_AddItemToArray(item, cJSON_CreateNumber(corner[i]));
+}
+
+/* What --bisect kept: axes are x, y and, where there are layers, the layer; or the index. */
+static void add_region(cJSON *event, const struct compare *compare, const struct row *guilty)
+{
+    const struct dt_resource *resource = &compare->pipeline.info->resources[guilty->resource];
+    int axes = resource->kind == DT_BUFFER ? 1 : resource->layered ? 3 : 2;
+    cJSON *item = cJSON_AddObjectToObject(event, "region");
+    cJSON_AddNumberToObject(item, "failing", (double)compare->found.failing);
+    add_corner(item, "low", compare->found.low, axes);
+    add_corner(item, "high", compare->found.high, axes);
+    add_corner(item, "smallest", compare->found.smallest, axes);
+    cJSON_AddStringToObject(event, "case", compare->options.bisect);
+}
+
 static void add_outcome(cJSON *root, const struct compare *compare, const struct pair *pair)
 {
     const struct blame *blame = &pair->blame;
@@ -98,6 +115,8 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
     const char *shader = guilty ? compare->pipeline.info->passes[guilty->pass].shader : NULL;
     if (shader)
         cJSON_AddStringToObject(event, "shader", shader);
+    if (guilty && compare->region && pair == compare->bisected)
+        add_region(event, compare, guilty);
     event = add_event(root, "not_repeatable", compare, strayed, true, blame->frame);
     if (strayed)
         cJSON_AddStringToObject(event, "side", blame->side->label);
@@ -105,7 +124,7 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
 
 /* One pair lies in the root itself; of several each lies in "pairs", and the root tells the outcome
  * of the first that differs. */
-static cJSON *compare_json(const struct compare *compare)
+cJSON *compare_json(const struct compare *compare)
 {
     const struct pair *told = &compare->pairs[0];
     cJSON *root = cJSON_CreateObject();
@@ -130,22 +149,4 @@ static cJSON *compare_json(const struct compare *compare)
     }
     add_outcome(root, compare, told);
     return root;
-}
-
-bool compare_write_json(const struct compare *compare)
-{
-    const char *path = compare->options.json;
-    cJSON *root = compare_json(compare);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(compare->console);
-        good = file_write(path, text, strlen(text), &compare->console->log);
-        console_release(compare->console);
-    } else {
-        report_error(&compare->console->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
-    cJSON_Delete(root);
-    return good;
 }

@@ -25,6 +25,17 @@ static void clear_line(struct console *console)
     console->shown = false;
 }
 
+static void keep(struct console *console, enum dt_level level, const char *text)
+{
+    struct console_message *grown =
+        realloc(console->kept, (console->kept_count + 1) * sizeof *grown);
+    if (!grown)
+        return;
+    console->kept = grown;
+    grown[console->kept_count] = (struct console_message){level, strdup(text)};
+    console->kept_count += grown[console->kept_count].text != NULL;
+}
+
 static void print_message(void *user, enum dt_level level, const char *message)
 {
     static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
@@ -34,7 +45,7 @@ static void print_message(void *user, enum dt_level level, const char *message)
         atomic_fetch_add(&console->errors, 1);
     int capture = console_capturing(console);
     if (capture >= 0) {
-        dprintf(capture, "%s%s\n", labels[level], message);
+        dprintf(capture, "%s%s\n", place_read(message, &place) ? "" : labels[level], message);
         return;
     }
     pthread_mutex_lock(&console->lock);
@@ -43,6 +54,16 @@ static void print_message(void *user, enum dt_level level, const char *message)
         fprintf(stderr, "%s\n", message);
     else
         fprintf(stderr, "diptych: %s%s\n", labels[level], message);
+    if (console->keeps && level >= DT_WARNING)
+        keep(console, level, message);
+    pthread_mutex_unlock(&console->lock);
+}
+
+void console_keep(struct console *console, enum dt_level level, const char *text)
+{
+    pthread_mutex_lock(&console->lock);
+    if (console->keeps)
+        keep(console, level, text);
     pthread_mutex_unlock(&console->lock);
 }
 
@@ -176,6 +197,9 @@ void console_close(struct console *console)
     clear_line(console);
     for (int i = 0; i < CONSOLE_TEMPORARIES; i++)
         free(console->temporaries[i]);
+    for (unsigned i = 0; i < console->kept_count; i++)
+        free(console->kept[i].text);
+    free(console->kept);
     pthread_mutex_unlock(&console->lock);
     pthread_mutex_destroy(&console->lock);
     pthread_mutex_destroy(&console->writing);

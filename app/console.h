@@ -31,6 +31,13 @@ struct console {
     int capture; /* memory file that takes what the capturing thread says; -1: none */
     pthread_t capturing;
     pid_t child; /* leads a process group, which a signal ends, too; 0: none */
+    bool keeps;  /* warnings and errors, for --json */
+    struct console_message {
+        enum dt_level level;
+        char *text;
+    } * kept;
+    unsigned kept_count;
+    struct cJSON *result; /* an object: what the verb tells with --json; main frees it */
 };
 
 /* Blocks SIGINT, SIGTERM and SIGHUP in this and all later threads, and starts the thread that waits
@@ -58,6 +65,9 @@ bool console_capture(struct console *console);
 char *console_captured(struct console *console);
 int console_capturing(
     struct console *console); /* the file, when it is this thread that does; or -1 */
+
+/* Keeps a message for --json that another program has printed. */
+void console_keep(struct console *console, enum dt_level level, const char *text);
 
 /* What is being done, shown with the elapsed time once the verb takes longer than two seconds. */
 void console_status(struct console *console, const char *format, ...)

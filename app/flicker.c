@@ -219,26 +219,6 @@ static cJSON *flicker_json(const struct flicker *flicker)
     return root;
 }
 
-static bool write_json(const struct flicker *flicker)
-{
-    const char *path = flicker->options->json;
-    if (!path)
-        return true;
-    cJSON *root = flicker_json(flicker);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(flicker->console);
-        good = file_write(path, text, strlen(text), &flicker->console->log);
-        console_release(flicker->console);
-    } else {
-        report_error(&flicker->console->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
-    cJSON_Delete(root);
-    return good;
-}
-
 static void print_row(const struct flicker *flicker, const char *name, const struct change *change)
 {
     printf("%-6s  %8.1f %%  %9.5f  %7.3f %%", name,
@@ -273,8 +253,7 @@ static bool prepare(struct flicker *flicker)
 {
     const struct options *options = flicker->options;
     const struct dt_log *log = &flicker->console->log;
-    if ((options->json && !file_can_write(options->json, log)) ||
-        !session_load_scene(&flicker->scene, flicker->console, options))
+    if (!session_load_scene(&flicker->scene, flicker->console, options))
         return false;
     flicker->frames = session_frames(options, &flicker->scene);
     flicker->block = options->block ? options->block : 1;
@@ -294,10 +273,12 @@ int verb_flicker(struct console *console, const struct options *options)
     struct flicker flicker = {.console = console, .options = options};
     if (!check_patterns(&flicker))
         return EXIT_USAGE;
-    bool good = prepare(&flicker) && measure(&flicker) && write_json(&flicker);
+    bool good = prepare(&flicker) && measure(&flicker);
     console_status(console, "%s", "");
-    if (good)
+    if (good) {
         print_table(&flicker);
+        console->result = flicker_json(&flicker);
+    }
     ray_scene_close(flicker.rays);
     scene_free(&flicker.scene);
     free(flicker.changes);

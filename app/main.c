@@ -1,42 +1,46 @@
 /* The `diptych` command: finds the verb, reads its options, runs it. Each verb lives in a file of
  * its own. */
+#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "files.h"
 #include "options.h"
+#include "outcome.h"
 
 static const struct verb verbs[] = {
     {"render", VERB_RENDER, "render a scene with one backend into a picture",
-     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.", verb_render},
+     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.", verb_render,
+     EXIT_FAILED},
     {"compare", VERB_COMPARE,
      "run two or more backends and compare every resource after every pass",
      "Prints a table; its last line names the pass that is to blame: the first that errs on its "
      "own,\n"
      "given the inputs that the first side had.\n"
      "Exit status: 0 the backends agree, 1 they differ, 2 it could not run.",
-     verb_compare},
+     verb_compare, EXIT_USAGE},
     {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",
      "Prints how what the pass leaves differs from what was expected of it.\n"
      "Exit status: 0 as expected, 1 it differs, 2 it could not run.",
-     verb_replay},
+     verb_replay, EXIT_USAGE},
     {"reference", VERB_REFERENCE, "path-trace a scene: what the pipelines should come near to",
      "Surfaces are Lambertian; lights, camera and materials are those that the pipelines get.\n"
      "Textures are read from their finest mip, bilinear; --filter box averages them over pixels.\n"
      "The same options give the same bits, whatever the threads and however often interrupted.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
-     verb_reference},
+     verb_reference, EXIT_FAILED},
     {"metrics", VERB_METRICS, "measure how far a picture is from its reference",
      "RMSE, relative MSE, PSNR and FLIP, of the linear light and after tone mapping, both at one\n"
      "exposure; OpenImageIO's version of Yee's metric, which misses differences of lightness "
      "alone.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
-     verb_metrics},
+     verb_metrics, EXIT_FAILED},
     {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
      "Only where both frames show the same surface, found by casting rays, and beside what the\n"
      "reference changes there: flicker is the mean difference of both changes. Percentages are of\n"
      "the reference's mean, or without one, of the pictures' own; app/change.h has the formulas.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
-     verb_flicker},
+     verb_flicker, EXIT_FAILED},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
      "Milliseconds are those of the device, medians with the 5th and 95th percentile. Rates count "
      "every\n"
@@ -44,13 +48,13 @@ static const struct verb verbs[] = {
      "in turn\n"
      "with them. A pass that names C by `limit` is told in times of that, on this processor.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
-     verb_bench},
+     verb_bench, EXIT_FAILED},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
      "Runs reference, render, metrics, bench and compare by a ninja file in the folder, so that it "
      "goes\n"
      "on where it was interrupted, and makes index.html of what they wrote.\n"
      "Exit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
-     verb_report},
+     verb_report, EXIT_USAGE},
     {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
      "WASD and mouse fly, Q and E go down and up, Shift faster, the wheel sets the speed. Tab "
      "shows the "
@@ -61,7 +65,7 @@ static const struct verb verbs[] = {
      "Ctrl+S\n"
      "saves the camera into the scene file, Esc ends.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
-     verb_view},
+     verb_view, EXIT_FAILED},
     {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",
      "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
      "ninja,\n"
@@ -69,7 +73,7 @@ static const struct verb verbs[] = {
      "what\n"
      "each run said; summary.json and summary.csv. --set fixes a value in every run.\n"
      "Exit status: 0 all runs agree, 1 some differ, 2 some could not run.",
-     verb_sweep},
+     verb_sweep, EXIT_USAGE},
 };
 
 static void help(FILE *stream)
@@ -94,18 +98,54 @@ static int unknown_verb(const struct console *console, const char *word)
     return EXIT_USAGE;
 }
 
+/* Asked before hours of work whether the file can be written, and after them with all that is known. */
+static int run_and_tell(struct console *console, const struct verb *verb,
+                        const struct options *options)
+{
+    if (options->json && !file_can_write(options->json, &console->log))
+        return verb->failed;
+    int status = verb->run(console, options);
+    if (options->json && !outcome_write(console, verb->name, options->json, status))
+        status = verb->failed;
+    return status;
+}
+
+/* An option that is wrong is told in the file as well, wherever that stands among the others. */
+static void tell_usage(struct console *console, const struct verb *verb, int argc, char **argv)
+{
+    for (int i = 0; i < argc; i++) {
+        const char *path = strncmp(argv[i], "--json=", 7) == 0              ? argv[i] + 7
+                           : strcmp(argv[i], "--json") == 0 && i + 1 < argc ? argv[i + 1]
+                                                                            : NULL;
+        if (path)
+            outcome_write(console, verb->name, path, EXIT_USAGE);
+    }
+}
+
+static bool asks_for_json(int argc, char **argv)
+{
+    for (int i = 0; i < argc; i++) {
+        if (strncmp(argv[i], "--json", 6) == 0)
+            return true;
+    }
+    return false;
+}
+
 static int run_verb(struct console *console, const struct verb *verb, int argc, char **argv)
 {
     struct options options;
     int status = EXIT_USAGE;
-    if (options_parse(&options, verb, argc, argv, &console->log)) {
-        if (options.help) {
-            options_help(verb);
-            status = EXIT_FINE;
-        } else {
-            status = verb->run(console, &options);
-        }
+    console->keeps = asks_for_json(argc, argv);
+    bool good = options_parse(&options, verb, argc, argv, &console->log);
+    if (good && options.help) {
+        options_help(verb);
+        status = EXIT_FINE;
+    } else if (good) {
+        status = run_and_tell(console, verb, &options);
+    } else if (console->keeps && verb->id != VERB_VIEW) {
+        tell_usage(console, verb, argc, argv);
     }
+    cJSON_Delete(console->result);
     options_free(&options);
     return status;
 }

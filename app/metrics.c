@@ -282,26 +282,6 @@ static cJSON *metrics_json(const struct metrics *metrics)
     return root;
 }
 
-static bool write_json(const struct metrics *metrics)
-{
-    const char *path = metrics->options->json;
-    if (!path)
-        return true;
-    cJSON *root = metrics_json(metrics);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(metrics->console);
-        good = file_write(path, text, strlen(text), &metrics->console->log);
-        console_release(metrics->console);
-    } else {
-        report_error(&metrics->console->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
-    cJSON_Delete(root);
-    return good;
-}
-
 static void print_errors(const char *name, const struct image_errors *errors,
                          const struct distribution *flip)
 {
@@ -333,12 +313,12 @@ static void print_table(const struct metrics *metrics)
 int verb_metrics(struct console *console, const struct options *options)
 {
     struct metrics metrics = {.console = console, .options = options};
-    bool good = (!options->json || file_can_write(options->json, &console->log)) &&
-                read_images(&metrics) && measure(&metrics) && write_maps(&metrics) &&
-                write_json(&metrics);
+    bool good = read_images(&metrics) && measure(&metrics) && write_maps(&metrics);
     console_status(console, "%s", "");
-    if (good)
+    if (good) {
         print_table(&metrics);
+        console->result = metrics_json(&metrics);
+    }
     for (int i = 0; i < 2; i++) {
         free((float *)metrics.images[i].texels);
         free((float *)metrics.mapped[i].texels);

@@ -37,6 +37,7 @@ struct option_row {
 #define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW)
 #define MAKING    (SPEC | VERB_REPORT)
+#define TELLING   ((SHOWN & ~VERB_VIEW) | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
 
@@ -107,9 +108,8 @@ static const struct option_row rows[] = {
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
     {"--pictures", OPTION_STRING, AT(pictures), VERB_COMPARE, 0, "DIR",
      "write a PNG strip of each image that differs: one side, the other, the difference"},
-    {"--json", OPTION_STRING, AT(json),
-     VERB_COMPARE | VERB_REPLAY | VERB_METRICS | VERB_FLICKER | VERB_BENCH, 0, "FILE",
-     "write the table as JSON, too"},
+    {"--json", OPTION_STRING, AT(json), TELLING, 0, "FILE",
+     "also write what was found out, or the errors, as JSON"},
     {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
      "a dump, of another machine or driver, is the first side; size and frame are its own"},
     {"--scenes", OPTION_STRING, AT(scenes), SHOWN | VERB_SWEEP | VERB_REPORT, 0, "DIR",
@@ -159,8 +159,6 @@ static const struct option_row rows[] = {
      "they do not change the picture (default: one per processor)"},
     {"--checkpoint", OPTION_STRING, AT(checkpoint), VERB_REFERENCE, 0, "FILE",
      "keep the sums there; where the file exists, go on from it"},
-    {"--json", OPTION_STRING, AT(json), VERB_REFERENCE, 0, "FILE",
-     "write settings, samples, noise, mean, rays and seconds as JSON"},
     {"-o", OPTION_STRING, AT(output), VERB_SWEEP, VERB_SWEEP, "DIR",
      "folder of the sweep; one that holds the same sweep is continued"},
     {"--scene", OPTION_TEXTS, AT(scene_list), VERB_SWEEP, 0, "FILE",

@@ -92,6 +92,7 @@ struct verb {
     const char *summary; /* one line */
     const char *details; /* for --help: what it writes, what it exits with */
     int (*run)(struct console *console, const struct options *options);
+    int failed; /* exit status when it could not do what it was asked for */
 };
 
 int verb_render(struct console *console, const struct options *options);

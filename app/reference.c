@@ -271,7 +271,7 @@ static bool trace(struct reference *reference)
 
 /* ---- Results --------------------------------------------------------------------------------- */
 
-static bool write_summary(const struct reference *reference, const double mean[3], double seconds)
+static bool tell_summary(const struct reference *reference, const double mean[3], double seconds)
 {
     const struct film *film = &reference->film;
     double noise = film_noise(film);
@@ -284,14 +284,13 @@ static bool write_summary(const struct reference *reference, const double mean[3
                 cJSON_AddItemToObject(root, "mean", cJSON_CreateDoubleArray(mean, 3)) &&
                 cJSON_AddNumberToObject(root, "rays", (double)tracer_rays(reference->tracer)) &&
                 cJSON_AddNumberToObject(root, "seconds", seconds);
-    char *text = good ? cJSON_Print(root) : NULL;
-    if (text)
-        good = file_write(reference->options->json, text, strlen(text), &reference->console->log);
-    else
-        report_error(&reference->console->log, "out of memory");
-    cJSON_free(text);
+    if (good) {
+        reference->console->result = root;
+        return true;
+    }
+    report_error(&reference->console->log, "out of memory");
     cJSON_Delete(root);
-    return text && good;
+    return false;
 }
 
 static bool write_results(const struct reference *reference)
@@ -317,7 +316,7 @@ static bool write_results(const struct reference *reference)
     console_release(reference->console);
     free(texels);
     if (good && options->json)
-        good = write_summary(reference, mean, seconds);
+        good = tell_summary(reference, mean, seconds);
     if (good)
         report_message(&reference->console->log, DT_INFO,
                        "%s: %u samples per pixel, noise %s, %.1f s, %.1f Mrays/s", options->output,
@@ -332,7 +331,6 @@ static bool prepare(struct reference *reference)
     const struct dt_log *log = &reference->console->log;
     if (!file_can_write(options->output, log) ||
         (options->checkpoint && !file_can_write(options->checkpoint, log)) ||
-        (options->json && !file_can_write(options->json, log)) ||
         !session_load_scene(&reference->scene, reference->console, options))
         return false;
     scene_frame_at(&reference->scene, options->frame, options->size[0], options->size[1],

@@ -333,6 +333,31 @@ static bool prepare(struct render *render)
            session_prepare(&render->session);
 }
 
+static cJSON *render_json(const struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct session *session = &render->session;
+    const struct dt_pipeline *info = render->pipeline.info;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "pipeline", info->name);
+    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON_AddStringToObject(root, "backend", render->side.label);
+    cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
+    cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
+    cJSON_AddNumberToObject(root, "width", options->size[0]);
+    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    cJSON_AddNumberToObject(root, "frames", options->frames);
+    if (options->output) {
+        cJSON_AddStringToObject(root, "output", options->output);
+        cJSON_AddStringToObject(root, "resource", info->resources[render->shown].name);
+    }
+    if (options->dump)
+        cJSON_AddStringToObject(root, "dump", options->dump);
+    if (options->timings)
+        cJSON_AddStringToObject(root, "timings", options->timings);
+    return root;
+}
+
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = *options};
@@ -344,6 +369,7 @@ int verb_render(struct console *console, const struct options *options)
     bool good = prepare(&render) && run_frames(&render);
     if (good && options->timings)
         good = timings_write(&render.timings, &render.session, options->timings);
+    console->result = good ? render_json(&render) : NULL;
     session_close(&render.session);
     good = good && atomic_load(&console->errors) ==
                        0; /* messages while the device was torn down count, too */

@@ -124,7 +124,6 @@ static bool run(struct lone_pass *alone)
     struct evidence_case *evidence = &alone->evidence;
     if (!side_read(&alone->side, options->backend, options, &console->log) ||
         !sides_heed(&alone->side, 1, options, &console->log) ||
-        (options->json && !file_can_write(options->json, &console->log)) ||
         !evidence_read(evidence, console, options) || !find_fault(alone))
         return false;
     uint32_t frame = evidence->frame.index;
@@ -252,31 +251,16 @@ static cJSON *replay_json(const struct lone_pass *alone)
     return root;
 }
 
-static bool write_json(const struct lone_pass *alone)
-{
-    cJSON *root = replay_json(alone);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    console_hold(alone->console);
-    if (text)
-        good = file_write(alone->options->json, text, strlen(text), &alone->console->log);
-    else
-        report_error(&alone->console->log, "out of memory");
-    console_release(alone->console);
-    cJSON_free(text);
-    cJSON_Delete(root);
-    return good;
-}
-
 int verb_replay(struct console *console, const struct options *options)
 {
     struct lone_pass alone = {.console = console, .options = options};
-    bool good = run(&alone) && (!options->json || write_json(&alone));
+    bool good = run(&alone);
     int status = COULD_NOT_RUN;
     console_status(console, "%s", "");
     if (good) {
         uint32_t count = row_count(&alone.evidence.rows.outputs, alone.evidence.pass);
         print_table(&alone);
+        console->result = replay_json(&alone);
         status = first_difference(&alone, count) == count ? EXIT_FINE : EXIT_DIFFER;
     }
     free(alone.differences);

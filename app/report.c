@@ -173,6 +173,22 @@ static void report_free(struct report *report)
     free(report->folder);
 }
 
+static cJSON *report_json(const struct report *report, uint32_t failures)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "spec", report->spec);
+    cJSON_AddStringToObject(root, "folder", report->folder);
+    cJSON_AddStringToObject(root, "page", "index.html");
+    cJSON *scenes = cJSON_AddArrayToObject(root, "scenes");
+    for (uint32_t i = 0; i < report->scene_count; i++) {
+        if (report->scenes[i].mesh)
+            cJSON_AddItemToArray(scenes, cJSON_CreateString(report->scenes[i].path));
+    }
+    cJSON_AddNumberToObject(root, "steps", report->step_count);
+    cJSON_AddNumberToObject(root, "failures", failures);
+    return root;
+}
+
 int verb_report(struct console *console, const struct options *options)
 {
     struct report report = {.console = console, .options = options};
@@ -182,8 +198,10 @@ int verb_report(struct console *console, const struct options *options)
         if (run_steps(&report)) {
             uint32_t failures = count_failures(&report);
             bool good = report_draw_plots(&report) && report_write_page(&report);
-            if (good)
+            if (good) {
                 printf("%s/index.html\n", report.folder);
+                console->result = report_json(&report, failures);
+            }
             status = good && !failures ? EXIT_FINE : EXIT_FAILED;
         }
     }

@@ -16,10 +16,27 @@ static const struct report_step *find_step(const struct report *report, const ch
 }
 
 /* A step that failed leaves no file; one that waits for it was not run, whatever lies there. */
+/* What a failed command tells with --json is no result. */
+static bool tells_errors(const struct report *report, const char *path)
+{
+    size_t size, length = strlen(path);
+    bool json = length > 5 && strcmp(path + length - 5, ".json") == 0;
+    char *text = json ? file_read(path, &size, &report->console->log) : NULL;
+    cJSON *root = text ? cJSON_Parse(text) : NULL;
+    const cJSON *item, *status = cJSON_GetObjectItem(root, "exit_status");
+    bool error = false;
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(root, "errors")) error |=
+        strcmp(report_text(item, "severity"), "error") == 0;
+    error = error && status && status->valueint != 0;
+    cJSON_Delete(root);
+    free(text);
+    return error;
+}
+
 bool report_step_is_done(const struct report *report, const struct report_step *step)
 {
     char *path = format_string("%s/%s", report->folder, step->file);
-    bool done = path && file_exists(path);
+    bool done = path && file_exists(path) && !tells_errors(report, path);
     for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs) && step->needs[i] && done; i++)
         done = report_step_is_done(report, find_step(report, step->needs[i]));
     free(path);

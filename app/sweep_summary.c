@@ -143,8 +143,8 @@ static void add_result(cJSON *list, const struct result *result, int number)
     cJSON_AddItemToArray(list, root);
 }
 
-static bool write_json(const struct result *results, int count, const int totals[VERDICTS],
-                       const cJSON *sweep, const char *path, const struct dt_log *log)
+static cJSON *summary_json(const struct result *results, int count, const int totals[VERDICTS],
+                           const cJSON *sweep)
 {
     cJSON *root = cJSON_CreateObject();
     for (int i = 0; i < VERDICTS; i++)
@@ -154,12 +154,16 @@ static bool write_json(const struct result *results, int count, const int totals
     cJSON *list = cJSON_AddArrayToObject(root, "runs");
     for (int i = 0; i < count; i++)
         add_result(list, &results[i], i + 1);
+    return root;
+}
+
+static bool write_json(const cJSON *root, const char *path, const struct dt_log *log)
+{
     char *text = cJSON_Print(root);
     bool good = text && file_write(path, text, strlen(text), log);
     if (!text)
         report_error(log, "%s: out of memory", path);
     cJSON_free(text);
-    cJSON_Delete(root);
     return good;
 }
 
@@ -255,7 +259,8 @@ static bool write_files(struct console *console, const struct result *results, i
     char *json = format_string("%s/summary.json", folder);
     char *csv = format_string("%s/summary.csv", folder);
     console_hold(console);
-    bool good = json && csv && write_json(results, count, totals, sweep, json, &console->log) &&
+    console->result = summary_json(results, count, totals, sweep);
+    bool good = json && csv && write_json(console->result, json, &console->log) &&
                 write_csv(results, count, csv, &console->log);
     console_release(console);
     free(csv);

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <spawn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -13,10 +14,12 @@
 #include <unistd.h>
 
 #include "files.h"
+#include "place.h"
 
 extern char **environ;
 
-/* Its output goes to the file `output`, -1: nowhere; its messages to `errors`, -1: to stderr. The child leads a process group, so that console_wait can end it with all its own children; signals are
+/* Its output goes to the file `output`, -1: nowhere; its messages to `errors`, -1: to stderr. The child
+ * leads a process group, so that console_wait can end it with all its own children; signals are
  * unblocked in it. Returns 0 or an errno. */
 static int start(pid_t *child, char *const argv[], int output, int errors)
 {
@@ -41,16 +44,49 @@ static int start(pid_t *child, char *const argv[], int output, int errors)
     return error;
 }
 
+/* Passes on what the child said, and keeps it for --json: a message for each place that it names. */
+static void tell_errors(int file, struct console *console)
+{
+    char *text = file_contents(file);
+    bool placed = false;
+    struct place place;
+    for (char *line = text, *end; line && *line; line = end) {
+        end = line + strcspn(line, "\n");
+        char last = *end;
+        *end = 0;
+        if (place_read(line, &place)) {
+            console_keep(console, DT_ERROR, line);
+            placed = true;
+        }
+        *end = last;
+        end += last == '\n';
+    }
+    if (text && *text) {
+        fputs(text, stderr);
+        text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
+        if (!placed)
+            console_keep(console, DT_ERROR, text);
+    }
+    free(text);
+    close(file);
+}
+
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
 {
     const struct dt_log *log = &console->log;
     pid_t child;
-    int error = start(&child, argv, output, console_capturing(console));
+    int captured = console_capturing(console);
+    int kept = captured < 0 && console->keeps ? memfd_create("errors", MFD_CLOEXEC) : -1;
+    int error = start(&child, argv, output, kept >= 0 ? kept : captured);
     if (error) {
+        if (kept >= 0)
+            close(kept);
         report_error(log, "%s: cannot be started: %s; %s", argv[0], strerror(error), tool->hint);
         return false;
     }
     int status = console_wait(console, child);
+    if (kept >= 0)
+        tell_errors(kept, console);
     if (status < 0) {
         report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
         return false;

@@ -272,14 +272,44 @@ static int compare_messages(const void *a, const void *b, void *user)
     return (x->order > y->order) - (x->order < y->order);
 }
 
-void diag_flush(struct diag *diag)
+/* malloc'ed; NULL when out of memory */
+static struct message *sort_messages(const struct diag *diag)
 {
     struct message *sorted = malloc((diag->count + 1) * sizeof *sorted);
-    if (sorted) {
-        if (diag->count) {
-            memcpy(sorted, diag->messages, diag->count * sizeof *sorted);
-            qsort_r(sorted, diag->count, sizeof *sorted, compare_messages, diag->messages);
+    if (sorted && diag->count) {
+        memcpy(sorted, diag->messages, diag->count * sizeof *sorted);
+        qsort_r(sorted, diag->count, sizeof *sorted, compare_messages, diag->messages);
+    }
+    return sorted;
+}
+
+void diag_json(const struct diag *diag, struct text *out)
+{
+    struct message *sorted = sort_messages(diag);
+    out->failed |= !sorted;
+    text_add(out, "[");
+    for (unsigned i = 0; sorted && i < diag->count; i++) {
+        struct loc loc = sorted[i].loc;
+        text_add(out, "%s\n    {\"severity\": \"%s\", \"message\": ", i ? "," : "",
+                 severity_names[sorted[i].severity]);
+        text_add_json(out, sorted[i].text);
+        if (loc.source) {
+            text_add(out, ", \"file\": ");
+            text_add_json(out, loc.source->path);
+            text_add(out, ", \"line\": %d, \"column\": %d, \"length\": %d",
+                     loc.line < 1 ? 1 : loc.line, loc.line < 1 ? 1 : loc.column,
+                     loc.length < 1 ? 1 : loc.length);
         }
+        text_add(out, "}");
+    }
+    text_add(out, diag->count ? "\n  ]" : "]");
+    free(sorted);
+}
+
+void diag_flush(struct diag *diag)
+{
+    struct message *sorted = sort_messages(diag);
+    if (sorted) {
         for (unsigned i = 0; i < diag->count; i++)
             print_message(&sorted[i]);
     }

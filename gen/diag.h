@@ -5,6 +5,7 @@
 #define DIPTYCH_GEN_DIAG_H
 
 #include "model.h"
+#include "text.h"
 
 struct arena; /* one allocator for everything that lives as long as the model */
 void *
@@ -38,6 +39,9 @@ void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
 /* Belongs to the message before it. */
 unsigned diag_error_count(const struct diag *diag);
 const char *diag_first_error(const struct diag *diag); /* its text, until it is flushed; or NULL */
+/* The messages in the order of diag_flush: a JSON array of {"severity", "message", "file", "line",
+ * "column", "length"}, the last four where there is a place. */
+void diag_json(const struct diag *diag, struct text *out);
 void diag_flush(struct diag *diag); /* to stderr, in order of place; duplicates once */
 /* The candidate nearest to `word` when near enough for "did you mean", else NULL. */
 const char *diag_nearest(const char *word, const char *const *candidates, size_t count);

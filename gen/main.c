@@ -21,7 +21,8 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 /* ---- Command line ---------------------------------------------------------------------------- */
 
 struct options {
-    const char *spec, *out, *graph, *lifetimes, *depfile, *templates, *variations, *seed, *memory;
+    const char *spec, *out, *graph, *lifetimes, *depfile, *json, *templates, *variations, *seed,
+        *memory;
     const char **sets;
     size_t set_count;
     bool check, live, schema, reference, help, version;
@@ -40,6 +41,7 @@ static const struct option_name option_names[] = {
      "draw passes, what they read and write and wait for, for Graphviz: dot -Tsvg"},
     {"--lifetimes", "FILE.dot", "draw when resources live, and which of them share memory"},
     {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
+    {"--json", "FILE", "also write what was generated, or the errors, as JSON"},
     {"--templates", "DIR",
      "folder with glsl/; default: templates here, else those that came with the program"},
     {"--variations", "N",
@@ -99,6 +101,8 @@ static void take_option(struct options *options, const char *name, const char *v
         options->lifetimes = value;
     else if (!strcmp(name, "--depfile"))
         options->depfile = value;
+    else if (!strcmp(name, "--json"))
+        options->json = value;
     else if (!strcmp(name, "--templates"))
         options->templates = value;
     else if (!strcmp(name, "--variations"))
@@ -165,6 +169,8 @@ static bool parse_options(int count, char **words, struct options *options)
     if (!options->out && !options->check && !options->graph && !options->lifetimes &&
         !options->live && !options->variations)
         return usage_error("`-o DIR` is missing for `%s`", options->spec);
+    if (options->json && (options->live || options->variations))
+        return usage_error("`--json %s` goes with `-o`, `--check` and drawings", options->json);
     if (options->depfile && !options->out)
         return usage_error("`--depfile %s` needs `-o DIR`", options->depfile);
     return true;
@@ -409,6 +415,47 @@ static const char *find_templates(struct arena *arena, const char *given)
     return path ? path : "templates";
 }
 
+static void add_summary_json(const struct model *model, struct text *text)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    text_add(text, ",\n  \"pipeline\": ");
+    text_add_json(text, pipeline->name);
+    text_add(text,
+             ",\n  \"passes\": %" PRIu32 ",\n  \"resources\": %" PRIu32
+             ",\n  \"transient_bytes\": %" PRIu64 ",\n  \"aliased_bytes\": %" PRIu64
+             ",\n  \"inputs\": [",
+             pipeline->pass_count, pipeline->resource_count, pipeline->transient_bytes,
+             pipeline->aliased_bytes);
+    for (uint32_t i = 0; i < model->input_count; i++) {
+        text_add(text, i ? ", " : "");
+        text_add_json(text, model->inputs[i]);
+    }
+    text_add(text, "]");
+}
+
+/* The shape that `diptych VERB --json` has; written also, and above all, when the spec is wrong. */
+static enum status write_json(const struct generation *g, enum status status)
+{
+    struct output *output = output_create();
+    struct text text = {0};
+    text_add(&text,
+             "{\n  \"verb\": \"%s\",\n  \"format\": 1,\n  \"exit_status\": %d,\n  \"errors\": ",
+             g->options->check ? "check" : "generate", (int)status);
+    diag_json(g->diag, &text);
+    if (status == STATUS_DONE)
+        add_summary_json(&g->model, &text);
+    text_add(&text, "\n}\n");
+    if (!output) {
+        text_free(&text);
+        return STATUS_FAILED;
+    }
+    output_add(output, "", g->options->json, &text);
+    if (!output_commit(output))
+        status = STATUS_FAILED;
+    output_free(output);
+    return status;
+}
+
 static enum status run(const struct options *options)
 {
     struct generation g = {
@@ -420,6 +467,8 @@ static enum status run(const struct options *options)
                  : options->variations ? print_variations(&g)
                                        : generate(&g);
         fflush(stdout);
+        if (options->json)
+            status = write_json(&g, status);
         diag_flush(g.diag);
     } else {
         fputs("diptych-gen: error: out of memory\n", stderr);

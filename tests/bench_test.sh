@@ -82,5 +82,5 @@ check "a pass is told in times of its C" holds "$work/both.json" \
 check "an exact C has no outliers" holds "$work/work.json" 'b["passes"][1]["limit"]["outliers"] == 0'
 bench=("${counted[@]}")
 check "C that does other work is refused" refuses 1 'work_limit.c: 50 %' --set spare=1 --frames 1 --json "$work/wrong.json"
-check "and nothing is written" test ! -e "$work/wrong.json"
+check "and no numbers are written" holds "$work/wrong.json" '"sides" not in b' 'b["exit_status"] == 1' '"50 %" in b["errors"][0]["message"]'
 finish

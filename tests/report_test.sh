@@ -30,7 +30,13 @@ said() { # status text command...: an exit status, and a text on stderr
     [ "$got" = "$want" ] && grep -qF -- "$text" "$work/err"
 }
 
-check "a report is made, without the scene whose mesh is not here" said 0 "absent.yaml is left out" "${small[@]}"
+check "a report is made, without the scene whose mesh is not here" said 0 "absent.yaml is left out" "${small[@]}" --json "$folder/told.json"
+# shellcheck disable=SC2016
+check "... and told" /usr/bin/python3 -c 'import json, sys
+it = json.load(open(sys.argv[1]))
+assert it["verb"] == "report" and it["exit_status"] == 0 and it["failures"] == 0 and it["steps"] > 3, it
+assert len(it["scenes"]) == 1 and it["scenes"][0].endswith("/a & box.yaml"), it
+assert [error["severity"] for error in it["errors"]] == ["warning"] and "left out" in it["errors"][0]["message"], it' "$folder/told.json"
 check "the page is well formed, its links lead somewhere, its numbers are those of the results" \
     /usr/bin/python3 "$root/tests/report.py" "$report"
 for plot in "$report"/plots/*.svg; do
