@@ -47,6 +47,12 @@ Libs.private: $4
 END
 }
 
+# What a program says of itself, as its manual page (man) or completion (bash).
+manual() { # program man|bash
+    description=$("build/$1" --describe) || exit 1
+    echo "$description" | awk -v "page=$2" -v "version=$version" -f app/manual.awk
+}
+
 put 755 build/diptych bin/diptych
 put 755 build/diptych-gen bin/diptych-gen
 put 644 build/libdiptych_image.so lib/diptych/libdiptych_image.so
@@ -75,4 +81,9 @@ find templates -type f ! -path 'templates/c/*' | sort | while read -r file; do
 done
 for file in cornell.yaml cornell.obj cornell.mtl; do
     put 644 "scenes/$file" "share/diptych/scenes/$file"
+done
+
+for program in diptych diptych-gen; do
+    put_output share/man/man1/$program.1 manual $program man
+    put_output share/bash-completion/completions/$program manual $program bash
 done

@@ -160,6 +160,13 @@ static int run(struct console *console, int argc, char **argv)
         help(stdout);
         return EXIT_FINE;
     }
+    if (strcmp(argv[1], "--describe") == 0) { /* for the manual page, and for the shell */
+        printf(
+            "program\tdiptych\tone description of a GPU pipeline, run by OpenGL and by Vulkan\n");
+        for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
+            options_describe(&verbs[i]);
+        return EXIT_FINE;
+    }
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++) {
         if (strcmp(argv[1], verbs[i].name) == 0)
             return run_verb(console, &verbs[i], argc - 2, argv + 2);

@@ -492,3 +492,21 @@ void options_help(const struct verb *verb)
     }
     printf("\n%s\n", verb->details);
 }
+
+static void print_line(const char *text)
+{
+    for (; *text; text++)
+        fputs(*text == '\n' ? "\\n" : (char[]){*text, 0}, stdout);
+}
+
+void options_describe(const struct verb *verb)
+{
+    printf("verb\t%s\t%s\t", verb->name, verb->summary);
+    print_line(verb->details);
+    putchar('\n');
+    for (size_t i = 0; i < ROWS; i++)
+        if (rows[i].verbs & verb->id)
+            printf("option\t%s\t%s\t%s\t%s\n", rows[i].name,
+                   rows[i].argument ? rows[i].argument : "",
+                   rows[i].required & verb->id ? "required" : "", rows[i].help);
+}

@@ -112,6 +112,9 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
                    const struct dt_log *log);
 void options_free(struct options *options);
 void options_help(const struct verb *verb); /* on stdout */
+/* The same for app/manual.awk: a line "verb", name, summary, details, then one "option", name, argument,
+ * required or "", help for each, with tabs between and "\\n" for newlines. */
+void options_describe(const struct verb *verb);
 
 /* Reads WIDTHxHEIGHT as --size has it; logs the error. */
 bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);

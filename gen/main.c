@@ -68,6 +68,17 @@ static void print_help(void)
     }
 }
 
+/* For app/manual.awk, as diptych --describe has it. */
+static void print_description(void)
+{
+    printf(
+        "program\tdiptych-gen\tgenerate GLSL, SPIR-V and C for OpenGL and Vulkan from a pipeline "
+        "spec\noption\tSPEC\t\trequired\tthe pipeline, YAML; --reference tells its language\n");
+    for (size_t i = 0; i < OPTION_COUNT; i++)
+        printf("option\t%s\t%s\t\t%s\n", option_names[i].name,
+               option_names[i].value ? option_names[i].value : "", option_names[i].doc);
+}
+
 static bool usage_error(const char *text, const char *what)
 {
     fprintf(stderr, "diptych-gen: error: ");
@@ -498,7 +509,9 @@ int main(int argc, char **argv)
 {
     struct options options = {.sets = calloc((size_t)argc + 1, sizeof(char *))};
     enum status status = STATUS_DONE;
-    if (!options.sets || !parse_options(argc, argv, &options)) {
+    if (argc == 2 && !strcmp(argv[1], "--describe")) {
+        print_description();
+    } else if (!options.sets || !parse_options(argc, argv, &options)) {
         status = STATUS_FAILED;
     } else if (options.help) {
         print_help();

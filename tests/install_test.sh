@@ -98,6 +98,56 @@ check "... and measures, limits included" installed_diptych bench --scene "$inst
 check "rsm for the hosts" installed_diptych render --scene "$installed/$scene" --backend vk --frames $frames \
     --spec "$installed/share/diptych/templates/rsm.yaml" --dump "$work/rsm"
 
+# ---- Manual pages and completion ----
+
+# shellcheck disable=SC2317
+options_in_help() { # command...: a line each
+    "$@" --help | sed -n 's/^  \(-[^ ]*\).*/\1/p' | sort -u
+}
+# shellcheck disable=SC2317
+completed() { # word...: how bash would complete the last of them
+    bash -c 'source "$1" && shift && COMP_WORDS=("$@") && COMP_CWORD=$(($# - 1)) &&
+        "_${1//-/_}" && printf "%s\n" "${COMPREPLY[@]}"' bash \
+        "$installed/share/bash-completion/completions/$1" "$@" | sort -u
+}
+# shellcheck disable=SC2317
+completes_all() { # every verb and every option that --help lists, and no other
+    local verb verbs
+    verbs=$("$installed/bin/diptych" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p' | sort)
+    diff <(echo "$verbs") <(completed diptych "" | grep -v -- --help) || return
+    for verb in $verbs; do
+        diff <(options_in_help "$installed/bin/diptych" "$verb") <(completed diptych "$verb" -) || return
+    done
+    diff <(options_in_help "$installed/bin/diptych-gen") <(completed diptych-gen -)
+}
+# shellcheck disable=SC2317
+completes_arguments() {
+    [ "$(completed diptych render --context o)" = osmesa ] &&
+        [ "$(cd "$installed" && completed diptych render --scene sha)" = share ] &&
+        [ "$(cd "$installed" && completed diptych-gen --templates inc)" = include ]
+}
+# shellcheck disable=SC2317
+manual_has_all() { # and groff finds nothing wrong with it
+    local page="$installed/share/man/man1" verb
+    for verb in $("$installed/bin/diptych" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
+        diff <(options_in_help "$installed/bin/diptych" "$verb") \
+            <(sed -n "/^\.SS $verb\$/,/^\.S[SH]/s/^\.BI \"\([^\"]*\)\".*/\1/p" "$page/diptych.1" | tr -d '\134' |
+                grep '^-' | sort -u) || return
+    done
+    ! command -v groff >/dev/null || groff -man -ww -z "$page"/diptych{,-gen}.1 2>&1 | tee "$work/groff"
+    [ ! -s "$work/groff" ]
+}
+check "bash completes every verb and option that --help lists" completes_all
+check "... and their arguments" completes_arguments
+check "manual pages have every option, and are well formed" manual_has_all
+# shellcheck disable=SC2317
+versions_agree() {
+    for name in gl vk scene; do
+        [ "diptych-gen $(pkg-config --modversion "diptych-$name")" = "$("$installed/bin/diptych-gen" --version)" ] || return
+    done
+}
+check "all say the same version" versions_agree
+
 # ---- Hosts ----
 
 gen=$(pkg-config --variable=generator diptych-vk)
