@@ -3,6 +3,7 @@
  * the plan's. */
 #include "glsl.h"
 #include "plan.h"
+#include "plan.h"
 
 #include <string.h>
 
@@ -236,6 +237,13 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
             expr_emit_glsl(buffer->count, out);
             text_add(out, ")\n");
         }
+    }
+    if (glsl_uses(glsl, "%s_quads", access->name)) {
+        text_add(out, "layout(std140, ");
+        glsl_binding(glsl, access->binding, out);
+        text_add(out, ") uniform %s_quads_block {\n    uvec4 %s_quads[%llu];\n};\n", access->name,
+                 access->name,
+                 (unsigned long long)expr_value(buffer->count, 0, 0, 0) * buffer->stride / 16);
     }
     if (!glsl_uses(glsl, "%s", access->name))
         return;

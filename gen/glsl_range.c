@@ -3,7 +3,9 @@
  * over a buffer; here a count known at generation becomes exactly that, when the plan says so.
  * Called by emit_glsl.c with the body complete. */
 #include "glsl.h"
+#include "plan.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +19,7 @@ struct loop {          /* one `for` of the body */
     const char *open, *close; /* the braces around its body */
     const struct range *range;
     uint64_t fields; /* that the body uses, as bits */
+    bool copied;     /* by add_first_copies, once and for all loops */
     struct loc open_loc, close_loc;
     uint32_t line_number, close_number; /* of the sources, for #line */
 };
@@ -171,28 +174,91 @@ static bool is_shared(const struct range *range)
     return range->storage == STORAGE_SHARED;
 }
 
+/* Copied from a uniform block as it is, 16 bytes at a time, rather than field by field. */
+static bool by_quads(const struct range *range)
+{
+    return is_shared(range) && range->access->kind & ACCESS_UNIFORM;
+}
+
+static uint32_t chunk_of(const struct range *range)
+{
+    uint32_t count = (uint32_t)range->count_value;
+    bool whole = !is_shared(range) && range->loop != LOOP_UNROLL; /* nothing to do in pieces */
+    return whole || !range->chunk || range->chunk > count ? count : range->chunk;
+}
+
+/* A value that begins `offset` bytes into the element `index` of a cache of quads. */
+static void add_quads(const struct range *range, enum dt_type type, const char *index,
+                      uint32_t offset, struct text *out)
+{
+    static const char *const swizzles[4][4] = {{".x", ".xy", ".xyz", ""},
+                                               {".y", NULL, NULL, NULL},
+                                               {".z", ".zw", NULL, NULL},
+                                               {".w", NULL, NULL, NULL}};
+    const struct type_info *info = type_info(type);
+    uint32_t quads = range->access->resource->stride / 16;
+    bool number = strspn(index, "0123456789") == strlen(index), matrix = info->columns > 1;
+    bool real = type <= DT_TYPE_VEC4 || matrix;
+    text_add(out, "%s(", real ? (matrix ? "mat4" : "uintBitsToFloat") : info->glsl);
+    for (uint32_t column = 0; column < info->columns; column++) {
+        uint32_t quad = offset / 16 + column;
+        text_add(out, "%s%s%s_quads[", column ? ", " : "", matrix ? "uintBitsToFloat(" : "",
+                 range->name);
+        if (number)
+            text_add(out, "%lu", strtoul(index, NULL, 10) * quads + quad);
+        else
+            text_add(out, "%s * %u + %u", index, quads, quad);
+        text_add(out, "]%s%s", swizzles[offset % 16 / 4][info->components - 1], matrix ? ")" : "");
+    }
+    text_add(out, ")");
+}
+
+static void add_field(const struct loop *loop, const struct field *field, const char *index,
+                      struct text *out)
+{
+    const struct range *range = loop->range;
+    int length = (int)loop->variable.length;
+    uint32_t count = field->array_count ? field->array_count : 1;
+    if (!by_quads(range)) {
+        text_add(out, "        %.*s.%s = %s_%s[%s];\n", length, loop->variable.text, field->name,
+                 range->name, field->name, index);
+        return;
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        text_add(out, "        %.*s.%s", length, loop->variable.text, field->name);
+        if (field->array_count)
+            text_add(out, "[%u]", i);
+        text_add(out, " = ");
+        add_quads(range, field->type, index, field->offset + i * field->array_stride, out);
+        text_add(out, ";\n");
+    }
+}
+
 /* Declares the variable and fills it. index: of the element in the cache or, behind the first,
  * in the buffer. */
 static void add_element(const struct loop *loop, const char *index, struct text *out)
 {
     const struct range *range = loop->range;
-    const char *buffer = range->access->resource->name;
-    const char *type = glsl_element_type(range->access->resource);
+    const struct resource *buffer = range->access->resource;
+    const char *type = glsl_element_type(buffer);
+    const struct structure *structure = buffer->structure;
     int length = (int)loop->variable.length;
     const char *variable = loop->variable.text;
     if (!is_shared(range)) {
-        text_add(out, "        %s %.*s = %s[%s_first + %s];\n", type, length, variable, buffer,
-                 range->name, index);
-    } else if (loop->fields == WHOLE) {
+        text_add(out, "        %s %.*s = %s[%s_first + %s];\n", type, length, variable,
+                 buffer->name, range->name, index);
+    } else if (by_quads(range) && !structure) {
+        text_add(out, "        %s %.*s = ", type, length, variable);
+        add_quads(range, buffer->type, index, 0, out);
+        text_add(out, ";\n");
+    } else if (loop->fields == WHOLE && !by_quads(range)) {
         text_add(out, "        %s %.*s = %s_cache[%s];\n", type, length, variable, range->name,
                  index);
     } else {
-        const struct structure *structure = range->access->resource->structure;
         text_add(out, "        %s %.*s;\n", type, length, variable);
         for (uint32_t i = 0; i < structure->field_count; i++)
-            if (loop->fields >> i & 1)
-                text_add(out, "        %.*s.%s = %s_%s[%s];\n", length, variable,
-                         structure->fields[i].name, range->name, structure->fields[i].name, index);
+            if (loop->fields == WHOLE || loop->fields >> i & 1)
+                add_field(loop, &structure->fields[i], index, out);
     }
 }
 
@@ -203,29 +269,47 @@ static void add_body(const struct loop *loop, struct text *out)
     text_add(out, "\n    }\n");
 }
 
-/* All invocations of the workgroup copy `count` elements, which then all can read. chunk: offset
- * behind the first. */
+/* All invocations of the workgroup copy `count` elements. chunk: offset behind the first. Fields of a
+ * storage buffer go one by one, since a driver that runs on a CPU loads every component of every
+ * lane by itself, so those that nothing reads are left out. */
 static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t count,
                      const char *chunk, struct text *out)
 {
     const struct range *range = loop->range;
-    const char *buffer = range->access->resource->name;
+    const struct resource *buffer = range->access->resource;
+    const struct structure *structure = buffer->structure;
     const uint32_t *local = glsl->pass->local;
-    text_add(out,
-             "    barrier();\n    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n",
-             count, local[0] * local[1] * local[2]);
-    if (loop->fields == WHOLE) {
-        text_add(out, "        %s_cache[i] = %s[%s_first%s + i];\n", range->name, buffer,
+    uint32_t quads = by_quads(range) ? buffer->stride / 16 : 1;
+    text_add(out, "    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n",
+             count * quads, local[0] * local[1] * local[2]);
+    if (by_quads(range))
+        text_add(out, "        %s_quads[i] = %s_quads[(%s_first%s) * %u + i];\n", range->name,
+                 buffer->name, range->name, chunk, quads);
+    else if (loop->fields == WHOLE)
+        text_add(out, "        %s_cache[i] = %s[%s_first%s + i];\n", range->name, buffer->name,
                  range->name, chunk);
-    } else {
-        const struct structure *structure = range->access->resource->structure;
-        for (uint32_t i = 0; i < structure->field_count; i++)
-            if (loop->fields >> i & 1)
-                text_add(out, "        %s_%s[i] = %s[%s_first%s + i].%s;\n", range->name,
-                         structure->fields[i].name, buffer, range->name, chunk,
-                         structure->fields[i].name);
-    }
-    text_add(out, "    }\n    barrier();\n");
+    for (uint32_t i = 0; !by_quads(range) && structure && i < structure->field_count; i++)
+        if (loop->fields >> i & 1)
+            text_add(out, "        %s_%s[i] = %s[%s_first%s + i].%s;\n", range->name,
+                     structure->fields[i].name, buffer->name, range->name, chunk,
+                     structure->fields[i].name);
+    text_add(out, "    }\n");
+}
+
+/* Between two barriers, since loops before may still read what is copied over. */
+static void add_late_copy(const struct glsl *glsl, const struct loop *loop, uint32_t count,
+                          const char *chunk, struct text *out)
+{
+    if (!is_shared(loop->range) || loop->copied)
+        return;
+    text_add(out, "    barrier();\n");
+    add_copy(glsl, loop, count, chunk, out);
+    text_add(out, "    barrier();\n");
+}
+
+static void add_first(const struct range *range, struct text *out)
+{
+    text_add(out, "    int %s_first = %s;\n", range->name, range->first ? range->first : "0");
 }
 
 /* `count` elements, the first of them at `base` in the range (text; "" for the start of the
@@ -256,32 +340,29 @@ static void add_elements(const struct loop *loop, uint32_t count, const char *ba
 static void add_loop(const struct glsl *glsl, const struct loop *loop, struct text *out)
 {
     const struct range *range = loop->range;
-    uint32_t count = (uint32_t)range->count_value;
-    bool whole = !is_shared(range) && range->loop != LOOP_UNROLL; /* nothing to do in pieces */
-    uint32_t chunk = whole || !range->chunk || range->chunk > count ? count : range->chunk;
+    uint32_t count = (uint32_t)range->count_value, chunk = chunk_of(range);
     uint32_t chunks = count ? count / chunk : 0, rest = count - chunks * chunk;
     char base[96], offset[96];
-    text_add(out, "{ /* range %s: %u of %s */\n    int %s_first = %s;\n", range->name, count,
-             range->access->resource->name, range->name, range->first ? range->first : "0");
+    text_add(out, "{ /* range %s: %u of %s */\n", range->name, count,
+             range->access->resource->name);
+    if (!loop->copied)
+        add_first(range, out);
     if (chunks == 1) {
-        if (is_shared(range))
-            add_copy(glsl, loop, chunk, "", out);
+        add_late_copy(glsl, loop, chunk, "", out);
         add_elements(loop, chunk, "", out);
     } else if (chunks > 1) {
         text_add(out, "    for (int %s_base = 0; %s_base < %u; %s_base += %u) {\n", range->name,
                  range->name, chunks * chunk, range->name, chunk);
         snprintf(offset, sizeof offset, " + %s_base", range->name);
         snprintf(base, sizeof base, "%s_base + ", range->name);
-        if (is_shared(range))
-            add_copy(glsl, loop, chunk, offset, out);
+        add_late_copy(glsl, loop, chunk, offset, out);
         add_elements(loop, chunk, base, out);
         text_add(out, "    }\n");
     }
     if (rest) {
         snprintf(offset, sizeof offset, " + %u", chunks * chunk);
         snprintf(base, sizeof base, "%u + ", chunks * chunk);
-        if (is_shared(range))
-            add_copy(glsl, loop, rest, offset, out);
+        add_late_copy(glsl, loop, rest, offset, out);
         add_elements(loop, rest, base, out);
     }
     text_add(out, "}\n#line %d %u\n", loop->close_loc.line, loop->close_number);
@@ -296,6 +377,11 @@ static void add_caches(struct glsl *glsl, const struct range *range, uint64_t fi
     uint64_t chunk = !range->chunk || range->chunk > count ? count : range->chunk;
     if (!is_shared(range) || !chunk)
         return;
+    if (by_quads(range)) {
+        text_add(out, "shared uvec4 %s_quads[%llu];\n", range->name,
+                 (unsigned long long)chunk * buffer->stride / 16);
+        return;
+    }
     if (fields & WHOLE)
         text_add(out, "shared %s %s_cache[%llu];\n", glsl_element_type(buffer), range->name,
                  (unsigned long long)chunk);
@@ -334,38 +420,118 @@ static struct token walk_next(struct walk *walk)
     return token;
 }
 
-bool glsl_ranges(struct glsl *glsl)
+struct loops {
+    struct loop *list;
+    size_t count;
+    uint64_t *fields; /* of every range of the pass: what its loops use together */
+    const char *main; /* behind the opening brace of main() */
+};
+
+static bool find_loops(const struct glsl *glsl, struct loops *loops)
 {
-    uint32_t range_count = glsl->pass->range_count;
-    uint64_t *fields = calloc(range_count + 1, sizeof *fields);
-    const char *from = glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "";
-    struct walk walk = {.cursor = from};
-    struct text out = {0};
-    bool ok = fields != NULL;
-    for (struct token token = walk_next(&walk); ok && token.length; token = walk_next(&walk)) {
+    struct walk walk = {.cursor = glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : ""};
+    for (struct token token = walk_next(&walk); token.length; token = walk_next(&walk)) {
         struct loop loop = {.head = token};
         loop.open = walk.cursor;
+        if (token_is(token, "{") && walk.depth == 1 && token_is(walk.function, "main"))
+            loops->main = walk.cursor;
         if (!token_is(token, "for") || !parse_head(&loop, &loop.open))
             continue;
-        if (!check_loop(glsl, &loop, walk.depth == 1 && token_is(walk.function, "main"))) {
-            ok = false;
-            break;
-        }
-        text_add_bytes(&out, from, (size_t)(token.text - from));
-        add_loop(glsl, &loop, &out);
-        fields[loop.range - glsl->pass->ranges] |= loop.fields;
-        from = walk.cursor = loop.close + 1;
+        struct loop *list = realloc(loops->list, (loops->count + 1) * sizeof *list);
+        if (!list)
+            return false;
+        loops->list = list;
+        if (!check_loop(glsl, &loop, walk.depth == 1 && token_is(walk.function, "main")))
+            return false;
+        loops->list[loops->count++] = loop;
+        loops->fields[loop.range - glsl->pass->ranges] |= loop.fields;
+        walk.cursor = loop.close + 1;
     }
+    return true;
+}
+
+/* Whether the expression of a range's first element has the same value anywhere in main(). */
+static bool is_global(const struct glsl *glsl, const char *first)
+{
+    const struct pipeline *pipeline = glsl->pipeline;
+    bool member = false;
+    for (struct token token = token_next(&first); token.length; token = token_next(&first)) {
+        bool known = member || !(isalpha((unsigned char)*token.text) || *token.text == '_') ||
+                     token_is(token, "interleave_class") || token_is(token, "gl_WorkGroupID");
+        for (uint32_t i = 0; i < pipeline->param_count && !known; i++)
+            known = token_is(token, pipeline->params[i].name);
+        for (uint32_t i = 0; i < pipeline->constant_count && !known; i++)
+            known = token_is(token, pipeline->constants[i].name);
+        if (!known)
+            return false;
+        member = token_is(token, ".");
+    }
+    return true;
+}
+
+/* At the beginning of main(): all that is copied in one piece from what the pass does not change.
+ * One barrier then serves all loops, and little is alive across it: on a CPU it is a switch between
+ * as many threads of control as the workgroup fills vectors. */
+static void add_first_copies(const struct glsl *glsl, const struct loops *loops, struct text *out)
+{
+    bool any = false;
+    for (size_t i = 0; i < loops->count; i++) {
+        struct loop *loop = &loops->list[i];
+        const struct range *range = loop->range;
+        bool before = false;
+        loop->copied = is_shared(range) && range->access->mode == MODE_READ && range->count_value &&
+                       chunk_of(range) == range->count_value &&
+                       is_global(glsl, range->first ? range->first : "0");
+        for (size_t k = 0; k < i && !before; k++)
+            before = loops->list[k].range == range;
+        if (!loop->copied || before)
+            continue;
+        struct loop all = *loop;
+        all.fields = loops->fields[range - glsl->pass->ranges];
+        all.fields = all.fields & WHOLE ? WHOLE : all.fields;
+        text_add(out, "%s", any ? "" : "\n{ /* what the loops over ranges read */\n");
+        add_first(range, out);
+        add_copy(glsl, &all, (uint32_t)range->count_value, "", out);
+        any = true;
+    }
+    if (!any)
+        return;
+    const char *body = glsl->parts[PART_BODY].data;
+    struct loc loc = glsl_body_loc(glsl, body, (size_t)(loops->main - body), 1);
+    text_add(out, "    barrier();\n}\n#line %d %u\n", loc.line, source_number(glsl, loc.source));
+}
+
+static void write_loops(struct glsl *glsl, const struct loops *loops, struct text *out)
+{
+    const char *from = glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "";
+    if (loops->count) {
+        text_add_bytes(out, from, (size_t)(loops->main - from));
+        add_first_copies(glsl, loops, out);
+        from = loops->main;
+    }
+    for (size_t i = 0; i < loops->count; i++) {
+        const struct loop *loop = &loops->list[i];
+        text_add_bytes(out, from, (size_t)(loop->head.text - from));
+        add_loop(glsl, loop, out);
+        from = loop->close + 1;
+    }
+    text_add(out, "%s", from);
+    for (uint32_t i = 0; i < glsl->pass->range_count; i++)
+        if (loops->fields[i])
+            add_caches(glsl, &glsl->pass->ranges[i], loops->fields[i]);
+}
+
+bool glsl_ranges(struct glsl *glsl)
+{
+    struct loops loops = {.fields = calloc(glsl->pass->range_count + 1, sizeof *loops.fields)};
+    bool ok = loops.fields && find_loops(glsl, &loops);
     if (ok) {
-        text_add(&out, "%s", from);
-        for (uint32_t i = 0; i < range_count; i++)
-            if (fields[i])
-                add_caches(glsl, &glsl->pass->ranges[i], fields[i]);
+        struct text out = {0};
+        write_loops(glsl, &loops, &out);
         text_free(&glsl->parts[PART_BODY]);
         glsl->parts[PART_BODY] = out;
-    } else {
-        text_free(&out);
     }
-    free(fields);
+    free(loops.list);
+    free(loops.fields);
     return ok;
 }

@@ -34,34 +34,40 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
 }
 
-/* Vertices and fragments index the few elements of such a buffer each in its own way. Drivers that
- * run on CPUs gather from a uniform block; from a storage buffer they load lane by lane, checking
- * bounds: the maps of eight clusters took 1.4 times as long. */
-static bool suits_uniform(const struct pass *pass, const struct resource *buffer)
+/* Drivers that run on CPUs gather from a uniform block; from a storage buffer they load lane by
+ * lane, checking bounds: the maps of eight clusters took 1.4 times as long, shading 1.2 times. */
+static bool suits_uniform(const struct pipeline *pipeline, const struct resource *buffer)
 {
     uint64_t count = 0;
 
-    if (pass->kind == PASS_DISPATCH || !buffer->count || expr_reach(buffer->count) ||
+    if (pipeline->gpu || !buffer->count || expr_reach(buffer->count) ||
         !std140_equals_std430(buffer)) {
         return false;
     }
     count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
-    return count * buffer->stride <= UNIFORM_BLOCK_LIMIT;
+    return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
+}
+
+/* Vertices and fragments index a buffer each in its own way; a range is copied from it. */
+static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pass,
+                          const struct access *access)
+{
+    bool suits = suits_uniform(pipeline, access->resource);
+
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        if (pass->ranges[i].access == access) {
+            return pass->ranges[i].storage == STORAGE_UNIFORM ||
+                   (pass->ranges[i].storage == STORAGE_SHARED && suits);
+        }
+    }
+    return suits && pass->kind != PASS_DISPATCH;
 }
 
 static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *pass,
                             const struct access *access)
 {
     if (access->mode == MODE_READ) {
-        if (!pipeline->gpu && suits_uniform(pass, access->resource)) {
-            return ACCESS_UNIFORM;
-        }
-        for (uint32_t i = 0; i < pass->range_count; i++) {
-            if (pass->ranges[i].access == access && pass->ranges[i].storage == STORAGE_UNIFORM) {
-                return ACCESS_UNIFORM;
-            }
-        }
-        return ACCESS_STORAGE_READ;
+        return reads_uniform(pipeline, pass, access) ? ACCESS_UNIFORM : ACCESS_STORAGE_READ;
     }
     return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
@@ -281,8 +287,20 @@ static void check_shared(const struct pass *pass, struct diag *diag)
     }
 }
 
+/* The copies for ranges cost a workgroup of 64 on a CPU as much again as shading its pixels. */
+static void plan_local(struct pass *pass, const struct pipeline *pipeline)
+{
+    bool flat = pass->local[1] == 1;
+
+    if (!pipeline->gpu && pass->range_count && !pass->local_size[0] && pass->size != SIZE_GROUPS) {
+        pass->local[0] = flat ? 512 : 32;
+        pass->local[1] = flat ? 1 : 16;
+    }
+}
+
 static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
 {
+    plan_local(pass, pipeline);
     for (uint32_t i = 0; i < pass->range_count; i++) {
         struct range *range = &pass->ranges[i];
 

@@ -61,7 +61,8 @@ enum { STORAGE_IMAGE_LIMIT = 8, TEXTURE_LIMIT = 16, COLOR_TARGET_LIMIT = 8 };
 enum {
     SHARED_MEMORY_LIMIT = 16384,
     UNIFORM_BLOCK_LIMIT = 16384
-}; /* bytes that every device of either API has */
+};                                       /* bytes that every device of either API has */
+enum { SOFTWARE_UNIFORM_LIMIT = 65536 }; /* bytes, of software drivers and of desktop devices */
 
 /* ---- The plan's parts; plan.c calls them in this order --------------------------------------- */
 

@@ -295,8 +295,9 @@ const struct key table_keys[] = {
      "element.",
      "draw_arguments"},
     {SECTION_PASS, "local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL,
-     "[64, 1, 1], or [8, 8, 1] in two dimensions", "Size of a workgroup; at most 1024 invocations.",
-     "[8, 8, 1]"},
+     "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges and `target: software` 512 "
+     "invocations",
+     "Size of a workgroup; at most 1024 invocations.", "[8, 8, 1]"},
     {SECTION_PASS, "view", KEY_CHOICE, SECTION_NONE, "camera|light", OPTIONAL, "camera",
      "draw: scene: what `view` is in the body.", "light"},
     {SECTION_PASS, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "not layered",

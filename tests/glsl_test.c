@@ -388,8 +388,8 @@ static void test_range_shapes(void **state)
         enum storage_class storage;
         enum loop_shape loop;
         uint32_t chunk, copies, barriers;
-    } cases[] = {{STORAGE_SHARED, LOOP_UNROLL, 5, 5, 2}, {STORAGE_SHARED, LOOP_UNROLL, 2, 3, 4},
-                 {STORAGE_SHARED, LOOP_ROLL, 5, 1, 2},   {STORAGE_SHARED, LOOP_ROLL, 2, 2, 4},
+    } cases[] = {{STORAGE_SHARED, LOOP_UNROLL, 5, 5, 1}, {STORAGE_SHARED, LOOP_UNROLL, 2, 3, 4},
+                 {STORAGE_SHARED, LOOP_ROLL, 5, 1, 1},   {STORAGE_SHARED, LOOP_ROLL, 2, 2, 4},
                  {STORAGE_BUFFER, LOOP_ROLL, 2, 1, 0},   {STORAGE_BUFFER, LOOP_UNROLL, 8, 5, 0}};
     struct fixture *f = *state;
     for (uint32_t i = 0; i < COUNT(cases); i++) {
@@ -406,6 +406,50 @@ static void test_range_shapes(void **state)
         assert_int_equal(occurrences(shader.glsl.data, "shared "), caches);
         shader_free(&shader);
     }
+}
+
+/* A range that starts at what main() computes cannot be copied before. */
+static void test_copy_follows_its_first_element(void **state)
+{
+    struct fixture *f = *state;
+    f->ranges[0].chunk = 5;
+    f->ranges[0].first = "start";
+    set_body(f, SHADE, "shade.glsl",
+             "void main() { int start = nearest; for (Light2 v : subset)\n"
+             "{ result_store(ivec2(v.kind), vec4(0)); } }\n");
+    struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    const char *start = strstr(shader.glsl.data, "int start = nearest;");
+    assert_non_null(start);
+    assert_non_null(strstr(start, "int subset_first = start;"));
+    assert_int_equal(occurrences(start, "barrier();"), 2);
+    shader_free(&shader);
+}
+
+/* From a uniform block elements are copied 16 bytes at a time: position and kind share the first of
+ * a Light2's three, a second light's flux is in the sixth. */
+static void test_range_by_quads(void **state)
+{
+    struct fixture *f = *state;
+    f->ranges[0].chunk = 5;
+    f->shade_accesses[2].kind = ACCESS_UNIFORM;
+    f->fields[1].offset = 12;
+    f->fields[2].offset = 16;
+    f->fields[3].offset = 32;
+    f->structs[0].align = 16;
+    f->resources[LIGHTS].stride = 48;
+    f->resources[LIGHTS].count = expression(f, "40");
+    set_body(f, SHADE, "shade.glsl",
+             "void main() { for (Light2 v : subset)\n"
+             "{ result_store(ivec2(v.kind), vec4(v.flux, v.position.x)); } }\n");
+    struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    const char *text = shader.glsl.data;
+    assert_non_null(strstr(text, "shared uvec4 subset_quads[15];"));
+    assert_non_null(strstr(text, "v.position = uintBitsToFloat(subset_quads[0].xyz);"));
+    assert_non_null(strstr(text, "v.kind = uint(subset_quads[0].w);"));
+    assert_non_null(strstr(text, "v.flux = uintBitsToFloat(subset_quads[5].xyz);"));
+    assert_null(strstr(text, "v.normal"));
+    assert_int_equal(occurrences(text, "barrier();"), 1);
+    shader_free(&shader);
 }
 
 static void test_whole_element(void **state)
@@ -481,6 +525,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_no_contraction, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_products_are_written_out, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_copy_follows_its_first_element, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_range_by_quads, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_whole_element, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_errors, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_compile_error_place, set_up, tear_down),

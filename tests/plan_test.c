@@ -306,11 +306,11 @@ static void test_kinds_and_bindings(void **state)
     assert_int_equal(draw->textures_binding, 4);
 }
 
-/* 1024 vec4 are the 16 KiB that every device has; a uint array would be padded in std140. */
+/* 4096 vec4 are the 64 KiB that software drivers have; a uint array would be padded in std140. */
 static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
 {
     struct fixture *f = *state;
-    struct resource *fits = buffer(f, "fits", "1024"), *large = buffer(f, "large", "1025"),
+    struct resource *fits = buffer(f, "fits", "4096"), *large = buffer(f, "large", "4097"),
                     *uints = buffer(f, "uints", "8"), *out = image(f, "out", DT_FORMAT_RGBA16F);
     struct pass *fill = pass(f, "fill", PASS_DISPATCH), *draw = pass(f, "draw", PASS_SCENE);
 
@@ -332,6 +332,32 @@ static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
     assert_int_equal(draw->accesses[0].kind, ACCESS_STORAGE_READ);
     assert_false(draw->uniform_materials);
     assert_int_equal(draw->materials_binding, 0);
+}
+
+/* On a CPU a workgroup that copies ranges is large, unless the spec says how large. */
+static void test_ranges_make_workgroups_large(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "512");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct range range = {.name = "r", .count_value = 16};
+
+    a->type = DT_TYPE_VEC4;
+    touch(w, a, MODE_WRITE);
+    range.access = touch(p, a, MODE_READ);
+    p->ranges = &range;
+    p->range_count = 1;
+    p->local[0] = p->local[1] = 8;
+    p->local_size[0] = number(f, "8");
+    assert_true(plan(f));
+    assert_int_equal(p->local[0], 8);
+    p->local_size[0] = NULL;
+    assert_true(plan(f));
+    assert_int_equal(p->local[0] * p->local[1], 512);
+    assert_int_equal(range.access->kind, ACCESS_UNIFORM);
+    range.storage = STORAGE_BUFFER;
+    assert_true(plan(f));
+    assert_int_equal(range.access->kind, ACCESS_STORAGE_READ);
 }
 
 static void test_ranges(void **state)
@@ -719,6 +745,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_two_writers_need_an_order, setup, teardown),
         cmocka_unit_test_setup_teardown(test_read_before_write, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kinds_and_bindings, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_ranges_make_workgroups_large, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draws_read_small_buffers_as_uniform_blocks, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(test_ranges, setup, teardown),

@@ -30,7 +30,7 @@
          * the depth before it. */
         vec3 c = x - v.eye;
         float eye_square = max(dot(c, c), closest);
-        float reach = eye_square * inversesqrt(eye_square);
+        float reach = sqrt(eye_square);
         float w = reach + max(dot(c, v.axis), 0.0);
         float fourth = square * (square + bound);
         float reciprocal = 1.0 / (fourth * w);

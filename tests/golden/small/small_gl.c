@@ -167,7 +167,7 @@ static const char shade_compute_glsl[] =
     "#define OPENGL\n"
     "#define EXACT\n"
     "\n"
-    "layout(local_size_x = 8, local_size_y = 8, local_size_z = 1) in;\n"
+    "layout(local_size_x = 32, local_size_y = 16, local_size_z = 1) in;\n"
     "\n"
     "struct Lamp {\n"
     "    vec3 position;\n"
@@ -201,8 +201,8 @@ static const char shade_compute_glsl[] =
     "\n"
     "layout(binding = 0, rgba16f) readonly uniform image2D normal_image;\n"
     "layout(binding = 5) uniform sampler2D depth_texture;\n"
-    "layout(std430, binding = 2) readonly buffer lamps_block {\n"
-    "    Lamp lamps[];\n"
+    "layout(std140, binding = 4) uniform lamps_quads_block {\n"
+    "    uvec4 lamps_quads[12];\n"
     "};\n"
     "layout(binding = 1, rgba32f) writeonly uniform image2D lit_image;\n"
     "\n"
@@ -231,32 +231,31 @@ static const char shade_compute_glsl[] =
     "    imageStore(lit_image, p, value);\n"
     "}\n"
     "\n"
-    "shared precise vec3 all_lamps_position[6];\n"
-    "shared precise float all_lamps_power[6];\n"
-    "shared precise vec3 all_lamps_color[6];\n"
+    "shared precise uvec4 all_lamps_quads[12];\n"
     "\n"
     "#line 1 10\n"
     "void main()\n"
     "{\n"
+    "{ /* what the loops over ranges read */\n"
+    "    precise int all_lamps_first = 0;\n"
+    "    for (int i = int(gl_LocalInvocationIndex); i < 12; i += 512) {\n"
+    "        all_lamps_quads[i] = lamps_quads[(all_lamps_first) * 2 + i];\n"
+    "    }\n"
+    "    barrier();\n"
+    "}\n"
+    "#line 2 10\n"
+    "\n"
     "    precise ivec2 p = invocation().xy;\n"
     "    if (any(greaterThanEqual(p, lit_size())))\n"
     "        return;\n"
     "    precise vec3 sum = vec3(0.0);\n"
     "    { /* range all_lamps: 6 of lamps */\n"
-    "    precise int all_lamps_first = 0;\n"
-    "    barrier();\n"
-    "    for (int i = int(gl_LocalInvocationIndex); i < 6; i += 64) {\n"
-    "        all_lamps_position[i] = lamps[all_lamps_first + i].position;\n"
-    "        all_lamps_power[i] = lamps[all_lamps_first + i].power;\n"
-    "        all_lamps_color[i] = lamps[all_lamps_first + i].color;\n"
-    "    }\n"
-    "    barrier();\n"
     "    {\n"
     "        const int all_lamps_index = 0;\n"
     "        precise Lamp lamp;\n"
-    "        lamp.position = all_lamps_position[0];\n"
-    "        lamp.power = all_lamps_power[0];\n"
-    "        lamp.color = all_lamps_color[0];\n"
+    "        lamp.position = uintBitsToFloat(all_lamps_quads[0].xyz);\n"
+    "        lamp.power = uintBitsToFloat(all_lamps_quads[0].w);\n"
+    "        lamp.color = uintBitsToFloat(all_lamps_quads[1].xyz);\n"
     "#line 7 10\n"
     "\n"
     "        sum += lamp.color * (lamp.power * max(exact_dot(normal(p).xyz, lamp.position), 0.0));\n"
@@ -265,9 +264,9 @@ static const char shade_compute_glsl[] =
     "    {\n"
     "        const int all_lamps_index = 1;\n"
     "        precise Lamp lamp;\n"
-    "        lamp.position = all_lamps_position[1];\n"
-    "        lamp.power = all_lamps_power[1];\n"
-    "        lamp.color = all_lamps_color[1];\n"
+    "        lamp.position = uintBitsToFloat(all_lamps_quads[2].xyz);\n"
+    "        lamp.power = uintBitsToFloat(all_lamps_quads[2].w);\n"
+    "        lamp.color = uintBitsToFloat(all_lamps_quads[3].xyz);\n"
     "#line 7 10\n"
     "\n"
     "        sum += lamp.color * (lamp.power * max(exact_dot(normal(p).xyz, lamp.position), 0.0));\n"
@@ -276,9 +275,9 @@ static const char shade_compute_glsl[] =
     "    {\n"
     "        const int all_lamps_index = 2;\n"
     "        precise Lamp lamp;\n"
-    "        lamp.position = all_lamps_position[2];\n"
-    "        lamp.power = all_lamps_power[2];\n"
-    "        lamp.color = all_lamps_color[2];\n"
+    "        lamp.position = uintBitsToFloat(all_lamps_quads[4].xyz);\n"
+    "        lamp.power = uintBitsToFloat(all_lamps_quads[4].w);\n"
+    "        lamp.color = uintBitsToFloat(all_lamps_quads[5].xyz);\n"
     "#line 7 10\n"
     "\n"
     "        sum += lamp.color * (lamp.power * max(exact_dot(normal(p).xyz, lamp.position), 0.0));\n"
@@ -287,9 +286,9 @@ static const char shade_compute_glsl[] =
     "    {\n"
     "        const int all_lamps_index = 3;\n"
     "        precise Lamp lamp;\n"
-    "        lamp.position = all_lamps_position[3];\n"
-    "        lamp.power = all_lamps_power[3];\n"
-    "        lamp.color = all_lamps_color[3];\n"
+    "        lamp.position = uintBitsToFloat(all_lamps_quads[6].xyz);\n"
+    "        lamp.power = uintBitsToFloat(all_lamps_quads[6].w);\n"
+    "        lamp.color = uintBitsToFloat(all_lamps_quads[7].xyz);\n"
     "#line 7 10\n"
     "\n"
     "        sum += lamp.color * (lamp.power * max(exact_dot(normal(p).xyz, lamp.position), 0.0));\n"
@@ -298,9 +297,9 @@ static const char shade_compute_glsl[] =
     "    {\n"
     "        const int all_lamps_index = 4;\n"
     "        precise Lamp lamp;\n"
-    "        lamp.position = all_lamps_position[4];\n"
-    "        lamp.power = all_lamps_power[4];\n"
-    "        lamp.color = all_lamps_color[4];\n"
+    "        lamp.position = uintBitsToFloat(all_lamps_quads[8].xyz);\n"
+    "        lamp.power = uintBitsToFloat(all_lamps_quads[8].w);\n"
+    "        lamp.color = uintBitsToFloat(all_lamps_quads[9].xyz);\n"
     "#line 7 10\n"
     "\n"
     "        sum += lamp.color * (lamp.power * max(exact_dot(normal(p).xyz, lamp.position), 0.0));\n"
@@ -309,9 +308,9 @@ static const char shade_compute_glsl[] =
     "    {\n"
     "        const int all_lamps_index = 5;\n"
     "        precise Lamp lamp;\n"
-    "        lamp.position = all_lamps_position[5];\n"
-    "        lamp.power = all_lamps_power[5];\n"
-    "        lamp.color = all_lamps_color[5];\n"
+    "        lamp.position = uintBitsToFloat(all_lamps_quads[10].xyz);\n"
+    "        lamp.power = uintBitsToFloat(all_lamps_quads[10].w);\n"
+    "        lamp.color = uintBitsToFloat(all_lamps_quads[11].xyz);\n"
     "#line 7 10\n"
     "\n"
     "        sum += lamp.color * (lamp.power * max(exact_dot(normal(p).xyz, lamp.position), 0.0));\n"
@@ -1016,18 +1015,18 @@ static bool record_shade(struct gl_runtime *rt, const struct small_gl_state *sta
         {.binding = 0, .kind = GL_BIND_IMAGE, .image = &state->images.normal,
          .access = GL_READ_ONLY},
         {.binding = 5, .kind = GL_BIND_TEXTURE, .image = &state->images.depth},
-        {.binding = 2, .kind = GL_BIND_STORAGE, .buffer = &state->buffers.lamps},
+        {.binding = 4, .kind = GL_BIND_UNIFORM, .buffer = &state->buffers.lamps},
         {.binding = 1, .kind = GL_BIND_IMAGE, .image = &state->images.lit, .access = GL_WRITE_ONLY},
-        {.binding = 3, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
-        {.binding = 4, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
+        {.binding = 2, .kind = GL_BIND_UNIFORM, .buffer = &builtin->frame},
+        {.binding = 3, .kind = GL_BIND_UNIFORM, .buffer = &builtin->live},
     };
     bool ok = dt_gl_pass_begin(rt, SMALL_PASS_SHADE, true);
 
-    ok = ok && dt_gl_barrier(rt, GL_SHADER_STORAGE_BARRIER_BIT);
+    ok = ok && dt_gl_barrier(rt, GL_UNIFORM_BARRIER_BIT);
     ok = ok && dt_gl_bind(rt, bindings, DT_ARRAY_COUNT(bindings));
     ok = ok &&
-        dt_gl_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 8),
-        small_groups(state->images.lit.height, 8), 1);
+        dt_gl_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 32),
+        small_groups(state->images.lit.height, 16), 1);
     return ok && dt_gl_pass_end(rt, SMALL_PASS_SHADE);
 }
 

@@ -144,10 +144,10 @@ static bool create_program_shade(struct vk_runtime *rt, struct small_vk_state *s
     static const struct vk_binding_slot slots[] = {
         {0, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
         {5, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-        {2, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
-        {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
-        {3, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
         {4, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
+        {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE},
+        {2, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
+        {3, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER},
     };
     const struct vk_program_info info = {
         .name = "shade",
@@ -246,7 +246,7 @@ static bool create_buffer_lamps(struct vk_runtime *rt, struct small_vk_state *st
     const struct vk_buffer_info info = {
         .name = "lamps",
         .size = (VkDeviceSize)extent[0] * sizeof(struct small_Lamp),
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
     };
 
     return dt_vk_buffer_create(rt, &state->buffers.lamps, &info);
@@ -503,17 +503,17 @@ static bool bind_program_shade(struct vk_runtime *rt, struct small_vk_state *sta
          .mip = VK_ALL_MIPS,
          .layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
          .sampler = state->texel_sampler},
-        {.binding = 2,
-         .type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+        {.binding = 4,
+         .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
          .buffer = &state->buffers.lamps},
         {.binding = 1,
          .type = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
          .image = &state->images.lit,
          .layout = VK_IMAGE_LAYOUT_GENERAL},
-        {.binding = 3,
+        {.binding = 2,
          .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
          .buffer = &builtin->frame},
-        {.binding = 4,
+        {.binding = 3,
          .type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
          .buffer = &builtin->live},
     };
@@ -729,7 +729,7 @@ static bool record_shade(struct vk_runtime *rt, struct small_vk_state *state)
          .src_stage = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
          .src_access = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
          .dst_stage = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-         .dst_access = VK_ACCESS_2_SHADER_STORAGE_READ_BIT},
+         .dst_access = VK_ACCESS_2_UNIFORM_READ_BIT},
         {.image = &state->images.lit,
          .src_stage = VK_PIPELINE_STAGE_2_NONE,
          .src_access = VK_ACCESS_2_NONE,
@@ -742,8 +742,8 @@ static bool record_shade(struct vk_runtime *rt, struct small_vk_state *state)
     if (!dt_vk_pass_begin(rt, SMALL_PASS_SHADE, true))
         return false;
     dt_vk_barriers(rt, barriers, DT_ARRAY_COUNT(barriers));
-    dt_vk_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 8),
-        small_groups(state->images.lit.height, 8), 1);
+    dt_vk_dispatch(rt, &state->programs.shade, small_groups(state->images.lit.width, 32),
+        small_groups(state->images.lit.height, 16), 1);
     return dt_vk_pass_end(rt, SMALL_PASS_SHADE);
 }
 
