@@ -153,6 +153,7 @@ static void report_free(struct report *report)
     for (uint32_t i = 0; i < report->step_count; i++) {
         free(report->steps[i].file);
         free(report->steps[i].command);
+        free(report->steps[i].motion);
     }
     for (uint32_t i = 0; i < report->scene_count; i++) {
         free(report->scenes[i].path);

@@ -19,7 +19,14 @@ struct report_scene {
     char *mesh; /* NULL: not here, and the scene is left out */
 };
 
-enum report_part { PART_PICTURES, PART_ERRORS, PART_TIMES, PART_COMPARISON, REPORT_PARTS };
+enum report_part {
+    PART_PICTURES,
+    PART_ERRORS,
+    PART_MOTIONS,
+    PART_TIMES,
+    PART_COMPARISON,
+    REPORT_PARTS
+};
 
 /* One command, an edge of the ninja file. */
 struct report_step {
@@ -27,6 +34,7 @@ struct report_step {
     enum report_part part;
     char *file; /* in the report's folder, that the command writes last; its name is the step's */
     const char *needs[2]; /* files of other steps, or NULL */
+    char *motion;         /* file, absolute, or NULL */
     bool traced;          /* no matter of the spec */
     char *command;        /* a line for /bin/sh that can be pasted anywhere */
 };
@@ -57,6 +65,12 @@ const char *report_text(const cJSON *object, const char *name); /* "" where it i
 /* Element `index` of a list of numbers or words, as text; "" behind its end. */
 const char *report_item(const cJSON *list, int index, char buffer[32]);
 
+/* A file that the outline names, beside it; free(). */
+char *report_outline_file(const struct report *report, const char *name);
+/* Motions of the outline that are of this scene, one after the other: the first after NULL. */
+const cJSON *report_next_motion(const struct report *report, const struct report_scene *scene,
+                                const cJSON *motion);
+
 /* report_steps.c: the steps, and the files build.ninja and commands. */
 bool report_plan(struct report *report);
 bool report_write_steps(const struct report *report);
@@ -67,6 +81,9 @@ char *report_sweep_file(const struct report *report, const struct report_scene *
 /* Of a picture of the outline at a value of the sweep. */
 char *report_error_file(const struct report *report, const struct report_scene *scene,
                         const cJSON *picture, int index, const char *ending);
+/* Of a run of a motion, or of its references. */
+char *report_motion_file(const struct report_scene *scene, const cJSON *motion, const char *name,
+                         const char *ending);
 /* The picture that stands for the pipeline at its best. */
 const cJSON *report_last_picture(const struct report *report);
 
@@ -77,6 +94,8 @@ double report_number(struct report *report, const char *file, const char *path);
  * outline names, or with NULL of those that none does. Milliseconds. */
 double report_frame_ms(struct report *report, const char *file, uint32_t side, const char *of);
 double report_stage_ms(struct report *report, const char *file, uint32_t side, const cJSON *stage);
+/* Of a file of flicker: a number of the step from frame `step` to the next. */
+double report_frame_change(struct report *report, const char *file, int step, const char *name);
 bool report_step_is_done(const struct report *report, const struct report_step *step);
 
 /* report_plots.c: plots/ of the report's folder. */
@@ -92,8 +111,12 @@ void report_put_link(FILE *out, const char *path); /* of a file in the report's 
 void report_put_number(FILE *out, double value);
 /* The same, marked with the file and the place in it that it was read from. */
 void report_put_result(FILE *out, struct report *report, const char *file, const char *path);
+/* The same as a percentage. */
+void report_put_percentage(FILE *out, struct report *report, const char *file, const char *path);
 void report_put_overview(FILE *out, struct report *report);
 void report_put_errors(FILE *out, struct report *report);
+void report_put_flicker(FILE *out, struct report *report, const struct report_scene *scene,
+                        const cJSON *motion);
 void report_put_stages(FILE *out, struct report *report, const struct report_scene *scene);
 
 #endif

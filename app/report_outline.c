@@ -5,6 +5,9 @@
  *   reference: {bounces: N, title: ...}
  *   pictures: [{name: ..., title: ..., set: [PATH=VALUE, ...]}, ...]
  *   sweep: {parameter: NAME, values: [...]}       of each picture; the last value is the best
+ *   motion: {frames: N, size: WxH, spp: N, block: N, show: RESOURCE,
+ *            of: [{name: ..., title: ..., scene: NAME, file: FILE}, ...],
+ *            runs: [{name: ..., title: ..., set: [...]}, ...]}
  *   stages: [{name: ..., doc: ..., passes: [...]}, ...]
  *   published: {by, device, scene, size, stages: {NAME: [ms of each value of the sweep]}, total: [...],
  *               own_error: {metric: ..., values: [...]}}
@@ -121,11 +124,17 @@ static void read_part(struct reader *reader, const struct key *self, const char 
         reader_mapping(reader, self->node, self->name_node, owner, keys, count);
 }
 
-static void check_picture(struct reader *reader, const struct key *keys)
+static void check_name(struct reader *reader, const struct key *keys)
 {
     struct fy_node *name = keys[0].node;
     if (name && fy_node_is_scalar(name) && !(is_text(name) && is_name(fy_node_get_scalar0(name))))
         reader_report(reader, name, "`name` is a word that can be the name of a file");
+}
+
+/* Of a picture, or a run of a motion. */
+static void check_picture(struct reader *reader, const struct key *keys)
+{
+    check_name(reader, keys);
     check_list(reader, &keys[2], is_text, "PATH=VALUE");
 }
 
@@ -144,6 +153,38 @@ static void read_lists(struct reader *reader, const struct key *pictures, const 
                                        {.name = "doc", .type = KEY_TEXT}};
     read_list(reader, pictures, "a picture", picture, DT_ARRAY_COUNT(picture), check_picture);
     read_list(reader, stages, "a stage", stage, DT_ARRAY_COUNT(stage), check_stage);
+}
+
+/* `bounces` is the reference's. */
+static void read_motion(struct reader *reader, const struct key *self, const struct key *bounces)
+{
+    static const struct key of[] = {{.name = "name", .type = KEY_TEXT, .required = true},
+                                    {.name = "title", .type = KEY_TEXT, .required = true},
+                                    {.name = "scene", .type = KEY_TEXT, .required = true},
+                                    {.name = "file", .type = KEY_TEXT, .required = true}};
+    static const struct key run[] = {{.name = "name", .type = KEY_TEXT, .required = true},
+                                     {.name = "title", .type = KEY_TEXT, .required = true},
+                                     {.name = "set", .type = KEY_SEQUENCE, .required = true}};
+    enum { FRAMES, SPP, BLOCK, SIZE, SHOW, OF, RUNS, COUNT };
+    struct key keys[COUNT] = {
+        [FRAMES] = KEY_OF_NUMBERS("frames", true, 1, 2, OPTIONS_MAX_FRAMES, 2),
+        [SPP] = KEY_OF_NUMBERS("spp", true, 1, 1, OPTIONS_MAX_FRAMES, 1),
+        [BLOCK] = KEY_OF_NUMBERS("block", true, 1, 1, OPTIONS_MAX_SIZE, 1),
+        [SIZE] = {.name = "size", .type = KEY_TEXT, .required = true},
+        [SHOW] = {.name = "show", .type = KEY_TEXT, .required = true},
+        [OF] = {.name = "of", .type = KEY_SEQUENCE, .required = true},
+        [RUNS] = {.name = "runs", .type = KEY_SEQUENCE, .required = true},
+    };
+    read_part(reader, self, "`motion`", keys, COUNT);
+    read_list(reader, &keys[OF], "a motion", of, DT_ARRAY_COUNT(of), check_name);
+    read_list(reader, &keys[RUNS], "a run", run, DT_ARRAY_COUNT(run), check_picture);
+    for (int i = FRAMES; i <= BLOCK; i++) {
+        if (keys[i].number[0] != floor(keys[i].number[0]))
+            reader_report(reader, keys[i].node, "`%s` takes a whole number", keys[i].name);
+    }
+    if (self->node && bounces->node && bounces->number[0] < 1)
+        reader_report(reader, bounces->node,
+                      "`motion` is about indirect light, which takes 1 or more `bounces`");
 }
 
 /* One number for each value of the sweep, or fewer. */
@@ -195,7 +236,7 @@ static void read_published(struct reader *reader, const struct key *self, int va
 
 static void read_outline(struct reader *reader, struct fy_node *root, void *user)
 {
-    enum { TITLE, SOURCE, SCENES, REFERENCE, PICTURES, SWEEP, STAGES, PUBLISHED, COUNT };
+    enum { TITLE, SOURCE, SCENES, REFERENCE, PICTURES, SWEEP, MOTION, STAGES, PUBLISHED, COUNT };
     struct key keys[COUNT] = {
         [TITLE] = {.name = "title", .type = KEY_TEXT},
         [SOURCE] = {.name = "source", .type = KEY_TEXT},
@@ -203,6 +244,7 @@ static void read_outline(struct reader *reader, struct fy_node *root, void *user
         [REFERENCE] = {.name = "reference", .type = KEY_MAPPING, .required = true},
         [PICTURES] = {.name = "pictures", .type = KEY_SEQUENCE, .required = true},
         [SWEEP] = {.name = "sweep", .type = KEY_MAPPING, .required = true},
+        [MOTION] = {.name = "motion", .type = KEY_MAPPING},
         [STAGES] = {.name = "stages", .type = KEY_SEQUENCE},
         [PUBLISHED] = {.name = "published", .type = KEY_MAPPING},
     };
@@ -216,6 +258,7 @@ static void read_outline(struct reader *reader, struct fy_node *root, void *user
     check_list(reader, &keys[SCENES], is_text, "scene files");
     read_lists(reader, &keys[PICTURES], &keys[STAGES]);
     read_part(reader, &keys[REFERENCE], "`reference`", reference, DT_ARRAY_COUNT(reference));
+    read_motion(reader, &keys[MOTION], &reference[0]);
     read_part(reader, &keys[SWEEP], "`sweep`", sweep, DT_ARRAY_COUNT(sweep));
     check_list(reader, &sweep[1], NULL, "values");
     bool listed = sweep[1].node && fy_node_is_sequence(sweep[1].node);
@@ -237,6 +280,24 @@ bool report_read_outline(struct report *report)
     const struct dt_log *log = &report->console->log;
     report->outline_path = find_outline(report);
     return report->outline_path && reader_file(report->outline_path, &outline_file, report, log);
+}
+
+char *report_outline_file(const struct report *report, const char *name)
+{
+    const char *slash = strrchr(report->outline_path, '/');
+    return name[0] == '/' ? strdup(name)
+                          : format_string("%.*s/%s", (int)(slash - report->outline_path),
+                                          report->outline_path, name);
+}
+
+const cJSON *report_next_motion(const struct report *report, const struct report_scene *scene,
+                                const cJSON *motion)
+{
+    const cJSON *list = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "of");
+    motion = motion ? motion->next : cJSON_GetArrayItem(list, 0);
+    while (motion && strcmp(report_text(motion, "scene"), scene->name) != 0)
+        motion = motion->next;
+    return motion;
 }
 
 /* ---- Scenes ---------------------------------------------------------------------------------- */
@@ -284,15 +345,12 @@ static bool add_scene(struct report *report, const char *path)
 
 static bool add_outline_scenes(struct report *report)
 {
-    const char *slash = strrchr(report->outline_path, '/');
     const cJSON *item, *list = cJSON_GetObjectItem(report->outline, "scenes");
     bool good = true;
     cJSON_ArrayForEach(item, list)
     {
         const char *name = cJSON_GetStringValue(item) ? item->valuestring : "";
-        char *path = name[0] == '/' ? strdup(name)
-                                    : format_string("%.*s/%s", (int)(slash - report->outline_path),
-                                                    report->outline_path, name);
+        char *path = report_outline_file(report, name);
         good = good && path && add_scene(report, path);
         free(path);
     }

@@ -378,6 +378,63 @@ static void put_errors(FILE *out, struct report *report)
     fputs("<p><a href=\"plots/errors.csv\">errors.csv</a></p></details>\n", out);
 }
 
+/* ---- Motions --------------------------------------------------------------------------------- */
+
+static void put_motion(FILE *out, struct report *report, const struct report_scene *scene,
+                       const cJSON *motion)
+{
+    char *change = format_string("change_%s_%s", scene->name, report_text(motion, "name"));
+    char *flicker = format_string("flicker_%s_%s", scene->name, report_text(motion, "name"));
+    fputs("<h3>", out);
+    report_put_text(out, scene->name);
+    fputs(": ", out);
+    report_put_text(out, report_text(motion, "title"));
+    fputs("</h3>\n<div class=\"plots\">\n", out);
+    put_plot(out, report, change ? change : "", "Change from frame to frame",
+             "Good is what the reference does.");
+    put_plot(out, report, flicker ? flicker : "", "Flicker",
+             "Mean difference between this change and the reference&rsquo;s, point by point.");
+    fputs("</div>\n", out);
+    report_put_flicker(out, report, scene, motion);
+    free(flicker);
+    free(change);
+}
+
+static void put_motions_head(FILE *out, const struct report *report)
+{
+    const cJSON *settings = cJSON_GetObjectItem(report->outline, "motion");
+    int block = cJSON_GetObjectItem(settings, "block")->valueint;
+    fputs("<h2>Temporal coherence</h2>\n<p>Over a motion of ", out);
+    fprintf(out, "%d frames at ", cJSON_GetObjectItem(settings, "frames")->valueint);
+    report_put_text(out, report_text(settings, "size"));
+    fputs(", how much <code>", out);
+    report_put_text(out, report_text(settings, "show"));
+    fprintf(
+        out,
+        "</code>, the indirect irradiance, changes from one frame to the next where both show "
+        "the same point of a surface, averaged over blocks of %d &times; %d pixels, in per cent "
+        "of its mean. Light that moves must change; <i>excess</i> is what a run changes more "
+        "than the reference, <i>flicker</i> where it does so in another way, also where both "
+        "sums are alike. The last row of a table, the reference traced again with other noise, "
+        "tells how much noise adds to the flicker of the others.</p>\n",
+        block, block);
+}
+
+static void put_motions(FILE *out, struct report *report)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < report->scene_count; i++) {
+        const struct report_scene *scene = &report->scenes[i];
+        const cJSON *motion = NULL;
+        while (scene->mesh && (motion = report_next_motion(report, scene, motion))) {
+            if (!any)
+                put_motions_head(out, report);
+            any = true;
+            put_motion(out, report, scene, motion);
+        }
+    }
+}
+
 /* ---- Times ----------------------------------------------------------------------------------- */
 
 static void put_published_device(FILE *out, const struct report *report)
@@ -455,6 +512,7 @@ static bool put_making(FILE *out, const struct report *report)
     static const char *const titles[REPORT_PARTS] = {
         [PART_PICTURES] = "Pictures",
         [PART_ERRORS] = "Errors of the sweep",
+        [PART_MOTIONS] = "Temporal coherence",
         [PART_TIMES] = "Times",
         [PART_COMPARISON] = "Comparison of the backends",
     };
@@ -472,7 +530,8 @@ static bool put_making(FILE *out, const struct report *report)
         report_put_text(out, report->scenes[i].name);
         fputs("</summary>\n", out);
         for (int part = 0; part < REPORT_PARTS; part++) {
-            if (part != PART_COMPARISON || report->sides.count > 1)
+            if ((part != PART_COMPARISON || report->sides.count > 1) &&
+                (part != PART_MOTIONS || report_next_motion(report, &report->scenes[i], NULL)))
                 put_commands(out, report, &report->scenes[i], (enum report_part)part, titles[part]);
         }
         fputs("</details>\n", out);
@@ -492,6 +551,7 @@ static bool put_page(FILE *out, struct report *report)
     put_introduction(out, report);
     put_pictures(out, report);
     put_errors(out, report);
+    put_motions(out, report);
     put_times(out, report);
     bool good = put_making(out, report);
     fputs("</body>\n</html>\n", out);

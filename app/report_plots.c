@@ -1,5 +1,5 @@
 /* The plots of a report, by gnuplot, with the numbers behind them as CSV: error against the values of the sweep over
- * all scenes, frame time against them for each. Called by report.c. */
+ * all scenes, frame time against them for each, change from frame to frame over motions. Called by report.c. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -413,6 +413,115 @@ static bool draw_times(struct report *report, const struct report_scene *scene, 
     return good;
 }
 
+/* A row per step from frame to frame, in per cent: the reference's change, then change and flicker of each
+ * run. False when nothing was measured. */
+static bool put_changes(FILE *out, struct report *report, const struct report_scene *scene,
+                        const cJSON *motion, const cJSON *runs)
+{
+    const cJSON *run,
+        *frames = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "frames");
+    bool any = false;
+    fputs("frame,reference", out);
+    cJSON_ArrayForEach(run, runs)
+        fprintf(out, ",%s,%s_flicker", report_text(run, "name"), report_text(run, "name"));
+    fputc('\n', out);
+    for (int step = 0; step + 1 < frames->valueint; step++) {
+        double truth = NAN;
+        fprintf(out, "%d", step + 1);
+        for (int pass = 0; pass < 2; pass++) { /* any run that there is tells of the reference */
+            cJSON_ArrayForEach(run, runs)
+            {
+                char *file = report_motion_file(scene, motion, report_text(run, "name"), ".json");
+                double change =
+                    report_frame_change(report, file ? file : "", step, "relative_change");
+                double flicker =
+                    report_frame_change(report, file ? file : "", step, "relative_flicker");
+                double its = report_frame_change(report, file ? file : "", step,
+                                                 "relative_change_reference");
+                free(file);
+                truth = isnan(truth) ? its : truth;
+                any = any || !isnan(change);
+                if (pass == 1) {
+                    put_field(out, 100 * change);
+                    put_field(out, 100 * flicker);
+                }
+            }
+            if (pass == 0)
+                put_field(out, 100 * truth);
+        }
+        fputc('\n', out);
+    }
+    return any;
+}
+
+/* One line per run; `first` is the column of the first, and the reference's has a line where wanted. */
+static bool draw_motion(struct report *report, const char *name, const char *csv, const char *label,
+                        const cJSON *runs, int first, bool reference)
+{
+    const cJSON *run;
+    char *script = NULL;
+    size_t size = 0;
+    int column = first;
+    FILE *out = open_memstream(&script, &size);
+    if (out) {
+        fputs(gnuplot_head, out);
+        fputs("unset logscale y\nset yrange [0:*]\nset xlabel 'frame'\nset ylabel ", out);
+        put_quoted(out, label);
+        fputs("\nset key below vertical maxrows 3\nplot", out);
+        cJSON_ArrayForEach(run, runs)
+        {
+            fputs(column > first ? ", " : " ", out);
+            put_quoted(out, csv);
+            fprintf(out, " skip 1 using 1:%d with linespoints lt %d title ", column,
+                    (column - first) / 2 % 5 + 1);
+            put_quoted(out, report_text(run, "title"));
+            column += 2;
+        }
+        if (reference) {
+            fputs(", ", out);
+            put_quoted(out, csv);
+            fputs(" skip 1 using 1:2 with linespoints lt 6 dt 2 title 'the reference'", out);
+        }
+        fputs("\n", out);
+    }
+    bool good = draw(report, name, out, &script);
+    free(script);
+    return good;
+}
+
+/* Two plots of one motion, and the numbers behind both. */
+static bool draw_changes(struct report *report, const struct report_scene *scene,
+                         const cJSON *motion)
+{
+    const cJSON *runs = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "runs");
+    char *name = format_string("change_%s_%s", scene->name, report_text(motion, "name"));
+    char *other = format_string("flicker_%s_%s", scene->name, report_text(motion, "name"));
+    char *csv = name ? format_string("%s.csv", name) : NULL, *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    bool any = out && put_changes(out, report, scene, motion, runs);
+    bool good = out && fclose(out) == 0 && csv && other && write_text(report, name, ".csv", text);
+    if (good && any)
+        good = draw_motion(report, name, csv, "change per frame, %", runs, 3, true) &&
+               draw_motion(report, other, csv, "flicker per frame, %", runs, 4, false);
+    else
+        good = good && remove_plot(report, name) && remove_plot(report, other);
+    free(text);
+    free(csv);
+    free(other);
+    free(name);
+    return good;
+}
+
+static bool draw_motions(struct report *report, const struct report_scene *scene)
+{
+    const cJSON *motion = NULL;
+    bool good = true;
+    while (good && scene->mesh && (motion = report_next_motion(report, scene, motion)))
+        good = draw_changes(report, scene, motion);
+    return good;
+}
+
 bool report_draw_plots(struct report *report)
 {
     char *folder = format_string("%s/plots", report->folder);
@@ -422,6 +531,8 @@ bool report_draw_plots(struct report *report)
     free(folder);
     console_status(report->console, "drawing plots");
     good = good && draw_all_errors(report);
+    for (uint32_t i = 0; i < report->scene_count && good; i++)
+        good = draw_motions(report, &report->scenes[i]);
     for (uint32_t i = 0, here = 0; i < report->scene_count && good; i++) {
         if (report->scenes[i].mesh)
             good = draw_times(report, &report->scenes[i], here++);

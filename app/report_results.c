@@ -74,6 +74,13 @@ double report_number(struct report *report, const char *file, const char *path)
     return at && cJSON_IsNumber(at) ? at->valuedouble : NAN;
 }
 
+double report_frame_change(struct report *report, const char *file, int step, const char *name)
+{
+    const cJSON *list = cJSON_GetObjectItem(report_result(report, file), "per_frame");
+    const cJSON *item = cJSON_GetObjectItem(cJSON_GetArrayItem(list, step), name);
+    return cJSON_IsNumber(item) ? item->valuedouble : NAN;
+}
+
 static const cJSON *find_side(struct report *report, const char *file, uint32_t side)
 {
     return cJSON_GetArrayItem(cJSON_GetObjectItem(report_result(report, file), "sides"), (int)side);

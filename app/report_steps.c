@@ -38,6 +38,12 @@ char *report_error_file(const struct report *report, const struct report_scene *
     return file;
 }
 
+char *report_motion_file(const struct report_scene *scene, const cJSON *motion, const char *name,
+                         const char *ending)
+{
+    return format_string("%s/%s/%s%s", scene->name, report_text(motion, "name"), name, ending);
+}
+
 const cJSON *report_last_picture(const struct report *report)
 {
     const cJSON *pictures = cJSON_GetObjectItem(report->outline, "pictures");
@@ -72,13 +78,19 @@ static void put_file(struct command *command, const char *option, const char *fi
     free(path);
 }
 
-static void put_scene(struct command *command, const struct report_scene *scene)
+static void put_scene_file(struct command *command, const struct report_scene *scene)
 {
     const struct report *report = command->report;
     quote_option(command->out, "--scene", scene->path);
     if (report->scenes_folder)
         quote_option(command->out, "--scenes", report->scenes_folder);
-    fprintf(command->out, " --size %ux%u", report->options->size[0], report->options->size[1]);
+}
+
+static void put_scene(struct command *command, const struct report_scene *scene)
+{
+    const uint32_t *size = command->report->options->size;
+    put_scene_file(command, scene);
+    fprintf(command->out, " --size %ux%u", size[0], size[1]);
 }
 
 /* Those of the command line stand last, and win. */
@@ -330,6 +342,171 @@ static bool add_sweep(struct report *report, const struct report_scene *scene,
     return good;
 }
 
+/* ---- Motions --------------------------------------------------------------------------------- */
+
+/* How many frames are traced a second time, with other noise, to tell how much of it there is. */
+enum { NOISE_FRAMES = 3 };
+
+static const cJSON *motion_settings(const struct report *report)
+{
+    return cJSON_GetObjectItem(report->outline, "motion");
+}
+
+static int motion_count(const struct report *report, const char *name)
+{
+    return cJSON_GetObjectItem(motion_settings(report), name)->valueint;
+}
+
+static void put_motion(struct command *command, const struct report_scene *scene,
+                       const cJSON *motion)
+{
+    char *file = report_outline_file(command->report, report_text(motion, "file"));
+    put_scene_file(command, scene);
+    quote_option(command->out, "--motion", file ? file : "");
+    free(file);
+}
+
+/* A pattern of the names of frames, in which a percent sign of the folder's must not count. */
+static void put_frames_of(struct command *command, const char *option,
+                          const struct report_scene *scene, const cJSON *motion, const char *name)
+{
+    char *file = report_motion_file(scene, motion, name, "");
+    char *path = file ? format_string("%s/%s", command->report->folder, file) : NULL;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    for (const char *at = path; at && *at && out; at++)
+        fputs(*at == '%' ? "%%" : (char[2]){*at}, out);
+    if (out) {
+        fputs("_%03d.exr", out);
+        fclose(out);
+    }
+    quote_option(command->out, option, text ? text : "");
+    free(text);
+    free(path);
+    free(file);
+}
+
+static bool add_motion_step(struct report *report, const struct report_scene *scene,
+                            const cJSON *motion, char *file, struct command *command)
+{
+    bool good = add_step(report, scene, PART_MOTIONS, file, command);
+    struct report_step *step = &report->steps[report->step_count - 1];
+    if (good)
+        step->motion = report_outline_file(report, report_text(motion, "file"));
+    if (good && !step->motion)
+        report_error(&report->console->log, "out of memory");
+    return good && step->motion;
+}
+
+/* A frame of the indirect light, path-traced; each waits for the one before, so that the last stands
+ * for all. */
+static bool add_motion_reference(struct report *report, const struct report_scene *scene,
+                                 const cJSON *motion, const char *name, int frame)
+{
+    const cJSON *reference = cJSON_GetObjectItem(report->outline, "reference");
+    struct command command;
+    char *stem = format_string("%s_%03d", name, frame);
+    char *picture = report_motion_file(scene, motion, stem ? stem : "", ".exr");
+    char *json = report_motion_file(scene, motion, stem ? stem : "", ".json");
+    if (command_begin(&command, report, "reference")) {
+        put_motion(&command, scene, motion);
+        quote_option(command.out, "--size", report_text(motion_settings(report), "size"));
+        fprintf(command.out,
+                " --frame %d --from-bounce 1 --bounces %.0f --quantity irradiance --spp %d "
+                "--seed %d",
+                frame, cJSON_GetObjectItem(reference, "bounces")->valuedouble,
+                motion_count(report, "spp"), strcmp(name, "reference") == 0 ? 1 : 2);
+        put_file(&command, "-o", picture);
+        put_file(&command, "--json", json);
+    }
+    free(picture);
+    free(stem);
+    const char *before = frame > 0 ? last_file(report) : NULL;
+    bool good = add_motion_step(report, scene, motion, json, &command);
+    if (good) {
+        report->steps[report->step_count - 1].traced = true;
+        wait_for(report, before, NULL);
+    }
+    return good;
+}
+
+static bool add_motion_render(struct report *report, const struct report_scene *scene,
+                              const cJSON *motion, const cJSON *run)
+{
+    const cJSON *settings = motion_settings(report);
+    int frames = motion_count(report, "frames");
+    struct command command;
+    char *stem = format_string("%s_%03d", report_text(run, "name"), frames - 1);
+    if (command_begin(&command, report, "render")) {
+        put_motion(&command, scene, motion);
+        quote_option(command.out, "--size", report_text(settings, "size"));
+        fprintf(command.out, " --frames %d", frames);
+        put_spec(&command, cJSON_GetObjectItem(run, "set"));
+        quote_option(command.out, "--backend", report->sides.list[0].label);
+        quote_option(command.out, "--show", report_text(settings, "show"));
+        put_frames_of(&command, "-o", scene, motion, report_text(run, "name"));
+    }
+    bool good =
+        add_motion_step(report, scene, motion,
+                        report_motion_file(scene, motion, stem ? stem : "", ".exr"), &command);
+    free(stem);
+    return good;
+}
+
+/* Of pictures that the last step left. */
+static bool add_flicker(struct report *report, const struct report_scene *scene,
+                        const cJSON *motion, const char *name, int frames, const char *reference)
+{
+    struct command command;
+    const char *pictures = last_file(report);
+    if (command_begin(&command, report, "flicker")) {
+        put_motion(&command, scene, motion);
+        fprintf(command.out, " --frames %d --block %d", frames, motion_count(report, "block"));
+        put_frames_of(&command, "--test", scene, motion, name);
+        put_frames_of(&command, "--reference", scene, motion, "reference");
+        char *json = report_motion_file(scene, motion, name, ".json");
+        put_file(&command, "--json", json);
+        free(json);
+    }
+    bool good = add_motion_step(report, scene, motion,
+                                report_motion_file(scene, motion, name, ".json"), &command);
+    if (good)
+        wait_for(report, pictures, reference);
+    return good;
+}
+
+static bool add_motion(struct report *report, const struct report_scene *scene, const cJSON *motion)
+{
+    int frames = motion_count(report, "frames");
+    int noise = frames < NOISE_FRAMES ? frames : NOISE_FRAMES;
+    const cJSON *run;
+    bool good = true;
+    for (int i = 0; i < frames && good; i++)
+        good = add_motion_reference(report, scene, motion, "reference", i);
+    const char *reference = good ? last_file(report) : NULL;
+    for (int i = 0; i < noise && good; i++)
+        good = add_motion_reference(report, scene, motion, "noise", i);
+    good = good && add_flicker(report, scene, motion, "noise", noise, reference);
+    cJSON_ArrayForEach(run, cJSON_GetObjectItem(motion_settings(report), "runs"))
+    {
+        good = good && add_motion_render(report, scene, motion, run) &&
+               add_flicker(report, scene, motion, report_text(run, "name"), frames, reference);
+    }
+    return good;
+}
+
+static bool add_motions(struct report *report, const struct report_scene *scene)
+{
+    const cJSON *motion = NULL;
+    bool good = true;
+    while (good && (motion = report_next_motion(report, scene, motion)))
+        good = add_motion(report, scene, motion);
+    return good;
+}
+
+/* ---- The plan -------------------------------------------------------------------------------- */
+
 /* That they differ is a result, too. */
 static bool add_comparison(struct report *report, const struct report_scene *scene)
 {
@@ -380,6 +557,7 @@ bool report_plan(struct report *report)
             continue;
         uint32_t first = report->step_count;
         good = add_pictures(report, scene) && add_sweep(report, scene, report->steps[first].file) &&
+               add_motions(report, scene) &&
                (report->sides.count < 2 || add_comparison(report, scene));
     }
     return good;
@@ -417,6 +595,10 @@ static void write_edge(FILE *out, const struct report_step *step)
     quote_path(out, step->scene->path);
     fputc(' ', out);
     quote_path(out, step->scene->mesh);
+    if (step->motion) {
+        fputc(' ', out);
+        quote_path(out, step->motion);
+    }
     for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs) && step->needs[i]; i++) {
         fputc(' ', out);
         quote_path(out, step->needs[i]);
@@ -462,14 +644,24 @@ static bool write_commands(const struct report *report)
     return write_file(report, "commands", text, size, out && fclose(out) == 0);
 }
 
+/* A scene's folder, and in it one for each of its motions. */
+static bool make_folders(const struct report *report, const struct report_scene *scene)
+{
+    const cJSON *motion = NULL;
+    bool good = true;
+    do {
+        char *folder = format_string("%s/%s/%s", report->folder, scene->name,
+                                     motion ? report_text(motion, "name") : "");
+        good = folder && file_make_folders(folder, &report->console->log);
+        free(folder);
+    } while (good && (motion = report_next_motion(report, scene, motion)));
+    return good;
+}
+
 bool report_write_steps(const struct report *report)
 {
     bool good = true;
-    for (uint32_t i = 0; i < report->scene_count && good; i++) {
-        char *folder = format_string("%s/%s", report->folder, report->scenes[i].name);
-        good =
-            folder && (!report->scenes[i].mesh || file_make_folders(folder, &report->console->log));
-        free(folder);
-    }
+    for (uint32_t i = 0; i < report->scene_count && good; i++)
+        good = !report->scenes[i].mesh || make_folders(report, &report->scenes[i]);
     return good && write_ninja(report) && write_commands(report);
 }

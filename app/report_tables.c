@@ -64,6 +64,15 @@ void report_put_result(FILE *out, struct report *report, const char *file, const
     fputs("</data>", out);
 }
 
+void report_put_percentage(FILE *out, struct report *report, const char *file, const char *path)
+{
+    fputs("<data value=\"", out);
+    report_put_text(out, file);
+    fprintf(out, "#%s\">", path);
+    report_put_number(out, 100 * report_number(report, file, path));
+    fputs("&nbsp;%</data>", out);
+}
+
 static void put_result_cell(FILE *out, struct report *report, const char *file, const char *path)
 {
     fputs("<td>", out);
@@ -198,6 +207,44 @@ void report_put_errors(FILE *out, struct report *report)
     put_error_table(out, report, "FLIP against the reference", ".json", "ldr.flip.mean");
     put_error_table(out, report, "Relative MSE against the same picture of the last column",
                     "_own.json", "hdr.relative_mse");
+}
+
+/* ---- Flicker --------------------------------------------------------------------------------- */
+
+static void put_flicker_row(FILE *out, struct report *report, const char *file, const char *title)
+{
+    static const char *const paths[] = {"relative_change", "relative_change_reference",
+                                        "relative_excess", "relative_flicker"};
+    fputs("<tr><th scope=\"row\">", out);
+    report_put_text(out, title);
+    fputs("</th>", out);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(paths); i++) {
+        fputs("<td>", out);
+        report_put_percentage(out, report, file, paths[i]);
+        fputs("</td>", out);
+    }
+    fputs("</tr>\n", out);
+}
+
+void report_put_flicker(FILE *out, struct report *report, const struct report_scene *scene,
+                        const cJSON *motion)
+{
+    const cJSON *run, *settings = cJSON_GetObjectItem(report->outline, "motion");
+    fputs("<div class=\"scroll\"><table><caption>Means over all frames</caption>\n<thead><tr>"
+          "<th scope=\"col\">Run</th><th scope=\"col\">Change</th>"
+          "<th scope=\"col\">Reference&rsquo;s change</th><th scope=\"col\">Excess</th>"
+          "<th scope=\"col\">Flicker</th></tr></thead>\n<tbody>\n",
+          out);
+    cJSON_ArrayForEach(run, cJSON_GetObjectItem(settings, "runs"))
+    {
+        char *file = report_motion_file(scene, motion, report_text(run, "name"), ".json");
+        put_flicker_row(out, report, file ? file : "", report_text(run, "title"));
+        free(file);
+    }
+    char *noise = report_motion_file(scene, motion, "noise", ".json");
+    put_flicker_row(out, report, noise ? noise : "", "The reference once more, with other noise");
+    free(noise);
+    fputs("</tbody></table></div>\n", out);
 }
 
 /* ---- Stages ---------------------------------------------------------------------------------- */

@@ -13,6 +13,7 @@ VOID = {"meta", "img", "br", "link", "hr"}
 SCENE = "a & box"
 VALUES = ["0.05", "0.1", "0.2"]
 PICTURES = ["dark", "shown"]
+MOTION = "t % n"
 
 
 class Page(html.parser.HTMLParser):
@@ -77,13 +78,15 @@ def check_numbers(page, results, missing, values):
     # two in the overview and under each of two pictures, if they are there; samples; two of the map; three tables of errors,
     # two pictures each
     shown = 2 - (f"{SCENE}/dark.json" in missing)
-    assert len(marked) == 2 * 2 + 2 * shown + 1 + 2 + 2 * 3 * len(values), len(marked)
+    # and four of each run of the motion, and of the noise
+    assert len(marked) == 2 * 2 + 2 * shown + 1 + 2 + 2 * 3 * len(values) + 3 * 4, len(marked)
     for _, attributes, text in marked:
         file, path = attributes["value"].split("#")
         if file in missing:
             assert text == "\u2013", (file, text)
         else:
-            near(text, follow(results[file], path), attributes["value"])
+            scale = 100 if text.endswith("\u00a0%") else 1
+            near(text.removesuffix("\u00a0%"), scale * follow(results[file], path), attributes["value"])
     assert {e[1]["value"].split("#")[0] for e in marked} == (set(results) | set(missing)) - {
         f"{SCENE}/compare.json"} - {f for f in set(results) | set(missing) if f.endswith("_bench.json")}
 
@@ -140,6 +143,26 @@ def check_overview(page, results):
         near(str(linear["mean_test"]), level * results[f"{SCENE}/{name}.json"]["exposure"], name)
 
 
+def check_motion(page, folder, results):
+    """Grey does not change, so all that the reference does is flicker; of two frames there is one step."""
+    for run in ("steady", "other"):
+        result = results[f"{SCENE}/{MOTION}/{run}.json"]
+        assert len(result["per_frame"]) == 1 and result["change"] == 0 and result["block"] == 2, result
+        assert 0 < result["flicker"] == result["change_reference"] == -result["excess"], result
+    noise = results[f"{SCENE}/{MOTION}/noise.json"]
+    near(str(noise["mean_reference"]), result["mean_reference"], "the same reference")
+    assert any("a & box: it <turns>" == e[2] for e in page.all("h3")) and not any("not here" == e[2] for e in page.all("h3"))
+    rows = table_rows(page, "Means over all frames")
+    assert [r[0] for r in rows[1:3]] == ["Steady", "Others' & more"], rows
+    with open(os.path.join(folder, f"plots/change_{SCENE}_{MOTION}.csv"), encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [r["frame"] for r in rows] == ["1"]
+    for row, step in zip(rows, results[f"{SCENE}/{MOTION}/other.json"]["per_frame"]):
+        near(row["reference"], 100 * step["relative_change_reference"], "CSV")
+        near(row["other"], 0, "CSV")
+        near(row["other_flicker"], 100 * step["relative_flicker"], "CSV")
+
+
 def check_csv(folder, results):
     with open(os.path.join(folder, "plots/errors.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -174,7 +197,7 @@ def main():
         missing += [f"{SCENE}/level_{v}_dark.json" for v in values] + [f"{SCENE}/level_7_shown.json"]
         missing += [f"{SCENE}/level_{v}_{p}_own.json" for p in PICTURES for v in ("0.05", "0.1")]
     names = ["reference", "dark", "shown", "compare"]
-    names += [f"level_{v}_bench" for v in values]
+    names += [f"level_{v}_bench" for v in values] + [f"{MOTION}/{n}" for n in ("steady", "other", "noise")]
     names += [f"level_{v}_{p}{e}" for p in PICTURES for i, v in enumerate(values) for e in ["", "_own"][:1 + (i + 1 < len(values))]]
     results = {}
     for name in (f"{SCENE}/{n}.json" for n in names):
@@ -187,6 +210,7 @@ def main():
     check_numbers(page, results, missing, values)
     check_stages(page, results, values)
     check_overview(page, results)
+    check_motion(page, folder, results)
     assert ("could not be made" in page.elements[0][2]) == incomplete
     assert [e[2] for e in page.all("h1")] == ['Grey & "plain" <all over>']
     for words in ("absent: its mesh is not here", "agree on every resource", "Other hardware:", 'a "fast" device', "llvmpipe"):

@@ -96,5 +96,7 @@ printf 'pictures: [{name: a, title: A, set: [x=1]}]\nsweep: {parameter: x}\n' >"
 check "a sweep without values" said 2 "\`sweep\` lacks the key \`values\`" "${small[@]}" --outline "$folder/bad.yaml"
 sed 's/total: .*/total: [1, 2]/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"
 check "numbers of other values" said 2 "as many numbers as the sweep has values" "${small[@]}" --outline "$folder/grey/bad.yaml"
+sed 's/frames: 2/frames: 1/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"
+check "a motion of one frame" said 2 "\`frames\` is out of range: it lies between 2 and" "${small[@]}" --outline "$folder/grey/bad.yaml"
 check "no scene left" said 2 "no scene is left" "${small[@]}" --scene "$folder/absent.yaml"
 finish
