@@ -529,9 +529,10 @@ static void begin_rendering(struct vk_runtime *rt, const struct vk_targets *targ
 
 static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
 {
-    rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &rt->builtin.vertices.handle,
-                                &(VkDeviceSize){0});
-    rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, 0, VK_INDEX_TYPE_UINT32);
+    const struct vk_buffer *vertices = &rt->builtin.vertices;
+    rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &vertices->handle, &vertices->offset);
+    rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, indices->offset,
+                              VK_INDEX_TYPE_UINT32);
 }
 
 void dt_vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,

@@ -88,7 +88,7 @@ static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum se
 
 struct host {
     uint32_t width, height, pipeline_count;
-    GLuint vertices, indices, materials;
+    GLuint geometry, indices; /* vertices behind the materials */
     GLuint pictures[MAX_PIPELINES];
     struct gl_runtime *runtimes[MAX_PIPELINES];
 };
@@ -271,11 +271,12 @@ static struct gl_runtime *open_pipeline(struct host *host, const struct dt_scene
         .get_proc_address = eglGetProcAddress,
         .glsl = getenv("HOST_GLSL"),
     });
+    const uint64_t materials = DT_MAX_MATERIALS * sizeof *scene->materials;
     const struct dt_gl_scene import = {
-        .vertices = {host->vertices, 0, scene->vertex_count * sizeof *scene->vertices},
+        .vertices = {host->geometry, materials, scene->vertex_count * sizeof *scene->vertices},
         .indices = {host->indices, 0, scene->index_count * sizeof *scene->indices},
         .index_count = scene->index_count,
-        .materials = {host->materials, 0, DT_MAX_MATERIALS * sizeof *scene->materials},
+        .materials = {host->geometry, 0, materials},
     };
     check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, panel) &&
               dt_gl_import_image(rt, output, picture) &&
@@ -302,11 +303,15 @@ static void write_picture(const struct host *host, GLuint picture, const char *p
 
 static void make_scene(struct host *host, const struct dt_scene *scene)
 {
-    host->vertices = make_buffer(scene->vertices, scene->vertex_count * sizeof *scene->vertices);
+    const size_t materials = DT_MAX_MATERIALS * sizeof *scene->materials;
+    const size_t vertices = scene->vertex_count * sizeof *scene->vertices;
+    char *geometry = calloc(1, materials + vertices);
+    check(geometry, "memory");
+    memcpy(geometry, scene->materials, scene->material_count * sizeof *scene->materials);
+    memcpy(geometry + materials, scene->vertices, vertices);
+    host->geometry = make_buffer(geometry, materials + vertices);
     host->indices = make_buffer(scene->indices, scene->index_count * sizeof *scene->indices);
-    struct dt_material materials[DT_MAX_MATERIALS] = {0};
-    memcpy(materials, scene->materials, scene->material_count * sizeof *materials);
-    host->materials = make_buffer(materials, sizeof materials);
+    free(geometry);
 }
 
 int main(int argc, char **argv)

@@ -59,13 +59,15 @@ struct picture {
 
 struct host {
     VkInstance instance;
+    VkDebugUtilsMessengerEXT messenger; /* with HOST_DEBUG */
     VkPhysicalDevice physical;
     VkDevice device;
     VkQueue queue;
     VkCommandPool pool;
     VkCommandBuffer commands[IN_FLIGHT];
     VkFence fences[IN_FLIGHT];
-    struct buffer vertices, indices, materials;
+    struct buffer geometry; /* all of the scene, side by side */
+    struct dt_vk_scene scene;
     uint32_t width, height, pipeline_count;
     struct picture pictures[MAX_PIPELINES];
     struct vk_runtime *runtimes[MAX_PIPELINES];
@@ -103,12 +105,11 @@ static void open_instance(struct host *host)
         .ppEnabledExtensionNames = extensions,
     };
     CHECK(vkCreateInstance(&info, NULL, &host->instance));
-    VkDebugUtilsMessengerEXT handle; /* goes with the instance: the process ends soon after */
     PFN_vkCreateDebugUtilsMessengerEXT create =
         (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(host->instance,
                                                                   "vkCreateDebugUtilsMessengerEXT");
     if (debug)
-        CHECK(create(host->instance, &messenger, NULL, &handle));
+        CHECK(create(host->instance, &messenger, NULL, &host->messenger));
 }
 
 static void open_device(struct host *host)
@@ -174,7 +175,7 @@ static VkDeviceMemory allocate(const struct host *host, const VkMemoryRequiremen
     return handle;
 }
 
-static struct buffer make_buffer(const struct host *host, const void *data, VkDeviceSize size,
+static struct buffer make_buffer(const struct host *host, VkDeviceSize size,
                                  VkBufferUsageFlags usage)
 {
     struct buffer buffer;
@@ -189,8 +190,6 @@ static struct buffer make_buffer(const struct host *host, const void *data, VkDe
         host, &needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
     CHECK(vkBindBufferMemory(host->device, buffer.handle, buffer.memory, 0));
     CHECK(vkMapMemory(host->device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &buffer.bytes));
-    if (data)
-        memcpy(buffer.bytes, data, size);
     return buffer;
 }
 
@@ -212,30 +211,42 @@ static void make_picture(const struct host *host, struct picture *picture)
     vkGetImageMemoryRequirements(host->device, picture->image, &needs);
     picture->memory = allocate(host, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     CHECK(vkBindImageMemory(host->device, picture->image, picture->memory, 0));
-    picture->pixels = make_buffer(host, NULL, (VkDeviceSize)host->width * host->height * 4,
+    picture->pixels = make_buffer(host, (VkDeviceSize)host->width * host->height * 4,
                                   VK_BUFFER_USAGE_TRANSFER_DST_BIT);
 }
 
 /* ---- Diptych in it --------------------------------------------------------------------------- */
 
+/* The next place in the buffer, at a multiple of what any device wants. */
+static struct dt_vk_range place(const struct dt_vk_range *before, VkDeviceSize size)
+{
+    VkDeviceSize end = before->offset + before->size;
+    return (struct dt_vk_range){.offset = (end + 255) / 256 * 256, .size = size};
+}
+
 static void make_scene(struct host *host, const struct dt_scene *scene)
 {
-    host->vertices =
-        make_buffer(host, scene->vertices, scene->vertex_count * sizeof *scene->vertices,
-                    VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    host->indices =
-        make_buffer(host, scene->indices, scene->index_count * sizeof *scene->indices,
-                    VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    host->materials =
-        make_buffer(host, NULL, DT_MAX_MATERIALS * sizeof *scene->materials,
-                    VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    memcpy(host->materials.bytes, scene->materials,
+    const struct dt_vk_range own = {.size = 1}; /* something of the host's comes first */
+    struct dt_vk_range *vertices = &host->scene.vertices, *indices = &host->scene.indices;
+    struct dt_vk_range *materials = &host->scene.materials;
+    *vertices = place(&own, scene->vertex_count * sizeof *scene->vertices);
+    *indices = place(vertices, scene->index_count * sizeof *scene->indices);
+    *materials = place(indices, DT_MAX_MATERIALS * sizeof *scene->materials);
+    host->geometry =
+        make_buffer(host, materials->offset + materials->size,
+                    VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                        VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    vertices->buffer = indices->buffer = materials->buffer = host->geometry.handle;
+    host->scene.index_count = scene->index_count;
+    char *bytes = host->geometry.bytes;
+    memcpy(bytes + vertices->offset, scene->vertices, vertices->size);
+    memcpy(bytes + indices->offset, scene->indices, indices->size);
+    memcpy(bytes + materials->offset, scene->materials,
            scene->material_count * sizeof *scene->materials);
 }
 
-static struct vk_runtime *open_pipeline(struct host *host, const struct dt_scene *scene,
-                                        const struct dt_panel *panel, uint32_t output,
-                                        struct picture *picture)
+static struct vk_runtime *open_pipeline(const struct host *host, const struct dt_panel *panel,
+                                        uint32_t output, const struct picture *picture)
 {
     struct vk_runtime *rt = dt_vk_open(&(struct dt_vk_host){
         .log = {.message = on_log},
@@ -246,12 +257,6 @@ static struct vk_runtime *open_pipeline(struct host *host, const struct dt_scene
         .get_instance_proc_addr = vkGetInstanceProcAddr,
         .labels = getenv("HOST_DEBUG"),
     });
-    const struct dt_vk_scene import = {
-        .vertices = {host->vertices.handle, 0, scene->vertex_count * sizeof *scene->vertices},
-        .indices = {host->indices.handle, 0, scene->index_count * sizeof *scene->indices},
-        .index_count = scene->index_count,
-        .materials = {host->materials.handle, 0, DT_MAX_MATERIALS * sizeof *scene->materials},
-    };
     const struct dt_vk_image image = {
         .image = picture->image,
         .format = VK_FORMAT_R8G8B8A8_UNORM,
@@ -262,7 +267,7 @@ static struct vk_runtime *open_pipeline(struct host *host, const struct dt_scene
         .mips = 1,
         .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
     };
-    check(rt && dt_vk_import_scene(rt, &import) && dt_vk_create(rt, panel) &&
+    check(rt && dt_vk_import_scene(rt, &host->scene) && dt_vk_create(rt, panel) &&
               dt_vk_import_image(rt, output, &image) && dt_vk_resize(rt, host->width, host->height),
           "opening a pipeline");
     return rt;
@@ -319,14 +324,14 @@ static void write_picture(const struct host *host, const struct picture *picture
 
 static void close_host(struct host *host)
 {
-    struct buffer buffers[3 + MAX_PIPELINES] = {host->vertices, host->indices, host->materials};
+    struct buffer buffers[1 + MAX_PIPELINES] = {host->geometry};
     for (uint32_t i = 0; i < host->pipeline_count; i++) {
         dt_vk_close(host->runtimes[i]);
         vkDestroyImage(host->device, host->pictures[i].image, NULL);
         vkFreeMemory(host->device, host->pictures[i].memory, NULL);
-        buffers[3 + i] = host->pictures[i].pixels;
+        buffers[1 + i] = host->pictures[i].pixels;
     }
-    for (int i = 0; i < 3 + MAX_PIPELINES; i++) {
+    for (int i = 0; i < 1 + MAX_PIPELINES; i++) {
         vkDestroyBuffer(host->device, buffers[i].handle, NULL);
         vkFreeMemory(host->device, buffers[i].memory, NULL);
     }
@@ -334,6 +339,12 @@ static void close_host(struct host *host)
         vkDestroyFence(host->device, host->fences[i], NULL);
     vkDestroyCommandPool(host->device, host->pool, NULL);
     vkDestroyDevice(host->device, NULL);
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+        (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+            host->instance, "vkDestroyDebugUtilsMessengerEXT");
+    if (host->messenger)
+        destroy(host->instance, host->messenger, NULL);
+    vkDestroyInstance(host->instance, NULL);
 }
 
 int main(int argc, char **argv)
@@ -357,8 +368,8 @@ int main(int argc, char **argv)
     make_scene(&host, dt_scene_data(scene));
     for (uint32_t i = 0; i < host.pipeline_count; i++) {
         make_picture(&host, &host.pictures[i]);
-        host.runtimes[i] = open_pipeline(&host, dt_scene_data(scene), pipelines[i].panel,
-                                         pipelines[i].output, &host.pictures[i]);
+        host.runtimes[i] =
+            open_pipeline(&host, pipelines[i].panel, pipelines[i].output, &host.pictures[i]);
     }
     run_frames(&host, &frame, (uint32_t)atoi(argv[4]));
     for (uint32_t i = 0; i < host.pipeline_count; i++)
