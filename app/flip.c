@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "spread.h"
+
 enum { MAX_RADIUS = 1024 }; /* more than any filter has at FLIP_MOST_PIXELS_PER_DEGREE */
 
 /* ---- Colour ---------------------------------------------------------------------------------- */
@@ -370,28 +372,21 @@ static double aces_inverse(double y)
     return (-b + sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    float left = *(const float *)a, right = *(const float *)b;
-    return (left > right) - (left < right);
-}
-
 static bool find_exposures(const struct rgb_image *reference, struct flip_exposures *exposures)
 {
     const double nearly_white = 0.85;
     size_t count = (size_t)reference->width * reference->height;
-    float *luminance = malloc((count ? count : 1) * sizeof *luminance);
+    double *luminance = malloc((count ? count : 1) * sizeof *luminance);
     if (!luminance)
         return false;
     for (size_t i = 0; i < count; i++) {
         const float *t = reference->texels + 3 * i;
         double sum = 0.2126 * (double)t[0] + 0.7152 * (double)t[1] + 0.0722 * (double)t[2];
-        luminance[i] = isfinite(sum) && sum > 0 ? (float)sum : 0;
+        luminance[i] = isfinite(sum) && sum > 0 ? sum : 0;
     }
-    qsort(luminance, count, sizeof *luminance, by_value);
+    sort_numbers(luminance, count);
     double brightest = count ? luminance[count - 1] : 0;
-    double median =
-        count ? 0.5 * ((double)luminance[(count - 1) / 2] + (double)luminance[count / 2]) : 0;
+    double median = count ? quantile(luminance, count, 0.5) : 0;
     free(luminance);
     *exposures = (struct flip_exposures){0, 0, 1};
     if (brightest > 0) {

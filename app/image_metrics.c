@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "spread.h"
+
 static bool is_finite_pixel(const float *texel)
 {
     return isfinite(texel[0]) && isfinite(texel[1]) && isfinite(texel[2]);
@@ -43,32 +45,18 @@ struct image_errors image_errors_measure(const struct rgb_image *reference,
     return sums;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    float left = *(const float *)a, right = *(const float *)b;
-    return (left > right) - (left < right);
-}
-
-/* The smallest value that at least this share of the sorted values does not exceed. */
-static double quantile(const float *sorted, uint64_t count, double share)
-{
-    uint64_t rank = (uint64_t)ceil(share * (double)count);
-    return sorted[rank > 0 ? rank - 1 : 0];
-}
-
 bool distribution_measure(struct distribution *distribution, const float *values, uint64_t count)
 {
-    float *sorted = malloc((count ? count : 1) * sizeof *sorted);
-    double sum = 0;
+    double *sorted = malloc((count ? count : 1) * sizeof *sorted), sum = 0;
     *distribution = (struct distribution){0};
     if (!sorted)
         return false;
     for (uint64_t i = 0; i < count; i++) {
-        sorted[i] = values[i];
-        sum += (double)values[i];
+        sorted[i] = (double)values[i];
+        sum += sorted[i];
     }
     if (count) {
-        qsort(sorted, count, sizeof *sorted, by_value);
+        sort_numbers(sorted, count);
         distribution->mean = sum / (double)count;
         distribution->median = quantile(sorted, count, 0.5);
         distribution->p95 = quantile(sorted, count, 0.95);

@@ -18,7 +18,7 @@ struct image_errors {
 struct image_errors image_errors_measure(const struct rgb_image *reference,
                                          const struct rgb_image *test);
 
-/* Mean and largest of `count` values, and those that so many percent of them do not exceed. */
+/* Mean and largest of `count` values, and quantiles, see spread.h. */
 struct distribution {
     double mean, median, p95, p99, most;
 };

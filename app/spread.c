@@ -12,12 +12,17 @@ static int compare_numbers(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-static double quantile(const double *sorted, uint32_t count, double q)
+void sort_numbers(double *values, uint64_t count)
 {
-    double place = (count - 1) * q;
-    uint32_t below = (uint32_t)place;
-    uint32_t above = below + 1 < count ? below + 1 : below;
-    return sorted[below] + (sorted[above] - sorted[below]) * (place - below);
+    qsort(values, count, sizeof *values, compare_numbers);
+}
+
+double quantile(const double *sorted, uint64_t count, double q)
+{
+    double place = (double)(count - 1) * q;
+    uint64_t below = (uint64_t)place;
+    uint64_t above = below + 1 < count ? below + 1 : below;
+    return sorted[below] + (sorted[above] - sorted[below]) * (place - (double)below);
 }
 
 struct spread spread_of(const double *values, uint32_t count, uint32_t step)
@@ -29,7 +34,7 @@ struct spread spread_of(const double *values, uint32_t count, uint32_t step)
             sorted[spread.count++] = values[(size_t)i * step];
     }
     if (spread.count) {
-        qsort(sorted, spread.count, sizeof *sorted, compare_numbers);
+        sort_numbers(sorted, spread.count);
         spread.p5 = quantile(sorted, spread.count, 0.05);
         spread.median = quantile(sorted, spread.count, 0.5);
         spread.p95 = quantile(sorted, spread.count, 0.95);
