@@ -11,10 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "files.h"
 #include "tool.h"
+
+enum { MOST_BUILDS = 5 }; /* of files that are saved while they are compiled */
 
 /* ---- Child processes ------------------------------------------------------------------------- */
 
@@ -163,11 +166,28 @@ bool depfile_read(const char *path, bool (*take)(void *user, const char *file), 
 struct stamping {
     FILE *stamp;
     const char *depfile;
-    const char *folder; /* about to be renamed: what lies in it is left out */
+    const char *folder;    /* about to be renamed: what lies in it is left out */
+    struct timespec since; /* of the clock that files are dated by: when generating began */
     const struct dt_log *log;
 };
 
-/* Adds "HASH PATH" to the stamp. */
+static bool is_before(struct timespec a, struct timespec b)
+{
+    return a.tv_sec < b.tv_sec || (a.tv_sec == b.tv_sec && a.tv_nsec < b.tv_nsec);
+}
+
+/* Whether it was saved when the generator may have read it already: its content says nothing of what
+ * was made. A date in the future says nothing. */
+static bool is_newer(const char *path, struct timespec since)
+{
+    struct stat info;
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME_COARSE, &now);
+    return stat(path, &info) != 0 ||
+           (!is_before(info.st_mtim, since) && !is_before(now, info.st_mtim));
+}
+
+/* Adds "HASH PATH" to the stamp; with a hash that is no content's when it has changed meanwhile. */
 static bool stamp_file(void *user, const char *file)
 {
     const struct stamping *stamping = user;
@@ -175,6 +195,7 @@ static bool stamp_file(void *user, const char *file)
     bool good = path;
     if (path && strncmp(path, stamping->folder, strlen(stamping->folder)) != 0) {
         uint64_t hash = content_hash(path, &good);
+        hash = is_newer(path, stamping->since) ? ~hash : hash;
         fprintf(stamping->stamp, "%016" PRIx64 " %s\n", hash, path);
     }
     if (!good)
@@ -184,15 +205,15 @@ static bool stamp_file(void *user, const char *file)
 }
 
 static bool stamp_depfile(FILE *stamp, const char *depfile, const char *folder,
-                          const struct dt_log *log)
+                          struct timespec since, const struct dt_log *log)
 {
-    struct stamping stamping = {stamp, depfile, folder, log};
+    struct stamping stamping = {stamp, depfile, folder, since, log};
     return depfile_read(depfile, stamp_file, &stamping, log);
 }
 
 /* The stamp of what was built in `folder`, as text; the version is the hash of its lines. */
-static char *make_stamp(const char *folder, const char *name, char version[17],
-                        const struct dt_log *log)
+static char *make_stamp(const char *folder, const char *name, struct timespec since,
+                        char version[17], const struct dt_log *log)
 {
     char *text = NULL;
     size_t size = 0;
@@ -200,8 +221,8 @@ static char *make_stamp(const char *folder, const char *name, char version[17],
     char *generated = format_string("%s/gen.d", folder);
     char *compiled = format_string("%s/cc.d", folder);
     bool good = stamp && generated && compiled;
-    good = good && stamp_depfile(stamp, generated, folder, log) &&
-           stamp_depfile(stamp, compiled, folder, log);
+    good = good && stamp_depfile(stamp, generated, folder, since, log) &&
+           stamp_depfile(stamp, compiled, folder, since, log);
     if (stamp && fclose(stamp) != 0)
         good = false;
     char *whole = NULL;
@@ -334,13 +355,15 @@ static bool build(struct console *console, const struct build_request *request, 
                   const char *temporary)
 {
     char version[17];
+    struct timespec since;
+    clock_gettime(CLOCK_REALTIME_COARSE, &since);
     console_status(console, "generating %s", request->spec);
     if (!generate(request, temporary, console))
         return false;
     char *name = find_name(temporary, &console->log);
     console_status(console, "compiling %s", name ? name : "");
     bool good = name && compile(request, temporary, name, console);
-    char *stamp = good ? make_stamp(temporary, name, version, &console->log) : NULL;
+    char *stamp = good ? make_stamp(temporary, name, since, version, &console->log) : NULL;
     good = stamp && publish(folder, temporary, version, stamp, &console->log);
     free(stamp);
     free(name);
@@ -372,19 +395,24 @@ static bool build_in_folder(struct cache_entry *entry, const struct build_reques
 {
     remove_stale(folder);
     char *temporary = format_string("%s/tmp-%d", folder, (int)getpid());
-    bool good = temporary && file_make_folders(temporary, &console->log);
-    if (good) {
+    bool good = temporary;
+    for (int i = 0; good && i < MOST_BUILDS; i++) {
+        good = file_make_folders(temporary, &console->log);
         console_temporary(console, temporary);
-        good = build(console, request, folder, temporary);
+        good = good && build(console, request, folder, temporary);
         file_remove_tree(temporary);
         console_forget(console, temporary);
+        if (good && read_stamp(entry, folder)) {
+            free(temporary);
+            return true;
+        }
     }
     free(temporary);
     if (!good)
         return false;
-    if (read_stamp(entry, folder))
-        return true;
-    report_error(&console->log, "%s: changed while it was compiled; run the command again",
+    report_error(&console->log,
+                 "%s: it, or a file that it names, changes all the time while it is compiled; run "
+                 "the command again",
                  request->spec);
     return false;
 }

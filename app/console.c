@@ -43,14 +43,15 @@ static void print_message(void *user, enum dt_level level, const char *message)
     struct place place;
     if (level == DT_ERROR)
         atomic_fetch_add(&console->errors, 1);
+    bool placed = place_read(message, &place);
     int capture = console_capturing(console);
     if (capture >= 0) {
-        dprintf(capture, "%s%s\n", place_read(message, &place) ? "" : labels[level], message);
+        dprintf(capture, "%s%s\n", placed ? "" : labels[level], message);
         return;
     }
     pthread_mutex_lock(&console->lock);
     clear_line(console);
-    if (place_read(message, &place))
+    if (placed)
         fprintf(stderr, "%s\n", message);
     else
         fprintf(stderr, "diptych: %s%s\n", labels[level], message);

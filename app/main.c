@@ -142,7 +142,7 @@ static int run_verb(struct console *console, const struct verb *verb, int argc, 
         status = EXIT_FINE;
     } else if (good) {
         status = run_and_tell(console, verb, &options);
-    } else if (console->keeps && verb->id != VERB_VIEW) {
+    } else if (console->keeps) {
         tell_usage(console, verb, argc, argv);
     }
     cJSON_Delete(console->result);

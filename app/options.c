@@ -37,7 +37,7 @@ struct option_row {
 #define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW)
 #define MAKING    (SPEC | VERB_REPORT)
-#define TELLING   ((SHOWN & ~VERB_VIEW) | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY)
+#define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
 
@@ -70,8 +70,6 @@ static const struct option_row rows[] = {
      "pixels of the window, for each backend (default: 960x540)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_VIEW, 0, "N",
      "end after so many (default: when the window is closed)"},
-    {"--json", OPTION_STRING, AT(json), VERB_VIEW, 0, "FILE",
-     "write at the end: frames, reloads, median milliseconds of every pass"},
     {"--screenshot", OPTION_STRING, AT(screenshot), VERB_VIEW, 0, "FILE.png",
      "write what is shown at the end"},
     {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",

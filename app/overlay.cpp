@@ -201,7 +201,7 @@ static void error(const char *text)
     ImGui::SetNextWindowPos(ImVec2(8, screen.y - height - 8));
     ImGui::SetNextWindowSize(ImVec2(screen.x - 16, height));
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.25f, 0.02f, 0.02f, 0.92f));
-    ImGui::Begin("reload failed, the last good pipeline runs on", nullptr,
+    ImGui::Begin("reload failed; what was good before runs on", nullptr,
                  ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                      ImGuiWindowFlags_HorizontalScrollbar);
     ImGui::TextUnformatted(text);
@@ -249,7 +249,8 @@ void overlay_build(struct overlay *overlay, struct overlay_model *model)
     ImGui::SetCurrentContext(overlay->context);
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
-    panel(model);
+    if (!model->hidden)
+        panel(model);
     if (model->error)
         error(model->error);
     ImGui::Render();

@@ -31,6 +31,7 @@ struct overlay_param {
 };
 
 struct overlay_model {
+    bool hidden; /* all but the error */
     const char *title;
     const char *shown;  /* the resource and which part of it */
     const char *doc;    /* what it is; "" or more */

@@ -82,8 +82,7 @@ static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
-    if ((options->screenshot && !file_can_write(options->screenshot, log)) ||
-        (options->json && !file_can_write(options->json, log)) || !read_sides(view) ||
+    if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, options) || !view_find_home(view) ||
         !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
         return false;
@@ -160,9 +159,7 @@ static bool join(const struct view *view, struct dt_window_vertex **vertices,
     struct dt_window_vertex own[6 * VIEW_MAX_DRAWS];
     struct dt_window_draw own_draws[VIEW_MAX_DRAWS];
     uint32_t count = view_layout(view, own, own_draws);
-    struct dt_window_frame over = {0};
-    if (!view->overlay_hidden)
-        over = overlay_frame(view->overlay);
+    const struct dt_window_frame over = overlay_frame(view->overlay);
     *vertices = malloc((6 * count + over.vertex_count) * sizeof **vertices);
     *draws = malloc((count + over.draw_count) * sizeof **draws);
     if (!*vertices || !*draws) {
@@ -305,8 +302,8 @@ int verb_view(struct console *console, const struct options *options)
     bool good = open_view(&view) && run(&view);
     if (good && options->screenshot)
         good = view_write_png(&view, options->screenshot);
-    if (good && options->json)
-        good = view_write_json(&view, options->json);
+    if (good)
+        view_tell(&view);
     reload_stop(view.reload);
     good = close_sides(&view) && good;
     view_outline_forget(&view);

@@ -88,8 +88,10 @@ struct view {
     /* Wishes of the user, carried out between frames. */
     bool paused, step; /* step: one more frame all the same */
     bool screenshot, save_camera, quit;
-    double mouse[2]; /* of the last motion with a button held */
+    double mouse[2]; /* where it was last */
     bool looking;
+    uint32_t
+        tapped; /* letters pressed since the last frame, also those that were let go, A the lowest bit */
     float speed; /* scene radii per second */
 };
 
@@ -103,9 +105,10 @@ void view_input_fly(struct view *view, double seconds); /* keys that are held */
 bool view_times_create(struct view *view); /* for the present pipeline */
 void view_times_free(struct view_times *times);
 bool view_times_take(struct view_side *side, double frame_ms); /* after its frame */
+/* Whether the pass that writes the resource last was left out of the last frame. */
+bool view_is_skipped(const struct view *view, const struct view_side *side, uint32_t resource);
 bool view_overlay_build(struct view *view); /* takes what the user's hand changes */
-/* Frames, and median times of the last ones. */
-bool view_write_json(const struct view *view, const char *path);
+void view_tell(const struct view *view); /* for --json: frames, and median times of the last ones */
 
 /* ---- view_reload.c --------------------------------------------------------------------------- */
 

@@ -114,8 +114,12 @@ static void press(struct view *view, int key, int modifiers)
 static void on_key(GLFWwindow *window, int key, int scancode, int action, int modifiers)
 {
     (void)scancode;
-    if (action != GLFW_RELEASE && !overlay_takes_keys(view_of(window)->overlay))
-        press(view_of(window), key, modifiers);
+    struct view *view = view_of(window);
+    if (action == GLFW_RELEASE || overlay_takes_keys(view->overlay))
+        return;
+    if (action == GLFW_PRESS && key >= GLFW_KEY_A && key <= GLFW_KEY_Z)
+        view->tapped |= 1u << (key - GLFW_KEY_A);
+    press(view, key, modifiers);
 }
 
 static void on_button(GLFWwindow *window, int button, int action, int modifiers)
@@ -124,20 +128,19 @@ static void on_button(GLFWwindow *window, int button, int action, int modifiers)
     (void)button;
     (void)modifiers;
     view->looking = action == GLFW_PRESS && !overlay_takes_mouse(view->overlay);
-    glfwGetCursorPos(window, &view->mouse[0], &view->mouse[1]);
 }
 
 /* Half a turn across the window. */
 static void on_motion(GLFWwindow *window, double x, double y)
 {
     struct view *view = view_of(window);
-    if (!view->looking)
-        return;
     double scale = M_PI / (view->window_size[0] ? view->window_size[0] : 1);
-    camera_turn(&view->scene.camera, (float)((x - view->mouse[0]) * scale),
-                (float)((view->mouse[1] - y) * scale));
+    double way[2] = {x - view->mouse[0], y - view->mouse[1]};
     view->mouse[0] = x;
     view->mouse[1] = y;
+    if (!view->looking)
+        return;
+    camera_turn(&view->scene.camera, (float)(way[0] * scale), (float)(-way[1] * scale));
     view->step = true;
 }
 
@@ -153,17 +156,20 @@ static void on_scroll(GLFWwindow *window, double x, double y)
 void view_input_open(struct view *view)
 {
     glfwSetWindowUserPointer(view->window, view);
-    glfwSetInputMode(view->window, GLFW_STICKY_KEYS, GLFW_TRUE); /* a tap between frames counts */
     glfwSetKeyCallback(view->window, on_key);
     glfwSetMouseButtonCallback(view->window, on_button);
     glfwSetCursorPosCallback(view->window, on_motion);
     glfwSetScrollCallback(view->window, on_scroll);
 }
 
+static bool is_held(const struct view *view, int key)
+{
+    return glfwGetKey(view->window, key) || (view->tapped >> (key - GLFW_KEY_A) & 1);
+}
+
 static float held(const struct view *view, int forth, int back)
 {
-    bool plus = glfwGetKey(view->window, forth), minus = glfwGetKey(view->window, back);
-    return (float)plus - (float)minus;
+    return (float)is_held(view, forth) - (float)is_held(view, back);
 }
 
 void view_input_fly(struct view *view, double seconds)
@@ -175,6 +181,7 @@ void view_input_fly(struct view *view, double seconds)
                 glfwGetKey(view->window, GLFW_KEY_RIGHT_SHIFT);
     float right = held(view, GLFW_KEY_D, GLFW_KEY_A), up = held(view, GLFW_KEY_E, GLFW_KEY_Q),
           forward = held(view, GLFW_KEY_W, GLFW_KEY_S);
+    view->tapped = 0;
     if (overlay_takes_keys(view->overlay) || control || (right == 0 && up == 0 && forward == 0))
         return;
     float way = view->scene.radius * view->speed * (fast ? 4 : 1) * (float)fmin(seconds, longest);

@@ -7,120 +7,149 @@
  *       of: [{buffer: NAME, position: FIELD, color: FIELD, label: index|BUFFER, where: FIELD,
  *             radius: PIXELS}, ...]                  only buffer and position must be there
  *
- * Called by view.c. */
+ * Called by view.c and view_reload.c. */
 #include "view.h"
 
-#include <cjson/cJSON.h>
-#include <libfyaml.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "files.h"
+#include "scenes/reader.h"
 
-struct reader {
-    struct view *view;
-    const char *path;
-    const struct dt_log *log;
-};
-
-static const char *text_of(const cJSON *object, const char *name)
+/* NULL where the key is not there, or holds something else. */
+static const char *text_of(const struct key *key)
 {
-    return cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
+    return key->node && fy_node_is_scalar(key->node) ? fy_node_get_scalar0(key->node) : NULL;
 }
 
-static bool flaw(const struct reader *reader, const char *what, const char *name)
+/* The buffer that the key names; 0 after an error. */
+static uint32_t find_buffer(struct reader *reader, const struct view *view, const struct key *key)
 {
-    report_error(reader->log, "%s: %s%s%s", reader->path, what, name ? " " : "", name ? name : "");
-    return false;
+    const struct dt_pipeline *info = view->pipeline.info;
+    const char *name = text_of(key);
+    for (uint32_t i = 0; name && i < info->resource_count; i++)
+        if (info->resources[i].kind == DT_BUFFER && strcmp(info->resources[i].name, name) == 0)
+            return i;
+    if (name)
+        reader_report(reader, key->node, "%s has no buffer `%s`", info->name, name);
+    return 0;
 }
 
-/* libfyaml says on stderr, with line and column, what is no YAML. */
-static cJSON *read_yaml(const char *path)
+/* The offset of the field of that buffer that the key names; -1: it names none. `wide`: of three
+ * numbers, else of one. */
+static int find_field(struct reader *reader, const struct view *view, uint32_t buffer,
+                      const struct key *key, bool wide)
 {
-    struct fy_document *document = fy_document_build_from_file(NULL, path);
-    char *text = document ? fy_emit_document_to_string(document, FYECF_MODE_JSON_ONELINE) : NULL;
-    cJSON *root = text ? cJSON_Parse(text) : NULL;
-    free(text);
-    fy_document_destroy(document);
-    return root;
-}
-
-static bool find_buffer(const struct reader *reader, const char *name, uint32_t *index)
-{
-    const struct dt_pipeline *info = reader->view->pipeline.info;
-    for (*index = 0; name && *index < info->resource_count; ++*index)
-        if (info->resources[*index].kind == DT_BUFFER &&
-            strcmp(info->resources[*index].name, name) == 0)
-            return true;
-    return flaw(reader, "the pipeline has no buffer", name ? name : "without a name");
-}
-
-/* The offset of a field, -1: none is asked for; false: there is none of that name. */
-static bool find_field(const struct reader *reader, uint32_t buffer, const char *name, int *offset)
-{
-    const struct dt_resource *resource = &reader->view->pipeline.info->resources[buffer];
-    *offset = -1;
-    for (uint32_t i = 0; name && i < resource->field_count; i++)
-        if (strcmp(resource->fields[i].name, name) == 0)
-            *offset = (int)resource->fields[i].offset;
-    return !name || *offset >= 0 || flaw(reader, "the buffer has no field", name);
-}
-
-static bool find_label(const struct reader *reader, const char *name, struct point_source *source)
-{
-    source->label = !name                        ? POINT_UNLABELLED
-                    : strcmp(name, "index") == 0 ? POINT_INDEX
-                                                 : POINT_BUFFER;
-    return source->label != POINT_BUFFER || find_buffer(reader, name, &source->label_buffer);
-}
-
-static bool read_source(const struct reader *reader, const cJSON *item, struct point_source *source)
-{
-    const cJSON *radius = cJSON_GetObjectItem(item, "radius");
-    int position;
-    *source = (struct point_source){.radius = radius ? (float)radius->valuedouble : 3};
-    if (!find_buffer(reader, text_of(item, "buffer"), &source->buffer) ||
-        !find_field(reader, source->buffer, text_of(item, "position"), &position) ||
-        !find_field(reader, source->buffer, text_of(item, "color"), &source->color) ||
-        !find_field(reader, source->buffer, text_of(item, "where"), &source->where) ||
-        !find_label(reader, text_of(item, "label"), source))
-        return false;
-    source->position = (uint32_t)position;
-    return position >= 0 || flaw(reader, "points take a `position`, a field of their buffer", NULL);
-}
-
-static bool read_points(const struct reader *reader, const cJSON *item, struct view_points *points)
-{
-    const char *name = text_of(item, "name");
-    const cJSON *source;
-    points->name = strdup(name ? name : "points");
-    cJSON_ArrayForEach(source, cJSON_GetObjectItem(item, "of"))
-    {
-        if (points->count == VIEW_MAX_SOURCES)
-            return flaw(reader, "too many buffers in the points", name);
-        if (!read_source(reader, source, &points->sources[points->count++]))
-            return false;
+    const struct dt_resource *resource = &view->pipeline.info->resources[buffer];
+    const char *name = text_of(key);
+    for (uint32_t i = 0; name && i < resource->field_count; i++) {
+        const struct dt_field *field = &resource->fields[i];
+        if (strcmp(field->name, name) != 0)
+            continue;
+        bool is_wide = field->type == DT_TYPE_VEC3 || field->type == DT_TYPE_VEC4;
+        bool is_one = field->type == DT_TYPE_FLOAT || field->type == DT_TYPE_INT;
+        if (wide ? is_wide : is_one)
+            return (int)field->offset;
+        reader_report(reader, key->node, "`%s` takes a field of type %s", key->name,
+                      wide ? "vec3" : "int or float");
+        return -1;
     }
-    return points->name;
+    if (name)
+        reader_report(reader, key->node, "%s has no field `%s`", resource->name, name);
+    return -1;
 }
 
-static bool read_outline(const struct reader *reader, const cJSON *root)
+static void read_label(struct reader *reader, const struct view *view, const struct key *key,
+                       struct point_source *source)
 {
-    struct view *view = reader->view;
-    const char *digits = text_of(root, "digits");
-    const struct dt_param *param = digits ? pipeline_param(view->pipeline.info, digits) : NULL;
-    const cJSON *item;
-    if (digits && !(param && param->live))
-        return flaw(reader, "the pipeline has no live parameter", digits);
-    view->digits = param;
-    cJSON_ArrayForEach(item, cJSON_GetObjectItem(root, "points"))
-    {
-        if (view->points_count == VIEW_MAX_POINTS)
-            return flaw(reader, "too many `points`", NULL);
-        if (!read_points(reader, item, &view->points[view->points_count++]))
-            return false;
+    const char *name = text_of(key);
+    source->label = POINT_UNLABELLED;
+    if (!name)
+        return;
+    source->label = strcmp(name, "index") == 0 ? POINT_INDEX : POINT_BUFFER;
+    if (source->label == POINT_INDEX)
+        return;
+    source->label_buffer = find_buffer(reader, view, key);
+    if (view->pipeline.info->resources[source->label_buffer].stride != sizeof(int32_t))
+        reader_report(reader, key->node, "`label` takes a buffer of int");
+}
+
+static void read_source(struct reader *reader, const struct view *view, struct fy_node *node,
+                        struct point_source *source)
+{
+    enum { BUFFER, POSITION, COLOR, LABEL, WHERE, RADIUS, COUNT };
+    struct key keys[COUNT] = {
+        [BUFFER] = {.name = "buffer", .type = KEY_TEXT, .required = true},
+        [POSITION] = {.name = "position", .type = KEY_TEXT, .required = true},
+        [COLOR] = {.name = "color", .type = KEY_TEXT},
+        [LABEL] = {.name = "label", .type = KEY_TEXT},
+        [WHERE] = {.name = "where", .type = KEY_TEXT},
+        [RADIUS] = KEY_OF_NUMBERS("radius", false, 1, 0.5, 100, 3),
+    };
+    struct fy_node_pair *first = fy_node_mapping_get_by_index(node, 0);
+    reader_mapping(reader, node, first ? fy_node_pair_key(first) : node, "a kind of point", keys,
+                   COUNT);
+    reader_range(reader, &keys[RADIUS]);
+    source->buffer = find_buffer(reader, view, &keys[BUFFER]);
+    int position = find_field(reader, view, source->buffer, &keys[POSITION], true);
+    source->position = position < 0 ? 0 : (uint32_t)position;
+    source->color = find_field(reader, view, source->buffer, &keys[COLOR], true);
+    source->where = find_field(reader, view, source->buffer, &keys[WHERE], false);
+    source->radius = (float)keys[RADIUS].number[0];
+    read_label(reader, view, &keys[LABEL], source);
+}
+
+/* The next item of a list of at most `most` mappings; NULL: that was the last. */
+static struct fy_node *next_item(struct reader *reader, const struct key *key, void **position,
+                                 uint32_t taken, uint32_t most)
+{
+    struct fy_node *item = key->node && fy_node_is_sequence(key->node)
+                               ? fy_node_sequence_iterate(key->node, position)
+                               : NULL;
+    if (item && taken == most) {
+        reader_report(reader, item, "`%s` takes at most %u", key->name, most);
+        return NULL;
     }
-    return true;
+    if (item && !fy_node_is_mapping(item)) {
+        reader_report(reader, item, "`%s` takes a list of mappings", key->name);
+        return NULL;
+    }
+    return item;
+}
+
+static void read_points(struct reader *reader, const struct view *view, struct fy_node *node,
+                        struct view_points *points)
+{
+    struct key keys[] = {{.name = "name", .type = KEY_TEXT, .required = true},
+                         {.name = "of", .type = KEY_SEQUENCE, .required = true}};
+    struct fy_node_pair *first = fy_node_mapping_get_by_index(node, 0);
+    struct fy_node *item;
+    void *position = NULL;
+    reader_mapping(reader, node, first ? fy_node_pair_key(first) : node, "an item of `points`",
+                   keys, DT_ARRAY_COUNT(keys));
+    const char *name = text_of(&keys[0]);
+    points->name = strdup(name ? name : "");
+    while ((item = next_item(reader, &keys[1], &position, points->count, VIEW_MAX_SOURCES)))
+        read_source(reader, view, item, &points->sources[points->count++]);
+}
+
+static void read_outline(struct reader *reader, struct fy_node *root, void *user)
+{
+    struct view *view = user;
+    struct key keys[] = {{.name = "digits", .type = KEY_TEXT},
+                         {.name = "points", .type = KEY_SEQUENCE}};
+    struct fy_node_pair *first = fy_node_mapping_get_by_index(root, 0);
+    struct fy_node *item;
+    void *position = NULL;
+    reader_mapping(reader, root, first ? fy_node_pair_key(first) : root, "the outline", keys,
+                   DT_ARRAY_COUNT(keys));
+    const char *digits = text_of(&keys[0]);
+    view->digits = digits ? pipeline_param(view->pipeline.info, digits) : NULL;
+    if (digits && !(view->digits && view->digits->live))
+        reader_report(reader, keys[0].node, "%s has no live parameter `%s`",
+                      view->pipeline.info->name, digits);
+    while ((item = next_item(reader, &keys[1], &position, view->points_count, VIEW_MAX_POINTS)))
+        read_points(reader, view, item, &view->points[view->points_count++]);
 }
 
 void view_outline_forget(struct view *view)
@@ -134,19 +163,18 @@ void view_outline_forget(struct view *view)
 
 bool view_outline_read(struct view *view)
 {
-    const char *spec = view->pipeline.spec;
-    const char *dot = strrchr(spec, '.');
+    static const struct file_kind outline_file = {"view outline", "`digits` or `points`",
+                                                  read_outline};
+    const struct dt_log *log = &view->console->log;
+    const char *spec = view->pipeline.spec, *dot = strrchr(spec, '.');
     char *path =
         format_string("%.*s/view.yaml", (int)(dot ? dot - spec : (long)strlen(spec)), spec);
-    struct reader reader = {view, path, &view->console->log};
-    cJSON *root = path && file_exists(path) ? read_yaml(path) : NULL;
     view_outline_forget(view);
-    bool good = path && (!file_exists(path) || (root && read_outline(&reader, root)));
-    if (path && file_exists(path) && !root)
-        flaw(&reader, "is no YAML file", NULL);
+    if (!path)
+        report_error(log, "out of memory");
+    bool good = path && (!file_exists(path) || reader_file(path, &outline_file, view, log));
     if (!good)
         view_outline_forget(view);
-    cJSON_Delete(root);
     free(path);
     return good;
 }

@@ -45,6 +45,15 @@ bool view_times_take(struct view_side *side, double frame_ms)
                                           times->pass_ms + (size_t)at * times->passes);
 }
 
+bool view_is_skipped(const struct view *view, const struct view_side *side, uint32_t resource)
+{
+    const struct view_times *times = &side->times;
+    uint32_t pass = view_last_writer(view->pipeline.info, resource, 0);
+    uint32_t last = (times->frames - 1) % VIEW_TIMED_FRAMES;
+    return pass == times->passes ||
+           (times->frames && isnan(times->pass_ms[(size_t)last * times->passes + pass]));
+}
+
 static uint32_t timed_frames(const struct view_times *times)
 {
     return times->frames < VIEW_TIMED_FRAMES ? times->frames : VIEW_TIMED_FRAMES;
@@ -72,7 +81,10 @@ static char *shown_text(const struct view *view)
         snprintf(layer, sizeof layer, ", all %u layers", layers);
     if (resource->mips > 1)
         snprintf(mip, sizeof mip, ", mip %u of %u", view->mip, resource->mips);
-    return format_string("%s  %s%s%s", resource->name, format_name(resource->format), layer, mip);
+    const char *skipped =
+        view_is_skipped(view, &view->side[0], view->resource) ? "\n(its pass does not run)" : "";
+    return format_string("%s  %s%s%s%s", resource->name, format_name(resource->format), layer, mip,
+                         skipped);
 }
 
 static char *state_text(const struct view *view)
@@ -149,7 +161,8 @@ static void describe(struct view *view, const struct texts *texts, struct overla
     const struct dt_pipeline *info = view->pipeline.info;
     const char *doc = info->resources[view->resource].doc;
     const char *names[OVERLAY_SIDES] = {NULL};
-    struct overlay_model model = {.title = texts->title,
+    struct overlay_model model = {.hidden = view->overlay_hidden,
+                                  .title = texts->title,
                                   .shown = texts->shown,
                                   .doc = doc ? doc : "",
                                   .state = texts->state,
@@ -221,9 +234,8 @@ static cJSON *side_json(const struct view *view, uint32_t index)
     return item;
 }
 
-bool view_write_json(const struct view *view, const char *path)
+void view_tell(const struct view *view)
 {
-    const struct dt_log *log = &view->console->log;
     cJSON *root = cJSON_CreateObject(), *sides = cJSON_CreateArray();
     cJSON_AddStringToObject(root, "pipeline", view->pipeline.info->name);
     cJSON_AddStringToObject(root, "scene", view->options->scene);
@@ -236,13 +248,5 @@ bool view_write_json(const struct view *view, const char *path)
     for (uint32_t i = 0; i < view->side_count; i++)
         cJSON_AddItemToArray(sides, side_json(view, i));
     cJSON_AddItemToObject(root, "sides", sides);
-    char *text = cJSON_Print(root);
-    console_hold(view->console);
-    bool good = text && file_write(path, text, strlen(text), log);
-    console_release(view->console);
-    if (!text)
-        report_error(log, "%s: out of memory", path);
-    cJSON_free(text);
-    cJSON_Delete(root);
-    return good;
+    view->console->result = root;
 }

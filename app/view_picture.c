@@ -121,8 +121,9 @@ static void draw_points(const struct view *view, const struct view_side *side)
         return;
     const struct view_points *points = &view->points[view->shown_points - 1];
     for (uint32_t i = 0; i < points->count; i++)
-        points_draw(picture, &view->camera, view->pipeline.info, &points->sources[i],
-                    &side->elements[i], &side->labels[i]);
+        if (!view_is_skipped(view, side, points->sources[i].buffer)) /* else of an earlier frame */
+            points_draw(picture, &view->camera, view->pipeline.info, &points->sources[i],
+                        &side->elements[i], &side->labels[i]);
 }
 
 /* The bytes of one layer, or of all: a part of `shown`. */

@@ -113,6 +113,20 @@ static bool swap(struct view *view, struct pipeline *next)
     return good;
 }
 
+/* Its errors are shown like those of the pipeline, which is taken all the same. */
+static void read_outline(struct view *view)
+{
+    uint32_t points = view->shown_points;
+    bool capture = console_capture(view->console);
+    bool good = view_outline_read(view);
+    char *text = capture ? console_captured(view->console) : NULL;
+    if (!good)
+        set_error(view, text);
+    else
+        free(text);
+    view->shown_points = points <= view->points_count ? points : 0;
+}
+
 static bool take(struct view *view, struct reload_result *result)
 {
     double start = milliseconds_now();
@@ -124,9 +138,7 @@ static bool take(struct view *view, struct reload_result *result)
         pipeline_unload(&result->pipeline); /* saved, but not changed; or only its outline */
     else if (!swap(view, &result->pipeline))
         return false;
-    uint32_t points = view->shown_points;
-    view_outline_read(view);
-    view->shown_points = points <= view->points_count ? points : 0;
+    read_outline(view);
     view->step = true;
     view->reloads++;
     view->reload_ms = result->ms + milliseconds_now() - start;

@@ -78,7 +78,7 @@ static void wrong_options_are_refused(void **state)
         const char *said;
     } cases[] = {
         {{"--sceen", "x"}, "did you mean \"--scene\"?"},
-        {{"--json", "x"}, "unknown option \"--json\""}, /* of another verb */
+        {{"--spp", "1"}, "unknown option \"--spp\""}, /* of another verb */
         {{"--size", "0x4"}, "--size 0x4"},
         {{"--size", "4x4x"}, "--size 4x4x"},
         {{"--size", "-4x4"}, "--size -4x4"},

@@ -1,0 +1,129 @@
+"""Looks at an X display as a person would: view.py FILE SECONDS CONDITION...
+
+Grabs the screen's content within the window named diptych until all conditions hold, and fails when they do not within so many
+seconds. The last grab becomes FILE, a PPM.
+
+  shown          there is more than one colour
+  halves         the left half is the right half
+  black          there is nothing but black
+  size=WxH       the window is so large
+  as=FILE        it is that PPM, or PNG of 8 bit RGB
+  not=FILE       it is another picture than that PPM
+  top=FILE       its upper third is that PPM's
+  still          it has not changed for half a second
+  alarm          its lower half has a dark red panel"""
+import struct
+import subprocess
+import sys
+import time
+import zlib
+
+
+def output(*command):
+    return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, check=False).stdout
+
+
+def grab():
+    """Width, height, and rows of RGB."""
+    windows = output("xdotool", "search", "--name", "^diptych").split()
+    data = output("xwd", "-silent", "-id", windows[0].decode()) if windows else b""
+    if len(data) < 100:
+        return 0, 0, []
+    header = struct.unpack(">25I", data[:100])
+    width, height, bits, pitch = header[4], header[5], header[11], header[12]
+    start, step = header[0] + header[19] * 12, bits // 8
+    rows = []
+    for y in range(height):
+        row = data[start + y * pitch:start + y * pitch + width * step]
+        rgb = bytearray(width * 3)
+        rgb[0::3], rgb[1::3], rgb[2::3] = row[2::step], row[1::step], row[0::step]  # least significant byte first
+        rows.append(bytes(rgb))
+    return width, height, rows
+
+
+def unfilter(kind, row, above):
+    """One row of a PNG of three channels."""
+    out = bytearray(row)
+    for i, value in enumerate(row):
+        left = out[i - 3] if i >= 3 else 0
+        up = above[i]
+        corner = above[i - 3] if i >= 3 else 0
+        nearest = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner))[2]
+        out[i] = (value + (0, left, up, (left + up) // 2, nearest)[kind]) & 255
+    return bytes(out)
+
+
+def read_png(data):
+    at, packed, width, height = 8, b"", 0, 0
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        chunk = data[at + 8:at + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, colour = struct.unpack(">IIBB", chunk[:10])
+            assert (depth, colour) == (8, 2), "not 8 bit RGB"
+        if kind == b"IDAT":
+            packed += chunk
+        at += 12 + length
+    raw, pitch, rows = zlib.decompress(packed), width * 3 + 1, []
+    for y in range(height):
+        rows.append(unfilter(raw[y * pitch], raw[y * pitch + 1:(y + 1) * pitch], rows[-1] if rows else bytes(width * 3)))
+    return width, height, rows
+
+
+def read(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    if data.startswith(b"\x89PNG"):
+        return read_png(data)
+    _, size, _, pixels = data.split(b"\n", 3)
+    width, height = map(int, size.split())
+    return width, height, [pixels[y * width * 3:(y + 1) * width * 3] for y in range(height)]
+
+
+def is_dark_red(pixel):
+    return 20 < pixel[0] and pixel[1] * 4 < pixel[0] and pixel[2] * 4 < pixel[0]
+
+
+def holds(condition, picture, age):
+    width, height, rows = picture
+    name, _, value = condition.partition("=")
+    if name == "shown":
+        return any(row != rows[0][:3] * width for row in rows)
+    if name == "halves":
+        return all(row[:width // 2 * 3] == row[width // 2 * 3:] for row in rows)
+    if name == "black":
+        return bool(rows) and not any(map(any, rows))
+    if name == "still":
+        return age > 0.5
+    if name == "size":
+        return f"{width}x{height}" == value
+    if name == "as":
+        return picture == read(value)
+    if name == "not":
+        return picture != read(value)
+    if name == "top":
+        return rows[:height // 3] == read(value)[2][:height // 3]
+    if name == "alarm":
+        lower = b"".join(rows[height // 2:])
+        return sum(is_dark_red(lower[i:i + 3]) for i in range(0, len(lower), 3)) * 4 > len(lower) // 3
+    raise ValueError(condition)
+
+
+def main():
+    path, seconds, conditions = sys.argv[1], float(sys.argv[2]), sys.argv[3:]
+    end, picture, since = time.monotonic() + seconds, None, 0
+    while True:
+        before, picture = picture, grab()
+        since = since if picture == before else time.monotonic()
+        missing = [c for c in conditions if not (picture[2] and holds(c, picture, time.monotonic() - since))]
+        if not missing or time.monotonic() > end:
+            break
+        time.sleep(0.03)
+    with open(path, "wb") as file:
+        file.write(b"P6\n%d %d\n255\n" % picture[:2] + b"".join(picture[2]))
+    if missing:
+        print(f"not within {seconds:g} s: {', '.join(missing)}; a window of {picture[0]}x{picture[1]}")
+    return bool(missing)
+
+
+sys.exit(main())

@@ -1,0 +1,144 @@
+#!/usr/bin/env bash
+# `diptych view` as a person uses it: real windows on an X server, keys, mouse and edits, and what then stands on the screen. TAP.
+# shellcheck source=tests/tap.sh
+. "$(dirname "$0")/tap.sh"
+for tool in Xvfb xdotool xwd; do
+    if ! command -v $tool >/dev/null; then
+        skip "windows" "$tool is not installed"
+        finish
+    fi
+done
+cp -r "$root/templates" "$work/templates"
+cp "$root/scenes/cornell.obj" "$root/scenes/cornell.mtl" "$root/scenes/cornell.yaml" "$work"
+spec=$work/templates/ssvp.yaml
+tonemap=$work/templates/shared/tonemap.glsl
+scene=$work/cornell.yaml
+small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set paraboloid_size=32)
+cd "$work" || exit 1 # where screenshots go
+
+exec 3<>display.number
+Xvfb -noreset -screen 0 800x400x24 -displayfd 3 2>/dev/null &
+server=$!
+trap 'kill $server; rm -rf "$work"' EXIT
+for _ in $(seq 100); do
+    [ ! -s display.number ] || break
+    sleep 0.1
+done
+DISPLAY=:$(cat display.number)
+export DISPLAY
+unset WAYLAND_DISPLAY
+
+open_window() { # option...: until its first picture is there
+    "$diptych" view "${small[@]}" --debug --json view.json "$@" >view.out 2>view.err &
+    window=$!
+}
+# shellcheck disable=SC2317 # called through check
+see() { # file condition...
+    local file=$1
+    shift
+    python3 "$root/tests/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
+}
+# shellcheck disable=SC2317
+says() { # text: the window's process, before long
+    for _ in $(seq 300); do
+        ! grep -qF -- "$1" view.err || return 0
+        sleep 0.1
+    done
+    cat view.err
+    return 1
+}
+# shellcheck disable=SC2317
+ends() { # status: and no validation layer has said anything
+    wait "$window"
+    [ $? = "$1" ] && ! grep -E 'VUID|SYNC-HAZARD|debug message' view.err
+}
+# shellcheck disable=SC2317
+changed_lines() { # file file: of the second, those that the first has not
+    diff "$1" "$2" | grep '^>'
+}
+# shellcheck disable=SC2317
+holds_json() { # expression of d
+    python3 -c 'import json, sys; d = json.load(open("view.json")); sys.exit(not eval(sys.argv[1]))' "$1"
+}
+# shellcheck disable=SC2317
+is_told() { # status text command...
+    local status=$1 text=$2
+    shift 2
+    "$@" 2>told
+    [ $? = "$status" ] || return
+    grep -F -- "$text" told
+}
+
+# Both backends in one window, from the first picture to the last.
+open_window --backend both --size 240x135
+check "a window opens" see first.ppm shown size=480x135
+xdotool key h
+check "OpenGL's half is Vulkan's half" see panels.ppm not=first.ppm shown halves
+xdotool key 1
+check "1 is one bounce" see one.ppm not=panels.ppm shown halves
+xdotool key 0
+check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves
+check "it is what render makes of either" "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x135 -o none.png
+xdotool key c c
+check "the difference is black" see black.ppm black size=480x135
+xdotool key c
+check "... and side by side again" see again.ppm as=none.ppm
+xdotool key Tab
+check "Tab shows another image" see other.ppm not=none.ppm shown halves
+xdotool key Home
+check "Home the picture again" see home.ppm as=none.ppm
+xdotool key v
+check "points need bounces" see points.ppm as=none.ppm
+xdotool key 2
+check "... then they lie over the picture" see points.ppm not=none.ppm not=panels.ppm shown halves
+xdotool key v v 0
+check "... and are gone" see gone.ppm as=none.ppm
+
+# The camera.
+xdotool mousemove 100 60 mousedown 1 mousemove 130 70 mouseup 1
+check "the mouse turns the camera" see turned.ppm not=none.ppm shown halves still
+xdotool key w
+check "W moves it" see moved.ppm not=turned.ppm shown halves still
+xdotool key ctrl+s
+check "Ctrl+S saves it" says "saved the camera"
+check "... and changes one line of the scene" [ "$(changed_lines "$root/scenes/cornell.yaml" "$scene" | wc -l)" = 1 ]
+check "... which another program sees as well" "$diptych" render "${small[@]}" --backend gl --set bounces=0 --size 240x135 -o saved.png
+xdotool key p
+check "P takes a screenshot" says "wrote diptych-000.png"
+
+# Edits.
+sed -i 's/display_store(p, vec4(/&0.5 * /' "$tonemap"
+check "a saved body changes the picture" see dark.ppm not=moved.ppm shown halves
+sed -i 's/vec3 codes/vec3 kodes/' "$tonemap"
+check "a broken one is told with its caret, and the picture stays" see broken.ppm alarm top=dark.ppm
+check "... on the terminal, too" says "'codes' : undeclared identifier"
+check "... with its line" says "| "
+cp "$root/templates/shared/tonemap.glsl" "$tonemap"
+check "put right, it is as before" see right.ppm as=moved.ppm
+
+xdotool search --name diptych windowsize --sync 400 120
+check "the window has another size" see resized.ppm size=400x120 shown halves
+xdotool key Escape
+check "Esc ends it, and the layers were silent" ends 0
+check "it counted reloads, and measured every pass" holds_json \
+    'd["reloads"] >= 2 and d["reload_ms"] > 0 and d["sides"][1]["frame_ms"] > 0 and d["sides"][0]["passes"][-1]["ms"] > 0'
+
+# What stands on the screen is the picture, row by row.
+for backend in gl vk; do
+    open_window --backend $backend --size 240x135 --set bounces=0
+    check "$backend alone" see $backend.ppm shown size=240x135
+    xdotool key h
+    check "$backend shows what render writes with the saved camera" see $backend.ppm as=saved.png
+    xdotool key Escape
+    check "$backend ends in silence" ends 0
+done
+LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x135 --set bounces=0 --frames 12 --screenshot lost.png
+check "surfaces that are lost, and swapchains out of date" ends 0
+check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
+check "... and it is the same picture" cmp lost.png saved.png
+
+DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
+DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl
+check "three backends are too many" is_told 1 "one backend, or two" "$diptych" view "${small[@]}" --backend gl,vk,gl
+check "zink has no window" is_told 1 "only gl and vk" "$diptych" view "${small[@]}" --backend zink
+finish
