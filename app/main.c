@@ -113,7 +113,7 @@ static int run_and_tell(struct console *console, const struct verb *verb,
 /* An option that is wrong is told in the file as well, wherever that stands among the others. */
 static void tell_usage(struct console *console, const struct verb *verb, int argc, char **argv)
 {
-    for (int i = 0; i < argc; i++) {
+    for (int i = 0; i < argc && argv[i]; i++) {
         const char *path = strncmp(argv[i], "--json=", 7) == 0              ? argv[i] + 7
                            : strcmp(argv[i], "--json") == 0 && i + 1 < argc ? argv[i + 1]
                                                                             : NULL;
@@ -124,7 +124,7 @@ static void tell_usage(struct console *console, const struct verb *verb, int arg
 
 static bool asks_for_json(int argc, char **argv)
 {
-    for (int i = 0; i < argc; i++) {
+    for (int i = 0; i < argc && argv[i]; i++) {
         if (strncmp(argv[i], "--json", 6) == 0)
             return true;
     }

@@ -44,8 +44,9 @@ static int start(pid_t *child, char *const argv[], int output, int errors)
     return error;
 }
 
-/* Passes on what the child said, and keeps it for --json: a message for each place that it names. */
-static void tell_errors(int file, struct console *console)
+/* Passes on what the child said, and keeps it for --json: a message for each place that it names, or
+ * all of it as the reason why it failed. */
+static void tell_errors(int file, bool failed, struct console *console)
 {
     char *text = file_contents(file);
     bool placed = false;
@@ -64,7 +65,7 @@ static void tell_errors(int file, struct console *console)
     if (text && *text) {
         fputs(text, stderr);
         text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
-        if (!placed)
+        if (!placed && failed)
             console_keep(console, DT_ERROR, text);
     }
     free(text);
@@ -76,7 +77,8 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
     const struct dt_log *log = &console->log;
     pid_t child;
     int captured = console_capturing(console);
-    int kept = captured < 0 && console->keeps ? memfd_create("errors", MFD_CLOEXEC) : -1;
+    bool shown = output == STDERR_FILENO; /* its progress: not to be kept back */
+    int kept = captured < 0 && console->keeps && !shown ? memfd_create("errors", MFD_CLOEXEC) : -1;
     int error = start(&child, argv, output, kept >= 0 ? kept : captured);
     if (error) {
         if (kept >= 0)
@@ -86,7 +88,7 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
     }
     int status = console_wait(console, child);
     if (kept >= 0)
-        tell_errors(kept, console);
+        tell_errors(kept, status != 0, console);
     if (status < 0) {
         report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
         return false;

@@ -49,6 +49,16 @@ check "... the JSON says so of every row" holds "it['agree'] is True and it['fir
     and all(r['verdict'] == 'equal' and r['differing'] == 0 and r['elements'] > 0 for r in it['results']) \
     and it['pipeline'] == 'features' and (it['width'], it['height'], it['frames']) == (17, 9, 1)"
 check "... and nothing was run again" holds "not any('own_error' in r for r in it['results'])"
+# every run of a backend is a process that makes a Vulkan instance, which the loader tells
+# shellcheck disable=SC2317 # called through check
+runs_vulkan() { # times option...
+    local times=$1
+    shift
+    VK_LOADER_DEBUG=layer "${features[@]}" "$@" >"$work/table" 2>"$work/loader"
+    [ "$(grep -c 'vkCreateInstance layer callstack' "$work/loader")" = "$times" ] || { grep vkCreate "$work/loader"; false; }
+}
+check "... nor was Vulkan started again" runs_vulkan 1
+check "which it is where they differ" runs_vulkan 2 --fault vk:compose:bit
 check "a backend agrees with itself" ends 0 "$agreement" "${features[@]}" --backend vk,vk --json "$work/it.json"
 check "... under two names" holds "it['sides'] == ['vk', 'vk#2'] and len(it['devices']) == 2"
 check "four sides agree" ends 0 "$agreement" "${features[@]}" --backend gl,vk@0,osmesa,gl+glsl --json "$work/it.json"
