@@ -14,6 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "cache_prune.h"
 #include "files.h"
 #include "tool.h"
 
@@ -271,7 +272,8 @@ static bool read_stamp(struct cache_entry *entry, const char *folder)
     fclose(stamp);
     if (entry->folder)
         entry->object = format_string("%s/panels.so", entry->folder);
-    if (fresh && entry->name && entry->object && file_exists(entry->object))
+    entry->held = fresh && entry->folder ? cache_hold(entry->folder) : NULL;
+    if (entry->held && entry->name && entry->object && file_exists(entry->object))
         return true;
     cache_entry_free(entry);
     return false;
@@ -426,7 +428,10 @@ bool cache_get(struct cache_entry *entry, const struct build_request *request,
         request_key(request, &key, &console->log) ? cache_folder(request, &console->log) : NULL;
     char *folder = base ? format_string("%s/%016" PRIx64, base, key) : NULL;
     bool good = folder && file_make_folders(folder, &console->log);
-    good = good && (read_stamp(entry, folder) || build_in_folder(entry, request, folder, console));
+    if (good && !read_stamp(entry, folder)) {
+        good = build_in_folder(entry, request, folder, console);
+        cache_prune(base);
+    }
     free(folder);
     free(base);
     return good;
@@ -434,6 +439,8 @@ bool cache_get(struct cache_entry *entry, const struct build_request *request,
 
 void cache_entry_free(struct cache_entry *entry)
 {
+    if (entry->held)
+        closedir(entry->held);
     free(entry->folder);
     free(entry->object);
     free(entry->name);

@@ -1,9 +1,11 @@
 /* The cache of compiled pipelines. One folder per spec, overrides and generator; in it a stamp that
  * names the current version and the hash of every file that it was made from, and one folder per
- * version. Made in a temporary folder and renamed, so several processes may share it. Called by
- * pipeline.c. */
+ * version. Made in a temporary folder and renamed, so several processes may share it; kept within a
+ * size (cache_prune.h). Called by pipeline.c. */
 #ifndef DIPTYCH_CACHE_H
 #define DIPTYCH_CACHE_H
+
+#include <dirent.h>
 
 #include "console.h"
 
@@ -22,6 +24,7 @@ struct cache_entry {
         *folder; /* of what was generated: gl/, vk/, and gen.d, which names what it was made from */
     char *object; /* path of the shared object in it */
     char *name;   /* of the pipeline: prefix of its two symbols */
+    DIR *held;    /* the folder is not pruned until this is closed */
 };
 
 /* Finds a version whose inputs are all unchanged, or builds it. */

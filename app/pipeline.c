@@ -61,7 +61,9 @@ static bool load_with(struct pipeline *pipeline, struct console *console,
         pipeline->vk = find_panel(pipeline->object, entry.name, "vk", &console->log);
     }
     pipeline->generated = entry.folder;
+    pipeline->held = entry.held;
     entry.folder = NULL;
+    entry.held = NULL;
     cache_entry_free(&entry);
     if (pipeline->gl && pipeline->vk) {
         pipeline->info = pipeline->gl->pipeline;
@@ -83,6 +85,8 @@ void pipeline_unload(struct pipeline *pipeline)
     free(pipeline->spec);
     if (pipeline->object)
         dlclose(pipeline->object);
+    if (pipeline->held)
+        closedir(pipeline->held);
     *pipeline = (struct pipeline){0};
 }
 

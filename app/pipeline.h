@@ -3,6 +3,8 @@
 #ifndef DIPTYCH_PIPELINE_H
 #define DIPTYCH_PIPELINE_H
 
+#include <dirent.h>
+
 #include "console.h"
 #include "options.h"
 
@@ -16,6 +18,7 @@ struct pipeline {
     /* where it was generated: gl/PASS.comp, vk/PASS.comp and so on, and gen.d, which names the files
      * that it was made from; owned */
     char *generated;
+    DIR *held;              /* keeps that folder */
     char *spec, *templates; /* real paths of what it was generated from; owned */
 };
 

@@ -161,4 +161,32 @@ at_once() {
     "${own[@]}" && wait "$first" && nothing_left
 }
 check "two processes build one pipeline at once" at_once
+# The cache stays within its size: what was used last goes last, and what is in use not at all.
+versions() {
+    find "$work/project/build/cache" -mindepth 2 -maxdepth 2 -type d 2>/dev/null
+}
+variant() { # number option...: the folder of its version, which nothing else has; 2 MiB more than it was
+    local before
+    before=$(versions)
+    "${own[@]}" --set "images.picture.doc=version $1" >/dev/null || return
+    comm -13 <(sort <<<"$before") <(versions | sort)
+}
+rm -rf "$work/project/build/cache"
+for number in 1 2 3; do
+    folders[number]=$(variant $number)
+    head -c 2M /dev/zero >"${folders[number]}/spare"
+done
+# shellcheck disable=SC2317
+first_in_first_out() {
+    DIPTYCH_CACHE_MIB=5 variant 1 && DIPTYCH_CACHE_MIB=5 variant 4 &&
+        [ -d "${folders[1]}" ] && [ ! -d "${folders[2]}" ] && [ -d "${folders[3]}" ]
+}
+check "the cache is kept within its size: what was not used for longest goes" first_in_first_out
+# shellcheck disable=SC2317
+in_use_stays() {
+    DIPTYCH_CACHE_MIB=0 flock --shared "${folders[1]}" "${own[@]}" --set 'images.picture.doc=version 5' &&
+        [ -d "${folders[1]}" ] && [ ! -d "${folders[3]}" ] && [ "$(versions | wc -l)" = 2 ]
+}
+check "... but nothing that a process holds" in_use_stays
+check "what is gone is made again" variant 3
 finish
