@@ -79,7 +79,7 @@ put 644 runtime_vk/runtime.h include/diptych/runtime_vk/runtime.h
 find templates -type f ! -path 'templates/c/*' | sort | while read -r file; do
     put 644 "$file" "share/diptych/$file"
 done
-for file in cornell.yaml cornell.obj cornell.mtl; do
+for file in cornell.yaml cornell.obj cornell.mtl scene.schema.json motion.schema.json; do
     put 644 "scenes/$file" "share/diptych/scenes/$file"
 done
 

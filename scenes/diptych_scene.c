@@ -1,6 +1,8 @@
-/* Scene files for other programs: the functions of diptych_scene.h, over those of scene.h. */
+/* Scenes for other programs: the functions of diptych_scene.h, over those of scene.h. */
 #include "diptych_scene.h"
 
+#include <locale.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,7 +20,14 @@ struct dt_scene_file *dt_scene_open(const char *path, const char *meshes, const 
         log_message(log, DT_ERROR, "%s: out of memory; free some", path);
         return NULL;
     }
-    if (scene_load(&file->scene, path, meshes, log))
+    locale_t point = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    locale_t before = point ? uselocale(point) : (locale_t)0; /* of this thread alone */
+    bool good = scene_load(&file->scene, path, meshes, log);
+    if (point) {
+        uselocale(before);
+        freelocale(point);
+    }
+    if (good)
         return file;
     free(file);
     return NULL;
@@ -36,13 +45,51 @@ const struct dt_scene *dt_scene_data(const struct dt_scene_file *file)
     return &file->scene.data;
 }
 
-void dt_scene_look(struct dt_scene_file *file, const struct dt_scene_camera *camera)
+static void set_camera(struct scene *scene, const struct dt_scene_camera *camera)
 {
-    struct scene_camera *own = &file->scene.camera;
+    struct scene_camera *own = &scene->camera;
     memcpy(own->eye, camera->eye, sizeof own->eye);
     memcpy(own->target, camera->target, sizeof own->target);
     memcpy(own->up, camera->up, sizeof own->up);
     own->fov_y = camera->fov_y;
+}
+
+void dt_scene_look(struct dt_scene_file *file, const struct dt_scene_camera *camera)
+{
+    set_camera(&file->scene, camera);
+}
+
+static void set_light(struct scene *scene, const struct dt_scene_light *light)
+{
+    struct scene_light *own = &scene->light;
+    bool opening = false;
+    own->kind = light->kind;
+    memcpy(own->position, light->position, sizeof own->position);
+    memcpy(own->direction, light->direction, sizeof own->direction);
+    memcpy(own->cone, light->cone, sizeof own->cone);
+    memcpy(own->color, light->color, sizeof own->color);
+    for (int i = 0; i < 3; i++)
+        opening = opening || light->opening_min[i] != 0 || light->opening_max[i] != 0;
+    for (int i = 0; i < 3; i++) {
+        own->opening_min[i] = opening ? light->opening_min[i] : -INFINITY;
+        own->opening_max[i] = opening ? light->opening_max[i] : INFINITY;
+    }
+}
+
+void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scene_light *light,
+                      const struct dt_scene_extent *extent, uint32_t width, uint32_t height,
+                      struct dt_frame *frame)
+{
+    struct scene scene = {.radius = extent->radius,
+                          .data = {.index_count = 3 * extent->triangle_count}};
+    set_camera(&scene, camera);
+    set_light(&scene, light);
+    for (int i = 0; i < 3; i++) {
+        scene.bounds_min[i] = extent->low[i];
+        scene.bounds_max[i] = extent->high[i];
+        scene.center[i] = 0.5f * extent->low[i] + 0.5f * extent->high[i];
+    }
+    scene_frame(&scene, width, height, frame);
 }
 
 void dt_scene_frame(const struct dt_scene_file *file, uint32_t width, uint32_t height,

@@ -54,11 +54,12 @@ only_own_symbols() { # nothing defined but dt_..., no function of the graphics A
     done
     for file in "$installed"/lib/libdiptych_*.a; do
         nm -g --defined-only "$file" | awk 'NF == 3 { print $3 }' | grep -v '^dt_' && return 1
-        nm -u "$file" | grep -E ' U (vk|gl|egl)[A-Z]' && return 1
+        nm -u "$file" | grep -E ' U ((vk|gl|egl)[A-Z]|exit|abort|puts|printf|stdout|stderr|setenv)' && return 1
+        size -A "$file" | awk '($1 == ".data" || $1 == ".bss") && $2 != 0 { print; bad = 1 } END { exit bad }' || return
     done
     return 0
 }
-check "libraries define dt_ names alone, and need no loader" only_own_symbols
+check "libraries define dt_ names alone, need no loader, keep no state and print nothing" only_own_symbols
 
 # ---- The command, from another folder ----
 

@@ -1,0 +1,560 @@
+/* The libraries for other programs, as a program sees them: linked statically, on a device and in a
+ * context of the test's own. Wrong calls are told in one message that names the thing, and a right one
+ * goes on from there; a frame that is never submitted leaves no trace. Validation, with synchronization
+ * checking, stays silent. What they draw is held against the command by install_test.sh. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <GL/glcorearb.h>
+
+#include "features.h"
+#include "runtime_gl/diptych_gl.h"
+#include "runtime_vk/diptych_vk.h"
+#include "scenes/diptych_scene.h"
+
+enum { WIDTH = 24, HEIGHT = 16, TRAIL_BYTES = WIDTH * HEIGHT * 16, GEOMETRY_BYTES = 1 << 20 };
+
+/* ---- What was said --------------------------------------------------------------------------- */
+
+static struct {
+    int errors, warnings, validation;
+    char text[2048]; /* of the last error or warning */
+} heard;
+
+static void on_log(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    heard.errors += level == DT_ERROR;
+    heard.warnings += level == DT_WARNING;
+    if (level >= DT_WARNING)
+        snprintf(heard.text, sizeof heard.text, "%s", message);
+}
+static const struct dt_log test_log = {.message = on_log};
+
+static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                     VkDebugUtilsMessageTypeFlagsEXT types,
+                                     const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
+{
+    (void)severity, (void)types, (void)user;
+    heard.validation++;
+    print_message("%s\n", data->pMessage);
+    return VK_FALSE;
+}
+
+/* A call that must fail, and say one thing with these words in it. */
+#define REFUSED(call, words)                                                                       \
+    do {                                                                                           \
+        heard.errors = 0;                                                                          \
+        assert_false(call);                                                                        \
+        assert_int_equal(heard.errors, 1);                                                         \
+        if (!strstr(heard.text, words))                                                            \
+            fail_msg("\"%s\" lacks \"%s\"", heard.text, words);                                    \
+    } while (0)
+
+/* ---- A device of the test's own -------------------------------------------------------------- */
+
+static struct {
+    VkInstance instance;
+    VkDebugUtilsMessengerEXT messenger;
+    VkPhysicalDevice physical;
+    VkPhysicalDeviceMemoryProperties memory;
+    VkDevice device;
+    VkQueue queue;
+    VkCommandPool pool;
+    VkBuffer geometry;
+    VkDeviceMemory geometry_memory;
+    void *bytes;
+    struct dt_vk_scene scene;
+} vk;
+
+static VkDeviceMemory allocate(VkMemoryRequirements needs, VkMemoryPropertyFlags wanted)
+{
+    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                 .allocationSize = needs.size};
+    VkDeviceMemory memory;
+    while (!(needs.memoryTypeBits >> info.memoryTypeIndex & 1) ||
+           (vk.memory.memoryTypes[info.memoryTypeIndex].propertyFlags & wanted) != wanted)
+        info.memoryTypeIndex++;
+    assert_int_equal(vkAllocateMemory(vk.device, &info, NULL, &memory), VK_SUCCESS);
+    return memory;
+}
+
+static void open_instance(void)
+{
+    const char *layer = "VK_LAYER_KHRONOS_validation";
+    const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    const VkValidationFeatureEnableEXT synchronization =
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                              .enabledValidationFeatureCount = 1,
+                                              .pEnabledValidationFeatures = &synchronization};
+    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                           .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                       .pNext = &features,
+                                       .pApplicationInfo = &application,
+                                       .enabledLayerCount = 1,
+                                       .ppEnabledLayerNames = &layer,
+                                       .enabledExtensionCount = DT_ARRAY_COUNT(extensions),
+                                       .ppEnabledExtensionNames = extensions};
+    const VkDebugUtilsMessengerCreateInfoEXT messenger = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        .pfnUserCallback = on_message};
+    assert_int_equal(vkCreateInstance(&info, NULL, &vk.instance), VK_SUCCESS);
+    PFN_vkCreateDebugUtilsMessengerEXT create =
+        (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(vk.instance,
+                                                                  "vkCreateDebugUtilsMessengerEXT");
+    assert_int_equal(create(vk.instance, &messenger, NULL, &vk.messenger), VK_SUCCESS);
+}
+
+static void open_device(void)
+{
+    VkPhysicalDeviceVulkan13Features vulkan13 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features vulkan12 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
+    VkPhysicalDeviceVulkan11Features vulkan11 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
+    VkPhysicalDeviceFeatures core = {0};
+    uint32_t count = 1;
+    assert_true(vkEnumeratePhysicalDevices(vk.instance, &count, &vk.physical) >= 0 && count);
+    vkGetPhysicalDeviceMemoryProperties(vk.physical, &vk.memory);
+    dt_vk_need_features(&core, &vulkan11, &vulkan12, &vulkan13);
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &(float){1}};
+    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .pNext = &vulkan11,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue,
+                                     .pEnabledFeatures = &core};
+    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    assert_int_equal(vkCreateDevice(vk.physical, &info, NULL, &vk.device), VK_SUCCESS);
+    vkGetDeviceQueue(vk.device, 0, 0, &vk.queue);
+    assert_int_equal(vkCreateCommandPool(vk.device, &pool, NULL, &vk.pool), VK_SUCCESS);
+}
+
+/* One buffer for all: a triangle, then the bytes that are read back. */
+static void make_geometry(void)
+{
+    static const float corners[3][2] = {{-1, -1}, {3, -1}, {-1, 3}};
+    const VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = GEOMETRY_BYTES,
+        .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    VkMemoryRequirements needs;
+    assert_int_equal(vkCreateBuffer(vk.device, &info, NULL, &vk.geometry), VK_SUCCESS);
+    vkGetBufferMemoryRequirements(vk.device, vk.geometry, &needs);
+    vk.geometry_memory =
+        allocate(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    assert_int_equal(vkBindBufferMemory(vk.device, vk.geometry, vk.geometry_memory, 0), VK_SUCCESS);
+    assert_int_equal(vkMapMemory(vk.device, vk.geometry_memory, 0, VK_WHOLE_SIZE, 0, &vk.bytes),
+                     VK_SUCCESS);
+    struct dt_vertex *vertices = vk.bytes;
+    uint32_t *indices = (uint32_t *)((char *)vk.bytes + 4096);
+    memset(vk.bytes, 0, GEOMETRY_BYTES);
+    for (uint32_t i = 0; i < 3; i++) {
+        vertices[i] =
+            (struct dt_vertex){.position = {corners[i][0], corners[i][1], 0}, .normal = {0, 0, 1}};
+        indices[i] = i;
+    }
+    vk.scene = (struct dt_vk_scene){
+        .vertices = {vk.geometry, 0, 3 * sizeof *vertices},
+        .indices = {vk.geometry, 4096, 3 * sizeof *indices},
+        .index_count = 3,
+        .materials = {vk.geometry, 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)}};
+}
+
+static int open_vulkan(void **state)
+{
+    (void)state;
+    open_instance();
+    open_device();
+    make_geometry();
+    return 0;
+}
+
+static int close_vulkan(void **state)
+{
+    (void)state;
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+        (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+            vk.instance, "vkDestroyDebugUtilsMessengerEXT");
+    vkDestroyBuffer(vk.device, vk.geometry, NULL);
+    vkFreeMemory(vk.device, vk.geometry_memory, NULL);
+    vkDestroyCommandPool(vk.device, vk.pool, NULL);
+    vkDestroyDevice(vk.device, NULL);
+    destroy(vk.instance, vk.messenger, NULL);
+    vkDestroyInstance(vk.instance, NULL);
+    return heard.validation; /* what the pipelines left behind is told by the device */
+}
+
+static struct dt_vk_host vk_host(void)
+{
+    return (struct dt_vk_host){.log = test_log,
+                               .instance = vk.instance,
+                               .physical_device = vk.physical,
+                               .device = vk.device,
+                               .get_instance_proc_addr = vkGetInstanceProcAddr,
+                               .labels = true};
+}
+
+static VkCommandBuffer begin(void)
+{
+    const VkCommandBufferAllocateInfo info = {.sType =
+                                                  VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                              .commandPool = vk.pool,
+                                              .commandBufferCount = 1};
+    const VkCommandBufferBeginInfo start = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    VkCommandBuffer commands;
+    assert_int_equal(vkAllocateCommandBuffers(vk.device, &info, &commands), VK_SUCCESS);
+    assert_int_equal(vkBeginCommandBuffer(commands, &start), VK_SUCCESS);
+    return commands;
+}
+
+static void submit(VkCommandBuffer commands)
+{
+    const VkSubmitInfo info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                               .commandBufferCount = 1,
+                               .pCommandBuffers = &commands};
+    assert_int_equal(vkEndCommandBuffer(commands), VK_SUCCESS);
+    assert_int_equal(vkQueueSubmit(vk.queue, 1, &info, VK_NULL_HANDLE), VK_SUCCESS);
+}
+
+static struct dt_frame frame_of(uint32_t index)
+{
+    struct dt_frame frame = {.scene_radius = 1, .index = index, .triangle_count = 1};
+    for (int i = 0; i < 4; i++)
+        frame.camera.view[i][i] = frame.camera.projection[i][i] =
+            frame.camera.view_projection[i][i] = frame.camera.inverse_view_projection[i][i] =
+                frame.light_view.view[i][i] = frame.light_view.projection[i][i] =
+                    frame.light_view.view_projection[i][i] =
+                        frame.light_view.inverse_view_projection[i][i] = 1;
+    return frame;
+}
+
+/* Two frames in flight, and what the trail through both of them is. */
+static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
+{
+    struct dt_vk_resource resource;
+    for (uint32_t i = 0; i < 2; i++) {
+        struct dt_frame frame = frame_of(i);
+        VkCommandBuffer commands = begin();
+        assert_true(dt_vk_record(rt, commands, &frame, NULL));
+        submit(commands);
+    }
+    assert_true(dt_vk_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+    assert_int_equal(resource.format, VK_FORMAT_R32G32B32A32_SFLOAT);
+    assert_int_equal(resource.layout, VK_IMAGE_LAYOUT_GENERAL);
+    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    VkCommandBuffer commands = begin();
+    vkCmdCopyImageToBuffer(commands, resource.image, resource.layout, vk.geometry, 1, &region);
+    submit(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    memcpy(trail, (const char *)vk.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
+}
+
+static struct vk_runtime *open_features(void)
+{
+    struct dt_vk_host host = vk_host();
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_non_null(rt);
+    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    assert_true(dt_vk_create(rt, &features_vk));
+    return rt;
+}
+
+/* ---- Vulkan ---------------------------------------------------------------------------------- */
+
+static void vulkan_tells_wrong_hosts(void **state)
+{
+    (void)state;
+    struct dt_vk_host host = vk_host();
+    host.device = VK_NULL_HANDLE;
+    REFUSED(dt_vk_open(&host), "device");
+    host = vk_host();
+    host.queue_family = 99;
+    REFUSED(dt_vk_open(&host), "queue family 99");
+    host.log.message = NULL;
+    assert_null(dt_vk_open(&host)); /* in silence */
+    dt_vk_close(NULL);
+}
+
+static void vulkan_tells_wrong_calls(void **state)
+{
+    (void)state;
+    struct dt_vk_host host = vk_host();
+    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_frame frame = frame_of(0);
+    struct dt_vk_scene scene = vk.scene;
+    struct dt_vk_image image = {.image = (VkImage)&heard /* no image, and never used as one */,
+                                .width = 5};
+    struct dt_vk_resource resource;
+    double ms[FEATURES_PASSES];
+    assert_non_null(rt);
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "import_scene");
+    REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image), "create comes first");
+    REFUSED(dt_vk_create(rt, &features_gl), "the panel is for gl");
+    scene.index_count = 4;
+    REFUSED(dt_vk_import_scene(rt, &scene), "4 indices");
+    scene = vk.scene;
+    scene.vertices.offset = 1;
+    REFUSED(dt_vk_import_scene(rt, &scene), "scene_vertices");
+    scene = vk.scene;
+    scene.materials.size = 32;
+    REFUSED(dt_vk_import_scene(rt, &scene), "scene_materials");
+    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    assert_true(dt_vk_create(rt, &features_vk));
+    REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "resize comes first");
+    REFUSED(dt_vk_resource(rt, 0, &resource), "resize comes first");
+    REFUSED(dt_vk_resize(rt, 0, HEIGHT), "frame of 0x16");
+    REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_MEMORY, &image), "no image");
+    assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "image trail: imported with VkFormat");
+    image = (struct dt_vk_image){.image = image.image,
+                                 .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                 .width = WIDTH,
+                                 .height = HEIGHT,
+                                 .layers = 1,
+                                 .mips = 1};
+    assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "usage 0x0");
+    image.image = VK_NULL_HANDLE; /* taken back */
+    assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    REFUSED(dt_vk_timings(rt, ms), "timing");
+    uint8_t trail[TRAIL_BYTES];
+    run_frames(rt, trail);
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
+static void vulkan_forgets_what_was_not_submitted(void **state)
+{
+    (void)state;
+    static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES], zero[TRAIL_BYTES];
+    struct vk_runtime *rt = open_features();
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, wanted);
+    assert_memory_not_equal(wanted, zero, TRAIL_BYTES);
+    run_frames(rt, found); /* a trail goes on */
+    assert_memory_not_equal(wanted, found, TRAIL_BYTES);
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    struct dt_frame frame = frame_of(7);
+    assert_true(dt_vk_record(rt, begin(), &frame, NULL)); /* and there it ends */
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, found);
+    assert_memory_equal(wanted, found, TRAIL_BYTES);
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
+static void vulkan_takes_times(void **state)
+{
+    (void)state;
+    static uint8_t trail[TRAIL_BYTES];
+    struct dt_vk_host host = vk_host();
+    double ms[FEATURES_PASSES], sum = 0;
+    host.timing = true;
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, trail);
+    assert_true(dt_vk_timings(rt, ms));
+    for (int i = 0; i < FEATURES_PASSES; i++)
+        sum += isnan(ms[i]) ? 0 : ms[i];
+    assert_true(sum > 0 && sum < 1e5);
+    dt_vk_close(rt);
+}
+
+/* ---- OpenGL ---------------------------------------------------------------------------------- */
+
+static PFNGLCREATEBUFFERSPROC create_buffers;
+static PFNGLNAMEDBUFFERSTORAGEPROC buffer_storage;
+static PFNGLCREATETEXTURESPROC create_textures;
+static PFNGLTEXTURESTORAGE2DPROC texture_storage;
+static PFNGLGETERRORPROC get_error;
+static PFNGLENABLEPROC enable;
+
+static int open_opengl(void **state)
+{
+    (void)state;
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 6,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_NONE};
+    setenv("MESA_GL_VERSION_OVERRIDE", "4.6", 0);
+    setenv("MESA_GLSL_VERSION_OVERRIDE", "460", 0);
+    EGLDisplay display =
+        eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    assert_true(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API));
+    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    assert_true(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context));
+    create_buffers = (PFNGLCREATEBUFFERSPROC)eglGetProcAddress("glCreateBuffers");
+    buffer_storage = (PFNGLNAMEDBUFFERSTORAGEPROC)eglGetProcAddress("glNamedBufferStorage");
+    create_textures = (PFNGLCREATETEXTURESPROC)eglGetProcAddress("glCreateTextures");
+    texture_storage = (PFNGLTEXTURESTORAGE2DPROC)eglGetProcAddress("glTextureStorage2D");
+    get_error = (PFNGLGETERRORPROC)eglGetProcAddress("glGetError");
+    enable = (PFNGLENABLEPROC)eglGetProcAddress("glEnable");
+    return 0;
+}
+
+static void (*no_function(const char *name))(void)
+{
+    (void)name;
+    return NULL;
+}
+
+static struct dt_gl_scene gl_scene(void)
+{
+    GLuint buffers[2];
+    create_buffers(2, buffers);
+    buffer_storage(buffers[0], GEOMETRY_BYTES, vk.bytes, 0);
+    buffer_storage(buffers[1], 12, (const char *)vk.bytes + 4096, 0);
+    return (struct dt_gl_scene){
+        .vertices = {buffers[0], 0, 3 * sizeof(struct dt_vertex)},
+        .indices = {buffers[1], 0, 12},
+        .index_count = 3,
+        .materials = {buffers[0], 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)}};
+}
+
+static GLuint texture_of(GLenum format, GLsizei width)
+{
+    GLuint texture;
+    create_textures(GL_TEXTURE_2D, 1, &texture);
+    texture_storage(texture, 1, format, width, HEIGHT);
+    return texture;
+}
+
+static void opengl_tells_wrong_calls(void **state)
+{
+    (void)state;
+    const struct dt_gl_scene right = gl_scene();
+    struct dt_gl_scene scene = right;
+    struct dt_frame frame = frame_of(0);
+    struct dt_gl_resource resource;
+    double ms[FEATURES_PASSES];
+    REFUSED(dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = no_function}),
+            "get_proc_address");
+    struct gl_runtime *rt =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_non_null(rt);
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "import_scene");
+    REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, 1), "create comes first");
+    REFUSED(dt_gl_create(rt, &features_vk), "the panel is for vk");
+    scene.index_count = 4;
+    REFUSED(dt_gl_import_scene(rt, &scene), "4 indices");
+    scene = right;
+    scene.indices.offset = 256;
+    REFUSED(dt_gl_import_scene(rt, &scene), "at byte 256");
+    scene = right;
+    scene.materials.size = 32;
+    REFUSED(dt_gl_import_scene(rt, &scene), "scene materials");
+    assert_true(dt_gl_import_scene(rt, &right));
+    assert_true(dt_gl_create(rt, &features_gl));
+    REFUSED(dt_gl_record(rt, &frame, NULL), "resize comes first");
+    REFUSED(dt_gl_resource(rt, 0, &resource), "resize comes first");
+    REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_MEMORY, 1), "no image");
+    assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, texture_of(GL_RGBA8, WIDTH)));
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "image trail: imported");
+    assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, texture_of(GL_RGBA32F, 5)));
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "5x16");
+    GLuint trail = texture_of(GL_RGBA32F, WIDTH);
+    assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, trail));
+    assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
+    REFUSED(dt_gl_timings(rt, ms), "timing");
+    assert_true(dt_gl_record(rt, &frame, NULL));
+    assert_true(dt_gl_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+    assert_int_equal(resource.texture, trail);
+    dt_gl_close(rt);
+    dt_gl_close(NULL);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
+static void opengl_tells_errors_that_were_there(void **state)
+{
+    (void)state;
+    enable(GL_RGBA8); /* which is no switch */
+    heard.warnings = heard.errors = 0;
+    struct gl_runtime *rt =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_non_null(rt);
+    assert_int_equal(heard.warnings, 1);
+    assert_int_equal(heard.errors, 0);
+    assert_non_null(strstr(heard.text, "0x500"));
+    dt_gl_close(rt);
+}
+
+/* ---- Scenes ---------------------------------------------------------------------------------- */
+
+/* scenes/cornell.yaml by hand. */
+static void a_frame_is_composed_as_of_a_file(void **state)
+{
+    (void)state;
+    struct dt_scene_file *file = dt_scene_open("scenes/cornell.yaml", NULL, &test_log);
+    assert_non_null(file);
+    const struct dt_scene *scene = dt_scene_data(file);
+    const float pi = 3.14159265358979f;
+    const struct dt_scene_camera camera = {
+        {0.278f, 0.273f, -0.8f}, {0.278f, 0.273f, 0}, {0, 1, 0}, 39.3f * pi / 180};
+    struct dt_scene_light light = {.kind = DT_LIGHT_SPOT,
+                                   .position = {0.15f, 0.5f, 0.2f},
+                                   .cone = {25 * pi / 180, 35 * pi / 180},
+                                   .color = {1, 1, 1}};
+    struct dt_scene_extent extent = {{INFINITY, INFINITY, INFINITY},
+                                     {-INFINITY, -INFINITY, -INFINITY},
+                                     0,
+                                     scene->index_count / 3};
+    struct dt_frame wanted, found;
+    dt_scene_frame(file, 64, 48, &wanted);
+    for (uint32_t v = 0; v < scene->vertex_count; v++)
+        for (int i = 0; i < 3; i++) {
+            extent.low[i] = fminf(extent.low[i], scene->vertices[v].position[i]);
+            extent.high[i] = fmaxf(extent.high[i], scene->vertices[v].position[i]);
+        }
+    extent.radius = wanted.scene_radius;
+    memcpy(light.direction, wanted.light.direction, sizeof light.direction);
+    dt_scene_compose(&camera, &light, &extent, 64, 48, &found);
+    const float *a = (const float *)&wanted, *b = (const float *)&found;
+    for (size_t i = 0; i < offsetof(struct dt_frame, width) / sizeof *a; i++)
+        if (fabsf(a[i] - b[i]) > 1e-6f * fmaxf(1, fabsf(a[i])))
+            fail_msg("float %zu is %.9g, not %.9g", i, (double)b[i], (double)a[i]);
+    assert_int_equal(wanted.triangle_count, found.triangle_count);
+    dt_scene_close(file);
+    REFUSED(dt_scene_open("scenes/nowhere.yaml", NULL, &test_log), "nowhere.yaml");
+}
+
+int main(void)
+{
+    const struct CMUnitTest vulkan[] = {
+        cmocka_unit_test(vulkan_tells_wrong_hosts),
+        cmocka_unit_test(vulkan_tells_wrong_calls),
+        cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
+        cmocka_unit_test(vulkan_takes_times),
+        cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
+        cmocka_unit_test(opengl_tells_errors_that_were_there),
+        cmocka_unit_test(a_frame_is_composed_as_of_a_file),
+    };
+    return cmocka_run_group_tests(vulkan, open_vulkan, close_vulkan);
+}
