@@ -100,6 +100,9 @@ bool report_step_is_done(const struct report *report, const struct report_step *
 
 /* report_plots.c: plots/ of the report's folder. */
 bool report_draw_plots(struct report *report);
+/* Pixels, of 480 across: plots of motions have a line of the key for each run. */
+enum { REPORT_PLOT_HEIGHT = 340 };
+int report_change_plot_height(const struct report *report);
 
 /* report_page.c: index.html. */
 bool report_write_page(struct report *report);

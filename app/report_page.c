@@ -305,20 +305,26 @@ static void put_pictures(FILE *out, struct report *report)
 
 /* ---- Plots ----------------------------------------------------------------------------------- */
 
-static void put_plot(FILE *out, const struct report *report, const char *name, const char *title,
-                     const char *what)
+static void put_plot_of_height(FILE *out, const struct report *report, int height, const char *name,
+                               const char *title, const char *what)
 {
     char *path = format_string("%s/plots/%s.svg", report->folder, name);
     if (path && file_exists(path)) {
         fputs("<figure><img src=\"plots/", out);
         report_put_link(out, name);
-        fputs(".svg\" width=\"480\" height=\"340\" loading=\"lazy\" alt=\"Plot: ", out);
+        fprintf(out, ".svg\" width=\"480\" height=\"%d\" loading=\"lazy\" alt=\"Plot: ", height);
         report_put_text(out, title);
         fputs("; the table has the numbers\"><figcaption><b>", out);
         report_put_text(out, title);
         fprintf(out, "</b>%s</figcaption></figure>\n", what);
     }
     free(path);
+}
+
+static void put_plot(FILE *out, const struct report *report, const char *name, const char *title,
+                     const char *what)
+{
+    put_plot_of_height(out, report, REPORT_PLOT_HEIGHT, name, title, what);
 }
 
 /* What was published is told where its scene is in the report. */
@@ -390,10 +396,12 @@ static void put_motion(FILE *out, struct report *report, const struct report_sce
     fputs(": ", out);
     report_put_text(out, report_text(motion, "title"));
     fputs("</h3>\n<div class=\"plots\">\n", out);
-    put_plot(out, report, change ? change : "", "Change from frame to frame",
-             "Good is what the reference does.");
-    put_plot(out, report, flicker ? flicker : "", "Flicker",
-             "Mean difference between this change and the reference&rsquo;s, point by point.");
+    int height = report_change_plot_height(report);
+    put_plot_of_height(out, report, height, change ? change : "", "Change from frame to frame",
+                       "Good is what the reference does.");
+    put_plot_of_height(
+        out, report, height, flicker ? flicker : "", "Flicker",
+        "Mean difference between this change and the reference&rsquo;s, point by point.");
     fputs("</div>\n", out);
     report_put_flicker(out, report, scene, motion);
     free(flicker);

@@ -17,23 +17,29 @@ static const char svg_style[] =
     "@media(prefers-color-scheme:dark){text{fill:#d6dce3}[stroke=\"black\"]{stroke:#9aa4ae}}"
     "</style>\n";
 
-static const char gnuplot_head[] =
-    "# gnuplot, in this folder: the SVG comes on standard output.\n"
-    "set terminal svg size 480,340 font 'DejaVu Sans,Verdana,sans-serif,13' noenhanced\n"
-    "set datafile separator ','\n"
-    "set linetype 1 lc rgb '#2f80d0' lw 2 pt 7 ps 0.6\n"
-    "set linetype 2 lc rgb '#d9771a' lw 2 pt 5 ps 0.6\n"
-    "set linetype 3 lc rgb '#2c9c6c' lw 2 pt 9 ps 0.7\n"
-    "set linetype 4 lc rgb '#a963c9' lw 2 pt 11 ps 0.7\n"
-    "set linetype 5 lc rgb '#d34a4a' lw 2 pt 13 ps 0.7\n"
-    "set linetype 6 lc rgb '#8a8f98' lw 2 pt 3 ps 0.6\n"
-    "set border 3\n"
-    "set tics nomirror\n"
-    "set logscale y\n"
-    "set mytics 1\n"
-    "set grid ytics lc rgb '#9099a4' lw 0.4\n"
-    "set key below\n"
-    "set offsets 0.15, 0.15\n";
+static const char gnuplot_head[] = "set datafile separator ','\n"
+                                   "set linetype 1 lc rgb '#2f80d0' lw 2 pt 7 ps 0.6\n"
+                                   "set linetype 2 lc rgb '#d9771a' lw 2 pt 5 ps 0.6\n"
+                                   "set linetype 3 lc rgb '#2c9c6c' lw 2 pt 9 ps 0.7\n"
+                                   "set linetype 4 lc rgb '#a963c9' lw 2 pt 11 ps 0.7\n"
+                                   "set linetype 5 lc rgb '#d34a4a' lw 2 pt 13 ps 0.7\n"
+                                   "set linetype 6 lc rgb '#8a8f98' lw 2 pt 3 ps 0.6\n"
+                                   "set border 3\n"
+                                   "set tics nomirror\n"
+                                   "set logscale y\n"
+                                   "set mytics 1\n"
+                                   "set grid ytics lc rgb '#9099a4' lw 0.4\n"
+                                   "set key above\n"
+                                   "set offsets 0.15, 0.15\n";
+
+static void put_head(FILE *out, int height)
+{
+    fputs("# gnuplot, in this folder: the SVG comes on standard output.\n", out);
+    fprintf(out,
+            "set terminal svg size 480,%d font 'DejaVu Sans,Verdana,sans-serif,13' noenhanced\n",
+            height);
+    fputs(gnuplot_head, out);
+}
 
 /* ---- gnuplot --------------------------------------------------------------------------------- */
 
@@ -89,7 +95,7 @@ static void put_axes(FILE *out, const struct report *report, const char *y_label
 {
     char buffer[32];
     int count = cJSON_GetArraySize(sweep_values(report));
-    fputs(gnuplot_head, out);
+    put_head(out, REPORT_PLOT_HEIGHT);
     fputs("set xlabel ", out);
     put_quoted(out, report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
     fputs("\nset ylabel ", out);
@@ -454,6 +460,12 @@ static bool put_changes(FILE *out, struct report *report, const struct report_sc
     return any;
 }
 
+int report_change_plot_height(const struct report *report)
+{
+    const cJSON *runs = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "runs");
+    return REPORT_PLOT_HEIGHT - 20 + 17 * cJSON_GetArraySize(runs);
+}
+
 /* One line per run; `first` is the column of the first, and the reference's has a line where wanted. */
 static bool draw_motion(struct report *report, const char *name, const char *csv, const char *label,
                         const cJSON *runs, int first, bool reference)
@@ -464,10 +476,10 @@ static bool draw_motion(struct report *report, const char *name, const char *csv
     int column = first;
     FILE *out = open_memstream(&script, &size);
     if (out) {
-        fputs(gnuplot_head, out);
+        put_head(out, report_change_plot_height(report));
         fputs("unset logscale y\nset yrange [0:*]\nset xlabel 'frame'\nset ylabel ", out);
         put_quoted(out, label);
-        fputs("\nset key below vertical maxrows 3\nplot", out);
+        fputs("\nset key above vertical maxrows 99\nplot", out);
         cJSON_ArrayForEach(run, runs)
         {
             fputs(column > first ? ", " : " ", out);
