@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The language's table, its schema and its reference say the same: shipped specs are valid by the schema, every key of the
 # schema stands in the reference, every example in the reference is YAML that the schema accepts; so are scenes, motions and
-# outlines of reports by theirs. And the command line's errors, overrides and untouched outputs. UPDATE=1 writes the schema that
+# outlines of reports and views by theirs. And the command line's errors, overrides and untouched outputs. UPDATE=1 writes the schema that
 # editors find. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
@@ -21,11 +21,15 @@ check "--reference prints" bash -c "'$gen' --reference >'$work/LANGUAGE.md'"
 python=/usr/bin/python3
 if $python -c 'import jsonschema, yaml' 2>/dev/null; then
     check "every shipped YAML names a schema and is valid by it" $python tests/language.py files \
-        templates/*.yaml templates/*/report.yaml tests/specs/*.yaml scenes/*.yaml
+        templates/*.yaml templates/*/{report,view}.yaml tests/specs/*.yaml tests/specs/grey/report.yaml scenes/*.yaml
     check "... and not with a misspelled key" $python tests/language.py misspelled \
-        templates/rsm.yaml templates/*/report.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
+        templates/rsm.yaml templates/*/{report,view}.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
     check "schemas of scenes and motions have the reader's keys" $python tests/language.py keys \
         scenes/{scene,motion}.schema.json -- scenes/{scene,motion,camera_light}.c
+    for outline in report view; do
+        check "... that of $outline's outlines, too" $python tests/language.py keys \
+            templates/$outline.schema.json -- app/${outline}_outline.c
+    done
     check "keys and examples of the reference fit the schema" \
         $python tests/language.py reference "$work/schema.json" "$work/LANGUAGE.md"
 else
