@@ -35,7 +35,8 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
 }
 
 /* Drivers that run on CPUs gather from a uniform block; from a storage buffer they load lane by
- * lane, checking bounds: the maps of eight clusters took 1.4 times as long, shading 1.2 times. */
+ * lane, checking bounds: the maps of eight clusters took 1.4 times as long, shading 1.2 times. It is
+ * also much code, that takes long to compile. */
 static bool suits_uniform(const struct pipeline *pipeline, const struct resource *buffer)
 {
     uint64_t count = 0;
@@ -48,7 +49,6 @@ static bool suits_uniform(const struct pipeline *pipeline, const struct resource
     return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
 }
 
-/* Vertices and fragments index a buffer each in its own way; a range is copied from it. */
 static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pass,
                           const struct access *access)
 {
@@ -60,7 +60,7 @@ static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pa
                    (pass->ranges[i].storage == STORAGE_SHARED && suits);
         }
     }
-    return suits && pass->kind != PASS_DISPATCH;
+    return suits;
 }
 
 static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *pass,
@@ -100,6 +100,26 @@ static void limit_storage_images(struct pass *pass, struct diag *diag)
     }
 }
 
+/* Every device has twelve uniform blocks for a stage, two of them the frame's and the live
+ * parameters', one for materials. What is beyond stays a storage buffer, unless the spec wants it
+ * otherwise. */
+static void limit_uniforms(struct pass *pass)
+{
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+        bool wanted = !access->resource || !(access->kind & ACCESS_UNIFORM);
+
+        for (uint32_t k = 0; k < pass->range_count && !wanted; k++) {
+            wanted = pass->ranges[k].access == access && pass->ranges[k].storage == STORAGE_UNIFORM;
+        }
+        if (!wanted && ++count > UNIFORM_LIMIT) {
+            access->kind = ACCESS_STORAGE_READ;
+        }
+    }
+}
+
 static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struct diag *diag)
 {
     int attachments = 0;
@@ -129,6 +149,7 @@ static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struc
                    pass->name, attachments, COLOR_TARGET_LIMIT);
     }
     limit_storage_images(pass, diag);
+    limit_uniforms(pass);
 }
 
 /* ---- Bindings -------------------------------------------------------------------------------- */

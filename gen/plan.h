@@ -57,7 +57,7 @@ uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, ui
 
 /* The reference frame, at which sizes are told and memory slots are packed. */
 enum { REFERENCE_WIDTH = 1920, REFERENCE_HEIGHT = 1080 };
-enum { STORAGE_IMAGE_LIMIT = 8, TEXTURE_LIMIT = 16, COLOR_TARGET_LIMIT = 8 };
+enum { STORAGE_IMAGE_LIMIT = 8, TEXTURE_LIMIT = 16, COLOR_TARGET_LIMIT = 8, UNIFORM_LIMIT = 9 };
 enum {
     SHARED_MEMORY_LIMIT = 16384,
     UNIFORM_BLOCK_LIMIT = 16384

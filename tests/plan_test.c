@@ -15,7 +15,7 @@
 
 /* ---- A model in a few words ------------------------------------------------------------------ */
 
-enum { MAX_PASSES = 8, MAX_RESOURCES = 8, MAX_ACCESSES = 6 };
+enum { MAX_PASSES = 8, MAX_RESOURCES = 16, MAX_ACCESSES = 12 };
 
 struct fixture {
     struct model model;
@@ -332,6 +332,28 @@ static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
     assert_int_equal(draw->accesses[0].kind, ACCESS_STORAGE_READ);
     assert_false(draw->uniform_materials);
     assert_int_equal(draw->materials_binding, 0);
+}
+
+/* Twelve blocks are what every device has: nine, materials, frame and live parameters. */
+static void test_uniform_blocks_are_few(void **state)
+{
+    static const char *const names[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k"};
+    struct fixture *f = *state;
+    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    uint32_t blocks = 0;
+
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        struct resource *r = buffer(f, names[i], "8");
+
+        r->type = DT_TYPE_VEC4;
+        touch(fill, r, MODE_WRITE);
+        touch(p, r, MODE_READ);
+    }
+    assert_true(plan(f));
+    for (uint32_t i = 0; i < p->access_count; i++) {
+        blocks += p->accesses[i].kind == ACCESS_UNIFORM;
+    }
+    assert_int_equal(blocks, 9);
 }
 
 /* On a CPU a workgroup that copies ranges is large, unless the spec says how large. */
@@ -745,6 +767,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_two_writers_need_an_order, setup, teardown),
         cmocka_unit_test_setup_teardown(test_read_before_write, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kinds_and_bindings, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_uniform_blocks_are_few, setup, teardown),
         cmocka_unit_test_setup_teardown(test_ranges_make_workgroups_large, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draws_read_small_buffers_as_uniform_blocks, setup,
                                         teardown),

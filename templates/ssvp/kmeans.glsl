@@ -11,7 +11,7 @@
  * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
  * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So long loops take a block at a turn, whose
  * loop of constant length the compiler unrolls: with every parameter at its max there are about
- * 48,000 turns. */
+ * 56,000 turns. Large blocks take long to compile. */
 #include "../shared/space.glsl"
 
 shared vec3 centre_position[clusters];
@@ -89,17 +89,16 @@ void average(int c)
     vec3 dominant = centre_normal[c];
     float brightest = 0.0;
     int members = 0;
-    for (int first = 0; first < first_vpls; first += BLOCK) {
-        for (int j = 0; j < BLOCK; j++) {
+    for (int first = 0; first < first_vpls; first += BLOCK / 2) {
+        for (int j = 0; j < BLOCK / 2; j++) {
             int k = first + j;
             if (k < first_vpls && label[k] == c) {
                 position = members == 0 ? vpls[k].position : position + vpls[k].position;
                 normal = members == 0 ? vpls[k].normal : normal + vpls[k].normal;
+                float bright = power(vpls[k].flux);
+                dominant = bright > brightest ? vpls[k].normal : dominant;
+                brightest = max(bright, brightest);
                 members++;
-                if (power(vpls[k].flux) > brightest) {
-                    brightest = power(vpls[k].flux);
-                    dominant = vpls[k].normal;
-                }
             }
         }
     }
