@@ -117,7 +117,8 @@ static void on_key(GLFWwindow *window, int key, int scancode, int action, int mo
     struct view *view = view_of(window);
     if (action == GLFW_RELEASE || overlay_takes_keys(view->overlay))
         return;
-    if (action == GLFW_PRESS && key >= GLFW_KEY_A && key <= GLFW_KEY_Z)
+    if (action == GLFW_PRESS && key >= GLFW_KEY_A && key <= GLFW_KEY_Z &&
+        !(modifiers & GLFW_MOD_CONTROL))
         view->tapped |= 1u << (key - GLFW_KEY_A);
     press(view, key, modifiers);
 }

@@ -143,7 +143,9 @@ static bool take(struct view *view, struct reload_result *result)
     view->reloads++;
     view->reload_ms = result->ms + milliseconds_now() - start;
     if (!view->error)
-        report_message(&view->console->log, DT_INFO, "reloaded in %.0f ms", view->reload_ms);
+        report_message(&view->console->log, DT_INFO,
+                       "reloaded in %.0f ms, %.0f of them on the device", view->reload_ms,
+                       view->reload_ms - result->ms);
     return true;
 }
 

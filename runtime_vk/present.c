@@ -174,7 +174,15 @@ static bool is_outdated(VkResult result)
 static bool renew(struct vk_runtime *rt, VkResult result)
 {
     destroy_swapchain(rt);
-    return result != VK_ERROR_SURFACE_LOST_KHR || vk_window_surface(rt);
+    if (result != VK_ERROR_SURFACE_LOST_KHR)
+        return true;
+    if (!vk_window_surface(rt))
+        return false;
+    return vk_window_can_present(rt, rt->physical, rt->queue_family) ||
+           vk_error(rt,
+                    "window: it came back where %s cannot draw; start again, or with another "
+                    "--device",
+                    rt->properties.deviceName);
 }
 
 /* Leaves no swapchain where the window has no pixels. */

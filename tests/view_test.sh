@@ -70,17 +70,17 @@ is_told() { # status text command...
 }
 
 # Both backends in one window, from the first picture to the last.
-open_window --backend both --size 240x135
-check "a window opens" see first.ppm shown size=480x135
+open_window --backend both --size 240x180
+check "a window opens" see first.ppm shown size=480x180
 xdotool key h
 check "OpenGL's half is Vulkan's half" see panels.ppm not=first.ppm shown halves
 xdotool key 1
 check "1 is one bounce" see one.ppm not=panels.ppm shown halves
 xdotool key 0
 check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves
-check "it is what render makes of either" "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x135 -o none.png
+check "it is what render makes of either" "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o none.png
 xdotool key c c
-check "the difference is black" see black.ppm black size=480x135
+check "the difference is black" see black.ppm black size=480x180
 xdotool key c
 check "... and side by side again" see again.ppm as=none.ppm
 xdotool key Tab
@@ -96,13 +96,12 @@ check "... and are gone" see gone.ppm as=none.ppm
 
 # The camera.
 xdotool mousemove 100 60 mousedown 1 mousemove 130 70 mouseup 1
-check "the mouse turns the camera" see turned.ppm not=none.ppm shown halves still
-xdotool key w
-check "W moves it" see moved.ppm not=turned.ppm shown halves still
-xdotool key ctrl+s
-check "Ctrl+S saves it" says "saved the camera"
+check "the mouse turns the camera" see turned.ppm not=none.ppm shown halves
+xdotool key w ctrl+s
+check "Ctrl+S saves the camera" says "saved the camera"
+check "... which W has moved" see moved.ppm not=turned.ppm shown halves
 check "... and changes one line of the scene" [ "$(changed_lines "$root/scenes/cornell.yaml" "$scene" | wc -l)" = 1 ]
-check "... which another program sees as well" "$diptych" render "${small[@]}" --backend gl --set bounces=0 --size 240x135 -o saved.png
+check "... which another program sees as well" "$diptych" render "${small[@]}" --backend gl --set bounces=0 --size 240x180 -o saved.png
 xdotool key p
 check "P takes a screenshot" says "wrote diptych-000.png"
 
@@ -125,14 +124,22 @@ check "it counted reloads, and measured every pass" holds_json \
 
 # What stands on the screen is the picture, row by row.
 for backend in gl vk; do
-    open_window --backend $backend --size 240x135 --set bounces=0
-    check "$backend alone" see $backend.ppm shown size=240x135
+    open_window --backend $backend --size 240x180 --set bounces=0
+    check "$backend alone" see $backend.ppm shown size=240x180
     xdotool key h
     check "$backend shows what render writes with the saved camera" see $backend.ppm as=saved.png
+    xdotool key space h # nothing changes now but by hand
+    check "$backend has a panel" see panel.ppm not=$backend.ppm still
+    xdotool mousemove 60 96 click 1
+    check "... whose table of times can be folded" see folded.ppm not=panel.ppm still
+    xdotool mousemove 85 165 mousedown 1
+    check "... and whose sliders move" see slider.ppm not=folded.ppm still
+    xdotool mouseup 1 key h
+    check "... and change the picture" see slid.ppm not=$backend.ppm not=slider.ppm still
     xdotool key Escape
     check "$backend ends in silence" ends 0
 done
-LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x135 --set bounces=0 --frames 12 --screenshot lost.png
+LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x180 --set bounces=0 --frames 12 --screenshot lost.png
 check "surfaces that are lost, and swapchains out of date" ends 0
 check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
 check "... and it is the same picture" cmp lost.png saved.png
