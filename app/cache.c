@@ -76,7 +76,7 @@ static bool compile(const struct build_request *request, const char *folder, con
         good = good && parts[i];
     char *argv[] = {(char *)(compiler && *compiler ? compiler : "cc"),
                     (char *)"-std=c11",
-                    (char *)"-O1",
+                    (char *)"-Og", /* two thirds of the time; what it calls is optimised */
                     (char *)"-fPIC",
                     (char *)"-shared",
                     (char *)"-MMD",

@@ -609,26 +609,29 @@ void c_slot_doc(const struct c_output *c)
 
 static const char *const stage_names[3] = {"compute", "vertex", "fragment"};
 
-/* Tens of thousands of words: by hand, since formatting each would be a sixth of a generation. */
+/* Tens of thousands of words: by hand, since formatting each would be a sixth of a generation; and
+ * as a string of 32-bit characters, which compilers read in a quarter of the time that a list of as
+ * many numbers takes them. */
 static void emit_words(struct text *out, const char *pass, const char *stage,
                        const struct shader *shader)
 {
     static const char digits[] = "0123456789abcdef";
 
-    text_add(out, "static const uint32_t %s_%s[] = {\n", pass, stage);
+    text_add(out, "static const uint32_t %s_%s[%zu] =\n", pass, stage, shader->word_count);
     for (size_t i = 0; i < shader->word_count; i++) {
-        char word[] = "0x00000000,";
+        char word[] = "\\x00000000";
 
         for (int digit = 0; digit < 8; digit++) {
             word[2 + digit] = digits[shader->words[i] >> (28 - 4 * digit) & 15];
         }
-        text_add_bytes(out, i % 8 ? " " : "    ", i % 8 ? 1 : 4);
+        text_add(out, i % 8 ? "" : "    U\"");
         text_add_bytes(out, word, sizeof word - 1);
-        if (i % 8 == 7 || i + 1 == shader->word_count) {
-            text_add_bytes(out, "\n", 1);
+        if (i + 1 == shader->word_count) {
+            text_add_bytes(out, "\";\n\n", 4);
+        } else if (i % 8 == 7) {
+            text_add_bytes(out, "\"\n", 2);
         }
     }
-    text_add(out, "};\n\n");
 }
 
 static void emit_glsl_text(const struct c_output *c, const char *pass, const char *stage,
