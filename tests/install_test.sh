@@ -170,8 +170,9 @@ build_host() { # gl|vk library...
         -o "$work/host/host_$api" "$@"
 }
 # shellcheck disable=SC2317
-run_host() { # gl|vk; its own renderer's messages fail it
-    HOST_DEBUG=1 hide "$work/host/host_$1" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$1.ssvp.ppm" \
+run_host() { # gl|vk; a word of validation or KHR_debug fails it
+    VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation HOST_DEBUG=1 \
+        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT hide "$work/host/host_$1" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$1.ssvp.ppm" \
         "$work/host/$1.rsm.ppm" && [ ! -s "$work/output" ]
 }
 # shellcheck disable=SC2317
@@ -198,7 +199,7 @@ check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@
 check "... runs two pipelines in its own command buffers, and validation is silent" run_host vk
 check "... to the bits that the command has" same_pictures vk
 check "an OpenGL renderer builds with static libraries" build_host gl "$installed"/lib/libdiptych_{gl,scene}.a \
-    "${private[@]}" -lEGL
+    "${private[@]}" -lEGL -lGL
 check "... runs two pipelines in its own context, whose state is as it was" run_host gl
 check "... to the bits that the command has" same_pictures gl
 

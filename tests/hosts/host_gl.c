@@ -8,6 +8,7 @@
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#define GL_GLEXT_PROTOTYPES
 #include <GL/glcorearb.h>
 
 #include <diptych_gl.h>
@@ -17,45 +18,6 @@
 #include "ssvp.h"
 
 enum { MAX_PIPELINES = 2, STATE_SIZE = 256 };
-
-/* The functions of OpenGL that this renderer calls itself. */
-#define FUNCTIONS(X)                                                                               \
-    X(BINDBUFFER, BindBuffer)                                                                      \
-    X(BINDBUFFERRANGE, BindBufferRange)                                                            \
-    X(BINDFRAMEBUFFER, BindFramebuffer)                                                            \
-    X(BINDIMAGETEXTURE, BindImageTexture)                                                          \
-    X(BINDTEXTUREUNIT, BindTextureUnit)                                                            \
-    X(BINDVERTEXARRAY, BindVertexArray)                                                            \
-    X(BLENDEQUATIONI, BlendEquationi)                                                              \
-    X(BLENDFUNCI, BlendFunci)                                                                      \
-    X(CLIPCONTROL, ClipControl)                                                                    \
-    X(COLORMASKI, ColorMaski)                                                                      \
-    X(CREATEBUFFERS, CreateBuffers)                                                                \
-    X(CREATEFRAMEBUFFERS, CreateFramebuffers)                                                      \
-    X(CREATETEXTURES, CreateTextures)                                                              \
-    X(CREATEVERTEXARRAYS, CreateVertexArrays)                                                      \
-    X(CULLFACE, CullFace)                                                                          \
-    X(DEBUGMESSAGECALLBACK, DebugMessageCallback)                                                  \
-    X(DEPTHFUNC, DepthFunc)                                                                        \
-    X(DEPTHMASK, DepthMask)                                                                        \
-    X(DEPTHRANGEINDEXED, DepthRangeIndexed)                                                        \
-    X(ENABLE, Enable)                                                                              \
-    X(ENABLEI, Enablei)                                                                            \
-    X(FRONTFACE, FrontFace)                                                                        \
-    X(GETERROR, GetError)                                                                          \
-    X(GETINTEGER64I_V, GetInteger64i_v)                                                            \
-    X(GETINTEGERI_V, GetIntegeri_v)                                                                \
-    X(GETINTEGERV, GetIntegerv)                                                                    \
-    X(GETTEXTUREIMAGE, GetTextureImage)                                                            \
-    X(NAMEDBUFFERSTORAGE, NamedBufferStorage)                                                      \
-    X(PIXELSTOREI, PixelStorei)                                                                    \
-    X(POLYGONMODE, PolygonMode)                                                                    \
-    X(PROVOKINGVERTEX, ProvokingVertex)                                                            \
-    X(TEXTURESTORAGE2D, TextureStorage2D)                                                          \
-    X(VIEWPORTINDEXEDF, ViewportIndexedf)
-
-#define DECLARE(upper, name) static PFNGL##upper##PROC gl##name;
-FUNCTIONS(DECLARE)
 
 static int messages; /* of KHR_debug */
 
@@ -112,8 +74,6 @@ static void open_context(void)
     check(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API), "EGL");
     EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
     check(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "OpenGL 4.6");
-#define LOAD(upper, name) gl##name = (PFNGL##upper##PROC)eglGetProcAddress("gl" #name);
-    FUNCTIONS(LOAD)
     if (getenv("HOST_DEBUG")) {
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         glDebugMessageCallback(on_message, NULL);
