@@ -138,7 +138,7 @@ static bool fit_to_window(struct view *view)
     return true;
 }
 
-static bool render(struct view *view)
+bool view_render(struct view *view)
 {
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
@@ -243,7 +243,7 @@ static bool run_frame(struct view *view)
     if (!view_reload(view) || !fit_to_window(view))
         return false;
     if (!rests(view)) {
-        if (!render(view))
+        if (!view_render(view))
             return false;
         view->step = false;
     }

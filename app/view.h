@@ -95,6 +95,10 @@ struct view {
     float speed; /* scene radii per second */
 };
 
+/* ---- view.c ---------------------------------------------------------------------------------- */
+
+bool view_render(struct view *view); /* a frame on every side, and its pictures */
+
 /* ---- view_input.c ---------------------------------------------------------------------------- */
 
 void view_input_open(struct view *view);                /* callbacks of the window */

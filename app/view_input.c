@@ -163,9 +163,12 @@ void view_input_open(struct view *view)
     glfwSetScrollCallback(view->window, on_scroll);
 }
 
+/* With Ctrl a letter is a command; one that was tapped was none. */
 static bool is_held(const struct view *view, int key)
 {
-    return glfwGetKey(view->window, key) || (view->tapped >> (key - GLFW_KEY_A) & 1);
+    bool control = glfwGetKey(view->window, GLFW_KEY_LEFT_CONTROL) ||
+                   glfwGetKey(view->window, GLFW_KEY_RIGHT_CONTROL);
+    return (glfwGetKey(view->window, key) && !control) || (view->tapped >> (key - GLFW_KEY_A) & 1);
 }
 
 static float held(const struct view *view, int forth, int back)
@@ -176,14 +179,12 @@ static float held(const struct view *view, int forth, int back)
 void view_input_fly(struct view *view, double seconds)
 {
     static const double longest = 0.25; /* a slow frame is no leap */
-    bool control = glfwGetKey(view->window, GLFW_KEY_LEFT_CONTROL) ||
-                   glfwGetKey(view->window, GLFW_KEY_RIGHT_CONTROL);
     bool fast = glfwGetKey(view->window, GLFW_KEY_LEFT_SHIFT) ||
                 glfwGetKey(view->window, GLFW_KEY_RIGHT_SHIFT);
     float right = held(view, GLFW_KEY_D, GLFW_KEY_A), up = held(view, GLFW_KEY_E, GLFW_KEY_Q),
           forward = held(view, GLFW_KEY_W, GLFW_KEY_S);
     view->tapped = 0;
-    if (overlay_takes_keys(view->overlay) || control || (right == 0 && up == 0 && forward == 0))
+    if (overlay_takes_keys(view->overlay) || (right == 0 && up == 0 && forward == 0))
         return;
     float way = view->scene.radius * view->speed * (fast ? 4 : 1) * (float)fmin(seconds, longest);
     camera_move(&view->scene.camera, right * way, up * way, forward * way);

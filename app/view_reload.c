@@ -68,18 +68,19 @@ static bool keep_shown(struct view *view, const char *name)
     return true;
 }
 
-static bool create(const struct view *view, const struct pipeline *pipeline)
+static bool create(const struct view *view)
 {
     for (uint32_t i = 0; i < view->side_count; i++) {
         const struct view_side *side = &view->side[i];
         const struct session *session = &side->session;
-        if (!session->runtime->create(session->handle, view_panel_of(side, pipeline)) ||
+        if (!session->runtime->create(session->handle, view_panel_of(side, &view->pipeline)) ||
             !session->runtime->resize(session->handle, view->size[0], view->size[1]))
             return false;
     }
     return true;
 }
 
+/* Takes the text, which may be NULL. */
 static void set_error(struct view *view, char *text)
 {
     free(view->error);
@@ -88,64 +89,80 @@ static void set_error(struct view *view, char *text)
         fputs(text, stderr);
 }
 
-/* False: neither the new one nor the old one runs. */
+/* Puts view->pipeline to work, up to its first picture. A wrong outline leaves it at work with
+ * nothing offered. */
+static bool start(struct view *view, const char *shown, bool *offered)
+{
+    uint32_t points = view->shown_points;
+    *offered = view_outline_read(view);
+    view->shown_points = points <= view->points_count ? points : 0;
+    view->frame = 0; /* history starts anew */
+    return create(view) && keep_shown(view, shown) && view_times_create(view) && view_render(view);
+}
+
+/* What a driver or runtime says against the new pipeline is an error like one of the generator, and
+ * the old one goes on. False: neither runs. */
 static bool swap(struct view *view, struct pipeline *next)
 {
-    const char *name = view->pipeline.info->resources[view->resource].name;
-    bool capture = console_capture(view->console);
-    bool good = create(view, next);
-    char *text = capture ? console_captured(view->console) : NULL;
-    if (!good) {
-        set_error(view, text);
-        pipeline_unload(next);
-        return create(view, &view->pipeline);
-    }
-    if (text)
-        fputs(text, stderr);
-    free(text);
     struct pipeline old = view->pipeline;
+    const char *shown = old.info->resources[view->resource].name;
+    bool offered, capture = console_capture(view->console);
     view->pipeline = *next;
-    view->frame = 0; /* history starts anew */
-    view->digits = NULL;
-    good = keep_shown(view, name) && view_times_create(view);
     keep_live(view, &old);
-    pipeline_unload(&old);
+    bool good = start(view, shown, &offered);
+    char *text = capture ? console_captured(view->console) : NULL;
+    if (!good || !offered) {
+        set_error(view, text ? text : strdup("the reason stands on the terminal\n"));
+    } else {
+        if (text)
+            fputs(text, stderr);
+        free(text);
+    }
+    if (good) {
+        pipeline_unload(&old);
+        return true;
+    }
+    struct pipeline refused = view->pipeline;
+    view->pipeline = old;
+    good = start(view, shown, &offered);
+    pipeline_unload(&refused); /* its panels were at work until now */
     return good;
 }
 
-/* Its errors are shown like those of the pipeline, which is taken all the same. */
+/* Of the same pipeline; its errors are shown like those of the pipeline. */
 static void read_outline(struct view *view)
 {
     uint32_t points = view->shown_points;
     bool capture = console_capture(view->console);
     bool good = view_outline_read(view);
     char *text = capture ? console_captured(view->console) : NULL;
-    if (!good)
-        set_error(view, text);
-    else
+    if (good)
         free(text);
+    else
+        set_error(view, text);
     view->shown_points = points <= view->points_count ? points : 0;
+    view->step = true;
 }
 
 static bool take(struct view *view, struct reload_result *result)
 {
-    double start = milliseconds_now();
+    double start_ms = milliseconds_now();
     if (result->text && *result->text)
         fputs(result->text, stderr); /* warnings */
     free(result->text);
     set_error(view, NULL);
-    if (result->pipeline.info == view->pipeline.info)
-        pipeline_unload(&result->pipeline); /* saved, but not changed; or only its outline */
-    else if (!swap(view, &result->pipeline))
+    if (result->pipeline.info == view->pipeline.info) { /* only its outline, or nothing */
+        pipeline_unload(&result->pipeline);             /* which is loaded twice */
+        read_outline(view);
+    } else if (!swap(view, &result->pipeline)) {
         return false;
-    read_outline(view);
-    view->step = true;
-    view->reloads++;
-    view->reload_ms = result->ms + milliseconds_now() - start;
+    }
+    view->reloads += !view->error;
+    view->reload_ms = result->ms + milliseconds_now() - start_ms;
     if (!view->error)
         report_message(&view->console->log, DT_INFO,
-                       "reloaded in %.0f ms, %.0f of them on the device", view->reload_ms,
-                       view->reload_ms - result->ms);
+                       "reloaded in %.0f ms: made in %.0f, then the device and the first frame",
+                       view->reload_ms, result->ms);
     return true;
 }
 

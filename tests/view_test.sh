@@ -115,6 +115,13 @@ check "... with its line" says "| "
 cp "$root/templates/shared/tonemap.glsl" "$tonemap"
 check "put right, it is as before" see right.ppm as=moved.ppm
 
+cp "$spec" spec.yaml
+sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + 1"/' "$spec" # good at the sizes that the generator tries
+check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
+check "... with the reason" says "pass average"
+cp spec.yaml "$spec"
+check "... and goes on when it is put right" see right.ppm as=moved.ppm
+
 xdotool search --name diptych windowsize --sync 400 120
 check "the window has another size" see resized.ppm size=400x120 shown halves
 xdotool key Escape
