@@ -88,7 +88,8 @@ struct dt_gl_scene {
      * of mips). 0: no material has a texture. */
     unsigned textures;
 };
-/* Before resize, and again with a resize after it when a name, a size or index_count changes. */
+/* Before resize, and again with a resize after it when a name, a size or index_count changes. A pipeline
+ * whose passes neither draw nor read the scene needs none. */
 bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */

@@ -197,9 +197,18 @@ bool dt_gl_create(struct gl_runtime *rt, const struct dt_panel *panel)
     return leave(rt, good);
 }
 
+static bool lacks_scene(const struct gl_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    for (uint32_t i = 0; i < pipeline->pass_count && !rt->scene_input; i++)
+        if (pipeline->passes[i].uses_scene)
+            return true;
+    return false;
+}
+
 bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height)
 {
-    if (!rt->panel || !rt->scene_input) {
+    if (!rt->panel || lacks_scene(rt)) {
         gl_log(rt, DT_ERROR,
                "resize: no pipeline or no scene yet; create and import_scene come first");
         return false;

@@ -108,7 +108,8 @@ struct dt_vk_scene {
      * material has a texture. */
     VkImageView textures;
 };
-/* Before resize, and again with a resize after it when a handle, a size or index_count changes. */
+/* Before resize, and again with a resize after it when a handle, a size or index_count changes. A pipeline
+ * whose passes neither draw nor read the scene needs none. */
 bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
@@ -119,7 +120,8 @@ bool dt_vk_create(struct vk_runtime *rt, const struct dt_panel *panel);
 
 /* An image of the host in place of a resource of the pipeline: a single-sampled 2D image of optimal
  * tiling with the format, size, layers and mips of the resource. Row 0 in memory is NDC y = -1, the
- * bottom of the picture: turn it over when presenting. Not written outside of record. */
+ * bottom of the picture: turn it over when presenting, as vkCmdBlitImage does into a swapchain's image,
+ * which itself is seldom fit for an import. Not written outside of record. */
 struct dt_vk_image {
     VkImage image; /* lives until the next import of the resource, create or close */
     VkFormat format;

@@ -256,7 +256,7 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
     rt->fill_count = 0;
     if (!vk_panel_resize(rt, width, height))
         return false;
-    if (textures->imported)
+    if (textures->imported || !textures->handle)
         return true;
     textures->layout = VK_IMAGE_LAYOUT_UNDEFINED; /* as far as anybody has seen it executed */
     return vk_fill_later(rt, &(struct vk_fill){.user = {.image = textures},

@@ -38,10 +38,19 @@ bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel)
     return false;
 }
 
+static bool lacks_scene(const struct vk_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->panel->pipeline;
+    for (uint32_t i = 0; i < pipeline->pass_count && !rt->has_scene; i++)
+        if (pipeline->passes[i].uses_scene)
+            return true;
+    return false;
+}
+
 bool vk_panel_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
 {
     uint32_t limit = rt->properties.limits.maxImageDimension2D;
-    if (!rt->panel || !rt->has_scene)
+    if (!rt->panel || lacks_scene(rt))
         return vk_error(rt, "resize: no pipeline or no scene yet; create and %s come first",
                         rt->hosted ? "import_scene" : "set_scene");
     if (width < 1 || height < 1 || width > limit || height > limit)

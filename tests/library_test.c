@@ -18,6 +18,7 @@
 #include <GL/glcorearb.h>
 
 #include "features.h"
+#include "layouts.h"
 #include "runtime_gl/diptych_gl.h"
 #include "runtime_vk/diptych_vk.h"
 #include "scenes/diptych_scene.h"
@@ -385,6 +386,22 @@ static void vulkan_takes_times(void **state)
     dt_vk_close(rt);
 }
 
+static void vulkan_needs_no_scene_that_nobody_sees(void **state)
+{
+    (void)state;
+    struct dt_vk_host host = vk_host();
+    struct dt_frame frame = frame_of(0);
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_create(rt, &layouts_vk) && dt_vk_resize(rt, WIDTH, HEIGHT));
+    VkCommandBuffer commands = begin();
+    assert_true(dt_vk_record(rt, commands, &frame, NULL));
+    submit(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    REFUSED(!dt_vk_create(rt, &features_vk) || dt_vk_resize(rt, WIDTH, HEIGHT), "import_scene");
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
 /* ---- OpenGL ---------------------------------------------------------------------------------- */
 
 static PFNGLCREATEBUFFERSPROC create_buffers;
@@ -506,6 +523,18 @@ static void opengl_tells_errors_that_were_there(void **state)
     dt_gl_close(rt);
 }
 
+static void opengl_needs_no_scene_that_nobody_sees(void **state)
+{
+    (void)state;
+    struct dt_frame frame = frame_of(0);
+    struct gl_runtime *rt =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
+    assert_true(dt_gl_record(rt, &frame, NULL));
+    REFUSED(!dt_gl_create(rt, &features_gl) || dt_gl_resize(rt, WIDTH, HEIGHT), "import_scene");
+    dt_gl_close(rt);
+}
+
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
 /* scenes/cornell.yaml by hand. */
@@ -552,8 +581,10 @@ int main(void)
         cmocka_unit_test(vulkan_tells_wrong_calls),
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
         cmocka_unit_test(vulkan_takes_times),
+        cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
+        cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),
     };
     return cmocka_run_group_tests(vulkan, open_vulkan, close_vulkan);
