@@ -99,7 +99,9 @@ static bool load(struct limits *limits, struct console *console, const struct pi
     setenv("OMP_WAIT_POLICY", "passive", 0);
     if (good && !file_exists(object))
         good = compile(limits, console, pipeline->generated, object);
-    if (good && !(limits->object = dlopen(object, RTLD_NOW | RTLD_LOCAL))) {
+    /* Never unloaded: the threads of OpenMP, which came with it, go on spinning in their library's code
+     * for a while after the last loop. */
+    if (good && !(limits->object = dlopen(object, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE))) {
         report_error(&console->log, "the compiled limits cannot be loaded: %s", dlerror());
         good = false;
     }

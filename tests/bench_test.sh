@@ -21,6 +21,9 @@ check "wants at least one frame" refuses 2 '--frames 0: must be a whole number' 
 check "runs both backends" "${bench[@]}" --frames 4 --warmup 1 --json "$work/both.json"
 cp "$work/output" "$work/table"
 
+check "ends well though threads of OpenMP never sleep" env OMP_WAIT_POLICY=active GOMP_SPINCOUNT=infinity \
+    "${bench[@]}" --frames 1 --warmup 1 --backend vk
+
 # shellcheck disable=SC2317
 holds() { # json statement...: Python that looks at the parsed file as `b`
     /usr/bin/python3 - "$@" <<'PYTHON'
