@@ -56,14 +56,13 @@ static const struct verb verbs[] = {
      "Exit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report, EXIT_USAGE},
     {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
-     "WASD and mouse fly, Q and E go down and up, Shift faster, the wheel sets the speed. Tab "
-     "shows the "
-     "next\n"
-     "resource, Home the picture again, Up and Down a layer, Page Up and Page Down a mip. C: side "
-     "by side,\n"
-     "one half of each, or the difference, + and - amplify it. Space pauses, P takes a screenshot, "
-     "Ctrl+S\n"
-     "saves the camera into the scene file, Esc ends.\n"
+     "W A S D and the mouse fly, Q and E go down and up; Shift: faster, the wheel: how fast.\n"
+     "Tab or Right, Left: the next or previous image; Home: the picture; Up, Down: a layer;\n"
+     "Page Up, Page Down: a mip; V: points; 0 to 9: the parameter that view.yaml beside the spec "
+     "names.\n"
+     "C: two backends side by side, half of each, their difference; + and -: its amplification.\n"
+     "Space: pause; H: the panel; P: screenshot; Ctrl+S: camera into the scene file; Esc: end.\n"
+     "Saving the spec or a file that it names makes the pipeline anew.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_view, EXIT_FAILED},
     {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",

@@ -120,13 +120,21 @@ static float map_number(const struct dt_resource *resource, struct range range, 
     return srgb_encode(range.most > 1 ? value / (1 + value) : value);
 }
 
-/* The bits of a multiplicative hash. */
+/* Hues by the golden ratio, the most even way to go round a circle with any number of steps; light
+ * and dark in turn, from step to step of another length. */
 void picture_label(int64_t label, uint8_t codes[3])
 {
-    uint32_t hash = ((uint32_t)label + 1) * 2654435761u;
-    hash = (hash ^ hash >> 15) * 2246822519u;
-    for (int c = 0; c < 3; c++)
-        codes[c] = (uint8_t)(64 + (hash >> (8 * c) & 255) * 191 / 255);
+    if (label < 0) {
+        memset(codes, 64, 3);
+        return;
+    }
+    double hue = fmod((double)label * 0.6180339887498949, 1) * 6;
+    double light = label % 3 == 1 ? 150 : 255, dark = label % 5 == 4 ? 90 : 30;
+    for (int c = 0; c < 3; c++) {
+        double away = fabs(fmod(hue - 2 * c + 9, 6) - 3); /* from the channel's own hue, 0 to 3 */
+        double share = fmin(fmax(2 - away, 0), 1);
+        codes[c] = (uint8_t)(dark + (light - dark) * share);
+    }
 }
 
 static void encode(const struct dt_resource *resource, struct range range, const float color[3],
