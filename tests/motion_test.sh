@@ -39,6 +39,10 @@ printf 'keys: [{at: 0, camera: {eye: [0.4, 0.3, -0.7]}, light: {target: [0.556, 
 check "the end of the motion without the way to it" "${render[@]}" --motion "$work/there.yaml" -o "$work/there.exr"
 check "... is another picture: clusters go on from frame to frame" differ "$work/there.exr" "$work/frame_03.exr"
 
+check "what the camera sees in the last frame" "${moving[@]}" --show gbuffer_position -o "$work/seen.exr"
+check "... and from that place" "${render[@]}" --motion "$work/there.yaml" --show gbuffer_position -o "$work/seen_there.exr"
+check "... is the same: it got there" cmp "$work/seen.exr" "$work/seen_there.exr"
+
 check "both backends agree all along" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27
 check_status 1 "... but for a fault in one frame" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 \
     --fault vk:kmeans:bit@2
