@@ -159,14 +159,27 @@ static bool find_camera(const char *text, size_t size, struct place *place)
     return place->from < place->to && place->to <= size;
 }
 
+/* As few digits as give the same number back, which is read with that factor. */
+static void print_number(char out[24], float number, double factor)
+{
+    for (int digits = 4; digits <= 9; digits++) {
+        snprintf(out, 24, "%.*g", digits, (double)number / factor);
+        if ((float)(strtod(out, NULL) * factor) == number)
+            return;
+    }
+}
+
 static char *camera_text(const struct scene_camera *camera)
 {
-    const float *eye = camera->eye, *target = camera->target, *up = camera->up;
-    return format_string("{eye: [%.7g, %.7g, %.7g], target: [%.7g, %.7g, %.7g], "
-                         "up: [%.7g, %.7g, %.7g], fov_y: %.7g}",
-                         (double)eye[0], (double)eye[1], (double)eye[2], (double)target[0],
-                         (double)target[1], (double)target[2], (double)up[0], (double)up[1],
-                         (double)up[2], (double)camera->fov_y * 180 / M_PI);
+    const float *vectors[3] = {camera->eye, camera->target, camera->up};
+    char numbers[3][3][24], degrees[24];
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            print_number(numbers[i][k], vectors[i][k], 1);
+    print_number(degrees, camera->fov_y, M_PI / 180);
+    return format_string("{eye: [%s, %s, %s], target: [%s, %s, %s], up: [%s, %s, %s], fov_y: %s}",
+                         numbers[0][0], numbers[0][1], numbers[0][2], numbers[1][0], numbers[1][1],
+                         numbers[1][2], numbers[2][0], numbers[2][1], numbers[2][2], degrees);
 }
 
 bool camera_save(const struct scene_camera *camera, const char *path, const struct dt_log *log)

@@ -388,6 +388,11 @@ bool gl_context_open(struct gl_runtime *rt)
     return gl_context_suits(rt) && gl_state_fix(rt);
 }
 
+void gl_context_wait_for_screen(void)
+{
+    glfwSwapInterval(1);
+}
+
 void gl_context_swap(struct gl_runtime *rt)
 {
     glfwSwapBuffers(rt->context.window);

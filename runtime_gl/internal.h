@@ -99,6 +99,7 @@ bool gl_finish(const struct gl_runtime *rt, const char *object);
 
 /* Makes the context current, loads rt->gl, sets the fixed state. */
 bool gl_context_open(struct gl_runtime *rt);
+void gl_context_wait_for_screen(void);       /* swaps of the current context do, from now on */
 void gl_context_swap(struct gl_runtime *rt); /* shows what was drawn into the window */
 /* Of what is drawn into the window; 0 where it is minimised. */
 void gl_context_window_size(struct gl_runtime *rt, int *width, int *height);

@@ -86,9 +86,12 @@ static bool prepare(struct gl_runtime *rt)
                                              GL_CLAMP_TO_EDGE, false,     1.0f};
     const struct gl_sampler_info plain = {"window picture", GL_NEAREST, GL_NEAREST,
                                           GL_CLAMP_TO_EDGE, false,      1.0f};
-    return present->program.handle || (dt_gl_sampler_create(rt, &present->samplers[0], &filtered) &&
-                                       dt_gl_sampler_create(rt, &present->samplers[1], &plain) &&
-                                       dt_gl_program_create(rt, &present->program, &info));
+    if (present->program.handle)
+        return true;
+    gl_context_wait_for_screen();
+    return dt_gl_sampler_create(rt, &present->samplers[0], &filtered) &&
+           dt_gl_sampler_create(rt, &present->samplers[1], &plain) &&
+           dt_gl_program_create(rt, &present->program, &info);
 }
 
 /* From pixels counted from the top to clip space, whose y = -1 is the window's bottom row. */
