@@ -66,7 +66,7 @@ done
 put_output lib/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
 put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
 put_output lib/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
-    "-lassimp -lfyaml -ldl -lm"
+    "-lassimp -lfyaml -ldl -lm -Wl,-rpath,\${libdir}/diptych"
 
 for header in templates/c/diptych.h templates/c/limit.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h \
     scenes/diptych_scene.h; do

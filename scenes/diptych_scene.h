@@ -52,7 +52,10 @@ void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scen
 struct dt_scene_file;
 
 /* Reads a scene file (YAML) and its mesh, which is looked up beside it, then below `meshes` (may be
- * NULL). NULL: the log has said why, with file:line:col. Numbers have a point whatever the locale. */
+ * NULL). NULL: the log has said why, with file:line:col. Numbers have a point whatever the locale.
+ * Textures are read by libdiptych_image.so in lib/diptych: the shared library finds it from its own
+ * place, a program with the static one by its run path, which pkg-config --static gives; else they are
+ * left out with a DT_WARNING. */
 struct dt_scene_file *dt_scene_open(const char *path, const char *meshes, const struct dt_log *log);
 void dt_scene_close(struct dt_scene_file *file); /* takes NULL */
 

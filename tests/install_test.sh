@@ -193,7 +193,7 @@ same_pictures() { # gl|vk
     same_picture "$work/host/$1.ssvp.ppm" "$work/$1" && same_picture "$work/host/$1.rsm.ppm" "$work/rsm"
 }
 read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
-read -ra private < <(pkg-config --static --libs-only-l diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
+read -ra private < <(pkg-config --static --libs-only-l --libs-only-other diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
 check "the installed generator generates" generate
 check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@]}" -lvulkan
 check "... runs two pipelines in its own command buffers, and validation is silent" run_host vk
@@ -202,6 +202,35 @@ check "an OpenGL renderer builds with static libraries" build_host gl "$installe
     "${private[@]}" -lEGL -lGL
 check "... runs two pipelines in its own context, whose state is as it was" run_host gl
 check "... to the bits that the command has" same_pictures gl
+
+# A wall that looks like the picture from above, in the host's own texture array.
+mkdir "$work/wall"
+cat >"$work/wall/wall.obj" <<'END'
+mtllib wall.mtl
+usemtl wall
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+f 1/1 2/2 3/3
+f 1/1 3/3 4/4
+END
+printf '%s\n' "newmtl wall" "Kd 1 1 1" "map_Kd wall.png" >"$work/wall/wall.mtl"
+cp "$work/small.png" "$work/wall/wall.png"
+printf '%s\n' "mesh: wall.obj" "camera: {eye: [0, 0, 2], target: [0, 0, 0], fov_y: 50}" \
+    "light: {kind: spot, position: [0.5, 0.5, 2], target: [0, 0, 0], cone: [30, 40], intensity: [9, 9, 9]}" \
+    >"$work/wall/wall.yaml"
+# shellcheck disable=SC2317
+run_textured() {
+    hide "$work/host/host_gl" "$work/wall/wall.yaml" "${size[@]}" 1 "$work/wall/wall.ppm" &&
+        [ ! -s "$work/output" ] && installed_diptych render --scene "$work/wall/wall.yaml" --backend gl --dump "$work/wall/gl"
+}
+check "... and with textures" run_textured
+check "... to the bits that the command has" same_picture "$work/wall/wall.ppm" "$work/wall/gl"
 
 # shellcheck disable=SC2317
 both_static() { # libraries in one program, from C++

@@ -51,6 +51,7 @@ static void APIENTRY on_message(GLenum source, GLenum type, GLuint id, GLenum se
 struct host {
     uint32_t width, height, pipeline_count;
     GLuint geometry, indices; /* vertices behind the materials */
+    GLuint textures;          /* an array, with mips */
     GLuint pictures[MAX_PIPELINES];
     struct gl_runtime *runtimes[MAX_PIPELINES];
 };
@@ -237,6 +238,7 @@ static struct gl_runtime *open_pipeline(struct host *host, const struct dt_scene
         .indices = {host->indices, 0, scene->index_count * sizeof *scene->indices},
         .index_count = scene->index_count,
         .materials = {host->geometry, 0, materials},
+        .textures = host->textures,
     };
     check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, panel) &&
               dt_gl_import_image(rt, output, picture) &&
@@ -259,6 +261,22 @@ static void write_picture(const struct host *host, GLuint picture, const char *p
             fwrite(pixels + ((size_t)y * host->width + x) * 4, 1, 3, file);
     check(fclose(file) == 0, path);
     free(pixels);
+}
+
+static void make_textures(struct host *host, const struct dt_scene *scene)
+{
+    GLsizei width = (GLsizei)scene->texture_width, height = (GLsizei)scene->texture_height;
+    GLsizei layers = (GLsizei)scene->texture_layers, mips = (GLsizei)scene->texture_mips;
+    const uint8_t *texels = scene->texels;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &host->textures);
+    glTextureStorage3D(host->textures, mips, GL_SRGB8_ALPHA8, width, height, layers);
+    for (GLint mip = 0; mip < mips; mip++) {
+        glTextureSubImage3D(host->textures, mip, 0, 0, 0, width, height, layers, GL_RGBA,
+                            GL_UNSIGNED_BYTE, texels);
+        texels += (size_t)width * (size_t)height * scene->texture_layers * 4;
+        width = width > 1 ? width / 2 : 1;
+        height = height > 1 ? height / 2 : 1;
+    }
 }
 
 static void make_scene(struct host *host, const struct dt_scene *scene)
@@ -293,6 +311,7 @@ int main(int argc, char **argv)
     dt_scene_frame(scene, host.width, host.height, &frame);
     open_context();
     make_scene(&host, dt_scene_data(scene));
+    make_textures(&host, dt_scene_data(scene));
     make_disorder();
     read_state(state);
     check_state(state, "reading it");
