@@ -424,7 +424,8 @@ static void put_motions_head(FILE *out, const struct report *report)
         "of its mean. Light that moves must change; <i>excess</i> is what a run changes more "
         "than the reference, <i>flicker</i> where it does so in another way, also where both "
         "sums are alike. The last row of a table, the reference traced again with other noise, "
-        "tells how much noise adds to the flicker of the others.</p>\n",
+        "tells what noise does: 0.7 times its flicker, where two noises meet, is in that of the "
+        "others.</p>\n",
         block, block);
 }
 
