@@ -87,8 +87,23 @@ static bool egl_make(struct gl_context *ctx, int major, int minor, bool debug, s
     return ctx->context;
 }
 
+/* A thread has one context of GLX or of EGL, not one of each. */
+static void leave_glx(void)
+{
+    if (glfwGetCurrentContext())
+        glfwMakeContextCurrent(NULL);
+}
+
+static void leave_egl(void)
+{
+    EGLDisplay display = eglGetCurrentDisplay();
+    if (display != EGL_NO_DISPLAY)
+        eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+}
+
 static bool egl_current(struct gl_context *ctx)
 {
+    leave_glx();
     eglMakeCurrent(ctx->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
                    EGL_NO_CONTEXT); /* see gl_context_current */
     return eglMakeCurrent(ctx->display, EGL_NO_SURFACE, EGL_NO_SURFACE, ctx->context);
@@ -224,6 +239,7 @@ static bool window_make(struct gl_context *ctx, int major, int minor, bool debug
 
 static bool window_current(struct gl_context *ctx)
 {
+    leave_egl();
     glfwMakeContextCurrent(NULL); /* see gl_context_current */
     glfwMakeContextCurrent(ctx->window);
     return glfwGetCurrentContext() == ctx->window;
