@@ -81,26 +81,71 @@ static void drop_pass(struct checker *c, const struct pass *pass)
     forget_pass(c->pipeline, pass->name);
 }
 
-/* A pass whose condition is false for good does not exist for the later stages. */
+static bool changes(const struct pass *pass, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
+            return true;
+    return false;
+}
+
+/* Whether one of the passes that are kept has use for the clear values of this one: reads what it
+ * writes, and no other pass that is kept writes it. */
+static bool is_missed(const struct pipeline *pipeline, const bool *kept, const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct resource *resource = pass->accesses[i].resource;
+        bool read = false, written = !resource || pass->accesses[i].mode != MODE_WRITE;
+        for (uint32_t k = 0; k < pipeline->pass_count; k++) {
+            const struct pass *other = &pipeline->passes[k];
+            if (!kept[k] || other == pass)
+                continue;
+            written |= resource && changes(other, resource);
+            read |= other->indirect_resource == resource || other->index_resource == resource;
+            for (uint32_t j = 0; j < other->access_count; j++)
+                read |= other->accesses[j].resource == resource;
+        }
+        if (read && !written)
+            return true;
+    }
+    return false;
+}
+
+static bool is_false_for_good(const struct pass *pass)
+{
+    int64_t value = 1;
+    return pass->when && expr_reach(pass->when) == EXPR_BAKED &&
+           expr_eval(pass->when, 1, 1, &value) == EXPR_OK && !value;
+}
+
+/* A pass whose condition is false for good does not exist for the later stages, unless somebody reads
+ * what it clears in place of writing it. One that stays for that may read what another would clear. */
 static void drop_passes(struct checker *c)
 {
     struct pipeline *pipeline = c->pipeline;
-    uint32_t kept = 0;
-    pipeline->dropped =
-        arena_alloc(c->model->arena, (pipeline->pass_count + 1) * sizeof *pipeline->dropped);
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        int64_t value = 1;
-        struct pass *pass = &pipeline->passes[i];
-        bool baked = pass->when && expr_reach(pass->when) == EXPR_BAKED;
-        if (baked && expr_eval(pass->when, 1, 1, &value) == EXPR_OK && !value)
-            drop_pass(c, pass);
-        else
-            pipeline->passes[kept++] = *pass;
-    }
+    uint32_t count = 0, all = pipeline->pass_count;
+    bool *kept = arena_alloc(c->model->arena, (all + 1) * sizeof *kept);
+    pipeline->dropped = arena_alloc(c->model->arena, (all + 1) * sizeof *pipeline->dropped);
     if (!kept)
+        return;
+    for (uint32_t i = 0; i < all; i++)
+        count += kept[i] = !is_false_for_good(&pipeline->passes[i]);
+    if (!count)
         diag_error(c->diag, pipeline->loc, "no pass of `%s` ever runs: every `when` is 0",
                    pipeline->name);
-    pipeline->pass_count = kept;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (uint32_t i = 0; i < all; i++)
+            if (!kept[i] && is_missed(pipeline, kept, &pipeline->passes[i]))
+                kept[i] = changed = true;
+    }
+    for (uint32_t i = 0; i < all; i++)
+        if (!kept[i])
+            drop_pass(c, &pipeline->passes[i]);
+    pipeline->pass_count = 0;
+    for (uint32_t i = 0; i < all; i++)
+        if (kept[i])
+            pipeline->passes[pipeline->pass_count++] = pipeline->passes[i];
 }
 
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag)

@@ -167,6 +167,9 @@ static void add_samplers(struct glsl *glsl)
         if (sampler->kind != SAMPLER_HAMMERSLEY || !is_listed(glsl->pass, sampler->name))
             continue;
         struct text function = {0};
+        if (sampler->map != MAP_SQUARE && glsl_uses(glsl, "%s_map", sampler->name))
+            text_add(&function, "vec2 %s_map(vec2 u)\n{\n    return %s(u);\n}\n\n", sampler->name,
+                     maps[sampler->map]);
         if (glsl_uses(glsl, "%s", sampler->name))
             text_add(&function, "vec2 %s(int k)\n{\n    return %s(hammersley(k, %s_count));\n}\n\n",
                      sampler->name, maps[sampler->map], sampler->name);

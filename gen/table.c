@@ -54,7 +54,8 @@ const struct section_info table_sections[SECTION_COUNT] = {
                        "{format: d32f, size: [256, 256], layers: clusters}"},
     [SECTION_SAMPLERS] = {"`samplers`", "samplers", "samplers",
                           "Point sets (`kind: hammersley`: `vec2 NAME(int k)` in passes that list "
-                          "it in `uses`) and filtering "
+                          "it in `uses`; on a disk also `vec2 NAME_map(vec2 u)`, from the unit "
+                          "square) and filtering "
                           "state (`kind: filter`: named by a pass's `reads`).",
                           "disk_points: {kind: hammersley, count: 32, map: concentric_disk}"},
     [SECTION_SAMPLER] = {"a sampler", "samplers.NAME", "sampler",
