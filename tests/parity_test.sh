@@ -28,17 +28,21 @@ check "ssvp agrees with a tile of 3x2 and counts that it does not divide" \
     "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set 'tile=[3,2]' --set first_vpls=100 --set second_vpls=128 --set clusters=3 --debug
 check "ssvp agrees with Equation 2 as printed" \
     "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set metrics.vpl_distance.normal_term=dot --debug
+check "ssvp agrees without second-bounce visibility, whose passes stay for what they clear" \
+    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set second_clusters=0 --debug
 check "ssvp agrees split and gathered" \
     "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set split=1 --debug
 
-# Where a range's elements live and how its loop is written changes the time, never a bit.
+# Where a range's elements live and how its loop is written changes the time, never a bit. 128 second-bounce VPLs fit into
+# a uniform block.
 ranges=passes.shade.ranges
 # shellcheck disable=SC2317 # called through check
 shade() { # file sets...
     local file=$1
     shift
-    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --debug "$@" &&
-        "$diptych" render --scene "$cornell" --spec "$ssvp" --size 37x23 --backend vk --dump "$work/dump" "$@" &&
+    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set second_vpls=128 --debug "$@" &&
+        "$diptych" render --scene "$cornell" --spec "$ssvp" --size 37x23 --set second_vpls=128 --backend vk \
+            --dump "$work/dump" "$@" &&
         cat "$work"/dump/*.shade.irradiance.raw >"$work/$file"
 }
 check "shading, as planned" shade planned

@@ -43,6 +43,20 @@ vec3 sample_flux(vec3 x, float count)
     return frame.light.color * (spot_falloff(cosine) * share * cosine * cosine * cosine);
 }
 
+/* The surface with the unit normal n, m2, that one of `count` equal samples of the light's map stands
+ * for at x; seen at a grazing angle, ten times what the light sees. */
+float sample_area(vec3 x, vec3 n, float count)
+{
+    float share = frame.light.area / count;
+    vec3 l = to_light(x);
+    float slope = max(dot(n, l), 0.1);
+    if (frame.light.kind == 0)
+        return share / slope;
+    vec3 d = frame.light.position - x;
+    float cosine = max(-dot(l, frame.light.direction), 0.0);
+    return share * cosine * cosine * cosine * dot(d, d) / slope;
+}
+
 /* Position in the light's map, in texels, and whether x is inside the map. Outside it is the place
  * on the border that lies on the way; it stays continuous up to the line behind a spot, since the
  * perspective division by the cosine ends at the cone. */

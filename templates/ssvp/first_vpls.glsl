@@ -15,6 +15,7 @@ void main()
     vec4 x = rsm_position(texel);
     vec3 flux = rsm_albedo(texel).rgb * sample_flux(x.xyz, float(first_vpls));
     vpls[k].position = x.xyz;
+    vpls[k].area = sample_area(x.xyz, rsm_normal(texel).xyz, float(first_vpls));
     vpls[k].normal = rsm_normal(texel).xyz;
     vpls[k].flux = x.w > 0.0 ? flux : vec3(0.0); /* no surface: no light */
 }

@@ -14,6 +14,7 @@ void main()
     shading_first[slot].position = vpls[k].position;
     shading_first[slot].layer = c;
     shading_first[slot].normal = vpls[k].normal;
+    shading_first[slot].disk = softness * vpls[k].area / PI;
     shading_first[slot].flux = wanted < first_vpls ? vpls[k].flux : vec3(0.0);
     shading_first[slot].eye = cluster_views[c].position;
     shading_first[slot].tangent = cluster_views[c].tangent;

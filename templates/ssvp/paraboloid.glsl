@@ -1,74 +1,40 @@
-/* Paraboloid maps (Heidrich, Seidel 1998), all clusters in one layered draw: uv = d.xy / (1 + d.z)
- * for the unit direction d in the cluster's frame, written with the homogeneous coordinate |d| +
- * d.z so that clipping at the horizon and the interpolation of positions stay linear in space.
- *
- * Triangles are still bent, since only their corners are projected. The texel's own direction is
- * therefore cut with the plane of the triangle: where neighbours share a plane the stored position
- * and distance are those of an exact map, however coarse the triangles. */
-#include "../shared/space.glsl"
+/* The maps that second-bounce VPLs are sampled from, and that tell what a cluster of first-bounce VPLs
+ * sees. */
+const int MAP_SIZE = paraboloid_size;
 
-#ifdef VERTEX
-layout(location = 0) out vec3 position;
-layout(location = 1) out vec3 normal;
-layout(location = 2) out vec2 uv;
-layout(location = 3) flat out uint material;
-layout(location = 4) flat out int layer;
-
-void main()
+vec3 map_eye(int c)
 {
-    int c = gl_InstanceIndex;
-    vec3 d = vertex_position - cluster_views[c].position;
-    float x = dot(d, cluster_views[c].tangent);
-    float y = dot(d, cluster_views[c].bitangent);
-    float z = dot(d, cluster_views[c].normal);
-    float w = length(d) + z;
-    position = vertex_position;
-    normal = vertex_normal;
-    uv = vertex_uv;
-    material = vertex_material;
-    layer = c;
-    gl_Position = vec4(x, y, 0.5 * w, w);
-    gl_ClipDistance[0] = cluster_views[c].member < 0 ? -1.0 : z; /* nothing for an empty cluster */
-    gl_Layer = c;
+    return cluster_views[c].position;
 }
-#endif
+
+vec3 map_tangent(int c)
+{
+    return cluster_views[c].tangent;
+}
+
+vec3 map_bitangent(int c)
+{
+    return cluster_views[c].bitangent;
+}
+
+vec3 map_axis(int c)
+{
+    return cluster_views[c].normal;
+}
+
+int map_member(int c)
+{
+    return cluster_views[c].member;
+}
 
 #ifdef FRAGMENT
-#include "../shared/surface.glsl"
-
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
-layout(location = 3) flat in uint material;
-layout(location = 4) flat in int layer;
-
-/* Unit direction of this texel. Texels outside the disk look behind the horizon and are never asked
- * for. */
-vec3 texel_direction()
+void write_texel(vec3 point, float reach, vec3 normal, vec3 albedo)
 {
-    vec2 p = gl_FragCoord.xy * (2.0 / float(paraboloid_size)) - 1.0;
-    float s = dot(p, p);
-    vec3 d = vec3(2.0 * p, 1.0 - s) / (1.0 + s);
-    return cluster_views[layer].tangent * d.x + cluster_views[layer].bitangent * d.y
-        + cluster_views[layer].normal * d.z;
-}
-
-void main()
-{
-    vec3 geometric = triangle_normal(position);
-    vec3 albedo = surface_albedo(material, uv);
-    vec3 eye = cluster_views[layer].position;
-    vec3 direction = texel_direction();
-    float interpolated = length(position - eye);
-    float cut = dot(position - eye, geometric) / dot(direction, geometric);
-    /* Not where the texel's ray runs along the plane or misses it. */
-    bool sound = cut > 0.5 * interpolated && cut < 2.0 * interpolated;
-    float reach = sound ? cut : interpolated;
-    vec3 point = sound ? eye + direction * cut : position;
     paraboloid_position = vec4(point, 1.0);
     paraboloid_distance = vec4(reach, 0.0, 0.0, 1.0);
-    paraboloid_normal = vec4(facing_normal(normal, geometric, eye - point), 0.0);
+    paraboloid_normal = vec4(normal, 0.0);
     paraboloid_albedo = vec4(albedo, 1.0);
-    gl_FragDepth = clamp(reach / (2.5 * frame.scene_radius), 0.0, 1.0);
 }
 #endif
+
+#include "paraboloid_map.glsl"

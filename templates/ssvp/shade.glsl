@@ -1,4 +1,6 @@
 /* Shading in place: each class reads and writes its own pixels, strided. */
+#include "vpl.glsl"
+
 void main()
 {
     ivec2 p = interleave_pixel();

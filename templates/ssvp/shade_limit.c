@@ -23,9 +23,9 @@ struct vec3x8 {
 
 /* What is the same for all pixels of a class. */
 struct setting {
-    __m256 closest, bound, tolerance;
+    __m256 closest, bias;
     __m256 middle[2]; /* of a map, in texels, moved by the class's stratum */
-    const float *maps;
+    const float *maps, *second_maps;
 };
 
 /* ---- Eight numbers at a time ----------------------------------------------------------------- */
@@ -85,6 +85,12 @@ static inline __m256i texel_of(__m256 place)
                             _mm256_set1_epi32(MAP - 1));
 }
 
+/* Of a texel, -1 to 1 over the map. */
+static inline __m256 centre_of(__m256i texel)
+{
+    return _mm256_fmadd_ps(_mm256_cvtepi32_ps(texel), all(2.0f / MAP), all(1.0f / MAP - 1));
+}
+
 static inline void add(struct vec3x8 *sum, const float flux[3], __m256 geometry)
 {
     sum->x = _mm256_fmadd_ps(all(flux[0]), geometry, sum->x);
@@ -94,45 +100,66 @@ static inline void add(struct vec3x8 *sum, const float flux[3], __m256 geometry)
 
 /* ---- Shading --------------------------------------------------------------------------------- */
 
-static inline void add_first(struct vec3x8 *sum, struct vec3x8 x, struct vec3x8 n,
-                             const struct ssvp_ClassVpl *v, const struct setting *setting)
+/* Numerator and denominator of the geometry term, see vpl.glsl. */
+struct term {
+    __m256 above, below;
+};
+
+static inline struct term geometry_term(struct vec3x8 x, struct vec3x8 n,
+                                        const struct ssvp_ClassVpl *v,
+                                        const struct setting *setting)
 {
-    struct vec3x8 d = from(x, v->position), c = from(x, v->eye);
+    struct vec3x8 d = from(x, v->position);
     __m256 square = _mm256_max_ps(dot(d, d), setting->closest);
-    __m256 cosines = _mm256_mul_ps(positive(dot_all(d, v->normal)), positive(negative_dot(n, d)));
+    __m256 leaving = positive(dot_all(d, v->normal)), arriving = positive(negative_dot(n, d));
+    __m256 distance = square_root(square);
+    __m256 cube = _mm256_fmadd_ps(square, distance, _mm256_mul_ps(all(v->disk), leaving));
+    return (struct term){_mm256_mul_ps(_mm256_mul_ps(leaving, arriving), distance),
+                         _mm256_mul_ps(square, cube)};
+}
+
+static inline void add_seen(struct vec3x8 *sum, struct vec3x8 x, struct vec3x8 n,
+                            const struct ssvp_ClassVpl *v, const struct setting *setting,
+                            const float *maps)
+{
+    struct vec3x8 c = from(x, v->eye);
+    struct term term = geometry_term(x, n, v, setting);
 
     __m256 eye_square = _mm256_max_ps(dot(c, c), setting->closest);
     __m256 reach = square_root(eye_square);
     __m256 w = _mm256_add_ps(reach, positive(dot_all(c, v->axis)));
-    __m256 fourth = _mm256_mul_ps(square, _mm256_add_ps(square, setting->bound));
-    __m256 inverse = reciprocal(_mm256_mul_ps(fourth, w));
-    __m256 geometry = _mm256_mul_ps(cosines, _mm256_mul_ps(w, inverse));
+    __m256 inverse = reciprocal(_mm256_mul_ps(term.below, w));
+    __m256 geometry = _mm256_mul_ps(term.above, _mm256_mul_ps(w, inverse));
 
-    __m256 scale = _mm256_mul_ps(_mm256_mul_ps(fourth, inverse), all(0.5f * MAP));
+    __m256 scale = _mm256_mul_ps(_mm256_mul_ps(term.below, inverse), all(0.5f * MAP));
     __m256 u = _mm256_fmadd_ps(dot_all(c, v->tangent), scale, setting->middle[0]);
     __m256 t = _mm256_fmadd_ps(dot_all(c, v->bitangent), scale, setting->middle[1]);
-    __m256i texel =
-        _mm256_add_epi32(_mm256_mullo_epi32(texel_of(t), _mm256_set1_epi32(MAP)), texel_of(u));
-    __m256 seen = _mm256_i32gather_ps(setting->maps + (size_t)v->layer * MAP * MAP, texel, 4);
+    __m256i column = texel_of(u), row = texel_of(t);
+    __m256i texel = _mm256_add_epi32(_mm256_mullo_epi32(row, _mm256_set1_epi32(MAP)), column);
+    __m256 seen = _mm256_i32gather_ps(maps + (size_t)v->layer * MAP * MAP, texel, 4);
 
     __m256 height = negative_dot(n, c);
-    __m256 steep = _mm256_max_ps(height, _mm256_mul_ps(reach, all(0.1f)));
+    __m256 p = centre_of(column), q = centre_of(row);
+    __m256 one = all(1), square_p = _mm256_fmadd_ps(p, p, _mm256_mul_ps(q, q));
+    __m256 rim = _mm256_add_ps(one, square_p);
+    __m256 across =
+        _mm256_fmadd_ps(dot_all(n, v->tangent), p, _mm256_mul_ps(dot_all(n, v->bitangent), q));
+    __m256 along = _mm256_fmadd_ps(
+        all(2), across, _mm256_mul_ps(dot_all(n, v->axis), _mm256_sub_ps(one, square_p)));
+    __m256 plane = _mm256_fmadd_ps(seen, along, _mm256_mul_ps(height, rim));
+    __m256 distance = _mm256_mul_ps(_mm256_sub_ps(reach, seen), rim);
     __m256 faces = _mm256_cmp_ps(height, _mm256_setzero_ps(), _CMP_GT_OQ);
-    __m256 slope = _mm256_blendv_ps(reach, steep, faces);
-    __m256 behind = _mm256_mul_ps(_mm256_sub_ps(reach, seen), slope);
-    __m256 visible =
-        _mm256_cmp_ps(behind, _mm256_mul_ps(setting->tolerance, eye_square), _CMP_LE_OQ);
+    __m256 before = _mm256_blendv_ps(distance, plane, faces);
+    __m256 most = _mm256_mul_ps(setting->bias, _mm256_mul_ps(reach, rim));
+    __m256 visible = _mm256_cmp_ps(before, most, _CMP_LE_OQ);
     add(sum, v->flux, _mm256_and_ps(geometry, visible));
 }
 
-static inline void add_second(struct vec3x8 *sum, struct vec3x8 x, struct vec3x8 n,
-                              const struct ssvp_Vpl *v, const struct setting *setting)
+static inline void add_unshadowed(struct vec3x8 *sum, struct vec3x8 x, struct vec3x8 n,
+                                  const struct ssvp_ClassVpl *v, const struct setting *setting)
 {
-    struct vec3x8 d = from(x, v->position);
-    __m256 square = _mm256_max_ps(dot(d, d), setting->closest);
-    __m256 cosines = _mm256_mul_ps(positive(dot_all(d, v->normal)), positive(negative_dot(n, d)));
-    __m256 fourth = _mm256_mul_ps(square, _mm256_add_ps(square, setting->bound));
-    add(sum, v->flux, _mm256_mul_ps(cosines, reciprocal(fourth)));
+    struct term term = geometry_term(x, n, v, setting);
+    add(sum, v->flux, _mm256_mul_ps(term.above, reciprocal(term.below)));
 }
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
@@ -190,10 +217,10 @@ static struct setting set_up(const struct dt_limit *limit, int class_x, int clas
     const float up = ((float)class_y + 0.5f) / TILE_Y - 0.5f;
     return (struct setting){
         .closest = all(1e-8f * radius * radius),
-        .bound = all(radius * radius / live->geometry_clamp),
-        .tolerance = all(live->visibility_bias * (1 + blur) * (2.8284271f / MAP)),
+        .bias = all(live->visibility_bias * (2.8284271f / MAP)),
         .middle = {all(0.5f * MAP + blur * right), all(0.5f * MAP + blur * up)},
-        .maps = (const void *)limit->inputs[SSVP_RESOURCE_PARABOLOID_DISTANCE].data};
+        .maps = (const void *)limit->inputs[SSVP_RESOURCE_PARABOLOID_DISTANCE].data,
+        .second_maps = (const void *)limit->inputs[SSVP_RESOURCE_SECOND_DISTANCE].data};
 }
 
 /* The pixels of one class in one row of the frame. */
@@ -203,7 +230,7 @@ static void shade_row(const struct dt_limit *limit, int y, int class_x)
     const int class = class_x + TILE_X * (y % TILE_Y);
     const struct dt_bytes *in = limit->inputs;
     const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_SHADING_FIRST].data;
-    const struct ssvp_Vpl *second = (const void *)in[SSVP_RESOURCE_SHADING_SECOND].data;
+    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SHADING_SECOND].data;
     const float *positions = (const void *)in[SSVP_RESOURCE_GBUFFER_POSITION].data;
     const uint16_t *normals = (const void *)in[SSVP_RESOURCE_GBUFFER_NORMAL].data;
     uint16_t *irradiance = (void *)limit->outputs[SSVP_RESOURCE_IRRADIANCE].data;
@@ -218,9 +245,12 @@ static void shade_row(const struct dt_limit *limit, int y, int class_x)
         const struct vec3x8 normal = load_halves(normals + texel, count);
         struct vec3x8 sum = {all(0), all(0), all(0)};
         for (int k = 0; k < SSVP_CONSTANT_CLASS_FIRST; k++)
-            add_first(&sum, position, normal, first + k, &setting);
+            add_seen(&sum, position, normal, first + k, &setting, setting.maps);
         for (int k = 0; k < SSVP_CONSTANT_CLASS_SECOND; k++)
-            add_second(&sum, position, normal, second + k, &setting);
+            if (SSVP_PARAM_SECOND_CLUSTERS > 0)
+                add_seen(&sum, position, normal, second + k, &setting, setting.second_maps);
+            else
+                add_unshadowed(&sum, position, normal, second + k, &setting);
         store(irradiance + texel, sum, count);
     }
 }

@@ -1,4 +1,6 @@
 /* Shading in split order: each class reads and writes a block of its own. */
+#include "vpl.glsl"
+
 void main()
 {
     ivec2 q = interleave_split();

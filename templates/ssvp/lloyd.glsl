@@ -1,0 +1,201 @@
+/* k-means over VPLs with the metric vpl_distance (paper, Equation 2; Dong et al. 2009), by Lloyd's
+ * iterations. Includers say over which: POINTS and CENTRES, how many there are; point_position(k),
+ * point_normal(k), point_power(k), a VPL; last_centre(c), what the last frame kept; keep_label(k, label),
+ * keep_margin(k, margin) and keep_centre(c, centre), where results go.
+ *
+ * One workgroup does all iterations. Every sum is serial in one invocation, the owner of the
+ * cluster, so its order is fixed; ties go to the lowest index. VPLs of zero flux have no vote and
+ * the label -1.
+ *
+ * Afterwards the label of a VPL is the argmin over the centres' position and normal, which are those
+ * that the last iteration began with, and mean and mean_normal are the means of the members so
+ * labelled. Next frame begins with the means. The margin of a label is how much farther than its own
+ * the second nearest of those centres is.
+ *
+ * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
+ * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So long loops take a block at a turn, whose
+ * loop of constant length the compiler unrolls: with every parameter at its max there are about
+ * 56,000 turns. Large blocks take long to compile. */
+#include "../shared/space.glsl"
+
+shared vec3 centre_position[CENTRES];
+shared vec3 centre_normal[CENTRES];
+shared vec3 mean_position[CENTRES];
+shared vec3 mean_normal[CENTRES];
+shared int member_count[CENTRES];
+shared int label[POINTS];
+shared float apart[POINTS];
+shared int candidate[64]; /* by lane */
+
+const int BLOCK = 8;
+
+/* Last frame's mean; in the first frame, without reuse_centres, and when the light reached nothing
+ * until now, one of the living VPLs, evenly spaced in their order. */
+void seed(int c)
+{
+    int living = 0;
+    for (int k = 0; k < POINTS; k++)
+        living += point_power(k) > 0.0 ? 1 : 0;
+    int wanted = (2 * c + 1) * living / (2 * CENTRES);
+    int chosen = 0;
+    int rank = 0;
+    for (int k = 0; k < POINTS; k++) {
+        bool lives = point_power(k) > 0.0;
+        if (lives && rank == wanted)
+            chosen = k;
+        rank += lives ? 1 : 0;
+    }
+    Centre last = last_centre(c);
+    bool seen = reuse_centres == 1 && last.seen != 0u;
+    centre_position[c] = seen ? last.mean : point_position(chosen);
+    vec3 normal = unit_or(point_normal(chosen), vec3(0.0, 0.0, 1.0));
+    centre_normal[c] = seen ? last.mean_normal : normal;
+}
+
+void assign(int k)
+{
+    int nearest = 0;
+    float least = 0.0;
+    float second = 0.0;
+    for (int first = 0; first < CENTRES; first += BLOCK) {
+        for (int j = 0; j < BLOCK; j++) {
+            int c = first + j;
+            if (c >= CENTRES)
+                break;
+            float d = vpl_distance(point_position(k), point_normal(k), centre_position[c],
+                                   centre_normal[c]);
+            if (c == 0 || d < least) {
+                second = least;
+                least = d;
+                nearest = c;
+            } else if (c == 1 || d < second) {
+                second = d;
+            }
+        }
+    }
+    bool lives = point_power(k) > 0.0;
+    label[k] = lives ? nearest : -1;
+    apart[k] = lives ? least : -1.0;
+    keep_margin(k, lives && CENTRES > 1 ? second - least : -1.0);
+}
+
+/* Mean of the positions, normalised sum of the normals. Where normals cancel out, the normal of the
+ * brightest member. A sum begins with its first term: 0.0 + x is x to a driver that has unrolled the
+ * loop and knows the 0.0, also where x is -0.0. */
+void average(int c)
+{
+    vec3 position = vec3(0.0);
+    vec3 normal = vec3(0.0);
+    vec3 dominant = centre_normal[c];
+    float brightest = 0.0;
+    int members = 0;
+    for (int first = 0; first < POINTS; first += BLOCK / 2) {
+        for (int j = 0; j < BLOCK / 2; j++) {
+            int k = first + j;
+            if (k < POINTS && label[k] == c) {
+                position = members == 0 ? point_position(k) : position + point_position(k);
+                normal = members == 0 ? point_normal(k) : normal + point_normal(k);
+                dominant = point_power(k) > brightest ? point_normal(k) : dominant;
+                brightest = max(point_power(k), brightest);
+                members++;
+            }
+        }
+    }
+    float count = float(max(members, 1));
+    bool cancels = dot(normal, normal) < 1e-4 * count * count;
+    mean_position[c] = members > 0 ? position / count : centre_position[c];
+    mean_normal[c] = unit_or(cancels ? dominant : normal, centre_normal[c]);
+    member_count[c] = members;
+}
+
+/* Of the VPLs lane, lane + lanes, ..., the one that is farthest from its own centre; -1: none is
+ * apart. */
+int farthest_of(int lane, int lanes)
+{
+    int farthest = -1;
+    float most = 0.0;
+    for (int first = lane; first < POINTS; first += BLOCK * lanes) {
+        for (int j = 0; j < BLOCK; j++) {
+            int k = first + j * lanes;
+            if (k < POINTS && apart[k] > most) {
+                most = apart[k];
+                farthest = k;
+            }
+        }
+    }
+    return farthest;
+}
+
+bool beats(int k, int other)
+{
+    if (k < 0 || other < 0)
+        return k >= 0;
+    return apart[k] > apart[other] || (apart[k] == apart[other] && k < other);
+}
+
+void move_to_farthest(int c, int lanes)
+{
+    int farthest = -1;
+    for (int first = 0; first < lanes; first += BLOCK)
+        for (int j = 0; j < BLOCK; j++)
+            farthest = beats(candidate[first + j], farthest) ? candidate[first + j] : farthest;
+    if (farthest >= 0) {
+        mean_position[c] = point_position(farthest);
+        mean_normal[c] = unit_or(point_normal(farthest), centre_normal[c]);
+        apart[farthest] = -1.0;
+    }
+}
+
+/* An empty cluster moves to the VPL that is farthest from its own centre; two of them take two
+ * VPLs. One that finds none keeps its centre. */
+void reseed_empty(int lane, int lanes)
+{
+    for (int c = 0; c < CENTRES; c++) {
+        if (member_count[c] == 0) {
+            candidate[lane] = farthest_of(lane, lanes);
+            barrier();
+            if (lane == 0)
+                move_to_farthest(c, lanes);
+            barrier();
+        }
+    }
+}
+
+void main()
+{
+    int lane = int(gl_LocalInvocationIndex);
+    int lanes = int(gl_WorkGroupSize.x);
+    if (lane < CENTRES)
+        seed(lane);
+    barrier();
+    for (int i = 0; i < kmeans_iterations; i++) {
+        for (int k = lane; k < POINTS; k += lanes)
+            assign(k);
+        barrier();
+        if (lane < CENTRES)
+            average(lane);
+        barrier();
+        reseed_empty(lane, lanes);
+        barrier();
+        if (lane < CENTRES && i + 1 < kmeans_iterations) {
+            centre_position[lane] = mean_position[lane];
+            centre_normal[lane] = mean_normal[lane];
+        }
+        barrier();
+    }
+    for (int k = lane; k < POINTS; k += lanes)
+        keep_label(k, label[k]);
+    if (lane < CENTRES) {
+        int all = 0;
+        for (int c = 0; c < CENTRES; c++)
+            all += member_count[c];
+        Centre centre;
+        centre.position = centre_position[lane];
+        centre.normal = centre_normal[lane];
+        centre.members = member_count[lane];
+        centre.mean = mean_position[lane];
+        centre.mean_normal = mean_normal[lane];
+        centre.seen = all > 0 ? 1u : 0u;
+        keep_centre(lane, centre);
+    }
+}

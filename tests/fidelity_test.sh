@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# How far ssvp's indirect irradiance is from the path tracer's, which shares none of its code: the energy of each bounce in a
+# closed white box, where nothing is hidden, and whether in the Cornell Box each bounce, visibility of the second one, and
+# more clusters bring the picture nearer. Three frames, so that the clusters have settled. TAP. Long: more scenes.
+# shellcheck disable=SC2317 # functions are called through check
+. "$(dirname "$0")/tap.sh"
+size=160x90 samples=64
+commented=$work/comments
+
+truth() { # file scene first last
+    "$diptych" reference --scene "$root/scenes/$2.yaml" --size "$size" --from-bounce "$3" --bounces "$4" \
+        --quantity irradiance --spp "$samples" -o "$work/$1"
+}
+
+ours() { # file scene sets...
+    local file=$1 scene=$2
+    shift 2
+    "$diptych" render --scene "$root/scenes/$scene.yaml" --size "$size" --frames 3 --backend vk --show indirect \
+        -o "$work/$file" "$@"
+}
+
+measured() { # reference test key: mean_reference, mean_test, relative_mse of the linear pictures
+    "$diptych" metrics --reference "$work/$1" --test "$work/$2" --exposure 1 --json "$work/json" >/dev/null &&
+        python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["hdr"][sys.argv[2]])' "$work/json" "$3"
+}
+
+is() { # expression with numbers, for awk
+    echo "$1"
+    echo "# $1" >>"$commented"
+    awk "BEGIN { exit !($1) }"
+}
+
+energy() { # bounce: what it adds is within 5 % of the truth
+    local without=0 with truth
+    [ "$1" = 1 ] || without=$(measured box1.exr ours1.exr mean_test) || return
+    with=$(measured box1.exr "ours$1.exr" mean_test) && truth=$(measured "box$1.exr" ours1.exr mean_reference) &&
+        is "($with - $without) / $truth > 0.95 && ($with - $without) / $truth < 1.05"
+}
+
+nearer() { # reference near far: the relative mean squared error of the first is smaller
+    local near far
+    near=$(measured "$1" "$2" relative_mse) && far=$(measured "$1" "$3" relative_mse) && is "$near < $far"
+}
+
+prepare() {
+    truth box1.exr white_box 1 1 && truth box2.exr white_box 2 2 && ours ours1.exr white_box --set bounces=1 &&
+        ours ours2.exr white_box
+}
+check "a closed white box, traced and rendered" prepare
+check "the first bounce has its energy" energy 1
+check "the second bounce has its energy" energy 2
+
+size=64x36 samples=400
+scenes=(cornell)
+[ -z "${DIPTYCH_LONG:-}" ] || scenes+=(atrium)
+for scene in "${scenes[@]}"; do
+        prepare() {
+        truth truth.exr "$scene" 1 2 && ours one.exr "$scene" --set bounces=1 && ours two.exr "$scene" &&
+            ours blind.exr "$scene" --set second_clusters=0 && ours few.exr "$scene" --set clusters=2 &&
+            ours many.exr "$scene" --set clusters=32
+    }
+    check "$scene, traced and rendered" prepare
+    check "$scene: two bounces are nearer than one" nearer truth.exr two.exr one.exr
+    check "$scene: the second bounce with visibility is nearer than without" nearer truth.exr two.exr blind.exr
+    check "$scene: 8 clusters are nearer than 2" nearer truth.exr two.exr few.exr
+    check "$scene: 32 clusters are nearer than 2" nearer truth.exr many.exr few.exr
+done
+cat "$commented"
+finish
