@@ -210,10 +210,12 @@ static bool take_screenshot(struct view *view)
     return good;
 }
 
-/* What fails here is told and goes on. */
+/* Once what stands there is of what is asked for. What fails here is told and goes on. */
 static void fulfil_wishes(struct view *view)
 {
     const struct dt_log *log = &view->console->log;
+    if (view->step)
+        return;
     if (view->screenshot)
         take_screenshot(view);
     if (view->save_camera && camera_save(&view->scene.camera, view->scene.path, log))
