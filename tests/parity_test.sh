@@ -33,6 +33,9 @@ check "ssvp agrees without second-bounce visibility, whose passes stay for what 
 check "ssvp agrees split and gathered" \
     "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set split=1 --debug
 
+check "instant radiosity agrees" \
+    "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 --set first_vpls=24 --debug
+
 # Where a range's elements live and how its loop is written changes the time, never a bit. 128 second-bounce VPLs fit into
 # a uniform block.
 ranges=passes.shade.ranges

@@ -1,0 +1,20 @@
+/* Irradiance, W/m2, from all VPLs: sum of Phi / pi cos cos V / d^2. Background pixels have a zero normal,
+ * so they come out zero. */
+#include "../ssvp/vpl.glsl"
+
+void main()
+{
+    ivec2 p = min(invocation().xy, indirect_size() - 1); /* beyond the frame: the last again */
+    vec3 x = gbuffer_position(p).xyz;
+    vec3 n = gbuffer_normal(p).xyz;
+    float closest = 1e-8 * frame.scene_radius * frame.scene_radius;
+    vec2 middle = vec2(0.5 * float(paraboloid_size));
+    float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
+    vec3 sum = vec3(0.0);
+    for (ClassVpl v : all_lights) {
+        Sight s = sight(v, x, n, closest, middle);
+        sum += v.flux * (s.geometry * visibility(s, v, n, map_distance(s.texel).r, bias));
+    }
+    /* Half floats end at 65504. */
+    indirect_store(p, vec4(min(sum / PI, 60000.0), 1.0));
+}
