@@ -611,14 +611,13 @@ static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
 {
     (void)state;
     for (int i = 0; i < 4; ++i) {
-        const int b = i % 2;
-        const double softness = i / 2;
+        const int b = i % 2, softness = i / 2;
         struct dump one, two;
         char sets[128];
-        snprintf(sets, sizeof sets, "--set bounces=1 --set second_clusters=0 --set softness=%g",
+        snprintf(sets, sizeof sets, "--set bounces=1 --set second_clusters=0 --set softness=%d",
                  softness);
         render(&one, "spot", backends[b], sets);
-        snprintf(sets, sizeof sets, "--set bounces=2 --set second_clusters=0 --set softness=%g",
+        snprintf(sets, sizeof sets, "--set bounces=2 --set second_clusters=0 --set softness=%d",
                  softness);
         render(&two, "spot", backends[b], sets);
         struct dump_entry first = dump_read(&one, NULL, "irradiance"),
