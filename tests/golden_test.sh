@@ -9,9 +9,8 @@ cd "$root" || exit 1
 # shellcheck disable=SC2317 # called through check
 without_words() { # file: generated C with the words of SPIR-V left out, and what is counted in them
     awk '{ sub(/\.flops = \{[0-9, ]+\}/, ".flops = {/* counted */}") }
-         /^static const uint32_t .*\[\] = \{$/ { print; print "    /* SPIR-V */"; words = 1 }
-         /^\};$/ { words = 0 }
-         !words && !/^static const uint32_t .*\[\] = \{$/' "$1"
+         sub(/^static const uint32_t .*\[[0-9]+\] =$/, "& /* SPIR-V */") { sub(/\[[0-9]+\]/, "[]") }
+         !/^    U"/' "$1"
 }
 
 # shellcheck disable=SC2317

@@ -218,7 +218,7 @@ def values_set_in_spec(pipeline):
 
 
 # Overrides of different values do not meet.
-@rewrite("overrides in another order", "ssvp", "rsm")
+@rewrite("overrides in another order", "rsm", "ssvp")
 def overrides_backwards(pipeline):
     pipeline.settings = dict(reversed(pipeline.settings.items()))
     pipeline.same_output = True
@@ -277,7 +277,7 @@ def rename_everything(pipeline):
 
 
 # Passes that share no resource that one of them changes may run in any order.
-@rewrite("independent passes in another order", "ssvp", "rsm", "features", "mips")
+@rewrite("independent passes in another order", "rsm", "ssvp", "features", "mips")
 def reorder_passes(pipeline):
     left, order = pipeline.passes(), []
 
@@ -334,7 +334,7 @@ def first_number(pipeline, name):
 
 # What nobody reads changes nothing, though it takes part in lifetimes, memory and barriers: the dead passes read all
 # that is there before them.
-@rewrite("dead passes and resources", "ssvp", "rsm", "features", "mips")
+@rewrite("dead passes and resources", "rsm", "ssvp", "features", "mips")
 def dead_passes(pipeline):
     spec, passes, alive = pipeline.spec, [], []
     spec["params"]["dead_weight"] = {"value": 0.5, "live": True}
@@ -414,7 +414,7 @@ def restructure(pipeline, change):
 
 
 # Fields that no body mentions only move the others.
-@rewrite("structs padded with unused fields", "ssvp", "rsm", "features")
+@rewrite("structs padded with unused fields", "rsm", "ssvp", "features")
 def pad_structs(pipeline):
     kinds = ["float", "vec3", "float[3]", "mat4", "uint", "ivec2"]
 
@@ -433,7 +433,7 @@ def fields_backwards(pipeline):
 
 
 # A constant is its expression.
-@rewrite("constants inlined", "ssvp", "rsm", "features")
+@rewrite("constants inlined", "rsm", "ssvp", "features")
 def inline_constants(pipeline):
     constants = {name: f"({value['value'] if isinstance(value, dict) else value})"
                  for name, value in pipeline.spec.pop("constants").items()}
@@ -495,7 +495,7 @@ def equal_expressions(pipeline):
 
 # A value is the same number, known at build time or handed over with the frame. But for denoise_normal: bodies subtract
 # it from 1.0, and glslang computes with constants in double precision, for both backends alike.
-@rewrite("live parameters baked", "ssvp", "rsm", "features", "mips")
+@rewrite("live parameters baked", "rsm", "ssvp", "features", "mips")
 def bake_live(pipeline):
     for name, param in pipeline.spec["params"].items():
         if isinstance(param, dict) and name != "denoise_normal":
@@ -515,7 +515,7 @@ def place_ranges(pipeline, storage, loop):
 
 
 # Where a range's elements live, and how its loop is written, is a question of time.
-@rewrite("ranges rolled over a uniform block", "ssvp", "features")
+@rewrite("ranges rolled over a uniform block", "features", "ssvp")
 def ranges_uniform(pipeline):
     place_ranges(pipeline, "uniform", "roll")
 
@@ -536,7 +536,7 @@ def plan_for_gpu(pipeline):
 
 
 # A range is the run of elements that a plain loop visits.
-@rewrite("ranges written as plain loops", "ssvp", "rsm", "features")
+@rewrite("ranges written as plain loops", "rsm", "ssvp", "features")
 def ranges_as_loops(pipeline):
     body_per_pass(pipeline)
     for entry in pipeline.passes():
@@ -549,7 +549,7 @@ def ranges_as_loops(pipeline):
 
 # Every invocation does its own part, however they are grouped. Only passes that ask for invocations, and whose bodies
 # turn away or clamp those beyond the last one.
-@rewrite("other workgroups", "ssvp", "rsm", "features")
+@rewrite("other workgroups", "rsm", "ssvp", "features")
 def other_workgroups(pipeline):
     for i, entry in enumerate(pipeline.passes()):
         if not {"dispatch", "interleave"} & set(entry) or entry["name"] == "remember":
@@ -574,7 +574,7 @@ def dispatch_groups(pipeline):
 
 
 # An array of one layer holds what an image holds. (rsm has no image that qualifies.)
-@rewrite("images made arrays of one layer", "ssvp", "features")
+@rewrite("images made arrays of one layer", "features", "ssvp")
 def make_layered(pipeline):
     output = pipeline.spec["output"].values()
     chosen = [name for name, image in pipeline.spec["images"].items()
@@ -591,7 +591,7 @@ def make_layered(pipeline):
 
 # What lies behind the last element that anybody asks for is nobody's business. Every element of an indirect draw's
 # arguments is asked for.
-@rewrite("buffers longer than needed", "ssvp", "rsm", "features")
+@rewrite("buffers longer than needed", "rsm", "ssvp", "features")
 def longer(pipeline):
     for name, buffer in pipeline.spec["buffers"].items():
         counted = any(f"{name}_count" in text for text in pipeline.bodies.values())
@@ -601,14 +601,14 @@ def longer(pipeline):
 
 
 # Whoever writes a resource anew in every frame does not see what it held in the last one.
-@rewrite("history that nobody looks at", "ssvp", "rsm", "features", "mips")
+@rewrite("history that nobody looks at", "rsm", "ssvp", "features", "mips")
 def more_history(pipeline):
     for resource in list(pipeline.spec["buffers"].values()) + list(pipeline.spec["images"].values()):
         resource["history"] = True
 
 
 # By texel, and as a target, the largest mip is meant; the others exist.
-@rewrite("mips that nobody looks at", "ssvp", "rsm", "features")
+@rewrite("mips that nobody looks at", "rsm", "ssvp", "features")
 def more_mips(pipeline):
     for name, image in pipeline.spec["images"].items():
         if image["size"] != "frame" and "frame" not in str(image["size"]) and not is_filtered(pipeline, name):
@@ -616,7 +616,7 @@ def more_mips(pipeline):
 
 
 # A channel that nobody asks for changes nothing in the others, which keep their type.
-@rewrite("formats with more channels", "ssvp", "features")
+@rewrite("formats with more channels", "features", "ssvp")
 def wider_formats(pipeline):
     wide = {"r32f": "rgba32f", "r32ui": "rg32ui"}
     for image in pipeline.spec["images"].values():
@@ -632,7 +632,7 @@ def split_and_gather(pipeline):
 
 
 # A copy is what it was copied from: everything that one pass alone makes goes through one.
-@rewrite("copies handed on in place of the originals", "ssvp", "rsm", "features")
+@rewrite("copies handed on in place of the originals", "rsm", "ssvp", "features")
 def copies(pipeline):
     body_per_pass(pipeline)
     output, passes = pipeline.spec["output"].values(), []
@@ -682,7 +682,7 @@ def redundant_after(pipeline):
 
 
 # A condition that always holds.
-@rewrite("every pass under a condition that holds", "ssvp", "rsm", "features", "mips")
+@rewrite("every pass under a condition that holds", "rsm", "ssvp", "features", "mips")
 def redundant_when(pipeline):
     pipeline.spec["params"]["always"] = {"value": 3, "live": True}
     for entry in pipeline.passes():
@@ -722,7 +722,7 @@ def includes_pasted(pipeline):
 
 
 # Comments and white space are nothing, also where they look like code.
-@rewrite("bodies full of comments, with other line ends", "ssvp", "rsm", "features", "mips")
+@rewrite("bodies full of comments, with other line ends", "rsm", "ssvp", "features", "mips")
 def comments_in_bodies(pipeline):
     nothing = '/* } for (Vpl v : nothing) { vpls[0]; "*/'
 
@@ -737,7 +737,7 @@ def comments_in_bodies(pipeline):
 
 
 # YAML is a notation. Two specs that read as the same tree give the very same files.
-@rewrite("spec written as JSON", "ssvp", "rsm", "features", "mips")
+@rewrite("spec written as JSON", "rsm", "ssvp", "features", "mips")
 def as_json(pipeline):
     pipeline.text = json.dumps(pipeline.spec, indent=3)
     pipeline.same_output = True

@@ -17,9 +17,19 @@ float point_power(int k)
     return vpls[k].flux.r + vpls[k].flux.g + vpls[k].flux.b;
 }
 
-Centre last_centre(int c)
+vec3 last_mean(int c)
 {
-    return centres[c];
+    return centres[c].mean;
+}
+
+vec3 last_normal(int c)
+{
+    return centres[c].mean_normal;
+}
+
+uint was_seen(int c)
+{
+    return centres[c].seen;
 }
 
 void keep_label(int k, int label)
@@ -32,9 +42,18 @@ void keep_margin(int k, float margin)
     label_margins[k] = margin;
 }
 
-void keep_centre(int c, Centre centre)
+void keep_centre(int c, vec3 position, vec3 normal, int members, uint seen)
 {
-    centres[c] = centre;
+    centres[c].position = position;
+    centres[c].normal = normal;
+    centres[c].members = members;
+    centres[c].seen = seen;
+}
+
+void keep_mean(int c, vec3 position, vec3 normal)
+{
+    centres[c].mean = position;
+    centres[c].mean_normal = normal;
 }
 
 #include "lloyd.glsl"

@@ -1,7 +1,8 @@
 /* k-means over VPLs with the metric vpl_distance (paper, Equation 2; Dong et al. 2009), by Lloyd's
  * iterations. Includers say over which: POINTS and CENTRES, how many there are; point_position(k),
- * point_normal(k), point_power(k), a VPL; last_centre(c), what the last frame kept; keep_label(k, label),
- * keep_margin(k, margin) and keep_centre(c, centre), where results go.
+ * point_normal(k), point_power(k), a VPL; last_mean(c), last_normal(c), was_seen(c), what the last frame
+ * kept; keep_label(k, label), keep_margin(k, margin), keep_centre(c, position, normal, members, seen)
+ * and keep_mean(c, position, normal), where results go.
  *
  * One workgroup does all iterations. Every sum is serial in one invocation, the owner of the
  * cluster, so its order is fixed; ties go to the lowest index. VPLs of zero flux have no vote and
@@ -45,11 +46,10 @@ void seed(int c)
             chosen = k;
         rank += lives ? 1 : 0;
     }
-    Centre last = last_centre(c);
-    bool seen = reuse_centres == 1 && last.seen != 0u;
-    centre_position[c] = seen ? last.mean : point_position(chosen);
+    bool seen = reuse_centres == 1 && was_seen(c) != 0u;
+    centre_position[c] = seen ? last_mean(c) : point_position(chosen);
     vec3 normal = unit_or(point_normal(chosen), vec3(0.0, 0.0, 1.0));
-    centre_normal[c] = seen ? last.mean_normal : normal;
+    centre_normal[c] = seen ? last_normal(c) : normal;
 }
 
 void assign(int k)
@@ -189,13 +189,8 @@ void main()
         int all = 0;
         for (int c = 0; c < CENTRES; c++)
             all += member_count[c];
-        Centre centre;
-        centre.position = centre_position[lane];
-        centre.normal = centre_normal[lane];
-        centre.members = member_count[lane];
-        centre.mean = mean_position[lane];
-        centre.mean_normal = mean_normal[lane];
-        centre.seen = all > 0 ? 1u : 0u;
-        keep_centre(lane, centre);
+        keep_centre(lane, centre_position[lane], centre_normal[lane], member_count[lane],
+                    all > 0 ? 1u : 0u);
+        keep_mean(lane, mean_position[lane], mean_normal[lane]);
     }
 }

@@ -17,9 +17,19 @@ float point_power(int k)
     return second_vpl[k].flux.r + second_vpl[k].flux.g + second_vpl[k].flux.b;
 }
 
-Centre last_centre(int c)
+vec3 last_mean(int c)
 {
-    return second_centres[c];
+    return second_centres[c].mean;
+}
+
+vec3 last_normal(int c)
+{
+    return second_centres[c].mean_normal;
+}
+
+uint was_seen(int c)
+{
+    return second_centres[c].seen;
 }
 
 void keep_label(int k, int label)
@@ -32,9 +42,18 @@ void keep_margin(int k, float margin)
     second_label_margins[k] = margin;
 }
 
-void keep_centre(int c, Centre centre)
+void keep_centre(int c, vec3 position, vec3 normal, int members, uint seen)
 {
-    second_centres[c] = centre;
+    second_centres[c].position = position;
+    second_centres[c].normal = normal;
+    second_centres[c].members = members;
+    second_centres[c].seen = seen;
+}
+
+void keep_mean(int c, vec3 position, vec3 normal)
+{
+    second_centres[c].mean = position;
+    second_centres[c].mean_normal = normal;
 }
 
 #include "lloyd.glsl"

@@ -9,7 +9,7 @@
 #include "reuse.glsl"
 
 struct DiskSample {
-    int layer;
+    int cluster;
     vec2 place;   /* on the unit disk */
     float number; /* of samples that the cluster has, its N; not an integer with second_by_flux */
 };
@@ -22,7 +22,7 @@ float power(vec3 flux)
 DiskSample equal_share(int k)
 {
     DiskSample drawn;
-    drawn.layer = k / second_per_cluster;
+    drawn.cluster = k / second_per_cluster;
     drawn.place = disk_points(k % second_per_cluster);
     drawn.number = float(second_per_cluster);
     return drawn;
@@ -38,17 +38,17 @@ DiskSample share_by_flux(int k)
         all += power(cluster_views[c].flux);
     float place = (float(k) + 0.5) / float(second_total) * all;
     DiskSample drawn;
-    drawn.layer = 0;
+    drawn.cluster = 0;
     float before = 0.0;
     float passed = 0.0;
     for (int c = 0; c < clusters; c++) {
         float length_here = power(cluster_views[c].flux);
         bool beyond = passed <= place && length_here > 0.0;
-        drawn.layer = beyond ? c : drawn.layer;
+        drawn.cluster = beyond ? c : drawn.cluster;
         before = beyond ? passed : before;
         passed += length_here;
     }
-    float share = power(cluster_views[drawn.layer].flux);
+    float share = power(cluster_views[drawn.cluster].flux);
     float within = share > 0.0 ? clamp((place - before) / share, 0.0, 1.0) : 0.5;
     drawn.place = disk_points_map(vec2(within, hammersley(k, second_total).y));
     drawn.number = share > 0.0 ? float(second_total) * (share / all) : 1.0;
@@ -61,27 +61,27 @@ void main()
     if (k >= second_total)
         return;
     DiskSample drawn = second_by_flux == 1 ? share_by_flux(k) : equal_share(k);
+    int c = drawn.cluster;
     vec2 p = shift_disk(drawn.place);
     ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(paraboloid_size)));
     texel = clamp(texel, ivec2(0), ivec2(paraboloid_size - 1));
-    ivec3 at = ivec3(texel, drawn.layer);
+    ivec3 at = ivec3(texel, c);
     vec4 x = paraboloid_position(at);
     vec3 n = paraboloid_normal(at).xyz;
-    ClusterView view = cluster_views[drawn.layer];
     float s = min(dot(p, p), 1.0);
     float square = (1.0 + s) * (1.0 + s);
     float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.number);
-    vec3 flux = paraboloid_albedo(at).rgb * view.flux * weight;
+    vec3 flux = paraboloid_albedo(at).rgb * cluster_views[c].flux * weight;
     /* The surface that this VPL stands for: dw d^2 / cos. The light comes from all of the cluster, not
      * from the map's eye alone, so nothing is nearer than the cluster is wide. Half as much again,
      * since the VPLs of one cluster are spread evenly, those of several among each other are not:
      * measured against path tracing, less leaves spots, more takes light out of corners. */
-    vec3 d = view.position - x.xyz;
+    vec3 d = cluster_views[c].position - x.xyz;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
     float slope = max(dot(n, d) * inversesqrt(far), 0.1);
     second_vpl[k].position = x.xyz;
     second_vpl[k].area =
-        1.5 * 4.0 * max(PI * far, view.area) / (square * float(second_total) * slope);
+        1.5 * 4.0 * max(PI * far, cluster_views[c].area) / (square * float(second_total) * slope);
     second_vpl[k].normal = n;
     second_vpl[k].flux = x.w > 0.0 ? flux : vec3(0.0); /* the light left the scene */
 }
