@@ -11,8 +11,8 @@ import yaml
 SECTIONS = ("params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves")
 
 # The words that a declared name brings into bodies.
-SUFFIXES = ("_sample_lod", "_class_size", "_count", "_size", "_store", "_sample", "_compare", "_tile", "_classes",
-            "_class", "_split", "_gather")
+SUFFIXES = ("_sample_lod", "_class_size", "_count", "_size", "_store", "_sample", "_compare", "_tile", "_map",
+            "_classes", "_class", "_split", "_gather")
 
 WORD = r"[A-Za-z_]\w*"
 INDEX = r"(?:[^][]|\[[^]]*\])*"   # of an element, with brackets in it
