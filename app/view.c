@@ -255,24 +255,36 @@ static bool run_frame(struct view *view)
     return true;
 }
 
+/* Some window systems give a minimised window no pixels, others let it keep its size. */
+static bool is_minimised(const struct view *view)
+{
+    return !view->window_size[0] || !view->window_size[1] ||
+           glfwGetWindowAttrib(view->window, GLFW_ICONIFIED);
+}
+
+static void measure_window(struct view *view)
+{
+    int width, height;
+    glfwGetFramebufferSize(view->window, &width, &height);
+    view->window_size[0] = width > 0 ? (uint32_t)width : 0;
+    view->window_size[1] = height > 0 ? (uint32_t)height : 0;
+}
+
 static bool run(struct view *view)
 {
     view->time = glfwGetTime();
     while (!is_over(view)) {
-        int width, height;
         if (rests(view))
             glfwWaitEventsTimeout(0.02);
         else
             glfwPollEvents();
-        glfwGetFramebufferSize(view->window, &width, &height);
-        if (width < 1 || height < 1) { /* minimised */
+        measure_window(view);
+        if (is_minimised(view)) { /* nobody looks, so the camera stays where it is, too */
             glfwWaitEventsTimeout(0.2);
-            continue;
-        }
-        view->window_size[0] = (uint32_t)width;
-        view->window_size[1] = (uint32_t)height;
-        if (!run_frame(view))
+            view->time = glfwGetTime();
+        } else if (!run_frame(view)) {
             return false;
+        }
     }
     return true;
 }

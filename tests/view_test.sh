@@ -151,6 +151,60 @@ check "surfaces that are lost, and swapchains out of date" ends 0
 check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
 check "... and it is the same picture" cmp lost.png saved.png
 
+# A window manager minimises it and brings it back, and somebody pulls at its corner.
+# shellcheck disable=SC2317 # called through check
+rests() { # before long, the window's process lets the processor be for a second
+    local before after=0
+    for _ in $(seq 30); do
+        before=$after
+        after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") || return 1
+        [ $((after - before)) -gt 15 ] || return 0
+        sleep 1
+    done
+    echo "in the last second it took $((after - before)) ticks"
+    return 1
+}
+# shellcheck disable=SC2317
+is_gone() { # the window, from the screen, before long
+    for _ in $(seq 100); do
+        xdotool search --onlyvisible --name '^diptych' || return 0
+        sleep 0.1
+    done
+    return 1
+}
+if command -v twm >/dev/null; then
+    printf '%s\n' NoTitle RandomPlacement IconifyByUnmapping NoGrabServer 'BorderWidth 0' \
+        {Title,Resize,Menu,Icon,IconManager}'Font "fixed"' >twmrc # the font that any X server has
+    LC_ALL=C twm -f twmrc 2>twm.err &
+    for backend in gl vk both; do
+        open_window --backend $backend --size 200x150 --set bounces=0
+        check "$backend under a window manager" see $backend.ppm shown
+        id=$(xdotool search --name '^diptych')
+        xdotool mousemove --window "$id" 50 75 key h
+        check "... without the panel" see bare.ppm shown not=$backend.ppm still
+        xdotool windowminimize "$id"
+        check "... is gone when it is minimised" is_gone
+        check "... lets the processor be, then" rests
+        xdotool windowmap --sync "$id"
+        check "... comes back as it was" see back.ppm as=bare.ppm
+        xdotool key 1
+        check "... and its frames go on" see next.ppm shown not=bare.ppm
+        for k in $(seq 40); do
+            xdotool windowsize "$id" $((1 + k * 97 % 300)) $((1 + k * 53 % 200))
+        done
+        xdotool windowminimize "$id"
+        is_gone >/dev/null
+        xdotool windowsize "$id" 260 90 windowmap --sync "$id"
+        check "... stands being pulled about" see storm.ppm shown size=260x90
+        xdotool windowminimize "$id"
+        is_gone >/dev/null
+        xdotool windowmap --sync "$id" mousemove --window "$id" 50 75 key Escape
+        check "... and ends in silence" ends 0
+    done
+else
+    skip "minimised windows" "twm is not installed"
+fi
+
 DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
 DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl
 check "three backends are too many" is_told 1 "one backend, or two" "$diptych" view "${small[@]}" --backend gl,vk,gl
