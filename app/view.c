@@ -36,7 +36,7 @@ static bool read_sides(struct view *view)
     return true;
 }
 
-static bool open_side(struct view *view, uint32_t index)
+bool view_open_side(struct view *view, uint32_t index)
 {
     const struct session_info info = {.side = &view->sides.list[index],
                                       .console = view->console,
@@ -52,19 +52,6 @@ static bool open_side(struct view *view, uint32_t index)
            session->runtime->create(session->handle, view_panel_of(side, &view->pipeline));
 }
 
-static void open_window(struct view *view)
-{
-    const uint32_t *size = view->options->size;
-    char *title = format_string("diptych: %s, %s", view->pipeline.info->name, view->options->scene);
-    int panels = view->side_count > 1 ? 2 : 1;
-    view->window = view->side[0].session.runtime->window(view->side[0].session.handle);
-    glfwSetWindowTitle(view->window, title ? title : "diptych");
-    glfwSetWindowSize(view->window, (int)size[0] * panels, (int)size[1]);
-    glfwShowWindow(view->window);
-    free(title);
-    view_input_open(view);
-}
-
 static bool open_overlay(struct view *view)
 {
     const struct session *window = &view->side[0].session;
@@ -78,6 +65,18 @@ static bool open_overlay(struct view *view)
     return window->runtime->window_upload(window->handle, 0, width, height, atlas);
 }
 
+bool view_open_window(struct view *view, int width, int height)
+{
+    char *title = format_string("diptych: %s, %s", view->pipeline.info->name, view->options->scene);
+    view->window = view->side[0].session.runtime->window(view->side[0].session.handle);
+    glfwSetWindowTitle(view->window, title ? title : "diptych");
+    glfwSetWindowSize(view->window, width, height);
+    glfwShowWindow(view->window);
+    free(title);
+    view_input_open(view);
+    return open_overlay(view);
+}
+
 static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
@@ -87,12 +86,14 @@ static bool open_view(struct view *view)
         !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
-        if (!open_side(view, i))
+        if (!view_open_side(view, i))
             return false;
-    open_window(view);
+    int panels = view->side_count > 1 ? 2 : 1;
+    if (!view_open_window(view, (int)options->size[0] * panels, (int)options->size[1]))
+        return false;
     view->reload = reload_start(view->console, options, &view->pipeline);
     console_status(view->console, "%s", "");
-    return view->reload && open_overlay(view) && view_times_create(view);
+    return view->reload && view_times_create(view);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -247,7 +248,7 @@ static bool run_frame(struct view *view)
     if (!rests(view)) {
         if (!view_render(view))
             return false;
-        view->step = false;
+        view->step = view->gave_up = false;
     }
     if (!present(view))
         return false;
@@ -282,7 +283,7 @@ static bool run(struct view *view)
         if (is_minimised(view)) { /* nobody looks, so the camera stays where it is, too */
             glfwWaitEventsTimeout(0.2);
             view->time = glfwGetTime();
-        } else if (!run_frame(view)) {
+        } else if (!run_frame(view) && !view_revive(view)) {
             return false;
         }
     }
@@ -291,19 +292,25 @@ static bool run(struct view *view)
 
 /* ---- Closing --------------------------------------------------------------------------------- */
 
-static bool close_sides(struct view *view)
+void view_close_side(struct view *view, uint32_t index)
 {
-    bool silent = true;
-    overlay_close(view->overlay);                   /* before its window */
-    for (uint32_t i = view->side_count; i-- > 0;) { /* the window's last */
-        struct view_side *side = &view->side[i];
-        if (side->session.handle)
-            silent = session_is_silent(&side->session) && silent;
-        session_close(&side->session);
-        view_forget(side);
-        view_times_free(&side->times);
+    struct view_side *side = &view->side[index];
+    if (index == 0) { /* over its window */
+        overlay_close(view->overlay);
+        view->overlay = NULL;
     }
-    return silent;
+    if (side->session.handle && !session_is_silent(&side->session))
+        view->noisy = true;
+    session_close(&side->session);
+    view_forget(side);
+}
+
+static void close_sides(struct view *view)
+{
+    for (uint32_t i = view->side_count; i-- > 0;) { /* the window's last */
+        view_close_side(view, i);
+        view_times_free(&view->side[i].times);
+    }
 }
 
 int verb_view(struct console *console, const struct options *options)
@@ -319,11 +326,11 @@ int verb_view(struct console *console, const struct options *options)
     if (good)
         view_tell(&view);
     reload_stop(view.reload);
-    good = close_sides(&view) && good;
+    close_sides(&view);
     view_outline_forget(&view);
     free(view.error);
     scene_free(&view.scene);
     sides_free(&view.sides);
     pipeline_unload(&view.pipeline);
-    return good ? EXIT_FINE : EXIT_FAILED;
+    return good && !view.noisy ? EXIT_FINE : EXIT_FAILED;
 }

@@ -58,7 +58,11 @@ struct view {
     bool overlay_hidden;
     struct reload *reload;
     bool reloading;
-    char *error; /* of the last reload, NULL: it went well; owned */
+    uint32_t losses;      /* of devices */
+    uint32_t loss_frames; /* what `frames` was at the last one */
+    bool gave_up;         /* paused since the device was lost once more: by a pass, it seems */
+    bool noisy;           /* a side that is closed has heard validation messages */
+    char *error;          /* of the last reload, NULL: it went well; owned */
     uint32_t reloads;
     double reload_ms; /* of the last one, from the saved file to the pipeline at work; NAN: none */
 
@@ -98,6 +102,16 @@ struct view {
 /* ---- view.c ---------------------------------------------------------------------------------- */
 
 bool view_render(struct view *view); /* a frame on every side, and its pictures */
+/* One side's device, scene and pipeline; the first one's window, and what stands over the picture. */
+bool view_open_side(struct view *view, uint32_t index);
+bool view_open_window(struct view *view, int width, int height);
+void view_close_side(struct view *view, uint32_t index); /* takes one that is not open */
+
+/* ---- view_revive.c --------------------------------------------------------------------------- */
+
+/* After something failed: opens those devices anew that were lost. False when it was not that, or the
+ * device does not come back. */
+bool view_revive(struct view *view);
 
 /* ---- view_input.c ---------------------------------------------------------------------------- */
 

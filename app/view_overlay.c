@@ -90,7 +90,10 @@ static char *shown_text(const struct view *view)
 static char *state_text(const struct view *view)
 {
     static const char *const modes[] = {"side by side", "left half | right half", "difference"};
-    const char *paused = view->paused ? "paused  " : "", *busy = view->reloading ? "reloading" : "";
+    const char *paused = !view->paused   ? ""
+                         : view->gave_up ? "the device was lost again; Space tries once more  "
+                                         : "paused  ";
+    const char *busy = view->reloading ? "reloading" : "";
     if (view->side_count == 1)
         return format_string("%s%s", paused, busy);
     if (view->mode == VIEW_DIFFERENCE)

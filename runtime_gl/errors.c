@@ -57,15 +57,15 @@ static const char *reset_text(GLenum status)
 
 /* Names the pass in which it was noticed: the guilty one when an observer has every pass finish
  * before the next. */
-static bool device_lost(const struct gl_runtime *rt, const char *call, const char *object,
-                        GLenum status)
+static bool device_lost(struct gl_runtime *rt, const char *call, const char *object, GLenum status)
 {
+    rt->lost = true;
     gl_log(rt, DT_ERROR, "%s%s: gl%.*s: the device was reset %s", rt->pass ? "pass " : "",
            rt->pass ? rt->pass : object, (int)strcspn(call, "("), call, reset_text(status));
     return false;
 }
 
-bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
+bool gl_check(struct gl_runtime *rt, const char *call, const char *object)
 {
     GLenum error = rt->gl.GetError();
     if (error == GL_NO_ERROR)
@@ -81,7 +81,7 @@ bool gl_check(const struct gl_runtime *rt, const char *call, const char *object)
     return false;
 }
 
-bool gl_finish(const struct gl_runtime *rt, const char *object)
+bool gl_finish(struct gl_runtime *rt, const char *object)
 {
     if (!GL(rt, object, Finish()))
         return false;

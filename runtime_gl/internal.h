@@ -58,6 +58,7 @@ struct gl_runtime {
     struct gl_limits limits;
     char device_name[256];
     uint32_t messages; /* from KHR_debug */
+    bool lost;         /* the context is, since the device was reset */
 
     struct gl_builtin builtin;
     uint32_t index_count;
@@ -90,10 +91,10 @@ void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format
 /* The one way to make an OpenGL call that can fail: true, or one DT_ERROR that names the call
  * and the object. */
 #define GL(rt, object, call) ((rt)->gl.call, gl_check((rt), #call, (object)))
-bool gl_check(const struct gl_runtime *rt, const char *call, const char *object);
+bool gl_check(struct gl_runtime *rt, const char *call, const char *object);
 
 /* glFinish, and an error when the device was reset meanwhile. */
-bool gl_finish(const struct gl_runtime *rt, const char *object);
+bool gl_finish(struct gl_runtime *rt, const char *object);
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 

@@ -62,10 +62,11 @@ bool vk_error(const struct vk_runtime *rt, const char *format, ...)
     return false;
 }
 
-bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, const char *name)
+bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const char *name)
 {
     if (result == VK_SUCCESS)
         return true;
+    rt->lost = rt->lost || result == VK_ERROR_DEVICE_LOST;
     const char *own = "rt->vk."; /* a call through the table is told as the function that it is */
     bool table = strncmp(call, own, strlen(own)) == 0;
     const char *prefix = table ? "vk" : "";

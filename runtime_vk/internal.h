@@ -61,6 +61,7 @@ struct vk_runtime {
     uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
     uint32_t drop_dependency; /* of the one that waits for nothing */
     uint32_t messages;
+    bool lost; /* a call has said that the device is */
 
     /* context.c */
     struct vk_dispatch vk;
@@ -131,7 +132,7 @@ bool vk_error(const struct vk_runtime *rt, const char *format, ...)
 
 /* True for VK_SUCCESS; else logs "vkFunction(name): VK_ERROR_...: what to do". `call` is the
  * text of the call. */
-bool vk_check(const struct vk_runtime *rt, VkResult result, const char *call, const char *name);
+bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const char *name);
 #define VK(rt, call, name) vk_check(rt, call, #call, name)
 
 /* ---- Device (device.c) ----------------------------------------------------------------------- */

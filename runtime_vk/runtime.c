@@ -208,6 +208,12 @@ static bool runtime_present(void *runtime, const struct dt_window_frame *frame)
     return has_window(rt, "present") && vk_present(rt, frame);
 }
 
+static bool runtime_is_lost(void *runtime)
+{
+    struct vk_runtime *rt = runtime;
+    return rt->lost;
+}
+
 static uint32_t runtime_messages(void *runtime)
 {
     struct vk_runtime *rt = runtime;
@@ -231,6 +237,7 @@ const struct dt_runtime runtime_vk = {
     .window_copy = runtime_window_copy,
     .window_upload = runtime_window_upload,
     .present = runtime_present,
+    .is_lost = runtime_is_lost,
     .messages = runtime_messages,
     .close = runtime_close,
 };

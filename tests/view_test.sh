@@ -205,6 +205,26 @@ else
     skip "minimised windows" "twm is not installed"
 fi
 
+# Devices that are lost are opened anew: time and again if it is seldom; twice at once, and it waits for somebody.
+losses=$build/tests/view_losses.so
+for backend in gl vk both; do # of both it is the second
+    LOSE=61 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --set bounces=0 --frames 40 --screenshot alive.png
+    check "$backend outlives a device" ends 0
+    check "... that was lost" says "told: the device is lost"
+    check "... and opened anew" says "opening the device anew"
+    [ $backend = both ] || check "... and shows what it showed" cmp alive.png saved.png
+done
+LOSE=40,60 LD_PRELOAD=$losses open_window --backend vk --size 240x180 --set bounces=0
+check "a device that is lost twice" says "Space, or a change of the pipeline, tries once more"
+check "... leaves the panel" see lost.ppm shown still size=240x180
+xdotool key space h
+check "... and goes on by hand" see alive.ppm as=saved.png
+xdotool key Escape
+check "... up to its end" ends 0
+LOSE=40,60 LD_PRELOAD=$losses open_window --backend gl --size 240x180 --set bounces=0 --frames 100
+check "with nobody there it is an error" ends 1
+check "... that says so" says "the window ends"
+
 DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
 DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl
 check "three backends are too many" is_told 1 "one backend, or two" "$diptych" view "${small[@]}" --backend gl,vk,gl

@@ -375,6 +375,9 @@ struct dt_runtime {
                           const uint8_t *pixels);
     /* Draws and shows, or does nothing while the window has no pixels. */
     bool (*present)(void *runtime, const struct dt_window_frame *frame);
+    /* Whether a verb has failed because the device or context was lost: then nothing works any more but
+     * close, and opening anew may help. */
+    bool (*is_lost)(void *runtime);
     uint32_t (*messages)(void *runtime); /* validation and debug messages so far; must be 0 */
     void (*close)(void *runtime);        /* takes NULL; destroys the panel first */
 };
