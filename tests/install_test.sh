@@ -154,7 +154,7 @@ check "all say the same version" versions_agree
 gen=$(pkg-config --variable=generator diptych-vk)
 templates=$(pkg-config --variable=templates diptych-vk)
 mkdir "$work/host"
-cp tests/hosts/host_gl.c tests/hosts/host_vk.c "$work/host"
+cp tests/hosts/*.[ch] "$work/host"
 
 # shellcheck disable=SC2317
 generate() {
@@ -165,7 +165,7 @@ build_host() { # gl|vk library...
     local api=$1 cflags sources=()
     shift
     read -ra cflags < <(pkg-config --cflags "diptych-$api" diptych-scene)
-    for name in "host_$api" ssvp "ssvp_$api" rsm "rsm_$api"; do sources+=("$work/host/$name.c"); done
+    for name in "host_$api" "renderer_$api" ssvp "ssvp_$api" rsm "rsm_$api"; do sources+=("$work/host/$name.c"); done
     hide cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "-I$work/host" "${cflags[@]}" "${sources[@]}" \
         -o "$work/host/host_$api" "$@"
 }
