@@ -11,8 +11,6 @@
 
 #include "stages.h"
 
-#define VERSION "0.1.0"
-
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
 enum { GENERATED_COLUMNS = 100 };
 
@@ -516,7 +514,7 @@ int main(int argc, char **argv)
     } else if (options.help) {
         print_help();
     } else if (options.version) {
-        printf("diptych-gen " VERSION "\n");
+        printf("diptych-gen " VERSION "\n"); /* as build.ninja has it */
     } else if (options.schema) {
         status = print_text(emit_schema);
     } else if (options.reference) {

@@ -6,20 +6,21 @@
 cd "$root" || exit
 size=(96 64)
 frames=2
+version=$(sed -n 's/^version = //p' build.ninja)
 scene=share/diptych/scenes/cornell.yaml
 
 # shellcheck disable=SC2317 # called through check
 installs() {
-    DESTDIR=$work/dest PREFIX=/opt/diptych sh app/install.sh 0.1.0
+    DESTDIR=$work/dest PREFIX=/opt/diptych sh app/install.sh "$version"
 }
 # Beside the command line that ninja would run, the test's own.
 # shellcheck disable=SC2317
 ninja_runs_it() {
-    ninja -t commands -s install | grep -Fx "sh app/install.sh 0.1.0"
+    ninja -t commands -s install | grep -Fx "sh app/install.sh $version"
 }
 # shellcheck disable=SC2317
 refuses_relative() {
-    ! DESTDIR='' PREFIX=somewhere sh app/install.sh 0.1.0 && [ ! -e somewhere ]
+    ! DESTDIR='' PREFIX=somewhere sh app/install.sh "$version" && [ ! -e somewhere ]
 }
 # shellcheck disable=SC2317
 modes_are_right() { # programs 755, folders 755, all else 644
