@@ -158,7 +158,7 @@ static void make_geometry(void)
         .size = GEOMETRY_BYTES,
         .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
                  VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     VkMemoryRequirements needs;
     assert_int_equal(vkCreateBuffer(vk.device, &info, NULL, &vk.geometry), VK_SUCCESS);
     vkGetBufferMemoryRequirements(vk.device, vk.geometry, &needs);
@@ -402,6 +402,149 @@ static void vulkan_needs_no_scene_that_nobody_sees(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+/* An image of the host's own, of one mip. */
+struct own_image {
+    VkImage image;
+    VkDeviceMemory memory;
+    VkImageView view; /* as an array */
+};
+
+static struct own_image make_image(VkFormat format, VkExtent3D extent, uint32_t layers,
+                                   VkImageUsageFlags usage)
+{
+    const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                    .imageType = VK_IMAGE_TYPE_2D,
+                                    .format = format,
+                                    .extent = extent,
+                                    .mipLevels = 1,
+                                    .arrayLayers = layers,
+                                    .samples = VK_SAMPLE_COUNT_1_BIT,
+                                    .usage = usage};
+    struct own_image own;
+    VkMemoryRequirements needs;
+    assert_int_equal(vkCreateImage(vk.device, &info, NULL, &own.image), VK_SUCCESS);
+    vkGetImageMemoryRequirements(vk.device, own.image, &needs);
+    own.memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    assert_int_equal(vkBindImageMemory(vk.device, own.image, own.memory, 0), VK_SUCCESS);
+    const VkImageViewCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = own.image,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+        .format = format,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers}};
+    assert_int_equal(vkCreateImageView(vk.device, &view, NULL, &own.view), VK_SUCCESS);
+    return own;
+}
+
+static void destroy_image(const struct own_image *own)
+{
+    vkDestroyImageView(vk.device, own->view, NULL);
+    vkDestroyImage(vk.device, own->image, NULL);
+    vkFreeMemory(vk.device, own->memory, NULL);
+}
+
+static void move_image(VkCommandBuffer commands, VkImage image, VkImageLayout from,
+                       VkImageLayout to)
+{
+    const VkImageMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+        .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+        .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+        .oldLayout = from,
+        .newLayout = to,
+        .image = image,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS}};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
+}
+
+/* Two layers of one sRGB texel each. */
+static struct own_image make_textures(const uint8_t texels[2][4])
+{
+    const VkImageUsageFlags usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 2},
+                                      .imageExtent = {1, 1, 1}};
+    struct own_image own = make_image(VK_FORMAT_R8G8B8A8_SRGB, region.imageExtent, 2, usage);
+    VkCommandBuffer commands = begin();
+    memcpy((char *)vk.bytes + region.bufferOffset, texels, 8);
+    move_image(commands, own.image, VK_IMAGE_LAYOUT_UNDEFINED,
+               VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdCopyBufferToImage(commands, vk.geometry, own.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                           1, &region);
+    move_image(commands, own.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+               VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+    submit(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    return own;
+}
+
+/* A frame, whose every texel in the host's `color` is to have these codes; 2 more or less are rounding. */
+static void draws(struct vk_runtime *rt, const struct own_image *color, const double codes[3])
+{
+    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    struct dt_frame frame = frame_of(0);
+    VkCommandBuffer commands = begin();
+    assert_true(dt_vk_record(rt, commands, &frame, NULL));
+    vkCmdCopyImageToBuffer(commands, color->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           vk.geometry, 1, &region);
+    submit(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    const uint8_t *texels = (const uint8_t *)vk.bytes + region.bufferOffset;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        for (int c = 0; c < 3; c++)
+            if (fabs(texels[4 * i + c] - codes[c]) > 2)
+                fail_msg("texel %d.%d is %d, not %g", i, c, texels[4 * i + c], codes[c]);
+}
+
+/* The linear value of an 8 bit code by IEC 61966-2-1, in the same units. */
+static double linear(double code)
+{
+    return 255 * pow((code / 255 + 0.055) / 1.055, 2.4);
+}
+
+static void vulkan_draws_the_hosts_textures(void **state)
+{
+    (void)state;
+    static const uint8_t texels[2][4] = {{250, 60, 60, 255}, {60, 188, 120, 255}};
+    const VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    const struct own_image textures = make_textures(texels);
+    const struct own_image color =
+        make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1, usage);
+    const struct dt_vk_image target = {.image = color.image,
+                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                       .usage = usage,
+                                       .width = WIDTH,
+                                       .height = HEIGHT,
+                                       .layers = 1,
+                                       .mips = 1,
+                                       .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    struct dt_material *material = (struct dt_material *)((char *)vk.bytes + 8192);
+    struct vk_runtime *rt = open_features();
+    struct dt_vk_scene scene = vk.scene;
+    *material = (struct dt_material){.albedo = {1, 0.5f, 1}, .texture = 1};
+    scene.textures = textures.view;
+    assert_true(dt_vk_import_scene(rt, &scene) &&
+                dt_vk_import_image(rt, FEATURES_RESOURCE_COLOR, &target) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    draws(rt, &color, (double[]){linear(60), linear(188) / 2, linear(120)});
+    material->texture = 0; /* the next frame sees it */
+    draws(rt, &color, (double[]){linear(250), linear(60) / 2, linear(60)});
+    material->texture = -1;
+    draws(rt, &color, (double[]){255, 127.5, 255});
+    material->texture = 1; /* where the host has no textures any more, there is white */
+    assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_resize(rt, WIDTH, HEIGHT));
+    draws(rt, &color, (double[]){255, 127.5, 255});
+    dt_vk_close(rt);
+    destroy_image(&textures); /* which the runtime has left alone */
+    destroy_image(&color);
+    memset(material, 0, sizeof *material);
+    assert_int_equal(heard.validation, 0);
+}
+
 /* ---- OpenGL ---------------------------------------------------------------------------------- */
 
 static PFNGLCREATEBUFFERSPROC create_buffers;
@@ -582,6 +725,7 @@ int main(void)
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
         cmocka_unit_test(vulkan_takes_times),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
+        cmocka_unit_test(vulkan_draws_the_hosts_textures),
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
         cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
