@@ -1,5 +1,6 @@
 /* The front half of diptych-gen below the command line: expressions (values, overflow, text),
- * suggestions, growing text, and outputs that appear whole or not at all. */
+ * suggestions, growing text, passes that are off for good, and outputs that appear whole or not at
+ * all. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -187,6 +188,83 @@ static void growing_text(void **state)
     assert_null(text.data);
 }
 
+/* ---- Passes that are off --------------------------------------------------------------------- */
+
+static void write_file(const char *dir, const char *name, const char *text)
+{
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", dir, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0 && fclose(file) == 0);
+}
+
+/* Names of the passes that the later stages get. */
+static void kept_passes(const char *spec, char kept[256])
+{
+    struct model model = {.arena = arena_create(), .templates_dir = "templates"};
+    struct diag *diag = diag_create();
+    bool good =
+        read_spec(&model, spec, NULL, 0, diag) && check_model(&model, model.templates_dir, diag);
+    if (!good)
+        diag_flush(diag);
+    assert_true(good);
+    kept[0] = '\0';
+    for (uint32_t i = 0; i < model.pipeline.pass_count; i++)
+        snprintf(kept + strlen(kept), 256 - strlen(kept), "%s%s", i ? " " : "",
+                 model.pipeline.passes[i].name);
+    diag_free(diag);
+    arena_free(model.arena);
+}
+
+/* A pass that is skipped clears what it would write. One that is skipped always is left out, but not
+ * when a pass that stays reads those clear values: that nobody else writes, directly or by way of
+ * another that stays for the same reason. */
+static void off_for_good(void **state)
+{
+    static const char head[] = "pipeline: off\n"
+                               "params: {on: 0, live_on: {value: 0, live: true}}\n"
+                               "structs: {Arguments: {x: uint, y: uint, z: uint}}\n"
+                               "buffers: {a: {of: uint, count: 4}, b: {of: uint, count: 4},\n"
+                               "  arguments: {of: Arguments, count: 1}}\n"
+                               "images: {shown: {format: rgba8, size: frame}}\n"
+                               "output: {display: shown}\npasses:\n";
+    static const char make[] = "name: make, when: on, dispatch: 4, writes: [a]";
+    static const char hand_on[] = "name: hand_on, when: on, dispatch: 4, reads: [a], writes: [b]";
+    static const char show[] = "name: show, dispatch: shown, writes: [shown]";
+    static const char show_a[] = "name: show, dispatch: shown, reads: [a], writes: [shown]";
+    static const char show_b[] = "name: show, dispatch: shown, reads: [b], writes: [shown]";
+    static const struct {
+        const char *passes[3], *kept;
+    } cases[] = {
+        {{make, show_a}, "make show"},
+        {{make, show}, "show"},
+        {{"name: make, when: live_on, dispatch: 4, writes: [a]", show}, "make show"},
+        {{make, "name: other, dispatch: 4, writes: [a], after: [make]", show_a}, "other show"},
+        {{make, hand_on, show_b}, "make hand_on show"},
+        {{make, hand_on, show}, "show"},
+        {{"name: make, when: on, dispatch: 1, writes: [arguments]",
+          "name: show, indirect: arguments, reads: [arguments], writes: [shown]"},
+         "make show"},
+    };
+    char dir[] = "/tmp/gen_front_XXXXXX", spec[256], text[2048], kept[256], command[300];
+    (void)state;
+    assert_non_null(mkdtemp(dir));
+    write_file(dir, "none.glsl", "void main() {}\n");
+    snprintf(spec, sizeof spec, "%s/off.yaml", dir);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        size_t used = (size_t)snprintf(text, sizeof text, "%s", head);
+        for (size_t k = 0; k < 3 && cases[i].passes[k]; k++)
+            used += (size_t)snprintf(text + used, sizeof text - used,
+                                     "  - {%s, shader: none.glsl}\n", cases[i].passes[k]);
+        write_file(dir, "off.yaml", text);
+        kept_passes(spec, kept);
+        assert_string_equal(kept, cases[i].kept);
+    }
+    snprintf(command, sizeof command, "rm -rf '%s'", dir);
+    assert_int_equal(system(command), 0);
+}
+
 /* ---- Output ---------------------------------------------------------------------------------- */
 
 static void add(struct output *output, const char *dir, const char *name, const char *content)
@@ -280,6 +358,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(reach_and_text, setup, teardown),
         cmocka_unit_test(nearest),
         cmocka_unit_test(growing_text),
+        cmocka_unit_test(off_for_good),
         cmocka_unit_test(outputs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

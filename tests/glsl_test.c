@@ -362,6 +362,34 @@ static void test_products_are_written_out(void **state)
         }
 }
 
+/* What a disk sampler does to points of the unit square can be had for points of the body's own: a
+ * function of the disk's name, which is there for bodies that call it, and on disks alone. */
+static void test_map_of_a_sampler(void **state)
+{
+    static const struct {
+        enum sampler_map map;
+        const char *calls; /* NULL: there is no map */
+    } cases[] = {{MAP_POLAR_DISK, "polar_disk(u)"},
+                 {MAP_CONCENTRIC_DISK, "concentric_disk(u)"},
+                 {MAP_SQUARE, NULL}};
+    static const char map[] = "vec2 points_map(vec2 u)\n{\n    return ";
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < COUNT(cases); i++)
+        for (int used = 0; used < 2; used++) {
+            f->samplers[0].map = cases[i].map;
+            set_body(f, SHADE, "shade.glsl",
+                     used && cases[i].calls
+                         ? "void main() { result_store(ivec2(0), points_map(vec2(0.5)).xyxy); }\n"
+                         : "void main() { result_store(ivec2(0), points(1).xyxy); }\n");
+            struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+            const char *at = strstr(shader.glsl.data, map);
+            assert_int_equal(!!at, used && cases[i].calls);
+            assert_true(!at || !strncmp(at + strlen(map), cases[i].calls, strlen(cases[i].calls)));
+            assert_int_equal(!strstr(shader.glsl.data, "vec2 points(int k)"), at != NULL);
+            shader_free(&shader);
+        }
+}
+
 static const char *emit_shade(struct fixture *f, const char *body, struct shader *shader)
 {
     *shader = (struct shader){0};
@@ -524,6 +552,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_goldens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_no_contraction, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_products_are_written_out, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_map_of_a_sampler, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_copy_follows_its_first_element, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_by_quads, set_up, tear_down),
