@@ -4,6 +4,7 @@
 #include "console.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -227,6 +228,17 @@ static void message_from(void *user, enum dt_level level, const char *message)
 struct dt_log log_from(struct log_source *source)
 {
     return (struct dt_log){.message = message_from, .user = source};
+}
+
+void console_duration(double seconds, char *text, size_t size)
+{
+    unsigned long whole = (unsigned long)fmin(ceil(seconds), 1e9);
+    if (whole < 100)
+        snprintf(text, size, "%lu s", whole);
+    else if (whole < 6000)
+        snprintf(text, size, "%lu min", (whole + 30) / 60);
+    else
+        snprintf(text, size, "%lu h %lu min", whole / 3600, whole % 3600 / 60);
 }
 
 void console_status(struct console *console, const char *format, ...)

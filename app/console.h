@@ -73,6 +73,9 @@ void console_keep(struct console *console, enum dt_level level, const char *text
 void console_status(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* Seconds as a person says them: "40 s", "12 min", "3 h 20 min". */
+void console_duration(double seconds, char *text, size_t size);
+
 /* A file or folder to remove should a signal end the process; forget it once it is renamed or
  * removed. */
 void console_temporary(struct console *console, const char *path);

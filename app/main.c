@@ -65,13 +65,16 @@ static const struct verb verbs[] = {
      "Saving the spec or a file that it names makes the pipeline anew.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_view, EXIT_FAILED},
-    {"sweep", VERB_SWEEP, "compare over many variations of a spec, scenes and sizes",
+    {"sweep", VERB_SWEEP, "compare or measure over many variations of a spec, scenes and sizes",
      "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
      "ninja,\n"
      "so that a sweep goes on where it was interrupted; commands, a line per run to paste; runs/, "
      "what\n"
      "each run said; summary.json and summary.csv. --set fixes a value in every run.\n"
-     "Exit status: 0 all runs agree, 1 some differ, 2 some could not run.",
+     "--measure takes times and errors instead: rows.csv, a row for each combination and backend, "
+     "and a\n"
+     "plot of each quantity; what failed is a row with its reason.\n"
+     "Exit status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
      verb_sweep, EXIT_USAGE},
 };
 

@@ -39,6 +39,7 @@ struct option_row {
 #define MAKING    (SPEC | VERB_REPORT)
 #define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
+#define TRACING   (VERB_REFERENCE | VERB_REPORT | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
 
 static const struct option_row rows[] = {
@@ -80,13 +81,13 @@ static const struct option_row rows[] = {
      "of the motion, from 0 on (default: 0)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_BENCH | VERB_REPORT, 0, "N",
      "frames to measure (default: 20)"},
-    {"--warmup", OPTION_COUNT, AT(warmup), VERB_BENCH | VERB_REPORT, 0, "N",
+    {"--warmup", OPTION_COUNT, AT(warmup), VERB_BENCH | VERB_REPORT | VERB_SWEEP, 0, "N",
      "frames before these, which are not measured (default: 3)"},
     {"--dump", OPTION_STRING, AT(dump), VERB_RENDER, 0, "DIR",
      "write what every pass of the last frame produced: manifest.json and raw files"},
     {"--timings", OPTION_STRING, AT(timings), VERB_RENDER, 0, "FILE.json",
      "write milliseconds per pass"},
-    {"--show", OPTION_STRING, AT(show), VERB_RENDER, 0, "RESOURCE",
+    {"--show", OPTION_STRING, AT(show), VERB_RENDER | VERB_SWEEP, 0, "RESOURCE",
      "make the picture of this image instead"},
     {"--reference", OPTION_STRING, AT(reference), VERB_METRICS, VERB_METRICS, "FILE",
      "the picture that is right: .exr (linear), or .png"},
@@ -135,15 +136,16 @@ static const struct option_row rows[] = {
      "1 to 255: fill all memory with it first, to see that no pass reads what nobody wrote"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
      "picture, linear, as render writes it"},
-    {"--spp", OPTION_COUNT, AT(spp), VERB_REFERENCE | VERB_REPORT, 0, "N",
+    {"--spp", OPTION_COUNT, AT(spp), TRACING, 0, "N",
      "samples per pixel (default: 256), or the most of them with --noise"},
-    {"--noise", OPTION_STRING, AT(noise), VERB_REFERENCE | VERB_REPORT, 0, "TARGET",
+    {"--noise", OPTION_STRING, AT(noise), TRACING, 0, "TARGET",
      "stop when a pixel's standard error is that part of the picture's mean, like 0.01"},
-    {"--bounces", OPTION_STRING, AT(bounces), VERB_REFERENCE, 0, "N|unlimited",
+    {"--bounces", OPTION_STRING, AT(bounces), VERB_REFERENCE | VERB_SWEEP, 0, "N|unlimited",
      "most bounces of indirect light, 0: direct light only (default: 2)"},
-    {"--from-bounce", OPTION_STRING, AT(from_bounce), VERB_REFERENCE, 0, "N",
+    {"--from-bounce", OPTION_STRING, AT(from_bounce), VERB_REFERENCE | VERB_SWEEP, 0, "N",
      "leave out light of fewer bounces, 1: indirect light only (default: 0)"},
-    {"--quantity", OPTION_CHOICE, AT(quantity), VERB_REFERENCE, 0, "radiance|irradiance",
+    {"--quantity", OPTION_CHOICE, AT(quantity), VERB_REFERENCE | VERB_SWEEP, 0,
+     "radiance|irradiance",
      "towards the eye, or at the surface, before its albedo (default: radiance)"},
     {"--filter", OPTION_CHOICE, AT(filter), VERB_REFERENCE, 0, "centre|box",
      "of a pixel: its centre alone, as the rasterizer sees it, or its area (default: centre)"},
@@ -170,9 +172,15 @@ static const struct option_row rows[] = {
     {"--grid", OPTION_TEXTS, AT(grid), VERB_SWEEP, 0, "PATH=V1,V2,...",
      "every one of these values; repeated, every combination"},
     {"--size", OPTION_TEXTS, AT(size_list), VERB_SWEEP, 0, "WxH",
-     "frame size; may be repeated (default: drawn, of a grid 64x64)"},
+     "frame size; may be repeated (default: drawn, of a grid 64x64, to measure 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_SWEEP, 0, "N",
-     "frames of every run (default: drawn, of a grid 1)"},
+     "frames of every run (default: drawn, of a grid 1); of times so many are measured, errors are "
+     "of the last"},
+    {"--measure", OPTION_STRING, AT(measure), VERB_SWEEP, 0, "LIST",
+     "agree, time (bench), error (against a path-traced reference), own (against the picture with "
+     "the last value), or some of them; rows.csv and plots (default: agree)"},
+    {"--x", OPTION_STRING, AT(x), VERB_SWEEP, 0, "PATH",
+     "--measure: the grid along the plots, the others make lines (default: the first)"},
     {"--verb", OPTION_CHOICE, AT(verb), VERB_SWEEP, 0, "compare", "what every run does"},
     {"--jobs", OPTION_COUNT, AT(jobs), VERB_SWEEP, 0, "J",
      "runs at a time (default: one per processor)"},

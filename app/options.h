@@ -73,6 +73,8 @@ struct options {
     struct text_list size_list;
     struct text_list grid;
     const char *verb;
+    const char *measure;                       /* sweep: of agree,time,error,own; NULL: agree */
+    const char *x;                             /* sweep: path of a grid; NULL: the first */
     uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, view, too */
     uint32_t warmup;
     bool slurm, collect;

@@ -218,17 +218,6 @@ static uint32_t next_samples(const struct reference *reference, double seconds_p
     return count;
 }
 
-static void format_duration(double seconds, char *text, size_t size)
-{
-    unsigned long whole = (unsigned long)fmin(ceil(seconds), 1e9);
-    if (whole < 100)
-        snprintf(text, size, "%lu s", whole);
-    else if (whole < 6000)
-        snprintf(text, size, "%lu min", (whole + 30) / 60);
-    else
-        snprintf(text, size, "%lu h %lu min", whole / 3600, whole % 3600 / 60);
-}
-
 static void show_progress(const struct reference *reference)
 {
     const struct film *film = &reference->film;
@@ -238,7 +227,7 @@ static void show_progress(const struct reference *reference)
         goal = fmin(goal, film->samples * pow(noise / reference->noise, 2));
     double left = fmax(goal - film->samples, 0) * elapsed / (film->samples - reference->resumed);
     char time_left[32];
-    format_duration(left, time_left, sizeof time_left);
+    console_duration(left, time_left, sizeof time_left);
     console_status(reference->console, "%u of %.0f samples, noise %.2g %%, %.1f Mrays/s, %s left",
                    film->samples, fmax(goal, film->samples), 100 * noise,
                    1e-6 * (double)tracer_rays(reference->tracer) / elapsed, time_left);

@@ -24,13 +24,6 @@
 #include "pipeline.h"
 #include "report.h"
 #include "scenes/reader.h"
-#include "scenes/scene.h"
-
-const char *report_text(const cJSON *object, const char *name)
-{
-    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
-    return text ? text : "";
-}
 
 const char *report_item(const cJSON *list, int index, char buffer[32])
 {
@@ -48,24 +41,19 @@ const char *report_item(const cJSON *list, int index, char buffer[32])
 /* ssvp/report.yaml for ssvp.yaml. */
 static char *find_outline(const struct report *report)
 {
-    const char *given = report->options->outline;
-    const char *dot = strrchr(report->spec, '.');
-    int length = (int)(dot ? dot - report->spec : (long)strlen(report->spec));
-    char *path = given ? strdup(given) : format_string("%.*s/report.yaml", length, report->spec);
+    const char *given = report->steps.options->outline;
+    const char *dot = strrchr(report->steps.spec, '.');
+    int length = (int)(dot ? dot - report->steps.spec : (long)strlen(report->steps.spec));
+    char *path =
+        given ? strdup(given) : format_string("%.*s/report.yaml", length, report->steps.spec);
     char *real = path ? realpath(path, NULL) : NULL;
     if (!real)
-        report_error(&report->console->log,
+        report_error(&report->steps.console->log,
                      "%s: cannot be read: %s; it says what a report of this spec shows, see "
                      "templates/ssvp/report.yaml; --outline names another",
                      path ? path : "outline", strerror(errno));
     free(path);
     return real;
-}
-
-/* A word that can be the name of a file. */
-static bool is_name(const char *text)
-{
-    return *text && text[0] != '.' && !strpbrk(text, "/\n|");
 }
 
 static bool is_number(struct fy_node *node)
@@ -127,7 +115,8 @@ static void read_part(struct reader *reader, const struct key *self, const char 
 static void check_name(struct reader *reader, const struct key *keys)
 {
     struct fy_node *name = keys[0].node;
-    if (name && fy_node_is_scalar(name) && !(is_text(name) && is_name(fy_node_get_scalar0(name))))
+    if (name && fy_node_is_scalar(name) &&
+        !(is_text(name) && step_is_name(fy_node_get_scalar0(name))))
         reader_report(reader, name, "`name` is a word that can be the name of a file");
 }
 
@@ -277,7 +266,7 @@ bool report_read_outline(struct report *report)
 {
     static const struct file_kind outline_file = {
         "report outline", "`pictures`, `sweep` and `reference`", read_outline};
-    const struct dt_log *log = &report->console->log;
+    const struct dt_log *log = &report->steps.console->log;
     report->outline_path = find_outline(report);
     return report->outline_path && reader_file(report->outline_path, &outline_file, report, log);
 }
@@ -290,92 +279,57 @@ char *report_outline_file(const struct report *report, const char *name)
                                           report->outline_path, name);
 }
 
-const cJSON *report_next_motion(const struct report *report, const struct report_scene *scene,
+const cJSON *report_next_motion(const struct report *report, const struct step_scene *scene,
                                 const cJSON *motion)
 {
     const cJSON *list = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "of");
     motion = motion ? motion->next : cJSON_GetArrayItem(list, 0);
-    while (motion && strcmp(report_text(motion, "scene"), scene->name) != 0)
+    while (motion && strcmp(step_text(motion, "scene"), scene->name) != 0)
         motion = motion->next;
     return motion;
 }
 
+const char *report_parameter(const struct report *report)
+{
+    return step_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter");
+}
+
+const cJSON *report_values(const struct report *report)
+{
+    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values");
+}
+
+int report_value_count(const struct report *report)
+{
+    return cJSON_GetArraySize(report_values(report));
+}
+
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
-static bool is_taken(const struct report *report, const char *name)
+static bool find_outline_scenes(struct report *report, const cJSON *list)
 {
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (strcmp(report->scenes[i].name, name) == 0)
-            return true;
+    uint32_t count = 0, most = (uint32_t)cJSON_GetArraySize(list);
+    char **paths = calloc(most + 1, sizeof *paths);
+    bool good = paths;
+    for (; count < most && good; count++) {
+        const cJSON *item = cJSON_GetArrayItem(list, (int)count);
+        paths[count] = report_outline_file(report, cJSON_IsString(item) ? item->valuestring : "");
+        good = paths[count];
     }
-    return false;
-}
-
-static bool add_scene(struct report *report, const char *path)
-{
-    const struct dt_log *log = &report->console->log;
-    struct report_scene *scene = &report->scenes[report->scene_count];
-    scene->path = realpath(path, NULL);
-    const char *slash = scene->path ? strrchr(scene->path, '/') : NULL;
-    if (!slash) {
-        report_error(log, "%s: cannot be read: %s", path, strerror(errno));
-        return false;
-    }
-    const char *dot = strrchr(slash, '.');
-    scene->name =
-        dot > slash + 1 ? strndup(slash + 1, (size_t)(dot - slash) - 1) : strdup(slash + 1);
-    if (!scene->name || !is_name(scene->name) || strcmp(scene->name, "plots") == 0 ||
-        is_taken(report, scene->name)) {
-        report_error(log, "%s: the report cannot have a folder \"%s\" for it; rename the file",
-                     scene->path, scene->name ? scene->name : "");
-        free(scene->name);
-        free(scene->path);
-        return false;
-    }
-    report->scene_count++;
-    if (!scene_find_mesh(scene->path, report->scenes_folder, &scene->mesh, log))
-        return false;
-    if (!scene->mesh)
-        report_message(log, DT_WARNING,
-                       "%s is left out, its mesh is not here; --scenes or DIPTYCH_SCENES names the "
-                       "folder that holds it",
-                       scene->path);
-    return true;
-}
-
-static bool add_outline_scenes(struct report *report)
-{
-    const cJSON *item, *list = cJSON_GetObjectItem(report->outline, "scenes");
-    bool good = true;
-    cJSON_ArrayForEach(item, list)
-    {
-        const char *name = cJSON_GetStringValue(item) ? item->valuestring : "";
-        char *path = report_outline_file(report, name);
-        good = good && path && add_scene(report, path);
-        free(path);
-    }
+    if (good)
+        good = steps_find_scenes(&report->steps, (const char *const *)paths, count);
+    else
+        report_error(&report->steps.console->log, "out of memory");
+    for (uint32_t i = 0; i < count && paths; i++)
+        free(paths[i]);
+    free(paths);
     return good;
 }
 
 bool report_find_scenes(struct report *report)
 {
-    const struct text_list *given = &report->options->scene_list;
-    const struct dt_log *log = &report->console->log;
-    const cJSON *list = cJSON_GetObjectItem(report->outline, "scenes");
-    uint32_t most = given->count ? given->count : (uint32_t)cJSON_GetArraySize(list), here = 0;
-    bool good = true;
-    report->scenes = calloc(most + 1, sizeof *report->scenes);
-    if (!report->scenes) {
-        report_error(log, "out of memory");
-        return false;
-    }
-    for (uint32_t i = 0; i < given->count && good; i++)
-        good = add_scene(report, given->items[i]);
-    if (!given->count)
-        good = add_outline_scenes(report);
-    for (uint32_t i = 0; i < report->scene_count; i++)
-        here += report->scenes[i].mesh != NULL;
-    if (good && !here)
-        report_error(log, "no scene is left for the report; name one by --scene FILE");
-    return good && here;
+    const struct text_list *given = &report->steps.options->scene_list;
+    return given->count
+               ? steps_find_scenes(&report->steps, given->items, given->count)
+               : find_outline_scenes(report, cJSON_GetObjectItem(report->outline, "scenes"));
 }

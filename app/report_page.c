@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "files.h"
+#include "plot.h"
 #include "report.h"
 
 static const char page_head[] =
@@ -58,23 +59,18 @@ static void put_term(FILE *out, const char *name, const char *text)
     fputs("</dd>\n", out);
 }
 
-static const cJSON *sweep_values(const struct report *report)
-{
-    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values");
-}
-
 /* Of the first run that any backend has told its device in. */
 static const char *find_device(struct report *report, uint32_t side)
 {
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        for (int v = 0; v < cJSON_GetArraySize(sweep_values(report)) && report->scenes[i].mesh;
-             v++) {
-            char *file = report_sweep_file(report, &report->scenes[i], v, "_bench.json");
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        for (int v = 0; v < report_value_count(report) && report->steps.scenes[i].mesh; v++) {
+            char *file = grid_bench_file(
+                report_point(report, &report->steps.scenes[i], report_last_picture(report), v));
             const cJSON *sides =
-                cJSON_GetObjectItem(report_result(report, file ? file : ""), "sides");
+                cJSON_GetObjectItem(steps_result(&report->steps, file ? file : ""), "sides");
             free(file);
             if (cJSON_GetArraySize(sides) > (int)side)
-                return report_text(cJSON_GetArrayItem(sides, (int)side), "device");
+                return step_text(cJSON_GetArrayItem(sides, (int)side), "device");
         }
     }
     return "not known: no run of bench succeeded";
@@ -82,9 +78,9 @@ static const char *find_device(struct report *report, uint32_t side)
 
 static void put_devices(FILE *out, struct report *report)
 {
-    for (uint32_t side = 0; side < report->sides.count; side++) {
+    for (uint32_t side = 0; side < report->steps.sides.count; side++) {
         fputs("<dt>Device of ", out);
-        report_put_text(out, report->sides.list[side].label);
+        report_put_text(out, report->steps.sides.list[side].label);
         fputs("</dt><dd>", out);
         report_put_text(out, find_device(report, side));
         fputs("</dd>\n", out);
@@ -112,7 +108,7 @@ static void put_processor(FILE *out)
 
 static void put_settings(FILE *out, const struct report *report)
 {
-    const struct options *options = report->options;
+    const struct options *options = report->steps.options;
     fputs("<dt>Overrides</dt><dd>", out);
     for (uint32_t i = 0; i < options->set_count; i++) {
         fputs(i ? ", <code>" : "<code>", out);
@@ -124,11 +120,11 @@ static void put_settings(FILE *out, const struct report *report)
 
 static void put_left_out(FILE *out, const struct report *report)
 {
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (report->scenes[i].mesh)
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh)
             continue;
         fputs("<dt>Left out</dt><dd>", out);
-        report_put_text(out, report->scenes[i].name);
+        report_put_text(out, report->steps.scenes[i].name);
         fputs(": its mesh is not here. The scene file tells where it can be had; "
               "<code>--scenes DIR</code> names the folder that holds it.</dd>\n",
               out);
@@ -137,20 +133,21 @@ static void put_left_out(FILE *out, const struct report *report)
 
 static const char *page_title(const struct report *report)
 {
-    const char *title = report_text(report->outline, "title"), *slash = strrchr(report->spec, '/');
+    const char *title = step_text(report->outline, "title"),
+               *slash = strrchr(report->steps.spec, '/');
     return *title ? title : slash + 1;
 }
 
 static void put_introduction(FILE *out, struct report *report)
 {
-    const struct options *options = report->options;
-    const char *source = report_text(report->outline, "source");
+    const struct options *options = report->steps.options;
+    const char *source = step_text(report->outline, "source");
     fputs("<h1>", out);
     report_put_text(out, page_title(report));
     fputs("</h1>\n<p class=\"dim\">", out);
     report_put_text(out, source);
     fputs("</p>\n<dl>\n", out);
-    put_term(out, "Spec", report->spec);
+    put_term(out, "Spec", report->steps.spec);
     put_settings(out, report);
     fprintf(out, "<dt>Frame</dt><dd>%u &times; %u pixels</dd>\n", options->size[0],
             options->size[1]);
@@ -163,7 +160,7 @@ static void put_introduction(FILE *out, struct report *report)
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
 /* `name` without an ending. */
-static void put_image(FILE *out, const struct report_scene *scene, const char *name,
+static void put_image(FILE *out, const struct step_scene *scene, const char *name,
                       const char *title, const struct report *report)
 {
     fputs("<img src=\"", out);
@@ -171,21 +168,21 @@ static void put_image(FILE *out, const struct report_scene *scene, const char *n
     fputc('/', out);
     report_put_link(out, name);
     fprintf(out, ".png\" width=\"%u\" height=\"%u\" loading=\"lazy\" alt=\"",
-            report->options->size[0], report->options->size[1]);
+            report->steps.options->size[0], report->steps.options->size[1]);
     report_put_text(out, scene->name);
     fputs(", ", out);
     report_put_text(out, title);
     fputs("\">", out);
 }
 
-static void put_picture(FILE *out, struct report *report, const struct report_scene *scene,
+static void put_picture(FILE *out, struct report *report, const struct step_scene *scene,
                         const cJSON *picture)
 {
-    const char *title = report_text(picture, "title");
-    char *file = report_file(scene, report_text(picture, "name"), ".json");
-    char *name = format_string("%s/test", report_text(picture, "name"));
+    const char *title = step_text(picture, "title");
+    char *file = report_file(scene, step_text(picture, "name"), ".json");
+    char *name = format_string("%s/test", step_text(picture, "name"));
     fputs("<figure>", out);
-    if (file && name && report_result(report, file)) {
+    if (file && name && steps_result(&report->steps, file)) {
         put_image(out, scene, name, title, report);
         fputs("<figcaption><b>", out);
         report_put_text(out, title);
@@ -194,8 +191,8 @@ static void put_picture(FILE *out, struct report *report, const struct report_sc
         fputs(", FLIP ", out);
         report_put_result(out, report, file, "ldr.flip.mean");
         fputs(", mean ", out);
-        report_put_number(out, report_number(report, file, "hdr.mean_test") /
-                                   report_number(report, file, "hdr.mean_reference"));
+        report_put_number(out, steps_number(&report->steps, file, "hdr.mean_test") /
+                                   steps_number(&report->steps, file, "hdr.mean_reference"));
         fputs(" of the reference&rsquo;s</figcaption>", out);
     } else {
         fputs("<figcaption><b>", out);
@@ -207,10 +204,10 @@ static void put_picture(FILE *out, struct report *report, const struct report_sc
     free(file);
 }
 
-static void put_reference(FILE *out, struct report *report, const struct report_scene *scene,
+static void put_reference(FILE *out, struct report *report, const struct step_scene *scene,
                           const char *name)
 {
-    const char *title = report_text(cJSON_GetObjectItem(report->outline, "reference"), "title");
+    const char *title = step_text(cJSON_GetObjectItem(report->outline, "reference"), "title");
     char *file = report_file(scene, "reference", ".json");
     char *picture = format_string("%s/reference", name);
     title = *title ? title : "Reference";
@@ -221,22 +218,22 @@ static void put_reference(FILE *out, struct report *report, const struct report_
     fputs("</b>path-traced, ", out);
     report_put_result(out, report, file ? file : "", "samples");
     fputs(" samples per pixel; a pixel&rsquo;s standard error is ", out);
-    report_put_number(out, 100 * report_number(report, file ? file : "", "noise"));
+    report_put_number(out, 100 * steps_number(&report->steps, file ? file : "", "noise"));
     fputs("&nbsp;% of the mean</figcaption></figure>\n", out);
     free(picture);
     free(file);
 }
 
-static void put_map(FILE *out, struct report *report, const struct report_scene *scene,
+static void put_map(FILE *out, struct report *report, const struct step_scene *scene,
                     const cJSON *picture)
 {
-    const char *name = report_text(picture, "name");
+    const char *name = step_text(picture, "name");
     char *file = report_file(scene, name, ".json");
     char *map = format_string("%s/flip_ldr", name);
     fputs("<figure>", out);
     put_image(out, scene, map ? map : "", "FLIP map", report);
     fputs("<figcaption><b>FLIP: ", out);
-    report_put_text(out, report_text(picture, "title"));
+    report_put_text(out, step_text(picture, "title"));
     fputs("</b>bright where it differs from the reference; 95&nbsp;% of the pixels are below ",
           out);
     report_put_result(out, report, file ? file : "", "ldr.flip.p95");
@@ -248,10 +245,11 @@ static void put_map(FILE *out, struct report *report, const struct report_scene 
 }
 
 /* Whether the backends had the same bits, if there are two. */
-static void put_agreement(FILE *out, struct report *report, const struct report_scene *scene)
+static void put_agreement(FILE *out, struct report *report, const struct step_scene *scene)
 {
     char *file = report_file(scene, "compare", ".json");
-    const cJSON *result = report->sides.count > 1 && file ? report_result(report, file) : NULL;
+    const cJSON *result =
+        report->steps.sides.count > 1 && file ? steps_result(&report->steps, file) : NULL;
     const cJSON *broken = cJSON_GetObjectItem(result, "first_break");
     const cJSON *guilty = cJSON_GetObjectItem(result, "guilty");
     free(file);
@@ -262,21 +260,21 @@ static void put_agreement(FILE *out, struct report *report, const struct report_
         return;
     }
     fputs("<p>The backends differ, first in the pass <code>", out);
-    report_put_text(out, report_text(cJSON_IsObject(guilty) ? guilty : broken, "pass"));
+    report_put_text(out, step_text(cJSON_IsObject(guilty) ? guilty : broken, "pass"));
     fputs("</code>.</p>\n", out);
 }
 
-static void put_scene(FILE *out, struct report *report, const struct report_scene *scene)
+static void put_scene(FILE *out, struct report *report, const struct step_scene *scene)
 {
     const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
     const cJSON *last = report_last_picture(report);
-    char *file = report_file(scene, report_text(last, "name"), ".json");
-    fprintf(out, "<h3 id=\"scene-%u\">", (unsigned)(scene - report->scenes));
+    char *file = report_file(scene, step_text(last, "name"), ".json");
+    fprintf(out, "<h3 id=\"scene-%u\">", (unsigned)(scene - report->steps.scenes));
     report_put_text(out, scene->name);
     fputs("</h3>\n<div class=\"strip\">\n", out);
     cJSON_ArrayForEach(picture, pictures) put_picture(out, report, scene, picture);
-    if (file && report_result(report, file)) {
-        put_reference(out, report, scene, report_text(last, "name"));
+    if (file && steps_result(&report->steps, file)) {
+        put_reference(out, report, scene, step_text(last, "name"));
         put_map(out, report, scene, last);
     }
     fputs("</div>\n", out);
@@ -297,9 +295,9 @@ static void put_pictures(FILE *out, struct report *report)
         "<li class=\"bar\" aria-hidden=\"true\"></li><li>1</li></ul>\n",
         out);
     report_put_overview(out, report);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (report->scenes[i].mesh)
-            put_scene(out, report, &report->scenes[i]);
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh)
+            put_scene(out, report, &report->steps.scenes[i]);
     }
 }
 
@@ -308,7 +306,7 @@ static void put_pictures(FILE *out, struct report *report)
 static void put_plot_of_height(FILE *out, const struct report *report, int height, const char *name,
                                const char *title, const char *what)
 {
-    char *path = format_string("%s/plots/%s.svg", report->folder, name);
+    char *path = format_string("%s/plots/%s.svg", report->steps.folder, name);
     if (path && file_exists(path)) {
         fputs("<figure><img src=\"plots/", out);
         report_put_link(out, name);
@@ -324,16 +322,16 @@ static void put_plot_of_height(FILE *out, const struct report *report, int heigh
 static void put_plot(FILE *out, const struct report *report, const char *name, const char *title,
                      const char *what)
 {
-    put_plot_of_height(out, report, REPORT_PLOT_HEIGHT, name, title, what);
+    put_plot_of_height(out, report, PLOT_HEIGHT, name, title, what);
 }
 
 /* What was published is told where its scene is in the report. */
 static const cJSON *find_published(const struct report *report)
 {
     const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (report->scenes[i].mesh &&
-            strcmp(report->scenes[i].name, report_text(published, "scene")) == 0)
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh &&
+            strcmp(report->steps.scenes[i].name, step_text(published, "scene")) == 0)
             return published;
     }
     return NULL;
@@ -349,23 +347,23 @@ static void put_published_error(FILE *out, const struct report *report)
     if (!values)
         return;
     fputs("<p>Of ", out);
-    report_put_text(out, report_text(published, "scene"));
+    report_put_text(out, step_text(published, "scene"));
     fputs(", ", out);
-    report_put_text(out, report_text(published, "by"));
+    report_put_text(out, step_text(published, "by"));
     fputs(" has against its own last picture:", out);
     cJSON_ArrayForEach(item, values)
     {
         fprintf(out, "%s %g at ", i ? "," : "", item->valuedouble);
-        report_put_text(out, report_item(sweep_values(report), i++, buffer));
+        report_put_text(out, report_item(report_values(report), i++, buffer));
     }
     fputs(" (", out);
-    report_put_text(out, report_text(error, "metric"));
+    report_put_text(out, step_text(error, "metric"));
     fputs("). That is another metric: compare how fast it falls, not the numbers.</p>\n", out);
 }
 
 static void put_errors(FILE *out, struct report *report)
 {
-    const char *parameter = report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter");
+    const char *parameter = report_parameter(report);
     fputs("<h2>Error against ", out);
     report_put_text(out, parameter);
     fputs("</h2>\n<div class=\"plots\">\n", out);
@@ -381,20 +379,20 @@ static void put_errors(FILE *out, struct report *report)
     put_published_error(out, report);
     fputs("<details><summary>The numbers</summary>\n", out);
     report_put_errors(out, report);
-    fputs("<p><a href=\"plots/errors.csv\">errors.csv</a></p></details>\n", out);
+    fputs("<p><a href=\"rows.csv\">rows.csv</a></p></details>\n", out);
 }
 
 /* ---- Motions --------------------------------------------------------------------------------- */
 
-static void put_motion(FILE *out, struct report *report, const struct report_scene *scene,
+static void put_motion(FILE *out, struct report *report, const struct step_scene *scene,
                        const cJSON *motion)
 {
-    char *change = format_string("change_%s_%s", scene->name, report_text(motion, "name"));
-    char *flicker = format_string("flicker_%s_%s", scene->name, report_text(motion, "name"));
+    char *change = format_string("change_%s_%s", scene->name, step_text(motion, "name"));
+    char *flicker = format_string("flicker_%s_%s", scene->name, step_text(motion, "name"));
     fputs("<h3>", out);
     report_put_text(out, scene->name);
     fputs(": ", out);
-    report_put_text(out, report_text(motion, "title"));
+    report_put_text(out, step_text(motion, "title"));
     fputs("</h3>\n<div class=\"plots\">\n", out);
     int height = report_change_plot_height(report);
     put_plot_of_height(out, report, height, change ? change : "", "Change from frame to frame",
@@ -414,9 +412,9 @@ static void put_motions_head(FILE *out, const struct report *report)
     int block = cJSON_GetObjectItem(settings, "block")->valueint;
     fputs("<h2>Temporal coherence</h2>\n<p>Over a motion of ", out);
     fprintf(out, "%d frames at ", cJSON_GetObjectItem(settings, "frames")->valueint);
-    report_put_text(out, report_text(settings, "size"));
+    report_put_text(out, step_text(settings, "size"));
     fputs(", how much <code>", out);
-    report_put_text(out, report_text(settings, "show"));
+    report_put_text(out, step_text(settings, "show"));
     fprintf(
         out,
         "</code>, the indirect irradiance, changes from one frame to the next where both show "
@@ -432,8 +430,8 @@ static void put_motions_head(FILE *out, const struct report *report)
 static void put_motions(FILE *out, struct report *report)
 {
     bool any = false;
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        const struct report_scene *scene = &report->scenes[i];
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        const struct step_scene *scene = &report->steps.scenes[i];
         const cJSON *motion = NULL;
         while (scene->mesh && (motion = report_next_motion(report, scene, motion))) {
             if (!any)
@@ -452,17 +450,17 @@ static void put_published_device(FILE *out, const struct report *report)
     if (!published)
         return;
     fputs("<p><strong>Other hardware:</strong> the numbers of ", out);
-    report_put_text(out, report_text(published, "by"));
+    report_put_text(out, step_text(published, "by"));
     fputs(" are from a ", out);
-    report_put_text(out, report_text(published, "device"));
+    report_put_text(out, step_text(published, "device"));
     fputs(" at ", out);
-    report_put_text(out, report_text(published, "size"));
+    report_put_text(out, step_text(published, "size"));
     fputs(", ours from the devices named above. Compare how they grow, not their size.</p>\n", out);
 }
 
 static void put_times(FILE *out, struct report *report)
 {
-    const char *parameter = report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter");
+    const char *parameter = report_parameter(report);
     fputs("<h2>Time against ", out);
     report_put_text(out, parameter);
     fputs(
@@ -471,31 +469,31 @@ static void put_times(FILE *out, struct report *report)
         out);
     put_published_device(out, report);
     fputs("<div class=\"plots\">\n", out);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        char *name = format_string("times_%s", report->scenes[i].name);
-        if (name && report->scenes[i].mesh)
-            put_plot(out, report, name, report->scenes[i].name, "Whole frame, logarithmic.");
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        char *name = format_string("times_%s", report->steps.scenes[i].name);
+        if (name && report->steps.scenes[i].mesh)
+            put_plot(out, report, name, report->steps.scenes[i].name, "Whole frame, logarithmic.");
         free(name);
     }
     fputs("</div>\n<h3>By stage</h3>\n<p>A stage is the sum of its passes&rsquo; medians.</p>\n"
           "<div class=\"tables\">\n",
           out);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (report->scenes[i].mesh)
-            report_put_stages(out, report, &report->scenes[i]);
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh)
+            report_put_stages(out, report, &report->steps.scenes[i]);
     }
-    fputs("</div>\n<p><a href=\"plots/times.csv\">times.csv</a></p>\n", out);
+    fputs("</div>\n<p><a href=\"rows.csv\">rows.csv</a></p>\n", out);
 }
 
 /* ---- How it was made ------------------------------------------------------------------------- */
 
-static void put_commands(FILE *out, const struct report *report, const struct report_scene *scene,
+static void put_commands(FILE *out, const struct report *report, const struct step_scene *scene,
                          enum report_part part, const char *title)
 {
     fprintf(out, "<h3>%s</h3>\n<pre class=\"commands\">", title);
-    for (uint32_t i = 0; i < report->step_count; i++) {
-        const struct report_step *step = &report->steps[i];
-        if (step->scene == scene && step->part == part) {
+    for (uint32_t i = 0; i < report->steps.count; i++) {
+        const struct step *step = &report->steps.list[i];
+        if (step->scene == scene && step->part == (int)part) {
             report_put_text(out, step->command);
             fputs("\n", out);
         }
@@ -506,7 +504,7 @@ static void put_commands(FILE *out, const struct report *report, const struct re
 static bool put_spec(FILE *out, const struct report *report)
 {
     size_t size;
-    char *text = file_read(report->spec, &size, &report->console->log);
+    char *text = file_read(report->steps.spec, &size, &report->steps.console->log);
     if (!text)
         return false;
     fputs("<details><summary>The spec</summary>\n<pre>", out);
@@ -532,16 +530,18 @@ static bool put_making(FILE *out, const struct report *report)
         out);
     report_put_text(out, report->command);
     fputs("</pre>\n", out);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (!report->scenes[i].mesh)
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (!report->steps.scenes[i].mesh)
             continue;
         fputs("<details><summary>Commands: ", out);
-        report_put_text(out, report->scenes[i].name);
+        report_put_text(out, report->steps.scenes[i].name);
         fputs("</summary>\n", out);
         for (int part = 0; part < REPORT_PARTS; part++) {
-            if ((part != PART_COMPARISON || report->sides.count > 1) &&
-                (part != PART_MOTIONS || report_next_motion(report, &report->scenes[i], NULL)))
-                put_commands(out, report, &report->scenes[i], (enum report_part)part, titles[part]);
+            if ((part != PART_COMPARISON || report->steps.sides.count > 1) &&
+                (part != PART_MOTIONS ||
+                 report_next_motion(report, &report->steps.scenes[i], NULL)))
+                put_commands(out, report, &report->steps.scenes[i], (enum report_part)part,
+                             titles[part]);
         }
         fputs("</details>\n", out);
     }
@@ -569,8 +569,8 @@ static bool put_page(FILE *out, struct report *report)
 
 bool report_write_page(struct report *report)
 {
-    const struct dt_log *log = &report->console->log;
-    char *text = NULL, *path = format_string("%s/index.html", report->folder);
+    const struct dt_log *log = &report->steps.console->log;
+    char *text = NULL, *path = format_string("%s/index.html", report->steps.folder);
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     bool written = out && put_page(out, report);
@@ -578,9 +578,9 @@ bool report_write_page(struct report *report)
     if (!good)
         report_error(log, "out of memory");
     if (good && written) {
-        console_hold(report->console);
+        console_hold(report->steps.console);
         good = file_write(path, text, size, log);
-        console_release(report->console);
+        console_release(report->steps.console);
     }
     free(text);
     free(path);

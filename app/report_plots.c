@@ -1,170 +1,219 @@
-/* The plots of a report, by gnuplot, with the numbers behind them as CSV: error against the values of the sweep over
- * all scenes, frame time against them for each, change from frame to frame over motions. Called by report.c. */
-#include <errno.h>
+/* The plots of a report: error against the values of the sweep over all scenes, frame time against them for each, change from
+ * frame to frame over motions. Called by report.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "files.h"
+#include "plot.h"
 #include "report.h"
-#include "tool.h"
 
-/* What SVG from gnuplot has in black follows the reader's choice of a dark page, and what it has in white, around
- * points, goes; the lines of the data have colours that can be seen on both. */
-static const char svg_style[] =
-    "<style>[color=\"white\"]{display:none}text{fill:#24292f}[stroke=\"black\"]{stroke:#57606a}"
-    "@media(prefers-color-scheme:dark){text{fill:#d6dce3}[stroke=\"black\"]{stroke:#9aa4ae}}"
-    "</style>\n";
-
-static const char gnuplot_head[] = "set datafile separator ','\n"
-                                   "set linetype 1 lc rgb '#2f80d0' lw 2 pt 7 ps 0.6\n"
-                                   "set linetype 2 lc rgb '#d9771a' lw 2 pt 5 ps 0.6\n"
-                                   "set linetype 3 lc rgb '#2c9c6c' lw 2 pt 9 ps 0.7\n"
-                                   "set linetype 4 lc rgb '#a963c9' lw 2 pt 11 ps 0.7\n"
-                                   "set linetype 5 lc rgb '#d34a4a' lw 2 pt 13 ps 0.7\n"
-                                   "set linetype 6 lc rgb '#8a8f98' lw 2 pt 3 ps 0.6\n"
-                                   "set border 3\n"
-                                   "set tics nomirror\n"
-                                   "set logscale y\n"
-                                   "set mytics 1\n"
-                                   "set grid ytics lc rgb '#9099a4' lw 0.4\n"
-                                   "set key above\n"
-                                   "set offsets 0.15, 0.15\n";
-
-static void put_head(FILE *out, int height)
+static bool draw(struct report *report, struct plot *plot, const char *name)
 {
-    fputs("# gnuplot, in this folder: the SVG comes on standard output.\n", out);
-    fprintf(out,
-            "set terminal svg size 480,%d font 'DejaVu Sans,Verdana,sans-serif,13' noenhanced\n",
-            height);
-    fputs(gnuplot_head, out);
+    char *folder = format_string("%s/plots", report->steps.folder);
+    bool good = folder && plot_draw(plot, report->steps.console, folder, name);
+    free(folder);
+    return good;
 }
 
-/* ---- gnuplot --------------------------------------------------------------------------------- */
+/* ---- Over the sweep -------------------------------------------------------------------------- */
 
-/* Of positive values, since the axis is logarithmic. */
-struct range {
-    double low, high; /* 0: no value yet */
+/* The values of the sweep, as the axis takes them. */
+struct value_texts {
+    char (*buffers)[32];
+    const char **texts;
 };
 
-static void take_in(struct range *range, double value)
+static bool read_values(struct value_texts *values, const struct report *report)
 {
-    if (!(value > 0))
-        return;
-    range->low = range->low > 0 ? fmin(range->low, value) : value;
-    range->high = fmax(range->high, value);
-}
-
-/* Room for all of them, and ticks at round numbers, the closer the narrower the range, which is one of 2.5
- * at least. */
-static void put_range(FILE *out, const struct range *range)
-{
-    static const double room = 1.6, round[] = {1, 2, 5, 1.5, 3, 7};
-    double low = range->low / room, high = range->high * room;
-    int count = high < 10 * low ? DT_ARRAY_COUNT(round) : high < 1000 * low ? 3 : 1;
-    const char *separator = "";
-    fprintf(out, "set yrange [%g:%g]\nset ytics (", low, high);
-    for (int decade = (int)floor(log10(low)); pow(10, decade) < high; decade++) {
-        for (int i = 0; i < count; i++) {
-            double tick = round[i] * pow(10, decade);
-            fprintf(out, "%s\"%g\" %g", separator, tick, tick);
-            separator = ", ";
-        }
-    }
-    fputs(")\n", out);
-}
-
-/* Between single quotes, as gnuplot reads them. */
-static void put_quoted(FILE *out, const char *text)
-{
-    fputc('\'', out);
-    for (; *text; text++)
-        fputs(*text == '\'' ? "''" : (char[2]){*text}, out);
-    fputc('\'', out);
-}
-
-static const cJSON *sweep_values(const struct report *report)
-{
-    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values");
-}
-
-/* The values of the sweep stand side by side, whatever they are. */
-static void put_axes(FILE *out, const struct report *report, const char *y_label,
-                     const struct range *range)
-{
-    char buffer[32];
-    int count = cJSON_GetArraySize(sweep_values(report));
-    put_head(out, REPORT_PLOT_HEIGHT);
-    fputs("set xlabel ", out);
-    put_quoted(out, report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
-    fputs("\nset ylabel ", out);
-    put_quoted(out, y_label);
-    fputs("\nset xtics (", out);
-    for (int i = 0; i < count; i++) {
-        fputs(i ? ", " : "", out);
-        put_quoted(out, report_item(sweep_values(report), i, buffer));
-        fprintf(out, " %d", i);
-    }
-    fputs(")\n", out);
-    put_range(out, range);
-}
-
-static bool write_text(const struct report *report, const char *name, const char *ending,
-                       const char *text)
-{
-    char *path = format_string("%s/plots/%s%s", report->folder, name, ending);
-    bool good = path && text;
-    if (good)
-        good = file_write(path, text, strlen(text), &report->console->log);
-    else
-        report_error(&report->console->log, "out of memory");
-    free(path);
-    return good;
-}
-
-/* Runs plots/NAME.gp. The answer is the SVG; free(). */
-static char *run_gnuplot(const struct report *report, const char *name)
-{
-    static const struct tool gnuplot = {.what = "gnuplot",
-                                        .hint = "install the package gnuplot-nox"};
-    char *place = NULL, *script = format_string("%s/plots/%s.gp", report->folder, name);
-    size_t size;
-    FILE *out = open_memstream(&place, &size);
-    if (out) {
-        char *folder = format_string("%s/plots", report->folder);
-        fputs("cd ", out);
-        put_quoted(out, folder ? folder : ".");
-        fclose(out);
-        free(folder);
-    }
-    char *argv[] = {(char *)"gnuplot", (char *)"-e", place, script, NULL};
-    char *svg = place && script ? tool_read(&gnuplot, argv, report->console) : NULL;
-    free(script);
-    free(place);
-    return svg;
-}
-
-static bool draw(const struct report *report, const char *name, FILE *out, char *const *script)
-{
-    bool good = out && fclose(out) == 0;
+    int count = report_value_count(report);
+    values->buffers = calloc((size_t)count + 1, sizeof *values->buffers);
+    values->texts = calloc((size_t)count + 1, sizeof *values->texts);
+    bool good = values->buffers && values->texts;
+    for (int i = 0; i < count && good; i++)
+        values->texts[i] = report_item(report_values(report), i, values->buffers[i]);
     if (!good)
-        report_error(&report->console->log, "out of memory");
-    good = good && write_text(report, name, ".gp", *script);
-    char *svg = good ? run_gnuplot(report, name) : NULL;
-    char *start = svg ? strstr(svg, "<svg") : NULL, *body = start ? strchr(start, '>') : NULL;
-    char *styled = NULL;
-    if (body)
-        styled = format_string("%.*s\n%s%s", (int)(body + 1 - svg), svg, svg_style, body + 1);
-    if (svg && !body)
-        report_error(&report->console->log, "gnuplot has not drawn %s.gp", name);
-    good = styled && write_text(report, name, ".svg", styled);
-    free(styled);
-    free(svg);
+        report_error(&report->steps.console->log, "out of memory");
     return good;
 }
 
-/* ---- Numbers --------------------------------------------------------------------------------- */
+static void free_values(struct value_texts *values)
+{
+    free(values->buffers);
+    free(values->texts);
+}
+
+static struct plot plot_of_values(const struct report *report, const struct value_texts *values,
+                                  const char *label)
+{
+    return (struct plot){.x_label = report_parameter(report),
+                         .y_label = label,
+                         .values = values->texts,
+                         .value_count = (uint32_t)report_value_count(report)};
+}
+
+/* One of the plots of errors. */
+struct error_plot {
+    const char *name, *label, *column;
+};
+
+static bool has_errors(const struct report *report, const struct step_scene *scene,
+                       const cJSON *picture, const char *column)
+{
+    bool any = false;
+    for (int i = 0; i < report_value_count(report); i++)
+        any |= grid_number(&report->grid, report_point(report, scene, picture, i), 0, column) > 0;
+    return any;
+}
+
+/* A line for each picture of a scene: colours tell scenes apart, dashes all pictures but the last. */
+static void put_error_lines(struct plot *plot, const struct report *report,
+                            const struct step_scene *scene, uint32_t colour, const char *column)
+{
+    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
+    uint32_t dash = (uint32_t)cJSON_GetArraySize(pictures);
+    cJSON_ArrayForEach(picture, pictures)
+    {
+        char *title = format_string("%s, %s", scene->name, step_text(picture, "title"));
+        bool any = title && has_errors(report, scene, picture, column);
+        if (any)
+            plot_line(plot, title, colour, dash, false);
+        for (int i = 0; i < report_value_count(report) && any; i++)
+            plot_point(
+                plot, plot_x(plot, (uint32_t)i),
+                grid_number(&report->grid, report_point(report, scene, picture, i), 0, column), NAN,
+                NAN);
+        free(title);
+        dash--;
+    }
+}
+
+static bool draw_errors(struct report *report, const struct value_texts *values,
+                        const struct error_plot *what)
+{
+    struct plot plot = plot_of_values(report, values, what->label);
+    uint32_t colour = 0;
+    bool good = plot_begin(&plot, &report->steps.console->log);
+    for (uint32_t i = 0; i < report->steps.scene_count && good; i++) {
+        const struct step_scene *scene = &report->steps.scenes[i];
+        if (scene->mesh)
+            put_error_lines(&plot, report, scene, colour++ % PLOT_COLOURS + 1, what->column);
+    }
+    good = good && draw(report, &plot, what->name);
+    plot_free(&plot);
+    return good;
+}
+
+/* Against the reference, and against the same picture at the last value, which has no error of its own. */
+static bool draw_all_errors(struct report *report, const struct value_texts *values)
+{
+    static const struct error_plot plots[] = {
+        {"errors", "relative MSE against the reference", "relative_mse"},
+        {"flip", "FLIP against the reference", "flip"},
+        {"own_errors", "relative MSE against the last value", "own_relative_mse"},
+    };
+    bool good = true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(plots) && good; i++)
+        good = draw_errors(report, values, &plots[i]);
+    return good;
+}
+
+static const cJSON *published_total(const struct report *report, const struct step_scene *scene)
+{
+    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
+    return strcmp(step_text(published, "scene"), scene->name) == 0
+               ? cJSON_GetObjectItem(published, "total")
+               : NULL;
+}
+
+/* From the 5th to the 95th percentile around the median; false when there is none. */
+static bool put_times(struct plot *plot, const struct report *report,
+                      const struct step_scene *scene, uint32_t side)
+{
+    const struct grid *grid = &report->grid;
+    plot_line(plot, report->steps.sides.list[side].label, side % PLOT_COLOURS + 1, 1, true);
+    for (int i = 0; i < report_value_count(report); i++) {
+        const struct grid_point *point =
+            report_point(report, scene, report_last_picture(report), i);
+        plot_point(plot, plot_x(plot, (uint32_t)i), grid_number(grid, point, side, "frame_ms"),
+                   grid_number(grid, point, side, "frame_ms_p5"),
+                   grid_number(grid, point, side, "frame_ms_p95"));
+    }
+    return !plot_is_empty(plot);
+}
+
+static void put_published(struct plot *plot, const struct report *report, const cJSON *total)
+{
+    const cJSON *item, *published = cJSON_GetObjectItem(report->outline, "published");
+    uint32_t i = 0;
+    char *title = format_string("%s (other hardware)", step_text(published, "by"));
+    plot_line(plot, title ? title : "", PLOT_COLOURS, 2, false);
+    cJSON_ArrayForEach(item, total)
+        plot_point(plot, plot_x(plot, i++), item->valuedouble, NAN, NAN);
+    free(title);
+}
+
+/* A line for each backend, and what was published of the scene. */
+static bool draw_times(struct report *report, const struct step_scene *scene,
+                       const struct value_texts *values)
+{
+    struct plot plot = plot_of_values(report, values, "milliseconds per frame");
+    char *name = format_string("times_%s", scene->name);
+    const cJSON *total = published_total(report, scene);
+    bool any = false, good = name && plot_begin(&plot, &report->steps.console->log);
+    for (uint32_t side = 0; side < report->steps.sides.count && good; side++)
+        any |= put_times(&plot, report, scene, side);
+    if (any && total)
+        put_published(&plot, report, total);
+    good = good && draw(report, &plot, name);
+    plot_free(&plot);
+    free(name);
+    return good;
+}
+
+/* ---- Over motions ---------------------------------------------------------------------------- */
+
+static const cJSON *motion_runs(const struct report *report)
+{
+    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "runs");
+}
+
+int report_change_plot_height(const struct report *report)
+{
+    return PLOT_HEIGHT - 20 + 17 * cJSON_GetArraySize(motion_runs(report));
+}
+
+/* Per cent, of a run's step from frame `step` to the next. */
+static double change(struct report *report, const struct step_scene *scene, const cJSON *motion,
+                     const cJSON *run, int step, const char *name)
+{
+    char *file = report_motion_file(scene, motion, step_text(run, "name"), ".json");
+    const cJSON *list =
+        cJSON_GetObjectItem(file ? steps_result(&report->steps, file) : NULL, "per_frame");
+    const cJSON *item = cJSON_GetObjectItem(cJSON_GetArrayItem(list, step), name);
+    free(file);
+    return cJSON_IsNumber(item) ? 100 * item->valuedouble : NAN;
+}
+
+static int step_count(const struct report *report)
+{
+    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "frames")->valueint -
+           1;
+}
+
+/* Any run that there is tells of the reference. */
+static double reference_change(struct report *report, const struct step_scene *scene,
+                               const cJSON *motion, int step)
+{
+    const cJSON *run;
+    double truth = NAN;
+    cJSON_ArrayForEach(run, motion_runs(report))
+    {
+        if (isnan(truth))
+            truth = change(report, scene, motion, run, step, "relative_change_reference");
+    }
+    return truth;
+}
 
 static void put_field(FILE *out, double value)
 {
@@ -174,381 +223,112 @@ static void put_field(FILE *out, double value)
         fprintf(out, ",%.6g", value);
 }
 
-/* One row per scene, picture and value; the rows of a line of the plots follow one another. */
-static void put_errors(FILE *out, struct report *report)
+/* A row per step from frame to frame, in per cent: the reference's change, then change and flicker of each
+ * run. */
+static void put_changes(FILE *out, struct report *report, const struct step_scene *scene,
+                        const cJSON *motion)
 {
-    static const char *const paths[] = {"hdr.relative_mse", "ldr.flip.mean"};
-    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
-    char buffer[32];
-    int count = cJSON_GetArraySize(sweep_values(report));
-    fprintf(out, "scene,picture,%s,relative_mse,flip,own_relative_mse,own_flip\n",
-            report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
-    for (uint32_t s = 0; s < report->scene_count; s++) {
-        const struct report_scene *scene = &report->scenes[s];
-        cJSON_ArrayForEach(picture, pictures) for (int i = 0; i < count && scene->mesh; i++)
+    const cJSON *run;
+    fputs("frame,reference", out);
+    cJSON_ArrayForEach(run, motion_runs(report))
+        fprintf(out, ",%s,%s_flicker", step_text(run, "name"), step_text(run, "name"));
+    fputc('\n', out);
+    for (int step = 0; step < step_count(report); step++) {
+        fprintf(out, "%d", step + 1);
+        put_field(out, reference_change(report, scene, motion, step));
+        cJSON_ArrayForEach(run, motion_runs(report))
         {
-            char *file = report_error_file(report, scene, picture, i, ".json");
-            char *own = report_error_file(report, scene, picture, i, "_own.json");
-            fprintf(out, "%s,%s,\"%s\"", scene->name, report_text(picture, "name"),
-                    report_item(sweep_values(report), i, buffer));
-            for (int p = 0; p < 4 && file && own; p++)
-                put_field(out, report_number(report, p < 2 ? file : own, paths[p % 2]));
-            fputc('\n', out);
-            free(own);
-            free(file);
+            put_field(out, change(report, scene, motion, run, step, "relative_change"));
+            put_field(out, change(report, scene, motion, run, step, "relative_flicker"));
         }
+        fputc('\n', out);
     }
 }
 
-static void put_times(FILE *out, struct report *report)
+static bool write_changes(struct report *report, const struct step_scene *scene,
+                          const cJSON *motion, const char *name)
 {
-    char buffer[32];
-    int count = cJSON_GetArraySize(sweep_values(report));
-    fprintf(out, "scene,side,%s,frame_ms,p5,p95\n",
-            report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter"));
-    for (uint32_t s = 0; s < report->scene_count; s++) {
-        const struct report_scene *scene = &report->scenes[s];
-        for (uint32_t side = 0; side < report->sides.count && scene->mesh; side++) {
-            for (int i = 0; i < count; i++) {
-                char *file = report_sweep_file(report, scene, i, "_bench.json");
-                fprintf(out, "%s,%s,\"%s\"", scene->name, report->sides.list[side].label,
-                        report_item(sweep_values(report), i, buffer));
-                put_field(out, report_frame_ms(report, file ? file : "", side, "median"));
-                put_field(out, report_frame_ms(report, file ? file : "", side, "p5"));
-                put_field(out, report_frame_ms(report, file ? file : "", side, "p95"));
-                fputc('\n', out);
-                free(file);
-            }
-        }
-    }
-}
-
-static bool write_numbers(struct report *report, const char *name,
-                          void (*put)(FILE *, struct report *))
-{
-    char *text = NULL;
+    const struct dt_log *log = &report->steps.console->log;
+    char *text = NULL, *path = format_string("%s/plots/%s.csv", report->steps.folder, name);
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     if (out)
-        put(out, report);
-    bool good = out && fclose(out) == 0 && write_text(report, name, ".csv", text);
+        put_changes(out, report, scene, motion);
+    bool good = out && fclose(out) == 0 && path;
+    if (!good)
+        report_error(log, "out of memory");
+    good = good && file_write(path, text, size, log);
+    free(path);
     free(text);
     return good;
 }
 
-/* ---- Plots ----------------------------------------------------------------------------------- */
-
-/* A plot that nothing can be drawn in, since steps have failed, is not there. */
-static bool remove_plot(const struct report *report, const char *name)
-{
-    char *path = format_string("%s/plots/%s.svg", report->folder, name);
-    bool good = path && (unlink(path) == 0 || errno == ENOENT);
-    if (!good)
-        report_error(&report->console->log, "plots/%s.svg: cannot be removed", name);
-    free(path);
-    return good;
-}
-
-/* One of the plots of errors. */
-struct error_plot {
-    const char *name, *label;
-    const char *ending, *path; /* of the results, and in them */
-    int column;                /* of errors.csv */
-    int points;                /* values of the sweep, from the first on */
-};
-
-/* Takes in the errors of a picture; false when there is none that the axis can show. */
-static bool find_errors(struct report *report, const struct report_scene *scene,
-                        const cJSON *picture, const struct error_plot *plot, struct range *range)
-{
-    struct range own = {0};
-    for (int i = 0; i < plot->points && scene->mesh; i++) {
-        char *file = report_error_file(report, scene, picture, i, plot->ending);
-        take_in(&own, report_number(report, file ? file : "", plot->path));
-        free(file);
-    }
-    take_in(range, own.low);
-    take_in(range, own.high);
-    return own.high > 0;
-}
-
-/* A line for each picture of each scene: colours tell scenes apart, dashes all pictures but the last. */
-static void put_error_lines(FILE *out, struct report *report, const struct error_plot *plot)
-{
-    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
-    struct range unused = {0};
-    int lines = 0, rows = 1, colour = 0; /* the head is a row */
-    fprintf(out, "set xrange [0:%d]\nplot", plot->points - 1);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        const struct report_scene *scene = &report->scenes[i];
-        int dash = cJSON_GetArraySize(pictures);
-        colour += scene->mesh != NULL;
-        cJSON_ArrayForEach(picture, pictures)
-        {
-            if (find_errors(report, scene, picture, plot, &unused)) {
-                char *title = format_string("%s, %s", scene->name, report_text(picture, "title"));
-                fprintf(out,
-                        "%s 'errors.csv' skip %d every ::0::%d using 0:%d with linespoints lt %d "
-                        "dt %d title ",
-                        lines++ ? "," : "", rows, plot->points - 1, plot->column, colour, dash);
-                put_quoted(out, title ? title : "");
-                free(title);
-            }
-            dash--;
-            rows += scene->mesh ? cJSON_GetArraySize(sweep_values(report)) : 0;
-        }
-    }
-    fputs("\n", out);
-}
-
-static bool draw_errors(struct report *report, const struct error_plot *plot)
-{
-    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
-    char *script = NULL;
-    size_t size = 0;
-    struct range range = {0};
-    for (uint32_t i = 0; i < report->scene_count; i++)
-        cJSON_ArrayForEach(picture, pictures)
-            find_errors(report, &report->scenes[i], picture, plot, &range);
-    if (!(range.high > 0))
-        return remove_plot(report, plot->name);
-    FILE *out = open_memstream(&script, &size);
-    if (out) {
-        put_axes(out, report, plot->label, &range);
-        put_error_lines(out, report, plot);
-    }
-    bool good = draw(report, plot->name, out, &script);
-    free(script);
-    return good;
-}
-
-/* Against the reference, and against the same picture at the last value, which has no error of its own. */
-static bool draw_all_errors(struct report *report)
-{
-    int count = cJSON_GetArraySize(sweep_values(report));
-    const struct error_plot plots[] = {
-        {"errors", "relative MSE against the reference", ".json", "hdr.relative_mse", 4, count},
-        {"flip", "FLIP against the reference", ".json", "ldr.flip.mean", 5, count},
-        {"own_errors", "relative MSE against the last value", "_own.json", "hdr.relative_mse", 6,
-         count - 1},
-    };
-    bool good = true;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(plots) && good; i++)
-        good = draw_errors(report, &plots[i]);
-    return good;
-}
-
-static const cJSON *published_total(const struct report *report, const struct report_scene *scene)
-{
-    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
-    return strcmp(report_text(published, "scene"), scene->name) == 0
-               ? cJSON_GetObjectItem(published, "total")
-               : NULL;
-}
-
-static void put_published(FILE *out, const cJSON *total)
-{
-    const cJSON *item;
-    int i = 0;
-    fputs("$published << END\n", out);
-    cJSON_ArrayForEach(item, total) fprintf(out, "%d,%g\n", i++, item->valuedouble);
-    fputs("END\n", out);
-}
-
-/* Takes in the times of a scene and what was published of it; false when there is no time. */
-static bool find_times(struct report *report, const struct report_scene *scene, struct range *range)
-{
-    static const char *const parts[] = {"median", "p5", "p95"};
-    const cJSON *item;
-    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
-        char *file = report_sweep_file(report, scene, i, "_bench.json");
-        for (uint32_t j = 0; j < report->sides.count * DT_ARRAY_COUNT(parts) && file; j++)
-            take_in(range, report_frame_ms(report, file, j / DT_ARRAY_COUNT(parts),
-                                           parts[j % DT_ARRAY_COUNT(parts)]));
-        free(file);
-    }
-    bool any = range->high > 0;
-    cJSON_ArrayForEach(item, published_total(report, scene)) take_in(range, item->valuedouble);
-    return any;
-}
-
-/* A line for each backend, from the 5th to the 95th percentile around the median. `first`: the scene's
- * place among those that are here. */
-static void put_time_lines(FILE *out, const struct report *report, uint32_t first)
-{
-    unsigned count = (unsigned)cJSON_GetArraySize(sweep_values(report));
-    fprintf(out, "set xrange [0:%u]\nplot", count - 1);
-    for (uint32_t side = 0; side < report->sides.count; side++) {
-        unsigned skip = 1 + (first * report->sides.count + side) * count;
-        fprintf(out,
-                "%s 'times.csv' skip %u every ::0::%u using 0:4:5:6 with yerrorbars lt %u "
-                "notitle, '' skip %u every ::0::%u using 0:4 with linespoints lt %u title ",
-                side ? "," : "", skip, count - 1, side + 1, skip, count - 1, side + 1);
-        put_quoted(out, report->sides.list[side].label);
-    }
-}
-
-static void put_published_line(FILE *out, const struct report *report)
-{
-    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
-    fputs(", $published using 1:2 with linespoints lt 6 dt 2 title ", out);
-    char *title = format_string("%s (other hardware)", report_text(published, "by"));
-    put_quoted(out, title ? title : "");
-    free(title);
-}
-
-static bool draw_times(struct report *report, const struct report_scene *scene, uint32_t first)
-{
-    char *script = NULL, *name = format_string("times_%s", scene->name);
-    size_t size = 0;
-    struct range range = {0};
-    const cJSON *total = published_total(report, scene);
-    bool any = name && find_times(report, scene, &range), good = name;
-    FILE *out = any ? open_memstream(&script, &size) : NULL;
-    if (out) {
-        put_axes(out, report, "milliseconds per frame", &range);
-        put_published(out, total);
-        put_time_lines(out, report, first);
-        if (total)
-            put_published_line(out, report);
-        fputs("\n", out);
-    }
-    good = any ? draw(report, name, out, &script) : good && remove_plot(report, name);
-    free(script);
-    free(name);
-    return good;
-}
-
-/* A row per step from frame to frame, in per cent: the reference's change, then change and flicker of each
- * run. False when nothing was measured. */
-static bool put_changes(FILE *out, struct report *report, const struct report_scene *scene,
-                        const cJSON *motion, const cJSON *runs)
-{
-    const cJSON *run,
-        *frames = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "frames");
-    bool any = false;
-    fputs("frame,reference", out);
-    cJSON_ArrayForEach(run, runs)
-        fprintf(out, ",%s,%s_flicker", report_text(run, "name"), report_text(run, "name"));
-    fputc('\n', out);
-    for (int step = 0; step + 1 < frames->valueint; step++) {
-        double truth = NAN;
-        fprintf(out, "%d", step + 1);
-        for (int pass = 0; pass < 2; pass++) { /* any run that there is tells of the reference */
-            cJSON_ArrayForEach(run, runs)
-            {
-                char *file = report_motion_file(scene, motion, report_text(run, "name"), ".json");
-                double change =
-                    report_frame_change(report, file ? file : "", step, "relative_change");
-                double flicker =
-                    report_frame_change(report, file ? file : "", step, "relative_flicker");
-                double its = report_frame_change(report, file ? file : "", step,
-                                                 "relative_change_reference");
-                free(file);
-                truth = isnan(truth) ? its : truth;
-                any = any || !isnan(change);
-                if (pass == 1) {
-                    put_field(out, 100 * change);
-                    put_field(out, 100 * flicker);
-                }
-            }
-            if (pass == 0)
-                put_field(out, 100 * truth);
-        }
-        fputc('\n', out);
-    }
-    return any;
-}
-
-int report_change_plot_height(const struct report *report)
-{
-    const cJSON *runs = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "runs");
-    return REPORT_PLOT_HEIGHT - 20 + 17 * cJSON_GetArraySize(runs);
-}
-
-/* One line per run; `first` is the column of the first, and the reference's has a line where wanted. */
-static bool draw_motion(struct report *report, const char *name, const char *csv, const char *label,
-                        const cJSON *runs, int first, bool reference)
+/* A line for each run, and the reference's where `flicker` is not asked for. */
+static bool draw_changes(struct report *report, const struct step_scene *scene, const cJSON *motion,
+                         const char *name, bool flicker)
 {
     const cJSON *run;
-    char *script = NULL;
-    size_t size = 0;
-    int column = first;
-    FILE *out = open_memstream(&script, &size);
-    if (out) {
-        put_head(out, report_change_plot_height(report));
-        fputs("unset logscale y\nset yrange [0:*]\nset xlabel 'frame'\nset ylabel ", out);
-        put_quoted(out, label);
-        fputs("\nset key above vertical maxrows 99\nplot", out);
-        cJSON_ArrayForEach(run, runs)
-        {
-            fputs(column > first ? ", " : " ", out);
-            put_quoted(out, csv);
-            fprintf(out, " skip 1 using 1:%d with linespoints lt %d title ", column,
-                    (column - first) / 2 % 5 + 1);
-            put_quoted(out, report_text(run, "title"));
-            column += 2;
-        }
-        if (reference) {
-            fputs(", ", out);
-            put_quoted(out, csv);
-            fputs(" skip 1 using 1:2 with linespoints lt 6 dt 2 title 'the reference'", out);
-        }
-        fputs("\n", out);
+    uint32_t colour = 0;
+    struct plot plot = {.x_label = "frame",
+                        .y_label = flicker ? "flicker per frame, %" : "change per frame, %",
+                        .from_zero = true,
+                        .height = report_change_plot_height(report)};
+    bool good = plot_begin(&plot, &report->steps.console->log);
+    cJSON_ArrayForEach(run, motion_runs(report))
+    {
+        if (good)
+            plot_line(&plot, step_text(run, "title"), colour++ % (PLOT_COLOURS - 1) + 1, 1, false);
+        for (int i = 0; i < step_count(report) && good; i++)
+            plot_point(&plot, i + 1,
+                       change(report, scene, motion, run, i,
+                              flicker ? "relative_flicker" : "relative_change"),
+                       NAN, NAN);
     }
-    bool good = draw(report, name, out, &script);
-    free(script);
+    if (good && !flicker)
+        plot_line(&plot, "the reference", PLOT_COLOURS, 2, false);
+    for (int i = 0; i < step_count(report) && good && !flicker; i++)
+        plot_point(&plot, i + 1, reference_change(report, scene, motion, i), NAN, NAN);
+    good = good && draw(report, &plot, name);
+    plot_free(&plot);
     return good;
 }
 
 /* Two plots of one motion, and the numbers behind both. */
-static bool draw_changes(struct report *report, const struct report_scene *scene,
-                         const cJSON *motion)
+static bool draw_motion(struct report *report, const struct step_scene *scene, const cJSON *motion)
 {
-    const cJSON *runs = cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "motion"), "runs");
-    char *name = format_string("change_%s_%s", scene->name, report_text(motion, "name"));
-    char *other = format_string("flicker_%s_%s", scene->name, report_text(motion, "name"));
-    char *csv = name ? format_string("%s.csv", name) : NULL, *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    bool any = out && put_changes(out, report, scene, motion, runs);
-    bool good = out && fclose(out) == 0 && csv && other && write_text(report, name, ".csv", text);
-    if (good && any)
-        good = draw_motion(report, name, csv, "change per frame, %", runs, 3, true) &&
-               draw_motion(report, other, csv, "flicker per frame, %", runs, 4, false);
-    else
-        good = good && remove_plot(report, name) && remove_plot(report, other);
-    free(text);
-    free(csv);
+    char *name = format_string("change_%s_%s", scene->name, step_text(motion, "name"));
+    char *other = format_string("flicker_%s_%s", scene->name, step_text(motion, "name"));
+    bool good = name && other && write_changes(report, scene, motion, name) &&
+                draw_changes(report, scene, motion, name, false) &&
+                draw_changes(report, scene, motion, other, true);
     free(other);
     free(name);
     return good;
 }
 
-static bool draw_motions(struct report *report, const struct report_scene *scene)
+static bool draw_motions(struct report *report, const struct step_scene *scene)
 {
     const cJSON *motion = NULL;
     bool good = true;
     while (good && scene->mesh && (motion = report_next_motion(report, scene, motion)))
-        good = draw_changes(report, scene, motion);
+        good = draw_motion(report, scene, motion);
     return good;
 }
 
 bool report_draw_plots(struct report *report)
 {
-    char *folder = format_string("%s/plots", report->folder);
-    bool good = folder && file_make_folders(folder, &report->console->log) &&
-                write_numbers(report, "errors", put_errors) &&
-                write_numbers(report, "times", put_times);
+    char *folder = format_string("%s/plots", report->steps.folder);
+    struct value_texts values = {0};
+    bool good = folder && file_make_folders(folder, &report->steps.console->log) &&
+                read_values(&values, report);
     free(folder);
-    console_status(report->console, "drawing plots");
-    good = good && draw_all_errors(report);
-    for (uint32_t i = 0; i < report->scene_count && good; i++)
-        good = draw_motions(report, &report->scenes[i]);
-    for (uint32_t i = 0, here = 0; i < report->scene_count && good; i++) {
-        if (report->scenes[i].mesh)
-            good = draw_times(report, &report->scenes[i], here++);
+    console_status(report->steps.console, "drawing plots");
+    good = good && draw_all_errors(report, &values);
+    for (uint32_t i = 0; i < report->steps.scene_count && good; i++) {
+        const struct step_scene *scene = &report->steps.scenes[i];
+        good = draw_motions(report, scene) && (!scene->mesh || draw_times(report, scene, &values));
     }
-    console_status(report->console, "%s", "");
+    console_status(report->steps.console, "%s", "");
+    free_values(&values);
     return good;
 }

@@ -60,7 +60,7 @@ void report_put_result(FILE *out, struct report *report, const char *file, const
     fputs("<data value=\"", out);
     report_put_text(out, file);
     fprintf(out, "#%s\">", path);
-    report_put_number(out, report_number(report, file, path));
+    report_put_number(out, steps_number(&report->steps, file, path));
     fputs("</data>", out);
 }
 
@@ -69,7 +69,7 @@ void report_put_percentage(FILE *out, struct report *report, const char *file, c
     fputs("<data value=\"", out);
     report_put_text(out, file);
     fprintf(out, "#%s\">", path);
-    report_put_number(out, 100 * report_number(report, file, path));
+    report_put_number(out, 100 * steps_number(&report->steps, file, path));
     fputs("&nbsp;%</data>", out);
 }
 
@@ -81,22 +81,12 @@ static void put_result_cell(FILE *out, struct report *report, const char *file, 
     fputs("</td>", out);
 }
 
-static const cJSON *sweep_values(const struct report *report)
-{
-    return cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "sweep"), "values");
-}
-
-static const char *sweep_name(const struct report *report)
-{
-    return report_text(cJSON_GetObjectItem(report->outline, "sweep"), "parameter");
-}
-
 static void put_value_heads(FILE *out, const struct report *report)
 {
     char buffer[32];
-    for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
+    for (int i = 0; i < report_value_count(report); i++) {
         fputs("<th scope=\"col\">", out);
-        report_put_text(out, report_item(sweep_values(report), i, buffer));
+        report_put_text(out, report_item(report_values(report), i, buffer));
         fputs("</th>", out);
     }
 }
@@ -114,28 +104,28 @@ static void put_overview_heads(FILE *out)
 static void put_ratio_cell(FILE *out, struct report *report, const char *file)
 {
     fputs("<td>", out);
-    report_put_number(out, report_number(report, file, "hdr.mean_test") /
-                               report_number(report, file, "hdr.mean_reference"));
+    report_put_number(out, steps_number(&report->steps, file, "hdr.mean_test") /
+                               steps_number(&report->steps, file, "hdr.mean_reference"));
     fputs("</td>", out);
 }
 
-static void put_overview_rows(FILE *out, struct report *report, const struct report_scene *scene)
+static void put_overview_rows(FILE *out, struct report *report, const struct step_scene *scene)
 {
     const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
     bool first = true;
     fputs("<tbody>\n", out);
     cJSON_ArrayForEach(picture, pictures)
     {
-        char *file = report_file(scene, report_text(picture, "name"), ".json");
+        char *file = report_file(scene, step_text(picture, "name"), ".json");
         fputs("<tr>", out);
         if (first) {
             fprintf(out, "<th scope=\"rowgroup\" rowspan=\"%d\"><a href=\"#scene-%u\">",
-                    cJSON_GetArraySize(pictures), (unsigned)(scene - report->scenes));
+                    cJSON_GetArraySize(pictures), (unsigned)(scene - report->steps.scenes));
             report_put_text(out, scene->name);
             fputs("</a></th>", out);
         }
         fputs("<td class=\"word\">", out);
-        report_put_text(out, report_text(picture, "title"));
+        report_put_text(out, step_text(picture, "title"));
         fputs("</td>", out);
         put_result_cell(out, report, file, "hdr.relative_mse");
         put_result_cell(out, report, file, "ldr.flip.mean");
@@ -151,18 +141,24 @@ void report_put_overview(FILE *out, struct report *report)
 {
     fputs("<div class=\"scroll\"><table>\n", out);
     put_overview_heads(out);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (report->scenes[i].mesh)
-            put_overview_rows(out, report, &report->scenes[i]);
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh)
+            put_overview_rows(out, report, &report->steps.scenes[i]);
     }
     fputs("</table></div>\n", out);
 }
 
 /* ---- Errors over the sweep ------------------------------------------------------------------- */
 
+/* One of the tables of errors: which files, and where in them. */
+struct error_table {
+    const char *caption, *path;
+    char *(*file)(const struct grid *grid, const struct grid_point *point, uint32_t side);
+};
+
 /* Of all pictures of a scene. */
-static void put_error_rows(FILE *out, struct report *report, const struct report_scene *scene,
-                           const char *ending, const char *path)
+static void put_error_rows(FILE *out, struct report *report, const struct step_scene *scene,
+                           const struct error_table *table)
 {
     const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
     fprintf(out, "<tbody><tr><th scope=\"rowgroup\" rowspan=\"%d\">", cJSON_GetArraySize(pictures));
@@ -171,11 +167,11 @@ static void put_error_rows(FILE *out, struct report *report, const struct report
     cJSON_ArrayForEach(picture, pictures)
     {
         fprintf(out, "%s<td class=\"word\">", picture == pictures->child ? "" : "<tr>");
-        report_put_text(out, report_text(picture, "title"));
+        report_put_text(out, step_text(picture, "title"));
         fputs("</td>", out);
-        for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
-            char *file = report_error_file(report, scene, picture, i, ending);
-            put_result_cell(out, report, file, path);
+        for (int i = 0; i < report_value_count(report); i++) {
+            char *file = table->file(&report->grid, report_point(report, scene, picture, i), 0);
+            put_result_cell(out, report, file, table->path);
             free(file);
         }
         fputs("</tr>\n", out);
@@ -183,30 +179,33 @@ static void put_error_rows(FILE *out, struct report *report, const struct report
     fputs("</tbody>\n", out);
 }
 
-static void put_error_table(FILE *out, struct report *report, const char *caption,
-                            const char *ending, const char *path)
+static void put_error_table(FILE *out, struct report *report, const struct error_table *table)
 {
     fprintf(out,
             "<div class=\"scroll\"><table><caption>%s</caption>\n<thead><tr><th scope=\"col\">"
             "Scene</th><th class=\"word\" scope=\"col\">",
-            caption);
-    report_put_text(out, sweep_name(report));
+            table->caption);
+    report_put_text(out, report_parameter(report));
     fputs("</th>", out);
     put_value_heads(out, report);
     fputs("</tr></thead>\n", out);
-    for (uint32_t i = 0; i < report->scene_count; i++) {
-        if (report->scenes[i].mesh)
-            put_error_rows(out, report, &report->scenes[i], ending, path);
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh)
+            put_error_rows(out, report, &report->steps.scenes[i], table);
     }
     fputs("</table></div>\n", out);
 }
 
 void report_put_errors(FILE *out, struct report *report)
 {
-    put_error_table(out, report, "Relative MSE against the reference", ".json", "hdr.relative_mse");
-    put_error_table(out, report, "FLIP against the reference", ".json", "ldr.flip.mean");
-    put_error_table(out, report, "Relative MSE against the same picture of the last column",
-                    "_own.json", "hdr.relative_mse");
+    static const struct error_table tables[] = {
+        {"Relative MSE against the reference", "hdr.relative_mse", grid_error_file},
+        {"FLIP against the reference", "ldr.flip.mean", grid_error_file},
+        {"Relative MSE against the same picture of the last column", "hdr.relative_mse",
+         grid_own_file},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(tables); i++)
+        put_error_table(out, report, &tables[i]);
 }
 
 /* ---- Flicker --------------------------------------------------------------------------------- */
@@ -226,7 +225,7 @@ static void put_flicker_row(FILE *out, struct report *report, const char *file, 
     fputs("</tr>\n", out);
 }
 
-void report_put_flicker(FILE *out, struct report *report, const struct report_scene *scene,
+void report_put_flicker(FILE *out, struct report *report, const struct step_scene *scene,
                         const cJSON *motion)
 {
     const cJSON *run, *settings = cJSON_GetObjectItem(report->outline, "motion");
@@ -237,8 +236,8 @@ void report_put_flicker(FILE *out, struct report *report, const struct report_sc
           out);
     cJSON_ArrayForEach(run, cJSON_GetObjectItem(settings, "runs"))
     {
-        char *file = report_motion_file(scene, motion, report_text(run, "name"), ".json");
-        put_flicker_row(out, report, file ? file : "", report_text(run, "title"));
+        char *file = report_motion_file(scene, motion, step_text(run, "name"), ".json");
+        put_flicker_row(out, report, file ? file : "", step_text(run, "title"));
         free(file);
     }
     char *noise = report_motion_file(scene, motion, "noise", ".json");
@@ -250,10 +249,10 @@ void report_put_flicker(FILE *out, struct report *report, const struct report_sc
 /* ---- Stages ---------------------------------------------------------------------------------- */
 
 /* What was published of this scene, or NULL. */
-static const cJSON *published_of(const struct report *report, const struct report_scene *scene)
+static const cJSON *published_of(const struct report *report, const struct step_scene *scene)
 {
     const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
-    return strcmp(report_text(published, "scene"), scene->name) == 0 ? published : NULL;
+    return strcmp(step_text(published, "scene"), scene->name) == 0 ? published : NULL;
 }
 
 /* A row group of the table: one line per backend, and what was published. */
@@ -276,13 +275,51 @@ static void put_row_head(FILE *out, const struct stage_row *row, uint32_t lines)
     fputs("</th>", out);
 }
 
-static void put_time_cell(FILE *out, struct report *report, const struct stage_row *row,
-                          const char *file, uint32_t side)
+static bool stage_has(const cJSON *stage, const char *pass)
+{
+    const cJSON *item;
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(stage, "passes"))
+    {
+        if (cJSON_IsString(item) && strcmp(item->valuestring, pass) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* NULL has the passes that no stage has. */
+static bool belongs_to(const struct report *report, const cJSON *stage, const char *pass)
+{
+    const cJSON *any;
+    if (stage)
+        return stage_has(stage, pass);
+    cJSON_ArrayForEach(any, cJSON_GetObjectItem(report->outline, "stages"))
+    {
+        if (stage_has(any, pass))
+            return false;
+    }
+    return true;
+}
+
+/* The sum of its passes' medians. */
+static double stage_ms(const struct report *report, const cJSON *stage,
+                       const struct grid_point *point, uint32_t side)
+{
+    const struct grid *grid = &report->grid;
+    double sum = NAN;
+    for (uint32_t i = 0; i < grid->pass_count; i++) {
+        double ms = grid_pass_ms(grid, point, side, grid->passes[i], "median");
+        if (!isnan(ms) && belongs_to(report, stage, grid->passes[i]))
+            sum = (isnan(sum) ? 0 : sum) + ms;
+    }
+    return sum;
+}
+
+static void put_time_cell(FILE *out, const struct report *report, const struct stage_row *row,
+                          const struct grid_point *point, uint32_t side)
 {
     fputs("<td>", out);
-    if (file)
-        report_put_number(out, row->whole ? report_frame_ms(report, file, side, "median")
-                                          : report_stage_ms(report, file, side, row->stage));
+    report_put_number(out, row->whole ? grid_number(&report->grid, point, side, "frame_ms")
+                                      : stage_ms(report, row->stage, point, side));
     fputs("</td>", out);
 }
 
@@ -290,7 +327,7 @@ static void put_published_row(FILE *out, const struct report *report, const cJSO
 {
     const cJSON *item;
     fputs("<tr class=\"published\"><td class=\"word\">", out);
-    report_put_text(out, report_text(cJSON_GetObjectItem(report->outline, "published"), "by"));
+    report_put_text(out, step_text(cJSON_GetObjectItem(report->outline, "published"), "by"));
     fputs("</td>", out);
     cJSON_ArrayForEach(item, numbers)
     {
@@ -301,19 +338,17 @@ static void put_published_row(FILE *out, const struct report *report, const cJSO
     fputs("</tr>\n", out);
 }
 
-static void put_stage(FILE *out, struct report *report, const struct report_scene *scene,
+static void put_stage(FILE *out, const struct report *report, const struct step_scene *scene,
                       const struct stage_row *row)
 {
-    put_row_head(out, row, report->sides.count + (row->published != NULL));
-    for (uint32_t side = 0; side < report->sides.count; side++) {
+    put_row_head(out, row, report->steps.sides.count + (row->published != NULL));
+    for (uint32_t side = 0; side < report->steps.sides.count; side++) {
         fprintf(out, "%s<td class=\"word\">", side ? "<tr>" : "");
-        report_put_text(out, report->sides.list[side].label);
+        report_put_text(out, report->steps.sides.list[side].label);
         fputs("</td>", out);
-        for (int i = 0; i < cJSON_GetArraySize(sweep_values(report)); i++) {
-            char *file = report_sweep_file(report, scene, i, "_bench.json");
-            put_time_cell(out, report, row, file, side);
-            free(file);
-        }
+        for (int i = 0; i < report_value_count(report); i++)
+            put_time_cell(out, report, row,
+                          report_point(report, scene, report_last_picture(report), i), side);
         fputs("</tr>\n", out);
     }
     if (row->published)
@@ -321,16 +356,16 @@ static void put_stage(FILE *out, struct report *report, const struct report_scen
     fputs("</tbody>\n", out);
 }
 
-static void put_stage_rows(FILE *out, struct report *report, const struct report_scene *scene)
+static void put_stage_rows(FILE *out, const struct report *report, const struct step_scene *scene)
 {
     const cJSON *stage, *published = published_of(report, scene);
     const cJSON *stages = cJSON_GetObjectItem(published, "stages");
     cJSON_ArrayForEach(stage, cJSON_GetObjectItem(report->outline, "stages"))
     {
-        const char *name = report_text(stage, "name");
+        const char *name = step_text(stage, "name");
         put_stage(out, report, scene,
                   &(struct stage_row){.name = name,
-                                      .doc = report_text(stage, "doc"),
+                                      .doc = step_text(stage, "doc"),
                                       .stage = stage,
                                       .published = cJSON_GetObjectItem(stages, name)});
     }
@@ -347,23 +382,24 @@ static void put_other_hardware(FILE *out, const cJSON *published)
     if (!published)
         return;
     fputs("<small>other hardware: ", out);
-    report_put_text(out, report_text(published, "by"));
+    report_put_text(out, step_text(published, "by"));
     fputs(" had a ", out);
-    report_put_text(out, report_text(published, "device"));
+    report_put_text(out, step_text(published, "device"));
     fputs(" at ", out);
-    report_put_text(out, report_text(published, "size"));
+    report_put_text(out, step_text(published, "size"));
     fputs("</small>", out);
 }
 
-void report_put_stages(FILE *out, struct report *report, const struct report_scene *scene)
+void report_put_stages(FILE *out, struct report *report, const struct step_scene *scene)
 {
     fputs("<div class=\"scroll\"><table><caption>", out);
     report_put_text(out, scene->name);
-    fprintf(out, ": milliseconds at %ux%u", report->options->size[0], report->options->size[1]);
+    fprintf(out, ": milliseconds at %ux%u", report->steps.options->size[0],
+            report->steps.options->size[1]);
     put_other_hardware(out, published_of(report, scene));
     fputs("</caption>\n<thead><tr><th scope=\"col\">Stage</th><th class=\"word\" scope=\"col\">",
           out);
-    report_put_text(out, sweep_name(report));
+    report_put_text(out, report_parameter(report));
     fputs("</th>", out);
     put_value_heads(out, report);
     fputs("</tr></thead>\n", out);

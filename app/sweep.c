@@ -1,6 +1,6 @@
 /* `diptych sweep`: one verb over many variations of a spec, scenes and sizes. It writes a folder whose ninja file
  * has an edge per run, starts ninja there, and sums up. What is over stays over: the same command goes on
- * where the last one was interrupted. */
+ * where the last one was interrupted. With --measure it is sweep_grid.c's. */
 #include "sweep.h"
 
 #include <dirent.h>
@@ -172,7 +172,11 @@ static int run_sweep(struct console *console, const struct options *options, cJS
 
 int verb_sweep(struct console *console, const struct options *options)
 {
-    bool good = true;
+    bool good = true, measures = false;
+    if (!sweep_measures(options, &measures, &console->log))
+        return COULD_NOT_RUN;
+    if (measures)
+        return sweep_measure(console, options);
     cJSON *sweep = options->collect ? read_sweep(options->output, true, &good, &console->log)
                                     : make_sweep(console, options);
     int status = COULD_NOT_RUN;

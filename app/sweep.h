@@ -1,5 +1,7 @@
 /* What the files of `diptych sweep` share. Internal to sweep*.c.
  *
+ * --measure with more than agree is sweep_grid.c's, whose folder is steps.h's. All else:
+ *
  * A sweep is a JSON object, the same in memory and in DIR/sweep.json:
  *   "options"  what makes the sweep; another sweep in the same folder is refused by them
  *   "inputs"   absolute paths that every run depends on
@@ -24,6 +26,16 @@ uint32_t sweep_number(const cJSON *object, const char *name);
 cJSON *sweep_options(const struct options *options, const struct dt_log *log);
 /* Adds "inputs", "runs" and "redrawn" to a sweep that has its options; logs the error. */
 bool sweep_plan(cJSON *sweep, struct console *console);
+
+/* Of a row of --grid, PATH=V1,V2,...: whether it is one, logged; how many values it has; one of them as PATH=V, free(). */
+bool sweep_check_row(const char *row, const struct dt_log *log);
+uint32_t sweep_row_width(const char *row);
+char *sweep_row_value(const char *row, uint32_t index);
+
+/* sweep_grid.c: whether --measure wants more than to see the backends agree; false when it is wrong, logged. */
+bool sweep_measures(const struct options *options, bool *wanted, const struct dt_log *log);
+/* Such a sweep, whose folder has nothing of the above. Returns the exit status of the verb. */
+int sweep_measure(struct console *console, const struct options *options);
 
 /* sweep_files.c: gives every run its command, a line for /bin/sh that can be pasted anywhere. */
 bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *log);

@@ -58,6 +58,15 @@ static void add_runs_wanted(cJSON *root, const struct options *options)
     cJSON_AddNumberToObject(root, "frames", options->run_frames);
 }
 
+bool sweep_check_row(const char *row, const struct dt_log *log)
+{
+    const char *equals = strchr(row, '=');
+    bool good = equals && equals > row && equals[1];
+    if (!good)
+        report_error(log, "--grid %s: must be PATH=V1,V2,..., like clusters=4,8", row);
+    return good;
+}
+
 static bool check_wanted(const struct options *options, const struct dt_log *log)
 {
     const char *wrong = !options->random == !options->grid.count
@@ -68,12 +77,7 @@ static bool check_wanted(const struct options *options, const struct dt_log *log
     if (wrong)
         report_error(log, "sweep: %s; see diptych sweep --help", wrong);
     for (uint32_t i = 0; i < options->grid.count && !wrong; i++) {
-        const char *equals = strchr(options->grid.items[i], '=');
-        if (equals && equals > options->grid.items[i] && equals[1])
-            continue;
-        wrong = "grid";
-        report_error(log, "--grid %s: must be PATH=V1,V2,..., like clusters=4,8",
-                     options->grid.items[i]);
+        wrong = sweep_check_row(options->grid.items[i], log) ? NULL : "grid";
     }
     uint32_t size[2];
     for (uint32_t i = 0; i < options->size_list.count && !wrong; i++)
@@ -217,7 +221,7 @@ static size_t value_length(const char *text)
 }
 
 /* Value number `index` of a row PATH=V1,V2,... as PATH=V; free(). */
-static char *grid_value(const char *row, uint32_t index)
+char *sweep_row_value(const char *row, uint32_t index)
 {
     const char *value = strchr(row, '=') + 1;
     for (; index > 0; index--)
@@ -227,7 +231,7 @@ static char *grid_value(const char *row, uint32_t index)
 }
 
 /* How many values a row has: at least one. */
-static uint32_t grid_width(const char *row)
+uint32_t sweep_row_width(const char *row)
 {
     uint32_t count = 1;
     const char *value = strchr(row, '=') + 1;
@@ -244,8 +248,8 @@ static cJSON *grid_sets(const cJSON *grid, uint32_t index)
     cJSON *sets = cJSON_CreateArray();
     for (int i = cJSON_GetArraySize(grid) - 1; i >= 0; i--) {
         const char *row = cJSON_GetArrayItem(grid, i)->valuestring;
-        uint32_t width = grid_width(row);
-        char *set = grid_value(row, index % width);
+        uint32_t width = sweep_row_width(row);
+        char *set = sweep_row_value(row, index % width);
         cJSON_InsertItemInArray(sets, 0, cJSON_CreateString(set ? set : row));
         free(set);
         index /= width;
@@ -261,7 +265,7 @@ static bool add_grid_runs(cJSON *runs, const cJSON *options, const struct dt_log
     uint64_t points = 1, turns = (uint64_t)cJSON_GetArraySize(sizes);
     turns *= (uint64_t)cJSON_GetArraySize(cJSON_GetObjectItem(options, "scene"));
     for (const cJSON *row = grid->child; row && points <= MOST_RUNS; row = row->next)
-        points *= grid_width(row->valuestring);
+        points *= sweep_row_width(row->valuestring);
     if (points * turns > MOST_RUNS) {
         report_error(log, "the grid has more than %d runs; give fewer values", MOST_RUNS);
         return false;

@@ -72,12 +72,13 @@ static void tell_errors(int file, bool failed, struct console *console)
     close(file);
 }
 
-bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
+/* `shown`: its messages are its progress, too, and not to be kept back. */
+static bool run(const struct tool *tool, char *const argv[], int output, bool shown,
+                struct console *console)
 {
     const struct dt_log *log = &console->log;
     pid_t child;
     int captured = console_capturing(console);
-    bool shown = output == STDERR_FILENO; /* its progress: not to be kept back */
     int kept = captured < 0 && console->keeps && !shown ? memfd_create("errors", MFD_CLOEXEC) : -1;
     int error = start(&child, argv, output, kept >= 0 ? kept : captured);
     if (error) {
@@ -101,6 +102,55 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
         report_error(log, "%s failed with exit status %d; its messages stand above", tool->what,
                      WEXITSTATUS(status));
     return false;
+}
+
+bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
+{
+    return run(tool, argv, output, output == STDERR_FILENO, console);
+}
+
+/* A pipe's end, and who wants its lines. */
+struct line_reader {
+    FILE *in;
+    void (*take)(void *user, const char *line);
+    void *user;
+};
+
+static void *read_lines(void *user)
+{
+    const struct line_reader *reader = user;
+    char *line = NULL;
+    size_t size = 0;
+    ssize_t length;
+    while ((length = getline(&line, &size, reader->in)) > 0) {
+        line[length - (line[length - 1] == '\n')] = 0;
+        reader->take(reader->user, line);
+    }
+    free(line);
+    return NULL;
+}
+
+bool tool_lines(const struct tool *tool, char *const argv[],
+                void (*take)(void *user, const char *line), void *user, struct console *console)
+{
+    int ends[2] = {-1, -1};
+    struct line_reader reader = {.take = take, .user = user};
+    pthread_t thread;
+    if (pipe2(ends, O_CLOEXEC) == 0)
+        reader.in = fdopen(ends[0], "r");
+    bool reads = reader.in && pthread_create(&thread, NULL, read_lines, &reader) == 0;
+    if (!reads)
+        report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
+    bool good = reads && run(tool, argv, ends[1], true, console);
+    if (ends[1] >= 0)
+        close(ends[1]); /* the end of the lines, once all that the tool started are gone */
+    if (reads)
+        pthread_join(thread, NULL);
+    if (reader.in)
+        fclose(reader.in);
+    else if (ends[0] >= 0)
+        close(ends[0]);
+    return good;
 }
 
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console)

@@ -1,5 +1,5 @@
-/* Programs that the command line runs: the generator, the C compiler, ninja. Called by cache.c, pipeline.c and
- * sweep.c. */
+/* Programs that the command line runs: the generator, the C compiler, ninja. Called by cache.c, pipeline.c,
+ * sweep.c and steps*.c. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 
@@ -19,6 +19,10 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
 
 /* The same, and its stdout as a string; NULL on failure; free(). */
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console);
+
+/* The same; each line of its stdout goes to `take`, which a thread of its own calls, until all is told. */
+bool tool_lines(const struct tool *tool, char *const argv[],
+                void (*take)(void *user, const char *line), void *user, struct console *console);
 
 /* The folder of the executable, where diptych-gen, glad and the cache stand, too; NULL, logged, when it cannot
  * be found; free(). */

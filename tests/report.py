@@ -16,6 +16,16 @@ PICTURES = ["dark", "shown"]
 MOTION = "t % n"
 
 
+def error_file(picture, value, ending=""):
+    """Of a picture at a value of the sweep, as the first backend drew it; without its end: against the last value."""
+    return f"{SCENE}/picture_{picture}_level_{value}_gl{ending}.json"
+
+
+def bench_file(value):
+    """Of the last picture."""
+    return f"{SCENE}/picture_shown_level_{value}_bench.json"
+
+
 class Page(html.parser.HTMLParser):
     """Elements in the order of the page: tag, attributes, text of the whole element."""
 
@@ -117,7 +127,7 @@ def check_stages(page, results, values):
     assert rows[1][0] == "Paint & conothing <else>"
     assert [float(x) for x in rows[3][-3:]] == [1.5, 2.5, 3.5] and [float(x) for x in rows[8][-3:]] == [4.5, 5.5, 6.5], rows
     for i, value in enumerate(values):
-        result = results.get(f"{SCENE}/level_{value}_bench.json")
+        result = results.get(bench_file(value))
         if not result:
             assert all(rows[r][i - len(values)] == "\u2013" for r in (1, 2, 4, 5, 6, 7))
             continue
@@ -164,24 +174,48 @@ def check_motion(page, folder, results):
 
 
 def check_csv(folder, results):
-    with open(os.path.join(folder, "plots/errors.csv"), encoding="utf-8") as file:
+    """A row for each picture and value, of the first backend, and for the other where times are taken."""
+    with open(os.path.join(folder, "rows.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [(r["picture"], r["level"]) for r in rows] == [(p, v) for p in PICTURES for v in VALUES], rows
+    sides = {"dark": ["gl"], "shown": ["gl", "vk"]}
+    assert [(r["picture"], r["level"], r["backend"]) for r in rows] == [
+        (p, v, s) for p in PICTURES for v in VALUES for s in sides[p]], rows
     for row in rows:
-        result = results[f"{SCENE}/level_{row['level']}_{row['picture']}.json"]
-        near(row["relative_mse"], result["hdr"]["relative_mse"], "CSV")
-        near(row["flip"], result["ldr"]["flip"]["mean"], "CSV")
-        own = results.get(f"{SCENE}/level_{row['level']}_{row['picture']}_own.json")
-        assert bool(own) == bool(row["own_flip"]), row
-        if own:
+        assert (row["scene"], row["width"], row["height"], row["status"], row["reason"]) == (SCENE, "48", "27", "done", ""), row
+        result = results[error_file(row["picture"], row["level"])]
+        own = results.get(error_file(row["picture"], row["level"], "_own"))
+        assert bool(own) == (row["level"] != VALUES[-1]), row
+        if row["backend"] == "gl":
+            near(row["relative_mse"], result["hdr"]["relative_mse"], "CSV")
+            near(row["rmse"], result["hdr"]["rmse"], "CSV")
+            near(row["psnr"], result["ldr"]["psnr"], "CSV")
+            near(row["flip"], result["ldr"]["flip"]["mean"], "CSV")
+        else:
+            assert row["relative_mse"] == row["flip"] == row["own_flip"] == "", row
+        assert bool(row["own_flip"]) == (bool(own) and row["backend"] == "gl"), row
+        if row["own_flip"]:
             near(row["own_flip"], own["ldr"]["flip"]["mean"], "CSV")
-    with open(os.path.join(folder, "plots/times.csv"), encoding="utf-8") as file:
+        if row["picture"] == "dark":
+            assert row["frame_ms"] == row["paint_ms"] == "", row
+            continue
+        side = results[bench_file(row["level"])]["sides"][row["backend"] == "vk"]
+        for column, name in (("", "median"), ("_p5", "p5"), ("_p95", "p95")):
+            near(row["frame_ms" + column], side["frame_ms"][name], "CSV")
+            for run in side["passes"]:
+                near(row[run["pass"] + "_ms" + column], run["ms"][name], "CSV")
+
+
+def check_failures(folder):
+    """The first picture cannot be made, and the last value is none; nothing else has failed."""
+    with open(os.path.join(folder, "rows.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert [(r["side"], r["level"]) for r in rows] == [(s, v) for s in ("gl", "vk") for v in VALUES], rows
+    assert len(rows) == 9, rows
     for row in rows:
-        spread = results[f"{SCENE}/level_{row['level']}_bench.json"]["sides"][row["side"] == "vk"]["frame_ms"]
-        for column, name in (("frame_ms", "median"), ("p5", "p5"), ("p95", "p95")):
-            near(row[column], spread[name], "CSV")
+        fails = row["picture"] == "dark" or row["level"] == "7"
+        # against the last value there is nothing to be held without it, so no row is whole
+        assert row["status"] == "failed" if fails or row["backend"] == "gl" else row["status"] == "done", row
+        assert ("level" in row["reason"]) == (row["status"] == "failed"), row
+        assert bool(row["relative_mse"]) == (not fails and row["backend"] == "gl"), row
 
 
 def main():
@@ -191,20 +225,22 @@ def main():
     page = Page(text)
     values = ["0.05", "0.1", "7"] if incomplete else VALUES
     # of the last value against itself there is nothing to measure
-    missing = [f"{SCENE}/level_{values[-1]}_{p}_own.json" for p in PICTURES]
+    missing = [error_file(p, values[-1], "_own") for p in PICTURES]
     if incomplete:
-        missing += [f"{SCENE}/{v}.json" for v in ("dark", "level_7_bench")]
-        missing += [f"{SCENE}/level_{v}_dark.json" for v in values] + [f"{SCENE}/level_7_shown.json"]
-        missing += [f"{SCENE}/level_{v}_{p}_own.json" for p in PICTURES for v in ("0.05", "0.1")]
-    names = ["reference", "dark", "shown", "compare"]
-    names += [f"level_{v}_bench" for v in values] + [f"{MOTION}/{n}" for n in ("steady", "other", "noise")]
-    names += [f"level_{v}_{p}{e}" for p in PICTURES for i, v in enumerate(values) for e in ["", "_own"][:1 + (i + 1 < len(values))]]
+        missing += [f"{SCENE}/dark.json", bench_file(7)]
+        missing += [error_file("dark", v) for v in values] + [error_file("shown", 7)]
+        missing += [error_file(p, v, "_own") for p in PICTURES for v in ("0.05", "0.1")]
+    names = ["reference", "dark", "shown", "compare"] + [f"{MOTION}/{n}" for n in ("steady", "other", "noise")]
+    names = [f"{SCENE}/{n}.json" for n in names] + [bench_file(v) for v in values]
+    names += [error_file(p, v, e) for p in PICTURES for i, v in enumerate(values) for e in ["", "_own"][:1 + (i + 1 < len(values))]]
     results = {}
-    for name in (f"{SCENE}/{n}.json" for n in names):
+    for name in names:
         if name not in missing:
             with open(os.path.join(folder, name), encoding="utf-8") as file:
                 results[name] = json.load(file)
-    if not incomplete:
+    if incomplete:
+        check_failures(folder)
+    else:
         check_csv(folder, results)
     check_links(page, folder)
     check_numbers(page, results, missing, values)

@@ -163,6 +163,91 @@ check "a sweep of nothing" refused "give --random N or --grid" "$diptych" sweep 
 check "a grid of no values" refused "--grid clusters: must be PATH=V1,V2" "$diptych" sweep "${small[@]}" --grid clusters -o "$work/none"
 check_status 1 "... leaves no folder" [ -e "$work/none" ]
 
+# ---- What is measured -------------------------------------------------------------------------------------------------
+
+# A grey picture of a level that is swept. Pictures of constant levels a and b have the errors that anybody can work out: the
+# exposure takes b to 0.18, so their RMSE is 0.18 |a/b - 1|.
+# shellcheck disable=SC2016 # Python
+rows='
+import csv, json, sys
+folder, levels = sys.argv[1], sys.argv[2].split()
+rows = list(csv.DictReader(open(folder + "/rows.csv", newline="")))
+keys = [(r["scene"], r["backend"], r["passes.show.local"], r["level"]) for r in rows]
+assert keys == [("a scene", b, l, v) for l in ("[8,8]", "[3,1]") for v in levels for b in ("gl", "vk")], keys
+for row in rows:
+    assert (row["width"], row["height"], row["status"], row["reason"], row["agree"]) == ("16", "9", "done", "", "yes"), row
+    name = folder + "/a scene/16x9_passes.show.local_%s_level_%s_" % (row["passes.show.local"].translate(str.maketrans("[],", "___")), row["level"])
+    told = json.load(open(name + row["backend"] + ".json"))
+    for column, value in (("relative_mse", told["hdr"]["relative_mse"]), ("rmse", told["hdr"]["rmse"]),
+                          ("psnr", told["ldr"]["psnr"]), ("flip", told["ldr"]["flip"]["mean"])):
+        assert abs(float(row[column]) / value - 1) < 1e-5, (row, column, value)
+    ratio = float(row["mean"]) / told["exposure"]
+    assert abs(ratio / float(row["level"]) - 1) < 1e-5, row
+    side = json.load(open(name + "bench.json"))["sides"][row["backend"] == "vk"]
+    for column, spread in [("frame_ms", side["frame_ms"])] + [(p["pass"] + "_ms", p["ms"]) for p in side["passes"]]:
+        assert spread["count"] == 2 or column != "frame_ms"
+        for ending, of in (("", "median"), ("_p5", "p5"), ("_p95", "p95")):
+            assert abs(float(row[column + ending]) / spread[of] - 1) < 1e-5, (row, column)
+    if row["level"] == levels[-1]:
+        assert row["own_rmse"] == "", row
+        continue
+    error = 0.18 * abs(float(row["level"]) / float(levels[-1]) - 1)
+    assert abs(float(row["own_rmse"]) / error - 1) < 1e-4, row
+    assert abs(float(row["own_relative_mse"]) / (error ** 2 / (0.18 ** 2 + 0.01)) - 1) < 1e-4, row
+'
+cp -r "$root"/tests/specs/grey* "$folder/"
+grey=("$diptych" sweep --scene "$folder/a scene.yaml" --spec "$folder/grey.yaml" --size 16x9 --spp 4)
+# shellcheck disable=SC2054 # the commas are the grid's
+measured=("${grey[@]}" -o "$folder/measured" --measure agree,time,error,own --grid 'passes.show.local=[8,8],[3,1]' --grid level=0.1,0.4
+    --x level --frames 2 --warmup 1)
+if ! command -v gnuplot >/dev/null; then
+    skip "times and errors over a grid" "gnuplot is missing, the package gnuplot-nox"
+else
+    check "times and errors of two levels, two local sizes and two backends are 8 rows" \
+        last_line "8 rows in $folder/measured/rows.csv: 8 done, 0 failed" "${measured[@]}" --json "$folder/measured.json"
+    check "... which are right" /usr/bin/python3 -c "$rows" "$folder/measured" "0.1 0.4"
+    check "... and JSON" grep -q '"own_relative_mse"' "$folder/measured.json"
+    for plot in frame_ms relative_mse flip own_relative_mse; do
+        # shellcheck disable=SC2016
+        check "... and a plot of $plot, along the levels, with a line for each of the rest" /usr/bin/python3 -c 'import sys, xml.etree.ElementTree
+text = " ".join(xml.etree.ElementTree.parse(sys.argv[1]).getroot().itertext())
+assert "level" in text and all(f"a scene, passes.show.local {l}, {b}" in text for l in ("[8,8]", "[3,1]") for b in ("gl", "vk")), text' \
+            "$folder/measured/$plot.svg"
+    done
+    check "what is measured already is not measured again" grep -q "no work to do" <("${measured[@]}" 2>&1)
+    # shellcheck disable=SC2054
+    broken=("${grey[@]}" -o "$folder/measured" --measure error --backend vk --grid level=0.4,7)
+    check_status 2 "a value that cannot be is a row, and stops no other" last_line "2 rows in $folder/measured/rows.csv: 1 done, 1 failed" "${broken[@]}"
+    # shellcheck disable=SC2016
+    check "... with its reason" /usr/bin/python3 -c 'import csv, sys
+good, bad = csv.DictReader(open(sys.argv[1], newline=""))
+assert good["status"] == "done" and good["flip"] and bad["status"] == "failed" and not bad["flip"], (good, bad)
+assert "level" in bad["reason"] and "," not in bad["level"], bad' "$folder/measured/rows.csv"
+
+    # So many samples take minutes.
+    # shellcheck disable=SC2317
+    held_up() {
+        local pid
+        "${grey[@]}" --spp 400000 --measure error --backend vk --grid level=0.1,0.4 -o "$folder/held" &
+        pid=$!
+        for _ in $(seq 600); do
+            [ ! -e "$folder/held/a scene/reference_16x9.json.txt" ] || break
+            sleep 0.1
+        done
+        kill -INT "$pid"
+        wait "$pid"
+    }
+    check_status 130 "an interrupt ends measuring" held_up
+    check_status 1 "... without rows" [ -e "$folder/held/rows.csv" ]
+    drawn_then=$(stat -c %y "$folder/held/a scene/16x9_level_0.1_vk.exr")
+    check "it goes on" last_line ": 2 done, 0 failed" "${grey[@]}" --measure error --backend vk --grid level=0.1,0.4 -o "$folder/held"
+    check "... where it was" [ "$drawn_then" = "$(stat -c %y "$folder/held/a scene/16x9_level_0.1_vk.exr")" ]
+    check "nothing to measure" refused "must be some of agree,time,error,own" "${grey[@]}" --measure speed -o "$work/none"
+    check "an axis that is none" refused "--x tile: must be the path of a --grid" "${grey[@]}" --measure time --x tile --grid level=0.1 -o "$work/none"
+    check "what is measured runs one at a time" refused "--jobs goes with --measure agree alone" "${grey[@]}" --measure time --jobs 2 -o "$work/none"
+    check "a folder of a sweep that measures nothing" refused "holds files, but no sweep that measures" "${grey[@]}" --measure time -o "$folder/sweep"
+fi
+
 # ---- What does not agree ----------------------------------------------------------------------------------------------
 
 faulty=("$diptych" sweep --scene "$spot" --spec "$folder/mips.yaml" --size 4x4)
