@@ -44,6 +44,8 @@ static void print_message(void *user, enum dt_level level, const char *message)
     struct place place;
     if (level == DT_ERROR)
         atomic_fetch_add(&console->errors, 1);
+    if (level <= DT_INFO && console->quiet)
+        return;
     bool placed = place_read(message, &place);
     int capture = console_capturing(console);
     if (capture >= 0) {
@@ -170,7 +172,8 @@ static void *watch(void *user)
 
 bool console_open(struct console *console)
 {
-    *console = (struct console){.terminal = isatty(STDERR_FILENO), .capture = -1};
+    *console = (struct console){
+        .terminal = isatty(STDERR_FILENO), .quiet = getenv("DIPTYCH_QUIET") != NULL, .capture = -1};
     console->log = (struct dt_log){.message = print_message, .user = console};
     pthread_mutex_init(&console->lock, NULL);
     pthread_mutex_init(&console->writing, NULL);

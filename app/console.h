@@ -24,6 +24,7 @@ struct console {
     atomic_bool done;
     bool watching;
     bool terminal;         /* stderr is one: show progress */
+    bool quiet;            /* DIPTYCH_QUIET: warnings and errors only */
     bool shown;            /* a progress line stands on the screen */
     struct timespec start; /* of the verb */
     char status[128];

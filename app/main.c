@@ -87,8 +87,8 @@ static void help(FILE *stream)
     fprintf(stream,
             "\ndiptych VERB --help lists the verb's options.\n\n"
             "Environment: DIPTYCH_SCENES, where meshes are found; CC, what compiles generated "
-            "C;\nDIPTYCH_CACHE_MIB, most that compiled pipelines take on the disk (default: "
-            "512).\n");
+            "C;\nDIPTYCH_CACHE_MIB, most that compiled pipelines take on the disk (default: 512); "
+            "DIPTYCH_QUIET, if\nset: warnings and errors only.\n");
 }
 
 static int unknown_verb(const struct console *console, const char *word)

@@ -192,6 +192,8 @@ static const struct option_row rows[] = {
      "folder of the report; one that holds a report is brought up to date"},
     {"--scene", OPTION_TEXTS, AT(scene_list), VERB_REPORT, 0, "FILE",
      "scene file; may be repeated (default: those of the outline)"},
+    {"--collect", OPTION_FLAG, AT(collect), VERB_REPORT, 0, NULL,
+     "run nothing, make the page of what there is, while another process goes on, say"},
     {"--outline", OPTION_STRING, AT(outline), VERB_REPORT, 0, "FILE",
      "what to show (default: NAME/report.yaml beside the spec NAME.yaml)"},
     {"--help", OPTION_FLAG, AT(help), SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY,

@@ -10,7 +10,7 @@
  *            runs: [{name: ..., title: ..., set: [...]}, ...]}
  *   stages: [{name: ..., doc: ..., passes: [...]}, ...]
  *   published: {by, device, scene, size, stages: {NAME: [ms of each value of the sweep]}, total: [...],
- *               own_error: {metric: ..., values: [...]}}
+ *               figures: {pictures: ..., errors: ..., times: ...}, own_error: {metric: ..., values: [...]}}
  *
  * Only pictures, sweep and reference must be there. Called by report.c. */
 #include <errno.h>
@@ -198,7 +198,7 @@ static void check_numbers(struct reader *reader, struct fy_node *node, const cha
 
 static void read_published(struct reader *reader, const struct key *self, int values)
 {
-    enum { BY, DEVICE, SCENE, SIZE, STAGES, TOTAL, OWN_ERROR, COUNT };
+    enum { BY, DEVICE, SCENE, SIZE, STAGES, TOTAL, FIGURES, OWN_ERROR, COUNT };
     struct key keys[COUNT] = {
         [BY] = {.name = "by", .type = KEY_TEXT},
         [DEVICE] = {.name = "device", .type = KEY_TEXT},
@@ -206,13 +206,18 @@ static void read_published(struct reader *reader, const struct key *self, int va
         [SIZE] = {.name = "size", .type = KEY_TEXT},
         [STAGES] = {.name = "stages", .type = KEY_MAPPING},
         [TOTAL] = {.name = "total", .type = KEY_SEQUENCE},
+        [FIGURES] = {.name = "figures", .type = KEY_MAPPING},
         [OWN_ERROR] = {.name = "own_error", .type = KEY_MAPPING},
     };
     struct key error[] = {{.name = "metric", .type = KEY_TEXT},
                           {.name = "values", .type = KEY_SEQUENCE}};
+    struct key figures[] = {{.name = "pictures", .type = KEY_TEXT},
+                            {.name = "errors", .type = KEY_TEXT},
+                            {.name = "times", .type = KEY_TEXT}};
     struct fy_node_pair *pair;
     void *position = NULL;
     read_part(reader, self, "`published`", keys, COUNT);
+    read_part(reader, &keys[FIGURES], "`figures`", figures, DT_ARRAY_COUNT(figures));
     read_part(reader, &keys[OWN_ERROR], "`own_error`", error, DT_ARRAY_COUNT(error));
     check_numbers(reader, keys[TOTAL].node, "total", values, false);
     check_numbers(reader, error[1].node, "values", values, true);

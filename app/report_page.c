@@ -19,6 +19,7 @@ static const char page_head[] =
     "color:var(--ink);font:1rem/1.5 system-ui,'DejaVu Sans',sans-serif}\n"
     "h1{font-size:1.75rem;line-height:1.2;margin:.5rem 0}"
     "h2{font-size:1.3rem;margin:3rem 0 .5rem;padding-top:.75rem;border-top:1px solid var(--line)}"
+    "h2 small{font-size:.875rem;font-weight:400;margin-left:.75rem}"
     "h3{font-size:1.05rem;margin:1.75rem 0 .5rem}\n"
     "p,li{max-width:46rem}a{color:var(--link)}small,figcaption,.dim{color:var(--dim)}\n"
     "dl{display:grid;grid-template-columns:max-content 1fr;gap:.15rem 1rem;margin:1rem 0}"
@@ -131,11 +132,46 @@ static void put_left_out(FILE *out, const struct report *report)
     }
 }
 
+/* What the page lacks, and the first reason. */
+static void put_failures(FILE *out, const struct report *report)
+{
+    const struct steps *steps = &report->steps;
+    uint32_t failures = 0;
+    char *reason = NULL;
+    for (uint32_t i = 0; i < steps->count; i++) {
+        if (steps_is_done(steps, &steps->list[i]))
+            continue;
+        reason = reason ? reason : steps_reason(steps, steps->list[i].file);
+        failures++;
+    }
+    if (failures) {
+        fprintf(out, "<dt>Missing</dt><dd>%u of %u results, shown by a dash: ", failures,
+                steps->count);
+        report_put_text(out, reason ? reason : "");
+        fputs("</dd>\n", out);
+    }
+    free(reason);
+}
+
 static const char *page_title(const struct report *report)
 {
     const char *title = step_text(report->outline, "title"),
                *slash = strrchr(report->steps.spec, '/');
     return *title ? title : slash + 1;
+}
+
+/* What is on the page, for whoever has only the page. */
+static void put_contents(FILE *out, const struct report *report)
+{
+    fputs("<p>What the pipeline draws, held against path tracing of the same scenes, and how long "
+          "it takes: <a href=\"#pictures\">pictures beside their reference</a>, <a "
+          "href=\"#errors\">errors</a> and <a href=\"#times\">times against ",
+          out);
+    report_put_text(out, report_parameter(report));
+    fputs("</a>", out);
+    if (cJSON_HasObjectItem(report->outline, "motion"))
+        fputs(", <a href=\"#motions\">temporal coherence</a>", out);
+    fputs(", and <a href=\"#making\">how it was made</a>, command by command.</p>\n", out);
 }
 
 static void put_introduction(FILE *out, struct report *report)
@@ -154,7 +190,39 @@ static void put_introduction(FILE *out, struct report *report)
     put_devices(out, report);
     put_processor(out);
     put_left_out(out, report);
+    put_failures(out, report);
     fputs("</dl>\n", out);
+    put_contents(out, report);
+}
+
+/* What was published is told where its scene is in the report. */
+static const cJSON *find_published(const struct report *report)
+{
+    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        if (report->steps.scenes[i].mesh &&
+            strcmp(report->steps.scenes[i].name, step_text(published, "scene")) == 0)
+            return published;
+    }
+    return NULL;
+}
+
+/* Of a section, with where the same was published. */
+static void put_heading(FILE *out, const struct report *report, const char *id, const char *title,
+                        const char *behind)
+{
+    const cJSON *published = find_published(report);
+    const char *figures = step_text(cJSON_GetObjectItem(published, "figures"), id);
+    fprintf(out, "<h2 id=\"%s\">%s", id, title);
+    report_put_text(out, behind);
+    if (*figures) {
+        fputs("<small>", out);
+        report_put_text(out, step_text(published, "by"));
+        fputs(": ", out);
+        report_put_text(out, figures);
+        fputs("</small>", out);
+    }
+    fputs("</h2>\n", out);
 }
 
 /* ---- Pictures -------------------------------------------------------------------------------- */
@@ -197,7 +265,11 @@ static void put_picture(FILE *out, struct report *report, const struct step_scen
     } else {
         fputs("<figcaption><b>", out);
         report_put_text(out, title);
-        fputs("</b>could not be made</figcaption>", out);
+        char *reason = file ? steps_reason(&report->steps, file) : NULL;
+        fputs("</b>could not be made: ", out);
+        report_put_text(out, reason ? reason : "");
+        fputs("</figcaption>", out);
+        free(reason);
     }
     fputs("</figure>\n", out);
     free(name);
@@ -284,8 +356,8 @@ static void put_scene(FILE *out, struct report *report, const struct step_scene 
 
 static void put_pictures(FILE *out, struct report *report)
 {
+    put_heading(out, report, "pictures", "Pictures", "");
     fputs(
-        "<h2>Pictures</h2>\n"
         "<p>All pictures of a scene are shown at one exposure, that of its reference, and were "
         "measured like that. Relative MSE is of the linear light, 0 for no error; FLIP is what an "
         "observer sees when the two pictures take turns, from 0, the same, to 1. Noise of the "
@@ -325,18 +397,6 @@ static void put_plot(FILE *out, const struct report *report, const char *name, c
     put_plot_of_height(out, report, PLOT_HEIGHT, name, title, what);
 }
 
-/* What was published is told where its scene is in the report. */
-static const cJSON *find_published(const struct report *report)
-{
-    const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
-    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
-        if (report->steps.scenes[i].mesh &&
-            strcmp(report->steps.scenes[i].name, step_text(published, "scene")) == 0)
-            return published;
-    }
-    return NULL;
-}
-
 static void put_published_error(FILE *out, const struct report *report)
 {
     const cJSON *published = find_published(report);
@@ -363,10 +423,8 @@ static void put_published_error(FILE *out, const struct report *report)
 
 static void put_errors(FILE *out, struct report *report)
 {
-    const char *parameter = report_parameter(report);
-    fputs("<h2>Error against ", out);
-    report_put_text(out, parameter);
-    fputs("</h2>\n<div class=\"plots\">\n", out);
+    put_heading(out, report, "errors", "Error against ", report_parameter(report));
+    fputs("<div class=\"plots\">\n", out);
     put_plot(out, report, "errors", "Relative MSE against the reference",
              "Lower is better. What is left at the right end is the method&rsquo;s own, and the "
              "noise of the reference.");
@@ -410,7 +468,7 @@ static void put_motions_head(FILE *out, const struct report *report)
 {
     const cJSON *settings = cJSON_GetObjectItem(report->outline, "motion");
     int block = cJSON_GetObjectItem(settings, "block")->valueint;
-    fputs("<h2>Temporal coherence</h2>\n<p>Over a motion of ", out);
+    fputs("<h2 id=\"motions\">Temporal coherence</h2>\n<p>Over a motion of ", out);
     fprintf(out, "%d frames at ", cJSON_GetObjectItem(settings, "frames")->valueint);
     report_put_text(out, step_text(settings, "size"));
     fputs(", how much <code>", out);
@@ -460,13 +518,10 @@ static void put_published_device(FILE *out, const struct report *report)
 
 static void put_times(FILE *out, struct report *report)
 {
-    const char *parameter = report_parameter(report);
-    fputs("<h2>Time against ", out);
-    report_put_text(out, parameter);
-    fputs(
-        "</h2>\n<p>Medians over frames; the backends took turns frame by frame. Bars in the plots "
-        "reach from the 5th to the 95th percentile.</p>\n",
-        out);
+    put_heading(out, report, "times", "Time against ", report_parameter(report));
+    fputs("<p>Medians over frames; the backends took turns frame by frame. Bars in the plots "
+          "reach from the 5th to the 95th percentile.</p>\n",
+          out);
     put_published_device(out, report);
     fputs("<div class=\"plots\">\n", out);
     for (uint32_t i = 0; i < report->steps.scene_count; i++) {
@@ -524,7 +579,8 @@ static bool put_making(FILE *out, const struct report *report)
         [PART_COMPARISON] = "Comparison of the backends",
     };
     fputs(
-        "<h2>How it was made</h2>\n<p>Every number comes from a file beside this page that one "
+        "<h2 id=\"making\">How it was made</h2>\n<p>Every number comes from a file beside this "
+        "page that one "
         "command wrote; the commands can be pasted. This one brings the whole page up to date, and "
         "does again only what has changed:</p>\n<pre class=\"commands\">",
         out);

@@ -69,8 +69,9 @@ void report_put_percentage(FILE *out, struct report *report, const char *file, c
     fputs("<data value=\"", out);
     report_put_text(out, file);
     fprintf(out, "#%s\">", path);
-    report_put_number(out, 100 * steps_number(&report->steps, file, path));
-    fputs("&nbsp;%</data>", out);
+    double value = 100 * steps_number(&report->steps, file, path);
+    report_put_number(out, value);
+    fputs(isnan(value) ? "</data>" : "&nbsp;%</data>", out);
 }
 
 static void put_result_cell(FILE *out, struct report *report, const char *file, const char *path)

@@ -94,7 +94,7 @@ const struct step *steps_find(const struct steps *steps, const char *file);
 
 /* Writes build.ninja and `commands`, and does what is to be done; what has failed is in the results. */
 bool steps_run(struct steps *steps);
-/* Logs an error for each step without a result, and counts them. */
+/* How many steps have no result; logs an error for each that failed by itself, with --collect how many there are. */
 uint32_t steps_count_failures(const struct steps *steps);
 bool steps_is_done(const struct steps *steps, const struct step *step);
 /* Why a step, or one that it needs, has no result; NULL when it has; free(). */

@@ -194,7 +194,9 @@ bool steps_run(struct steps *steps)
                                 .waits = calloc(steps->count + 1, sizeof *progress.waits),
                                 .seconds = calloc(steps->count + 1, sizeof *progress.seconds)};
     unsigned errors = atomic_load(&console->errors);
-    bool good = progress.waits && progress.seconds && setenv("NINJA_STATUS", "", 1) == 0;
+    bool good = progress.waits && progress.seconds && setenv("NINJA_STATUS", "", 1) == 0 &&
+                /* what every one of them would say again */
+                setenv("DIPTYCH_QUIET", "1", 1) == 0;
     if (!good)
         report_error(&console->log, "out of memory");
     console_hold(console);
@@ -224,16 +226,27 @@ bool steps_is_done(const struct steps *steps, const struct step *step)
     return done;
 }
 
+/* Those that wait for another step are only counted: it is that one's fault. */
 uint32_t steps_count_failures(const struct steps *steps)
 {
     uint32_t failures = 0;
     for (uint32_t i = 0; i < steps->count; i++) {
-        if (steps_is_done(steps, &steps->list[i]))
+        const struct step *step = &steps->list[i];
+        bool waits = false;
+        if (steps_is_done(steps, step))
             continue;
         failures++;
-        report_error(&steps->console->log, "%s: there is no result of: %s", steps->list[i].file,
-                     steps->list[i].command);
+        for (size_t j = 0; j < DT_ARRAY_COUNT(step->needs) && step->needs[j]; j++)
+            waits |= !steps_is_done(steps, steps_find(steps, step->needs[j]));
+        char *reason = waits || steps->options->collect ? NULL : steps_reason(steps, step->file);
+        if (reason)
+            report_error(&steps->console->log, "%s; there is no result of: %s", reason,
+                         step->command);
+        free(reason);
     }
+    if (failures && steps->options->collect)
+        report_message(&steps->console->log, DT_INFO, "%u of %u steps have no result yet", failures,
+                       steps->count);
     return failures;
 }
 
@@ -268,7 +281,14 @@ char *steps_reason(const struct steps *steps, const char *file)
         reason = read_reason(steps, file, ".failed");
     if (!reason) /* of a command whose file is a picture */
         reason = read_reason(steps, file, ".json");
-    return reason ? reason : format_string("%s: was not made, see %s.txt", file, file);
+    if (!reason) {
+        char *said = format_string("%s/%s.txt", steps->folder, file);
+        reason = said && file_exists(said)
+                     ? format_string("%s: was not made, see %s.txt", file, file)
+                     : format_string("%s: has not been made yet", file);
+        free(said);
+    }
+    return reason;
 }
 
 const cJSON *steps_result(struct steps *steps, const char *file)

@@ -247,7 +247,9 @@ def main():
     check_stages(page, results, values)
     check_overview(page, results)
     check_motion(page, folder, results)
-    assert ("could not be made" in page.elements[0][2]) == incomplete
+    assert ("could not be made: " in page.elements[0][2]) == ("results, shown by a dash: " in page.elements[0][2]) == incomplete
+    heads = {e[1].get("id"): e[2] for e in page.all("h2")}
+    assert heads["pictures"] == "Picturessomebody's paper: Plate <1>" and heads["errors"] == "Error against level", heads
     assert [e[2] for e in page.all("h1")] == ['Grey & "plain" <all over>']
     for words in ("absent: its mesh is not here", "agree on every resource", "Other hardware:", 'a "fast" device', "llvmpipe"):
         assert words in page.elements[0][2], words
