@@ -30,10 +30,10 @@ is() { # expression with numbers, for awk
     awk "BEGIN { exit !($1) }"
 }
 
-energy() { # bounce: what it adds is within 5 % of the truth
+energy() { # frame bounce: what it adds is within 5 % of the truth
     local without=0 with truth
-    [ "$1" = 1 ] || without=$(measured box1.exr ours1.exr mean_test) || return
-    with=$(measured box1.exr "ours$1.exr" mean_test) && truth=$(measured "box$1.exr" ours1.exr mean_reference) &&
+    [ "$2" = 1 ] || without=$(measured box1.exr "ours1.$1.exr" mean_test) || return
+    with=$(measured box1.exr "ours$2.$1.exr" mean_test) && truth=$(measured "box$2.exr" "ours1.$1.exr" mean_reference) &&
         is "($with - $without) / $truth > 0.95 && ($with - $without) / $truth < 1.05"
 }
 
@@ -43,12 +43,34 @@ nearer() { # reference near far: the relative mean squared error of the first is
 }
 
 prepare() {
-    truth box1.exr white_box 1 1 && truth box2.exr white_box 2 2 && ours ours1.exr white_box --set bounces=1 &&
-        ours ours2.exr white_box
+    truth box1.exr white_box 1 1 && truth box2.exr white_box 2 2 && ours ours1.%d.exr white_box --set bounces=1 &&
+        ours ours2.%d.exr white_box
 }
 check "a closed white box, traced and rendered" prepare
-check "the first bounce has its energy" energy 1
-check "the second bounce has its energy" energy 2
+check "the first bounce has its energy" energy 2 1
+check "the second bounce has its energy" energy 2 2
+check "... in the first frame, whose clusters have not settled" energy 0 2
+
+# Each VPL of the second bounce stands for its part of the surface that the clusters see, here all of the box, 24 m2.
+areas() {
+    local total
+    "$diptych" render --scene "$root/scenes/white_box.yaml" --size 16x16 --backend vk --set second_vpls=1024 \
+        --dump "$work/box" -o "$work/box.exr" || return
+    total=$(python3 - "$work/box" <<'END'
+import json, struct, sys
+folder = sys.argv[1]
+entry = [e for e in json.load(open(folder + "/manifest.json"))["entries"] if e["resource"] == "second_vpl"][-1]
+offset = {field["name"]: field["offset"] for field in entry["fields"]}
+data = open(folder + "/" + entry["file"], "rb").read()
+total = 0.0
+for at in range(0, len(data), entry["stride"]):
+    if any(struct.unpack_from("<3f", data, at + offset["flux"])):
+        total += struct.unpack_from("<f", data, at + offset["area"])[0]
+print(total)
+END
+    ) && is "$total / 24 > 0.95 && $total / 24 < 1.05"
+}
+check "second-bounce VPLs share out the surface of the box" areas
 
 size=64x36 samples=400
 scenes=(cornell)

@@ -55,6 +55,58 @@ DiskSample share_by_flux(int k)
     return drawn;
 }
 
+/* The map's texel at the place p of the unit disk. */
+ivec2 map_texel(vec2 p)
+{
+    ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(paraboloid_size)));
+    return clamp(texel, ivec2(0), ivec2(paraboloid_size - 1));
+}
+
+/* N samples on the unit disk are N / pi per unit of its area, hence N (1 + s)^2 / (4 pi) to the
+ * steradian with s = r^2, of which a square metre takes cos / d^2. The light of a cluster comes from all
+ * of it, not from the map's eye alone, so pi d^2 is at least its area. What faces the eye by less than
+ * a tenth counts as a tenth. */
+float samples_per_area(int c, float samples, float s, float square, float cosine)
+{
+    float spread = max(PI * square, cluster_views[c].area);
+    return samples * (1.0 + s) * (1.0 + s) * max(cosine, 0.1) / (4.0 * spread);
+}
+
+/* Samples per m2 that the cluster c, which has so many, places around x; none where its map has seen
+ * something before x. */
+float samples_around(int c, float samples, vec3 x, vec3 n)
+{
+    vec3 d = x - cluster_views[c].position;
+    float square = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
+    float reach = sqrt(square);
+    float ahead = dot(d, cluster_views[c].normal);
+    vec2 p = vec2(dot(d, cluster_views[c].tangent), dot(d, cluster_views[c].bitangent))
+        / (reach + max(ahead, 0.0));
+    vec4 seen = paraboloid_position(ivec3(map_texel(p), c));
+    vec3 q = seen.xyz - cluster_views[c].position;
+    float cosine = -dot(n, d) / reach;
+    bool sees = seen.w > 0.0 && ahead > 0.0 && cosine > 0.0 && dot(q, q) > 0.94 * square;
+    return sees ? samples_per_area(c, samples, min(dot(p, p), 1.0), square, cosine) : 0.0;
+}
+
+/* The surface that a second-bounce VPL at x stands for: one of all that any cluster places there. `own`
+ * is what its own one does. */
+float area_of(int own_cluster, float own, vec3 x, vec3 n)
+{
+    float all = power(cluster_views[0].flux);
+    for (int c = 1; c < clusters; c++)
+        all += power(cluster_views[c].flux);
+    float sum = own;
+    for (int c = 0; c < clusters; c++) {
+        float power_here = power(cluster_views[c].flux);
+        float samples = second_by_flux == 1 ? float(second_total) * (power_here / max(all, 1e-30))
+                                            : float(second_per_cluster);
+        bool another = c != own_cluster && power_here > 0.0;
+        sum += another ? samples_around(c, samples, x, n) : 0.0;
+    }
+    return 1.0 / sum;
+}
+
 void main()
 {
     int k = invocation().x;
@@ -63,25 +115,18 @@ void main()
     DiskSample drawn = second_by_flux == 1 ? share_by_flux(k) : equal_share(k);
     int c = drawn.cluster;
     vec2 p = shift_disk(drawn.place);
-    ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(paraboloid_size)));
-    texel = clamp(texel, ivec2(0), ivec2(paraboloid_size - 1));
-    ivec3 at = ivec3(texel, c);
+    ivec3 at = ivec3(map_texel(p), c);
     vec4 x = paraboloid_position(at);
     vec3 n = paraboloid_normal(at).xyz;
     float s = min(dot(p, p), 1.0);
     float square = (1.0 + s) * (1.0 + s);
     float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.number);
     vec3 flux = paraboloid_albedo(at).rgb * cluster_views[c].flux * weight;
-    /* The surface that this VPL stands for: dw d^2 / cos. The light comes from all of the cluster, not
-     * from the map's eye alone, so nothing is nearer than the cluster is wide. Half as much again,
-     * since the VPLs of one cluster are spread evenly, those of several among each other are not:
-     * measured against path tracing, less leaves spots, more takes light out of corners. */
     vec3 d = cluster_views[c].position - x.xyz;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
-    float slope = max(dot(n, d) * inversesqrt(far), 0.1);
+    float own = samples_per_area(c, drawn.number, s, far, dot(n, d) * inversesqrt(far));
     second_vpl[k].position = x.xyz;
-    second_vpl[k].area =
-        1.5 * 4.0 * max(PI * far, cluster_views[c].area) / (square * float(second_total) * slope);
+    second_vpl[k].area = area_of(c, own, x.xyz, n);
     second_vpl[k].normal = n;
     second_vpl[k].flux = x.w > 0.0 ? flux : vec3(0.0); /* the light left the scene */
 }
