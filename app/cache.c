@@ -22,6 +22,16 @@ enum { MOST_BUILDS = 5 }; /* of files that are saved while they are compiled */
 
 /* ---- Child processes ------------------------------------------------------------------------- */
 
+/* Shaders of this spec, whatever is set: an edit, or another --set, compiles what it changes. In the
+ * cache's own folder, which is that of the folder that the temporary one is in. */
+static char *shader_cache(const struct build_request *request, const char *temporary)
+{
+    uint64_t key = FILE_HASH_START;
+    hash_bytes(&key, request->spec, strlen(request->spec) + 1);
+    hash_bytes(&key, request->templates, strlen(request->templates) + 1);
+    return format_string("%s/../../%016" PRIx64 CACHE_SHADERS, temporary, key);
+}
+
 static bool generate(const struct build_request *request, const char *folder,
                      struct console *console)
 {
@@ -30,9 +40,10 @@ static bool generate(const struct build_request *request, const char *folder,
                                           .explains = true};
     char *tool = format_string("%s/diptych-gen", request->tools);
     char *depfile = format_string("%s/gen.d", folder);
-    char **argv = calloc(request->set_count * 2 + 9, sizeof *argv);
+    char *shaders = shader_cache(request, folder);
+    char **argv = calloc(request->set_count * 2 + 11, sizeof *argv);
     bool good = false;
-    if (tool && depfile && argv) {
+    if (tool && depfile && shaders && argv) {
         size_t n = 0;
         argv[n++] = tool;
         argv[n++] = (char *)request->spec;
@@ -40,6 +51,8 @@ static bool generate(const struct build_request *request, const char *folder,
         argv[n++] = (char *)folder;
         argv[n++] = (char *)"--depfile";
         argv[n++] = depfile;
+        argv[n++] = (char *)"--shader-cache";
+        argv[n++] = shaders;
         argv[n++] = (char *)"--templates";
         argv[n++] = (char *)request->templates;
         for (uint32_t i = 0; i < request->set_count; i++) {
@@ -51,51 +64,78 @@ static bool generate(const struct build_request *request, const char *folder,
         report_error(&console->log, "out of memory");
     }
     free(argv);
+    free(shaders);
     free(depfile);
     free(tool);
     return good;
 }
 
-/* Reflection and both panels into one shared object; the runtimes' symbols come from the executable
- * when it is loaded. */
+/* What the generator wrote: both panels, which take longest, and the reflection. */
+enum { SOURCES = 3 };
+static const char *const source_ends[SOURCES] = {"_gl.c", "_vk.c", ".c"};
+
+struct compilation {
+    char *source, *object, *depfile;
+    char *argv[17];
+};
+
+static const char *c_compiler(void)
+{
+    const char *named = getenv("CC");
+    return named && *named ? named : "cc";
+}
+
+static bool plan_compilation(struct compilation *plan, const struct build_request *request,
+                             const char *folder, const char *name, const char *end)
+{
+    *plan = (struct compilation){.source = format_string("%s/%s%s", folder, name, end),
+                                 .object = format_string("%s/%s%s.o", folder, name, end),
+                                 .depfile = format_string("%s/%s%s.d", folder, name, end)};
+    const char *argv[] = {c_compiler(), "-std=c11",
+                          "-Og", /* two thirds of the time; what it calls is optimised */
+                          "-fPIC",      "-MMD",
+                          "-MF",        plan->depfile,
+                          "-I",         request->headers[0],
+                          "-I",         request->headers[1],
+                          "-c",         plan->source,
+                          "-o",         plan->object,
+                          NULL};
+    _Static_assert(sizeof argv <= sizeof plan->argv, "every word has its place");
+    memcpy(plan->argv, argv, sizeof argv);
+    return plan->source && plan->object && plan->depfile;
+}
+
+/* Reflection and both panels, at the same time, into one shared object; the runtimes' symbols come from
+ * the executable when it is loaded. */
 static bool compile(const struct build_request *request, const char *folder, const char *name,
                     struct console *console)
 {
-    static const struct tool c_compiler = {
+    static const struct tool compiler = {
         .what = "compiling the generated C",
         .hint = "install a C compiler, or name one in the environment variable CC"};
-    const char *compiler = getenv("CC");
-    char *parts[] = {
-        format_string("-I%s", request->headers[0]), format_string("-I%s", request->headers[1]),
-        format_string("%s/%s.c", folder, name),     format_string("%s/%s_gl.c", folder, name),
-        format_string("%s/%s_vk.c", folder, name),  format_string("%s/panels.so", folder),
-        format_string("%s/cc.d", folder),
-    };
-    bool good = true;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
-        good = good && parts[i];
-    char *argv[] = {(char *)(compiler && *compiler ? compiler : "cc"),
-                    (char *)"-std=c11",
-                    (char *)"-Og", /* two thirds of the time; what it calls is optimised */
-                    (char *)"-fPIC",
-                    (char *)"-shared",
-                    (char *)"-MMD",
-                    (char *)"-MF",
-                    parts[6],
-                    parts[0],
-                    parts[1],
-                    (char *)"-o",
-                    parts[5],
-                    parts[2],
-                    parts[3],
-                    parts[4],
-                    NULL};
+    struct compilation plans[SOURCES];
+    char *const *argvs[SOURCES];
+    char *object = format_string("%s/panels.so", folder);
+    bool good = object;
+    for (int i = 0; i < SOURCES; i++) {
+        good = plan_compilation(&plans[i], request, folder, name, source_ends[i]) && good;
+        argvs[i] = plans[i].argv;
+    }
+    char *link[] = {(char *)c_compiler(), (char *)"-shared", (char *)"-o",    object,
+                    plans[0].object,      plans[1].object,   plans[2].object, NULL};
     if (good)
-        good = tool_run(&c_compiler, argv, -1, console);
+        good = tool_run_all(&compiler, argvs, SOURCES, console) &&
+               tool_run(&compiler, link, -1, console);
     else
         report_error(&console->log, "out of memory");
-    for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
-        free(parts[i]);
+    for (int i = 0; i < SOURCES; i++) {
+        if (plans[i].object)
+            unlink(plans[i].object);
+        free(plans[i].source);
+        free(plans[i].object);
+        free(plans[i].depfile);
+    }
+    free(object);
     return good;
 }
 
@@ -205,11 +245,14 @@ static bool stamp_file(void *user, const char *file)
     return good;
 }
 
-static bool stamp_depfile(FILE *stamp, const char *depfile, const char *folder,
-                          struct timespec since, const struct dt_log *log)
+/* The files that the rule in folder/PREFIX_END names. */
+static bool stamp_depfile(struct stamping *stamping, const char *prefix, const char *end)
 {
-    struct stamping stamping = {stamp, depfile, folder, since, log};
-    return depfile_read(depfile, stamp_file, &stamping, log);
+    char *path = format_string("%s/%s%s", stamping->folder, prefix, end);
+    stamping->depfile = path;
+    bool good = path && depfile_read(path, stamp_file, stamping, stamping->log);
+    free(path);
+    return good;
 }
 
 /* The stamp of what was built in `folder`, as text; the version is the hash of its lines. */
@@ -219,11 +262,13 @@ static char *make_stamp(const char *folder, const char *name, struct timespec si
     char *text = NULL;
     size_t size = 0;
     FILE *stamp = open_memstream(&text, &size);
-    char *generated = format_string("%s/gen.d", folder);
-    char *compiled = format_string("%s/cc.d", folder);
-    bool good = stamp && generated && compiled;
-    good = good && stamp_depfile(stamp, generated, folder, since, log) &&
-           stamp_depfile(stamp, compiled, folder, since, log);
+    struct stamping stamping = {.stamp = stamp, .folder = folder, .since = since, .log = log};
+    bool good = stamp && stamp_depfile(&stamping, "gen", ".d");
+    for (int i = 0; i < SOURCES; i++) {
+        char *end = format_string("%s.d", source_ends[i]);
+        good = good && end && stamp_depfile(&stamping, name, end);
+        free(end);
+    }
     if (stamp && fclose(stamp) != 0)
         good = false;
     char *whole = NULL;
@@ -233,8 +278,6 @@ static char *make_stamp(const char *folder, const char *name, struct timespec si
         snprintf(version, 17, "%016" PRIx64, hash);
         whole = format_string("name %s\nversion %s\n%s", name, version, text);
     }
-    free(generated);
-    free(compiled);
     free(text);
     return whole;
 }
@@ -353,18 +396,22 @@ static bool publish(const char *folder, const char *temporary, const char *versi
     return good;
 }
 
-static bool build(struct console *console, const struct build_request *request, const char *folder,
-                  const char *temporary)
+static bool build(struct cache_entry *entry, struct console *console,
+                  const struct build_request *request, const char *folder, const char *temporary)
 {
     char version[17];
+    double start = milliseconds_now();
     struct timespec since;
     clock_gettime(CLOCK_REALTIME_COARSE, &since);
     console_status(console, "generating %s", request->spec);
     if (!generate(request, temporary, console))
         return false;
+    double generated = milliseconds_now();
     char *name = find_name(temporary, &console->log);
     console_status(console, "compiling %s", name ? name : "");
     bool good = name && compile(request, temporary, name, console);
+    entry->generator_ms = generated - start;
+    entry->compiler_ms = milliseconds_now() - generated;
     char *stamp = good ? make_stamp(temporary, name, since, version, &console->log) : NULL;
     good = stamp && publish(folder, temporary, version, stamp, &console->log);
     free(stamp);
@@ -401,7 +448,7 @@ static bool build_in_folder(struct cache_entry *entry, const struct build_reques
     for (int i = 0; good && i < MOST_BUILDS; i++) {
         good = file_make_folders(temporary, &console->log);
         console_temporary(console, temporary);
-        good = good && build(console, request, folder, temporary);
+        good = good && build(entry, console, request, folder, temporary);
         file_remove_tree(temporary);
         console_forget(console, temporary);
         if (good && read_stamp(entry, folder)) {

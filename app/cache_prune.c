@@ -1,5 +1,6 @@
 /* Keeps the cache within a size; see cache_prune.h. A version's time stamp is its last use. Whoever uses
- * it has a shared lock on its folder, so an exclusive one is had only where nobody does. */
+ * it has a shared lock on its folder, so an exclusive one is had only where nobody does. A file of
+ * shaders is read in one go, so it needs none. */
 #include "cache_prune.h"
 
 #include <errno.h>
@@ -16,8 +17,9 @@
 
 enum { DEFAULT_MIB = 512 };
 
-struct version {
+struct version { /* or a file of shaders */
     char *path;
+    bool file;
     struct timespec used;
     uint64_t bytes;
 };
@@ -56,6 +58,11 @@ DIR *cache_hold(const char *version)
 
 static void remove_unused(const struct version *version, struct versions *versions)
 {
+    if (version->file) {
+        if (unlink(version->path) == 0)
+            versions->bytes -= version->bytes;
+        return;
+    }
     DIR *folder = opendir(version->path);
     if (folder && flock(dirfd(folder), LOCK_EX | LOCK_NB) == 0 && file_remove_tree(version->path))
         versions->bytes -= version->bytes;
@@ -103,26 +110,54 @@ static uint64_t tree_bytes(const char *path)
     return bytes;
 }
 
-static void add_version(const char *path, void *user)
+static void add(struct versions *versions, struct version version)
 {
-    struct versions *versions = user;
-    struct stat info;
     struct version *grown = realloc(versions->list, (versions->count + 1) * sizeof *versions->list);
-    if (!grown)
-        return;
-    versions->list = grown;
-    if (stat(path, &info) != 0 || !S_ISDIR(info.st_mode))
-        return;
-    struct version version = {strdup(path), info.st_mtim, tree_bytes(path)};
-    if (!version.path)
+    if (grown) {
+        versions->list = grown;
+        version.path = strdup(version.path);
+    }
+    if (!grown || !version.path)
         return;
     versions->bytes += version.bytes;
     versions->list[versions->count++] = version;
 }
 
+static void add_version(const char *path, void *user)
+{
+    struct stat info;
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode))
+        add(user, (struct version){
+                      .path = (char *)path, .used = info.st_mtim, .bytes = tree_bytes(path)});
+}
+
 static void add_versions(const char *path, void *user)
 {
     each_folder(path, add_version, user);
+}
+
+/* Also what a generator that was killed left of one. */
+static void add_shaders(const char *base, struct versions *versions)
+{
+    DIR *listing = opendir(base);
+    for (struct dirent *entry = listing ? readdir(listing) : NULL; entry;
+         entry = readdir(listing)) {
+        size_t digits = strspn(entry->d_name, "0123456789abcdef");
+        struct stat info;
+        if (digits != 16 ||
+            strncmp(entry->d_name + 16, CACHE_SHADERS, strlen(CACHE_SHADERS)) != 0 ||
+            fstatat(dirfd(listing), entry->d_name, &info, AT_SYMLINK_NOFOLLOW) != 0)
+            continue;
+        char *path = format_string("%s/%s", base, entry->d_name);
+        if (path)
+            add(versions, (struct version){.path = path,
+                                           .file = true,
+                                           .used = info.st_mtim,
+                                           .bytes = (uint64_t)info.st_blocks * 512});
+        free(path);
+    }
+    if (listing)
+        closedir(listing);
 }
 
 /* ---- Pruning --------------------------------------------------------------------------------- */
@@ -149,6 +184,7 @@ void cache_prune(const char *base)
     struct versions versions = {0};
     uint64_t limit = limit_bytes();
     each_folder(base, add_versions, &versions);
+    add_shaders(base, &versions);
     if (versions.bytes > limit)
         qsort(versions.list, versions.count, sizeof *versions.list, older_first);
     for (size_t i = 0; i < versions.count; i++) {

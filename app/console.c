@@ -132,8 +132,9 @@ static _Noreturn void end_by_signal(struct console *console, int signal)
     pthread_mutex_lock(&console->writing); /* never released: nothing else may begin to write */
     pthread_mutex_lock(&console->lock);
     clear_line(console);
-    if (console->child)
-        end_child(console->child);
+    for (int i = 0; i < CONSOLE_CHILDREN; i++)
+        if (console->children[i])
+            end_child(console->children[i]);
     for (int i = 0; i < CONSOLE_TEMPORARIES; i++) {
         /* another thread or a child's child may still put a file there: try again for a moment */
         for (int attempt = 0; console->temporaries[i] && attempt < 20; attempt++) {
@@ -278,17 +279,32 @@ void console_forget(struct console *console, const char *path)
     pthread_mutex_unlock(&console->lock);
 }
 
+/* Puts `now` where `was` stands. With the lock. */
+static void exchange_child(struct console *console, pid_t was, pid_t now)
+{
+    for (int i = 0; i < CONSOLE_CHILDREN; i++) {
+        if (console->children[i] == was) {
+            console->children[i] = now;
+            return;
+        }
+    }
+}
+
+void console_adopt(struct console *console, pid_t child)
+{
+    pthread_mutex_lock(&console->lock);
+    exchange_child(console, 0, child);
+    pthread_mutex_unlock(&console->lock);
+}
+
 int console_wait(struct console *console, pid_t child)
 {
     siginfo_t info;
     int status = 0;
-    pthread_mutex_lock(&console->lock);
-    console->child = child;
-    pthread_mutex_unlock(&console->lock);
     while (waitid(P_PID, (id_t)child, &info, WEXITED | WNOWAIT) < 0 && errno == EINTR)
         continue;
     pthread_mutex_lock(&console->lock);
-    console->child = 0;
+    exchange_child(console, child, 0);
     pid_t reaped = waitpid(child, &status, 0);
     pthread_mutex_unlock(&console->lock);
     return reaped < 0 ? -1 : status;
@@ -320,6 +336,13 @@ pid_t console_fork(struct console *console)
     pthread_mutex_unlock(&console->lock);
     pthread_mutex_unlock(&console->writing);
     return child;
+}
+
+double milliseconds_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
 void console_hold(struct console *console)

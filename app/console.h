@@ -13,7 +13,7 @@
 /* Exit statuses that scripts rely on. `compare` gives EXIT_DIFFER. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-enum { CONSOLE_TEMPORARIES = 4 };
+enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 4 };
 
 struct console {
     struct dt_log log;
@@ -31,8 +31,9 @@ struct console {
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
     int capture; /* memory file that takes what the capturing thread says; -1: none */
     pthread_t capturing;
-    pid_t child; /* leads a process group, which a signal ends, too; 0: none */
-    bool keeps;  /* warnings and errors, for --json */
+    /* each leads a process group, which a signal ends, too; 0: none */
+    pid_t children[CONSOLE_CHILDREN];
+    bool keeps; /* warnings and errors, for --json */
     struct console_message {
         enum dt_level level;
         char *text;
@@ -82,9 +83,10 @@ void console_duration(double seconds, char *text, size_t size);
 void console_temporary(struct console *console, const char *path);
 void console_forget(struct console *console, const char *path);
 
-/* Waits for a child that leads a process group of its own; should a signal end this process
- * meanwhile, it ends the group before the temporaries are removed. Returns the status as waitpid
- * gives it, or -1 with errno. */
+/* A child that leads a process group of its own: should a signal end this process before console_wait
+ * has returned, it ends the group before the temporaries are removed. At most CONSOLE_CHILDREN. */
+void console_adopt(struct console *console, pid_t child);
+/* Waits for it; returns the status as waitpid gives it, or -1 with errno. */
 int console_wait(struct console *console, pid_t child);
 
 /* Forks a process that goes on with this program's memory. In the child (0) the console has neither
@@ -92,6 +94,8 @@ int console_wait(struct console *console, pid_t child);
  * the end is the parent's business, and SIGKILL follows the parent's end, whatever that is. -1 with
  * errno. */
 pid_t console_fork(struct console *console);
+
+double milliseconds_now(void); /* monotonic */
 
 /* Brackets a short write that a signal must not cut in half. */
 void console_hold(struct console *console);

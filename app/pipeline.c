@@ -62,6 +62,8 @@ static bool load_with(struct pipeline *pipeline, struct console *console,
     }
     pipeline->generated = entry.folder;
     pipeline->held = entry.held;
+    pipeline->generator_ms = entry.generator_ms;
+    pipeline->compiler_ms = entry.compiler_ms;
     entry.folder = NULL;
     entry.held = NULL;
     cache_entry_free(&entry);

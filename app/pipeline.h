@@ -19,6 +19,7 @@ struct pipeline {
      * that it was made from; owned */
     char *generated;
     DIR *held;              /* keeps that folder */
+    double generator_ms, compiler_ms; /* that making it took; 0: it was in the cache */
     char *spec, *templates; /* real paths of what it was generated from; owned */
 };
 

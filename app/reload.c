@@ -13,7 +13,6 @@
 
 #include "cache.h"
 #include "files.h"
-#include "timings.h"
 
 enum { LOOK_MS = 20, MAX_FOLDERS = 64 };
 

@@ -8,13 +8,6 @@
 #include "files.h"
 #include "spread.h"
 
-double milliseconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
-
 bool timings_create(struct timings *timings, uint32_t passes, uint32_t max_frames,
                     const struct dt_log *log)
 {

@@ -22,6 +22,4 @@ void timings_free(struct timings *timings);
  * "frame_ms", "sum_ms", "passes": [{"pass", "ms"}]}; a pass that never ran has null. */
 bool timings_write(const struct timings *timings, const struct session *session, const char *path);
 
-double milliseconds_now(void); /* monotonic */
-
 #endif

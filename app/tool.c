@@ -44,14 +44,15 @@ static int start(pid_t *child, char *const argv[], int output, int errors)
     return error;
 }
 
-/* Passes on what the child said, and keeps it for --json: a message for each place that it names, or
- * all of it as the reason why it failed. */
+/* What the child said goes where this process's own messages go, and is kept for --json: a message for
+ * each place that it names, or all of it as the reason why it failed. */
 static void tell_errors(int file, bool failed, struct console *console)
 {
     char *text = file_contents(file);
-    bool placed = false;
+    int captured = console_capturing(console);
+    bool placed = captured >= 0; /* who captures keeps it in his own way */
     struct place place;
-    for (char *line = text, *end; line && *line; line = end) {
+    for (char *line = placed ? NULL : text, *end; line && *line; line = end) {
         end = line + strcspn(line, "\n");
         char last = *end;
         *end = 0;
@@ -63,7 +64,10 @@ static void tell_errors(int file, bool failed, struct console *console)
         end += last == '\n';
     }
     if (text && *text) {
-        fputs(text, stderr);
+        if (captured >= 0)
+            dprintf(captured, "%s", text);
+        else
+            fputs(text, stderr);
         text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
         if (!placed && failed)
             console_keep(console, DT_ERROR, text);
@@ -72,26 +76,52 @@ static void tell_errors(int file, bool failed, struct console *console)
     close(file);
 }
 
-/* `shown`: its messages are its progress, too, and not to be kept back. */
-static bool run(const struct tool *tool, char *const argv[], int output, bool shown,
-                struct console *console)
-{
-    const struct dt_log *log = &console->log;
+struct running {
     pid_t child;
+    int kept; /* file with what it says; -1: that went to stderr or is captured */
+};
+
+/* What becomes of its messages. */
+enum messages {
+    MESSAGES_KEPT,  /* for --json, where that is given */
+    MESSAGES_SHOWN, /* at once: they are its progress, too */
+    MESSAGES_APART, /* told when it is done, so that they do not get between what others say */
+};
+
+static bool begin(struct running *running, const struct tool *tool, char *const argv[], int output,
+                  enum messages messages, struct console *console)
+{
     int captured = console_capturing(console);
-    int kept = captured < 0 && console->keeps && !shown ? memfd_create("errors", MFD_CLOEXEC) : -1;
-    int error = start(&child, argv, output, kept >= 0 ? kept : captured);
-    if (error) {
-        if (kept >= 0)
-            close(kept);
-        report_error(log, "%s: cannot be started: %s; %s", argv[0], strerror(error), tool->hint);
-        return false;
+    bool keep =
+        messages == MESSAGES_APART || (messages == MESSAGES_KEPT && captured < 0 && console->keeps);
+    *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
+    int error = start(&running->child, argv, output, running->kept >= 0 ? running->kept : captured);
+    if (!error) {
+        console_adopt(console, running->child);
+        return true;
     }
-    int status = console_wait(console, child);
-    if (kept >= 0)
-        tell_errors(kept, status != 0, console);
+    if (running->kept >= 0)
+        close(running->kept);
+    report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
+                 tool->hint);
+    return false;
+}
+
+/* Waits for it and tells what it said; the status as console_wait gives it. */
+static int finish(const struct running *running, struct console *console)
+{
+    int status = console_wait(console, running->child);
+    int error = errno;
+    if (running->kept >= 0)
+        tell_errors(running->kept, status != 0, console);
+    errno = error;
+    return status;
+}
+
+static bool judge(int status, const struct tool *tool, const char *name, const struct dt_log *log)
+{
     if (status < 0) {
-        report_error(log, "%s: cannot be waited for: %s", argv[0], strerror(errno));
+        report_error(log, "%s: cannot be waited for: %s", name, strerror(errno));
         return false;
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
@@ -104,9 +134,18 @@ static bool run(const struct tool *tool, char *const argv[], int output, bool sh
     return false;
 }
 
+static bool run(const struct tool *tool, char *const argv[], int output, enum messages messages,
+                struct console *console)
+{
+    struct running running;
+    return begin(&running, tool, argv, output, messages, console) &&
+           judge(finish(&running, console), tool, argv[0], &console->log);
+}
+
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
 {
-    return run(tool, argv, output, output == STDERR_FILENO, console);
+    return run(tool, argv, output, output == STDERR_FILENO ? MESSAGES_SHOWN : MESSAGES_KEPT,
+               console);
 }
 
 /* A pipe's end, and who wants its lines. */
@@ -141,7 +180,7 @@ bool tool_lines(const struct tool *tool, char *const argv[],
     bool reads = reader.in && pthread_create(&thread, NULL, read_lines, &reader) == 0;
     if (!reads)
         report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
-    bool good = reads && run(tool, argv, ends[1], true, console);
+    bool good = reads && run(tool, argv, ends[1], MESSAGES_SHOWN, console);
     if (ends[1] >= 0)
         close(ends[1]); /* the end of the lines, once all that the tool started are gone */
     if (reads)
@@ -151,6 +190,22 @@ bool tool_lines(const struct tool *tool, char *const argv[],
     else if (ends[0] >= 0)
         close(ends[0]);
     return good;
+}
+
+bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t count,
+                  struct console *console)
+{
+    struct running running[CONSOLE_CHILDREN];
+    uint32_t started = 0;
+    int status = 0; /* of the first that fails */
+    while (started < count &&
+           begin(&running[started], tool, argvs[started], -1, MESSAGES_APART, console))
+        started++;
+    for (uint32_t i = 0; i < started; i++) {
+        int own = finish(&running[i], console);
+        status = status ? status : own;
+    }
+    return judge(status, tool, argvs[0][0], &console->log) && started == count;
 }
 
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console)

@@ -17,7 +17,12 @@ struct tool {
  * unless the tool explains what it dislikes itself. */
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console);
 
-/* The same, and its stdout as a string; NULL on failure; free(). */
+/* Runs several at once, at most CONSOLE_CHILDREN, each with its own argv and no output, and waits for
+ * all. What they say comes one after the other. */
+bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t count,
+                  struct console *console);
+
+/* Runs one, and gives its stdout as a string; NULL on failure; free(). */
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console);
 
 /* The same; each line of its stdout goes to `take`, which a thread of its own calls, until all is told. */

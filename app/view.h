@@ -64,7 +64,8 @@ struct view {
     bool noisy;           /* a side that is closed has heard validation messages */
     char *error;          /* of the last reload, NULL: it went well; owned */
     uint32_t reloads;
-    double reload_ms; /* of the last one, from the saved file to the pipeline at work; NAN: none */
+    double reload_ms; /* of the last one, from the saved file to its first picture; NAN: none */
+    double device_ms; /* of it, programs and memory; then comes the frame */
 
     /* What is shown. */
     uint32_t home;     /* the display output, mostly */

@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "stages.h"
+#include "shader_cache.h"
 
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
 enum { GENERATED_COLUMNS = 100 };
@@ -19,8 +19,8 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 /* ---- Command line ---------------------------------------------------------------------------- */
 
 struct options {
-    const char *spec, *out, *graph, *lifetimes, *depfile, *json, *templates, *variations, *seed,
-        *memory;
+    const char *spec, *out, *graph, *lifetimes, *depfile, *json, *shader_cache, *templates,
+        *variations, *seed, *memory;
     const char **sets;
     size_t set_count;
     bool check, live, schema, reference, help, version;
@@ -40,6 +40,8 @@ static const struct option_name option_names[] = {
     {"--lifetimes", "FILE.dot", "draw when resources live, and which of them share memory"},
     {"--depfile", "FILE", "write the files that were read, as a makefile rule for ninja"},
     {"--json", "FILE", "also write what was generated, or the errors, as JSON"},
+    {"--shader-cache", "FILE",
+     "keep compiled shaders there: the next generation compiles only those that have changed"},
     {"--templates", "DIR",
      "folder with glsl/; default: templates here, else those that came with the program"},
     {"--variations", "N",
@@ -112,6 +114,8 @@ static void take_option(struct options *options, const char *name, const char *v
         options->depfile = value;
     else if (!strcmp(name, "--json"))
         options->json = value;
+    else if (!strcmp(name, "--shader-cache"))
+        options->shader_cache = value;
     else if (!strcmp(name, "--templates"))
         options->templates = value;
     else if (!strcmp(name, "--variations"))
@@ -192,6 +196,7 @@ struct generation {
     struct model model;
     struct diag *diag;
     struct pass_shaders *shaders[2]; /* per backend, pass_count each */
+    struct shader_cache *cache;      /* NULL: none was asked for */
     struct output *output;
 };
 
@@ -301,6 +306,14 @@ static void add_sources(struct generation *g)
     add_limits(g);
 }
 
+/* Before the sources, which take the GLSL. */
+static void add_cache(struct generation *g)
+{
+    struct text text = {0};
+    shader_cache_emit(g->cache, &g->model, g->shaders, &text);
+    output_add(g->output, "", g->options->shader_cache, &text);
+}
+
 static enum status write_files(struct generation *g)
 {
     g->output = output_create();
@@ -308,6 +321,8 @@ static enum status write_files(struct generation *g)
         fputs("diptych-gen: error: out of memory\n", stderr);
         return STATUS_FAILED;
     }
+    if (g->cache)
+        add_cache(g);
     if (g->options->out)
         add_sources(g);
     if (g->options->graph)
@@ -338,8 +353,10 @@ static enum status generate(struct generation *g)
         !check_model(&g->model, g->model.templates_dir, g->diag) || diag_error_count(g->diag))
         return STATUS_WRONG_SPEC;
     layout_model(&g->model);
-    if (!plan_model(&g->model, g->diag) || diag_error_count(g->diag) ||
-        !shaders_compile(&g->model, g->shaders, g->diag))
+    if (!plan_model(&g->model, g->diag) || diag_error_count(g->diag))
+        return STATUS_WRONG_SPEC;
+    g->cache = options->shader_cache ? shader_cache_read(options->shader_cache) : NULL;
+    if (!shaders_compile(&g->model, g->shaders, g->cache, g->diag))
         return STATUS_WRONG_SPEC;
     enum status status = options->check ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
@@ -483,6 +500,7 @@ static enum status run(const struct options *options)
         fputs("diptych-gen: error: out of memory\n", stderr);
     }
     shaders_free(&g.model, g.shaders);
+    shader_cache_free(g.cache);
     output_free(g.output);
     diag_free(g.diag);
     arena_free(g.model.arena);

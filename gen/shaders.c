@@ -1,46 +1,128 @@
 /* All shaders of a pipeline: every pass, backend and stage to GLSL and SPIR-V. Called by main.c, which
- * writes them, and by vary.c, which asks whether they compile. */
-#include <stdlib.h>
+ * writes them, and by vary.c, which asks whether they compile. Text is emitted one after the other, since
+ * that adds to the model; what the cache of shaders does not have is compiled on several threads. */
+#include "shader_cache.h"
 
-#include "stages.h"
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { MOST_THREADS = 8 };
+
+struct job { /* one shader to compile */
+    const struct pass *pass;
+    enum backend backend;
+    struct shader *shader;
+    bool done;
+};
+
+struct jobs {
+    const struct model *model;
+    struct job *list;
+    uint32_t count;
+    atomic_uint next;
+};
 
 static bool has_stage(const struct pass *pass, enum stage stage)
 {
     return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
 }
 
-static bool compile_pass(struct model *model, struct pass_shaders *shaders, enum backend backend,
-                         const struct pass *pass, struct diag *diag)
+/* GLSL of one pass; its shaders that are new become jobs. */
+static bool emit_pass(struct model *model, struct pass_shaders *shaders, struct shader_cache *cache,
+                      struct job job, struct jobs *jobs, struct diag *diag)
 {
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
         struct shader *shader = &shaders->stage[stage];
         shader->stage = stage;
-        if (has_stage(pass, stage))
-            good &= emit_glsl(model, pass, backend, stage, shader, diag) &&
-                    spirv_compile(model, pass, backend, shader, diag);
+        if (!has_stage(job.pass, stage))
+            continue;
+        if (!emit_glsl(model, job.pass, job.backend, stage, shader, diag)) {
+            good = false;
+        } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
+            job.shader = shader;
+            jobs->list[jobs->count++] = job;
+        }
     }
     return good;
 }
 
-bool shaders_compile(struct model *model, struct pass_shaders *shaders[2], struct diag *diag)
+/* ---- Compiling ------------------------------------------------------------------------------- */
+
+static void *compile_some(void *user)
 {
-    uint32_t count = model->pipeline.pass_count;
+    struct jobs *jobs = user;
+    struct diag *unheard = diag_create();
+    for (uint32_t i; unheard && (i = atomic_fetch_add(&jobs->next, 1)) < jobs->count;) {
+        struct job *job = &jobs->list[i];
+        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
+    }
+    diag_free(unheard);
+    return NULL;
+}
+
+static uint32_t thread_count(const struct jobs *jobs)
+{
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    uint32_t count = processors > MOST_THREADS ? MOST_THREADS : (uint32_t)processors;
+    return count < jobs->count ? count : jobs->count;
+}
+
+/* What fails is compiled once more, one after the other: then its messages come in order. */
+static bool compile(struct jobs *jobs, struct diag *diag)
+{
+    pthread_t threads[MOST_THREADS];
+    uint32_t started = 0;
+    while (started + 1 < thread_count(jobs) &&
+           !pthread_create(&threads[started], NULL, compile_some, jobs))
+        started++;
+    compile_some(jobs);
+    for (uint32_t i = 0; i < started; i++)
+        pthread_join(threads[i], NULL);
+    bool good = true;
+    for (uint32_t i = 0; i < jobs->count; i++) {
+        struct job *job = &jobs->list[i];
+        if (job->done)
+            continue;
+        free(job->shader->words);
+        job->shader->words = NULL;
+        good &= spirv_compile(jobs->model, job->pass, job->backend, job->shader, diag);
+    }
+    return good;
+}
+
+static bool compile_new(struct jobs *jobs, struct diag *diag)
+{
+    if (!jobs->count)
+        return true;
     if (!spirv_init()) {
         diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
         return false;
     }
+    bool good = compile(jobs, diag);
+    spirv_finish();
+    return good;
+}
+
+bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
+                     struct shader_cache *cache, struct diag *diag)
+{
+    uint32_t count = model->pipeline.pass_count;
+    struct jobs jobs = {.model = model, .list = calloc(4 * count + 1, sizeof *jobs.list)};
     bool good = true;
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
         shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
-        if (!shaders[backend])
+        if (!shaders[backend] || !jobs.list)
             diag_error(diag, (struct loc){0}, "out of memory");
-        for (uint32_t i = 0; shaders[backend] && i < count; i++)
-            good &=
-                compile_pass(model, &shaders[backend][i], backend, model->pipeline.order[i], diag);
-        good &= shaders[backend] != NULL;
+        for (uint32_t i = 0; shaders[backend] && jobs.list && i < count; i++)
+            good &= emit_pass(model, &shaders[backend][i], cache,
+                              (struct job){.pass = model->pipeline.order[i], .backend = backend},
+                              &jobs, diag);
     }
-    spirv_finish();
+    good &= compile_new(&jobs, diag);
+    free(jobs.list);
     return good && !diag_error_count(diag);
 }
 

@@ -35,7 +35,7 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
                struct shader *shader, struct diag *diag);
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
  * spirv-val (SPIRV-Tools). glslang's errors come back as diagnostics at the line of the body
- * file. */
+ * file. spirv_compile may run on several threads, each with a diag of its own. */
 bool spirv_init(void);
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
@@ -51,9 +51,11 @@ bool count_flops(const struct shader *shader, uint64_t *flops);
 struct pass_shaders {
     struct shader stage[3];
 };
-/* shaders.c: every stage of every pass for both backends, through emit_glsl and spirv_compile.
- * shaders_free in any case. */
-bool shaders_compile(struct model *model, struct pass_shaders *shaders[2], struct diag *diag);
+struct shader_cache;
+/* shaders.c: every stage of every pass for both backends, through emit_glsl and spirv_compile; cache:
+ * shaders compiled before, or NULL. shaders_free in any case. */
+bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
+                     struct shader_cache *cache, struct diag *diag);
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
 void emit_header(const struct model *model, struct text *out); /* NAME.h */
 void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,

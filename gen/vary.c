@@ -44,7 +44,7 @@ static bool take(struct model *model, const struct draws *draws, enum depth dept
         return true;
     if (!plan_model(model, diag) || diag_error_count(diag))
         return false;
-    bool good = depth == PLANNED || shaders_compile(model, shaders, diag);
+    bool good = depth == PLANNED || shaders_compile(model, shaders, NULL, diag);
     shaders_free(model, shaders);
     return good;
 }

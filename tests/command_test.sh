@@ -120,7 +120,7 @@ cat >"$work/slow" <<'SLOW'
 #!/bin/sh
 for i in 1 2 3 4 5 6 7 8 9 10; do
     sleep 0.3
-    for word; do case $word in */panels.so) mkdir -p "$(dirname "$word")" && echo >"$word.$i" ;; esac done
+    for word; do case $word in *.o) mkdir -p "$(dirname "$word")" && echo >"$word.$i" ;; esac done
 done
 exit 1
 SLOW
@@ -131,7 +131,7 @@ interrupted() { # signal
     CC=$work/slow "${own[@]}" &
     local child=$!
     for _ in $(seq 100); do
-        compgen -G "$work/project/build/cache/*/tmp-*/panels.so.1" >/dev/null && break
+        compgen -G "$work/project/build/cache/*/tmp-*/*.o.1" >/dev/null && break
         sleep 0.1
     done
     kill "-$1" "$child"
@@ -178,7 +178,7 @@ for number in 1 2 3; do
 done
 # shellcheck disable=SC2317
 first_in_first_out() {
-    DIPTYCH_CACHE_MIB=5 variant 1 && DIPTYCH_CACHE_MIB=5 variant 4 &&
+    DIPTYCH_CACHE_MIB=6 variant 1 && DIPTYCH_CACHE_MIB=6 variant 4 &&
         [ -d "${folders[1]}" ] && [ ! -d "${folders[2]}" ] && [ -d "${folders[3]}" ]
 }
 check "the cache is kept within its size: what was not used for longest goes" first_in_first_out
