@@ -174,8 +174,10 @@ static bool is_shared(const struct range *range)
     return range->storage == STORAGE_SHARED;
 }
 
-/* Copied from a uniform block as it is, 16 bytes at a time, rather than field by field. */
-static bool by_quads(const struct range *range)
+/* Copied from a uniform block as it is, a word at a time, rather than field by field. A CPU runs the
+ * copy for all invocations, also where none has anything left to copy, and pays for each component
+ * of what one invocation copies. */
+static bool by_words(const struct range *range)
 {
     return is_shared(range) && range->access->kind & ACCESS_UNIFORM;
 }
@@ -187,28 +189,23 @@ static uint32_t chunk_of(const struct range *range)
     return whole || !range->chunk || range->chunk > count ? count : range->chunk;
 }
 
-/* A value that begins `offset` bytes into the element `index` of a cache of quads. */
-static void add_quads(const struct range *range, enum dt_type type, const char *index,
+/* A value that begins `offset` bytes into the element `index` of a cache of words. */
+static void add_words(const struct range *range, enum dt_type type, const char *index,
                       uint32_t offset, struct text *out)
 {
-    static const char *const swizzles[4][4] = {{".x", ".xy", ".xyz", ""},
-                                               {".y", NULL, NULL, NULL},
-                                               {".z", ".zw", NULL, NULL},
-                                               {".w", NULL, NULL, NULL}};
     const struct type_info *info = type_info(type);
-    uint32_t quads = range->access->resource->stride / 16;
+    uint32_t stride = range->access->resource->stride / 4;
     bool number = strspn(index, "0123456789") == strlen(index), matrix = info->columns > 1;
     bool real = type <= DT_TYPE_VEC4 || matrix;
-    text_add(out, "%s(", real ? (matrix ? "mat4" : "uintBitsToFloat") : info->glsl);
-    for (uint32_t column = 0; column < info->columns; column++) {
-        uint32_t quad = offset / 16 + column;
-        text_add(out, "%s%s%s_quads[", column ? ", " : "", matrix ? "uintBitsToFloat(" : "",
-                 range->name);
+    text_add(out, "%s(", info->glsl);
+    for (uint32_t i = 0; i < info->columns * info->components; i++) {
+        uint32_t word = offset / 4 + i / info->components * 4 + i % info->components;
+        text_add(out, "%s%s%s_words[", i ? ", " : "", real ? "uintBitsToFloat(" : "", range->name);
         if (number)
-            text_add(out, "%lu", strtoul(index, NULL, 10) * quads + quad);
+            text_add(out, "%lu", strtoul(index, NULL, 10) * stride + word);
         else
-            text_add(out, "%s * %u + %u", index, quads, quad);
-        text_add(out, "]%s%s", swizzles[offset % 16 / 4][info->components - 1], matrix ? ")" : "");
+            text_add(out, "%s * %u + %u", index, stride, word);
+        text_add(out, "]%s", real ? ")" : "");
     }
     text_add(out, ")");
 }
@@ -219,7 +216,7 @@ static void add_field(const struct loop *loop, const struct field *field, const 
     const struct range *range = loop->range;
     int length = (int)loop->variable.length;
     uint32_t count = field->array_count ? field->array_count : 1;
-    if (!by_quads(range)) {
+    if (!by_words(range)) {
         text_add(out, "        %.*s.%s = %s_%s[%s];\n", length, loop->variable.text, field->name,
                  range->name, field->name, index);
         return;
@@ -229,7 +226,7 @@ static void add_field(const struct loop *loop, const struct field *field, const 
         if (field->array_count)
             text_add(out, "[%u]", i);
         text_add(out, " = ");
-        add_quads(range, field->type, index, field->offset + i * field->array_stride, out);
+        add_words(range, field->type, index, field->offset + i * field->array_stride, out);
         text_add(out, ";\n");
     }
 }
@@ -247,11 +244,11 @@ static void add_element(const struct loop *loop, const char *index, struct text 
     if (!is_shared(range)) {
         text_add(out, "        %s %.*s = %s[%s_first + %s];\n", type, length, variable,
                  buffer->name, range->name, index);
-    } else if (by_quads(range) && !structure) {
+    } else if (by_words(range) && !structure) {
         text_add(out, "        %s %.*s = ", type, length, variable);
-        add_quads(range, buffer->type, index, 0, out);
+        add_words(range, buffer->type, index, 0, out);
         text_add(out, ";\n");
-    } else if (loop->fields == WHOLE && !by_quads(range)) {
+    } else if (loop->fields == WHOLE && !by_words(range)) {
         text_add(out, "        %s %.*s = %s_cache[%s];\n", type, length, variable, range->name,
                  index);
     } else {
@@ -279,16 +276,16 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     const struct resource *buffer = range->access->resource;
     const struct structure *structure = buffer->structure;
     const uint32_t *local = glsl->pass->local;
-    uint32_t quads = by_quads(range) ? buffer->stride / 16 : 1;
+    uint32_t words = by_words(range) ? buffer->stride / 4 : 1;
     text_add(out, "    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n",
-             count * quads, local[0] * local[1] * local[2]);
-    if (by_quads(range))
-        text_add(out, "        %s_quads[i] = %s_quads[(%s_first%s) * %u + i];\n", range->name,
-                 buffer->name, range->name, chunk, quads);
+             count * words, local[0] * local[1] * local[2]);
+    if (by_words(range))
+        text_add(out, "        %s_words[i] = %s_quads[(%s_first%s) * %u + (i >> 2)][i & 3];\n",
+                 range->name, buffer->name, range->name, chunk, words / 4);
     else if (loop->fields == WHOLE)
         text_add(out, "        %s_cache[i] = %s[%s_first%s + i];\n", range->name, buffer->name,
                  range->name, chunk);
-    for (uint32_t i = 0; !by_quads(range) && structure && i < structure->field_count; i++)
+    for (uint32_t i = 0; !by_words(range) && structure && i < structure->field_count; i++)
         if (loop->fields >> i & 1)
             text_add(out, "        %s_%s[i] = %s[%s_first%s + i].%s;\n", range->name,
                      structure->fields[i].name, buffer->name, range->name, chunk,
@@ -377,9 +374,9 @@ static void add_caches(struct glsl *glsl, const struct range *range, uint64_t fi
     uint64_t chunk = !range->chunk || range->chunk > count ? count : range->chunk;
     if (!is_shared(range) || !chunk)
         return;
-    if (by_quads(range)) {
-        text_add(out, "shared uvec4 %s_quads[%llu];\n", range->name,
-                 (unsigned long long)chunk * buffer->stride / 16);
+    if (by_words(range)) {
+        text_add(out, "shared uint %s_words[%llu];\n", range->name,
+                 (unsigned long long)chunk * buffer->stride / 4);
         return;
     }
     if (fields & WHOLE)

@@ -455,7 +455,7 @@ static void test_copy_follows_its_first_element(void **state)
 
 /* From a uniform block elements are copied 16 bytes at a time: position and kind share the first of
  * a Light2's three, a second light's flux is in the sixth. */
-static void test_range_by_quads(void **state)
+static void test_range_by_words(void **state)
 {
     struct fixture *f = *state;
     f->ranges[0].chunk = 5;
@@ -471,10 +471,15 @@ static void test_range_by_quads(void **state)
              "{ result_store(ivec2(v.kind), vec4(v.flux, v.position.x)); } }\n");
     struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
     const char *text = shader.glsl.data;
-    assert_non_null(strstr(text, "shared uvec4 subset_quads[15];"));
-    assert_non_null(strstr(text, "v.position = uintBitsToFloat(subset_quads[0].xyz);"));
-    assert_non_null(strstr(text, "v.kind = uint(subset_quads[0].w);"));
-    assert_non_null(strstr(text, "v.flux = uintBitsToFloat(subset_quads[5].xyz);"));
+    assert_non_null(strstr(text, "shared uint subset_words[60];"));
+    assert_non_null(strstr(text, "i < 60; i += 64"));
+    assert_non_null(strstr(text, "v.position = vec3(uintBitsToFloat(subset_words[0]), "
+                                 "uintBitsToFloat(subset_words[1]), "
+                                 "uintBitsToFloat(subset_words[2]));"));
+    assert_non_null(strstr(text, "v.kind = uint(subset_words[3]);"));
+    assert_non_null(strstr(text, "v.flux = vec3(uintBitsToFloat(subset_words[20]), "
+                                 "uintBitsToFloat(subset_words[21]), "
+                                 "uintBitsToFloat(subset_words[22]));"));
     assert_null(strstr(text, "v.normal"));
     assert_int_equal(occurrences(text, "barrier();"), 1);
     shader_free(&shader);
@@ -555,7 +560,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_map_of_a_sampler, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_copy_follows_its_first_element, set_up, tear_down),
-        cmocka_unit_test_setup_teardown(test_range_by_quads, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_range_by_words, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_whole_element, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_errors, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_compile_error_place, set_up, tear_down),

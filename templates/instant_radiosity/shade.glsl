@@ -12,8 +12,11 @@ void main()
     float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
     vec3 sum = vec3(0.0);
     for (ClassVpl v : all_lights) {
-        Sight s = sight(v, x, n, closest, middle);
-        sum += v.flux * (s.geometry * visibility(s, v, n, map_distance(s.texel).r, bias));
+        Sight s = sight(x - v.eye, v.tangent, v.bitangent, v.axis, closest, middle);
+        float seen = map_distance(ivec3(s.texel, v.layer)).r;
+        bool lit = is_seen(s, v.tangent, v.bitangent, v.axis, n, seen, bias);
+        float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
+        sum += v.flux * (lit ? geometry : 0.0);
     }
     /* Half floats end at 65504. */
     indirect_store(p, vec4(min(sum / PI, 60000.0), 1.0));

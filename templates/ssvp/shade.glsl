@@ -1,4 +1,5 @@
 /* Shading in place: each class reads and writes its own pixels, strided. */
+#include "eyes.glsl"
 #include "vpl.glsl"
 
 void main()

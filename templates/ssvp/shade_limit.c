@@ -11,7 +11,10 @@ enum {
     LANES = 8,
     TILE_X = SSVP_PARAM_TILE_X,
     TILE_Y = SSVP_PARAM_TILE_Y,
-    MAP = SSVP_PARAM_PARABOLOID_SIZE
+    MAP = SSVP_PARAM_PARABOLOID_SIZE,
+    FIRST_EYES = SSVP_CONSTANT_FIRST_EYES,
+    SECOND_EYES = SSVP_PARAM_SECOND_CLUSTERS > 0 ? SSVP_CONSTANT_SECOND_EYES : 0,
+    MANY_EYES = FIRST_EYES > 32 || SECOND_EYES > 32
 };
 
 /* Receivers that a rounding moves to the next texel of a map see another distance. */
@@ -100,66 +103,69 @@ static inline void add(struct vec3x8 *sum, const float flux[3], __m256 geometry)
 
 /* ---- Shading --------------------------------------------------------------------------------- */
 
-/* Numerator and denominator of the geometry term, see vpl.glsl. */
-struct term {
-    __m256 above, below;
-};
-
-static inline struct term geometry_term(struct vec3x8 x, struct vec3x8 n,
-                                        const struct ssvp_ClassVpl *v,
-                                        const struct setting *setting)
+/* See vpl.glsl. */
+static inline __m256 geometry_term(struct vec3x8 x, struct vec3x8 n, const struct ssvp_ClassVpl *v,
+                                   const struct setting *setting)
 {
     struct vec3x8 d = from(x, v->position);
     __m256 square = _mm256_max_ps(dot(d, d), setting->closest);
     __m256 leaving = positive(dot_all(d, v->normal)), arriving = positive(negative_dot(n, d));
     __m256 distance = square_root(square);
     __m256 cube = _mm256_fmadd_ps(square, distance, _mm256_mul_ps(all(v->disk), leaving));
-    return (struct term){_mm256_mul_ps(_mm256_mul_ps(leaving, arriving), distance),
-                         _mm256_mul_ps(square, cube)};
+    __m256 above = _mm256_mul_ps(_mm256_mul_ps(leaving, arriving), distance);
+    return _mm256_mul_ps(above, reciprocal(_mm256_mul_ps(square, cube)));
 }
 
-static inline void add_seen(struct vec3x8 *sum, struct vec3x8 x, struct vec3x8 n,
-                            const struct ssvp_ClassVpl *v, const struct setting *setting,
-                            const float *maps)
+/* All bits of the lanes that the eye sees. */
+static inline __m256 is_seen(struct vec3x8 x, struct vec3x8 n, const struct ssvp_Eye *e,
+                             const struct setting *setting, const float *maps)
 {
-    struct vec3x8 c = from(x, v->eye);
-    struct term term = geometry_term(x, n, v, setting);
-
-    __m256 eye_square = _mm256_max_ps(dot(c, c), setting->closest);
-    __m256 reach = square_root(eye_square);
-    __m256 w = _mm256_add_ps(reach, positive(dot_all(c, v->axis)));
-    __m256 inverse = reciprocal(_mm256_mul_ps(term.below, w));
-    __m256 geometry = _mm256_mul_ps(term.above, _mm256_mul_ps(w, inverse));
-
-    __m256 scale = _mm256_mul_ps(_mm256_mul_ps(term.below, inverse), all(0.5f * MAP));
-    __m256 u = _mm256_fmadd_ps(dot_all(c, v->tangent), scale, setting->middle[0]);
-    __m256 t = _mm256_fmadd_ps(dot_all(c, v->bitangent), scale, setting->middle[1]);
-    __m256i column = texel_of(u), row = texel_of(t);
+    struct vec3x8 c = from(x, e->position);
+    __m256 reach = square_root(_mm256_max_ps(dot(c, c), setting->closest));
+    __m256 w = _mm256_add_ps(reach, positive(dot_all(c, e->axis)));
+    __m256 scale = _mm256_mul_ps(all(0.5f * MAP), reciprocal(w));
+    __m256i column = texel_of(_mm256_fmadd_ps(dot_all(c, e->tangent), scale, setting->middle[0]));
+    __m256i row = texel_of(_mm256_fmadd_ps(dot_all(c, e->bitangent), scale, setting->middle[1]));
     __m256i texel = _mm256_add_epi32(_mm256_mullo_epi32(row, _mm256_set1_epi32(MAP)), column);
-    __m256 seen = _mm256_i32gather_ps(maps + (size_t)v->layer * MAP * MAP, texel, 4);
+    __m256 seen = _mm256_i32gather_ps(maps + (size_t)e->layer * MAP * MAP, texel, 4);
 
     __m256 height = negative_dot(n, c);
     __m256 p = centre_of(column), q = centre_of(row);
     __m256 one = all(1), square_p = _mm256_fmadd_ps(p, p, _mm256_mul_ps(q, q));
-    __m256 rim = _mm256_add_ps(one, square_p);
     __m256 across =
-        _mm256_fmadd_ps(dot_all(n, v->tangent), p, _mm256_mul_ps(dot_all(n, v->bitangent), q));
+        _mm256_fmadd_ps(dot_all(n, e->tangent), p, _mm256_mul_ps(dot_all(n, e->bitangent), q));
     __m256 along = _mm256_fmadd_ps(
-        all(2), across, _mm256_mul_ps(dot_all(n, v->axis), _mm256_sub_ps(one, square_p)));
-    __m256 plane = _mm256_fmadd_ps(seen, along, _mm256_mul_ps(height, rim));
-    __m256 distance = _mm256_mul_ps(_mm256_sub_ps(reach, seen), rim);
+        all(2), across, _mm256_mul_ps(dot_all(n, e->axis), _mm256_sub_ps(one, square_p)));
+    __m256 allowed = _mm256_mul_ps(setting->bias, reach);
+    __m256 above = _mm256_sub_ps(height, allowed);
+    __m256 plane = _mm256_fmadd_ps(seen, along, _mm256_mul_ps(above, _mm256_add_ps(one, square_p)));
+    __m256 distance = _mm256_sub_ps(_mm256_sub_ps(reach, allowed), seen);
     __m256 faces = _mm256_cmp_ps(height, _mm256_setzero_ps(), _CMP_GT_OQ);
     __m256 before = _mm256_blendv_ps(distance, plane, faces);
-    __m256 most = _mm256_mul_ps(setting->bias, _mm256_mul_ps(reach, rim));
-    __m256 visible = _mm256_cmp_ps(before, most, _CMP_LE_OQ);
-    add(sum, v->flux, _mm256_and_ps(geometry, visible));
+    return _mm256_cmp_ps(before, _mm256_setzero_ps(), _CMP_LE_OQ);
 }
 
-static inline void add_unshadowed(struct vec3x8 *sum, struct vec3x8 x, struct vec3x8 n,
-                                  const struct ssvp_ClassVpl *v, const struct setting *setting)
+/* Bits of the eyes that see a lane. */
+struct eyes {
+    __m256i low, high;
+};
+
+static inline void look(struct eyes *lit, __m256 seen, const struct ssvp_Eye *e)
 {
-    struct term term = geometry_term(x, n, v, setting);
-    add(sum, v->flux, _mm256_mul_ps(term.above, reciprocal(term.below)));
+    __m256i mask = _mm256_castps_si256(seen);
+    __m256i low = _mm256_set1_epi32((int)e->bit[0]), high = _mm256_set1_epi32((int)e->bit[1]);
+    lit->low = _mm256_or_si256(lit->low, _mm256_and_si256(mask, low));
+    if (MANY_EYES)
+        lit->high = _mm256_or_si256(lit->high, _mm256_and_si256(mask, high));
+}
+
+static inline __m256 where_lit(struct eyes lit, const struct ssvp_ClassVpl *v, __m256 geometry)
+{
+    __m256i both = _mm256_and_si256(lit.low, _mm256_set1_epi32((int)v->eye[0]));
+    if (MANY_EYES)
+        both = _mm256_or_si256(both, _mm256_and_si256(lit.high, _mm256_set1_epi32((int)v->eye[1])));
+    __m256i hidden = _mm256_cmpeq_epi32(both, _mm256_setzero_si256());
+    return _mm256_andnot_ps(_mm256_castsi256_ps(hidden), geometry);
 }
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
@@ -223,35 +229,66 @@ static struct setting set_up(const struct dt_limit *limit, int class_x, int clas
         .second_maps = (const void *)limit->inputs[SSVP_RESOURCE_SECOND_DISTANCE].data};
 }
 
+/* What a class is shaded from. */
+struct class
+{
+    const struct ssvp_ClassVpl *first, *second;
+    const struct ssvp_Eye *first_eyes, *second_eyes;
+    struct setting setting;
+};
+
+static struct class class_of(const struct dt_limit *limit, int class_x, int class_y)
+{
+    const int c = class_x + TILE_X * class_y;
+    const struct dt_bytes *in = limit->inputs;
+    const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_SHADING_FIRST].data;
+    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SHADING_SECOND].data;
+    const struct ssvp_Eye *eyes = (const void *)in[SSVP_RESOURCE_SHADING_FIRST_EYES].data;
+    const struct ssvp_Eye *others = (const void *)in[SSVP_RESOURCE_SHADING_SECOND_EYES].data;
+    return (struct class){.first = first + c * SSVP_CONSTANT_CLASS_FIRST,
+                          .second = second + c * SSVP_CONSTANT_CLASS_SECOND,
+                          .first_eyes = eyes + c * FIRST_EYES,
+                          .second_eyes = others + c * SECOND_EYES,
+                          .setting = set_up(limit, class_x, class_y)};
+}
+
+static inline struct vec3x8 shade(const struct class *class, struct vec3x8 x, struct vec3x8 n)
+{
+    const struct setting *setting = &class->setting;
+    struct vec3x8 sum = {all(0), all(0), all(0)};
+    struct eyes lit = {_mm256_setzero_si256(), _mm256_setzero_si256()}, lit2 = lit;
+    for (int k = 0; k < FIRST_EYES; k++)
+        look(&lit, is_seen(x, n, &class->first_eyes[k], setting, setting->maps),
+             &class->first_eyes[k]);
+    for (int k = 0; k < SSVP_CONSTANT_CLASS_FIRST; k++)
+        add(&sum, class->first[k].flux,
+            where_lit(lit, &class->first[k], geometry_term(x, n, &class->first[k], setting)));
+    for (int k = 0; k < SECOND_EYES; k++)
+        look(&lit2, is_seen(x, n, &class->second_eyes[k], setting, setting->second_maps),
+             &class->second_eyes[k]);
+    for (int k = 0; k < SSVP_CONSTANT_CLASS_SECOND; k++) {
+        __m256 geometry = geometry_term(x, n, &class->second[k], setting);
+        add(&sum, class->second[k].flux,
+            SECOND_EYES ? where_lit(lit2, &class->second[k], geometry) : geometry);
+    }
+    return sum;
+}
+
 /* The pixels of one class in one row of the frame. */
 static void shade_row(const struct dt_limit *limit, int y, int class_x)
 {
     const int width = (int)limit->frame->width;
-    const int class = class_x + TILE_X * (y % TILE_Y);
-    const struct dt_bytes *in = limit->inputs;
-    const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_SHADING_FIRST].data;
-    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SHADING_SECOND].data;
-    const float *positions = (const void *)in[SSVP_RESOURCE_GBUFFER_POSITION].data;
-    const uint16_t *normals = (const void *)in[SSVP_RESOURCE_GBUFFER_NORMAL].data;
+    const float *positions = (const void *)limit->inputs[SSVP_RESOURCE_GBUFFER_POSITION].data;
+    const uint16_t *normals = (const void *)limit->inputs[SSVP_RESOURCE_GBUFFER_NORMAL].data;
     uint16_t *irradiance = (void *)limit->outputs[SSVP_RESOURCE_IRRADIANCE].data;
-    const struct setting setting = set_up(limit, class_x, y % TILE_Y);
-    first += class * SSVP_CONSTANT_CLASS_FIRST;
-    second += class * SSVP_CONSTANT_CLASS_SECOND;
+    const struct class class = class_of(limit, class_x, y % TILE_Y);
     for (int x = class_x; x < width; x += LANES * TILE_X) {
         const size_t texel = ((size_t)y * width + x) * 4;
         const int left = (width - x + TILE_X - 1) / TILE_X;
         const int count = left < LANES ? left : LANES;
         const struct vec3x8 position = load_floats(positions + texel, count);
         const struct vec3x8 normal = load_halves(normals + texel, count);
-        struct vec3x8 sum = {all(0), all(0), all(0)};
-        for (int k = 0; k < SSVP_CONSTANT_CLASS_FIRST; k++)
-            add_seen(&sum, position, normal, first + k, &setting, setting.maps);
-        for (int k = 0; k < SSVP_CONSTANT_CLASS_SECOND; k++)
-            if (SSVP_PARAM_SECOND_CLUSTERS > 0)
-                add_seen(&sum, position, normal, second + k, &setting, setting.second_maps);
-            else
-                add_unshadowed(&sum, position, normal, second + k, &setting);
-        store(irradiance + texel, sum, count);
+        store(irradiance + texel, shade(&class, position, normal), count);
     }
 }
 

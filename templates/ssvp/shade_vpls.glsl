@@ -11,18 +11,31 @@
     float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
     vec3 sum = vec3(0.0);
 
+    /* All VPLs of a cluster are seen or hidden with its eye, so each eye is asked once; its answer is a
+     * bit. */
+    uvec2 lit = uvec2(0u);
+    for (Eye e : first_eye_range) {
+        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, closest, middle);
+        float seen = paraboloid_distance(ivec3(s.texel, e.layer)).r;
+        bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
+        lit |= open ? e.bit : uvec2(0u);
+    }
     for (ClassVpl v : first_range) {
-        Sight s = sight(v, x, n, closest, middle);
-        sum += v.flux * (s.geometry * visibility(s, v, n, paraboloid_distance(s.texel).r, bias));
+        float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
+        sum += v.flux * (shares_bit(lit, v.eye) ? geometry : 0.0);
+    }
+    lit = uvec2(0u);
+    for (Eye e : second_eye_range) {
+        if (second_clusters > 0) {
+            Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, closest, middle);
+            float seen = second_distance(ivec3(s.texel, e.layer)).r;
+            bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
+            lit |= open ? e.bit : uvec2(0u);
+        }
     }
     for (ClassVpl v : second_range) {
-        if (second_clusters > 0) {
-            Sight s = sight(v, x, n, closest, middle);
-            sum += v.flux * (s.geometry * visibility(s, v, n, second_distance(s.texel).r, bias));
-        } else {
-            vec2 term = geometry_term(v, x, n, closest);
-            sum += v.flux * (term.x / term.y);
-        }
+        float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
+        sum += v.flux * (second_clusters == 0 || shares_bit(lit, v.eye) ? geometry : 0.0);
     }
 
     /* Half floats end at 65504. */

@@ -1,0 +1,13 @@
+/* Which eyes see a receiver, a bit each, for as many as there can be clusters. */
+uvec2 eye_bit(int eye)
+{
+    return eye < 32 ? uvec2(1u << eye, 0u) : uvec2(0u, 1u << (eye - 32));
+}
+
+bool shares_bit(uvec2 a, uvec2 b)
+{
+    uint both = a.x & b.x;
+    if (max(first_eyes, second_eyes) > 32)
+        both |= a.y & b.y;
+    return both != 0u;
+}
