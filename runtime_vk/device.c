@@ -20,6 +20,7 @@ static const struct {
     {FEATURE(core.features, fragmentStoresAndAtomics)},
     {FEATURE(core.features, shaderStorageImageExtendedFormats)},
     {FEATURE(core.features, shaderClipDistance)},
+    {FEATURE(core.features, geometryShader)}, /* gl_PrimitiveID in fragments */
     {FEATURE(vulkan11, shaderDrawParameters)},
     {FEATURE(vulkan12, shaderOutputLayer)},
     {FEATURE(vulkan13, shaderDemoteToHelperInvocation)},

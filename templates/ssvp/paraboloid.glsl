@@ -28,12 +28,10 @@ int map_member(int c)
 }
 
 #ifdef FRAGMENT
-void write_texel(vec3 point, float reach, vec3 normal, vec3 albedo)
+void write_texel(float reach)
 {
-    paraboloid_position = vec4(point, 1.0);
     paraboloid_distance = vec4(reach, 0.0, 0.0, 1.0);
-    paraboloid_normal = vec4(normal, 0.0);
-    paraboloid_albedo = vec4(albedo, 1.0);
+    paraboloid_triangle = uvec4(uint(gl_PrimitiveID) + 1u, 0u, 0u, 1u);
 }
 #endif
 

@@ -1,76 +1,78 @@
 /* Paraboloid maps (Heidrich, Seidel 1998), all clusters in one layered draw. Includers say from where:
- * MAP_SIZE, texels per side; map_eye(c), map_tangent(c), map_bitangent(c), map_axis(c) and
- * map_member(c), of struct ClusterView; and their fragment part defines write_texel(point, reach,
- * normal, albedo), what a texel keeps.
+ * map_eye(c), map_tangent(c), map_bitangent(c), map_axis(c) and map_member(c), of struct ClusterView;
+ * MAP_SIZE, texels per side; and their fragment part defines write_texel(reach), what a texel keeps.
  *
- * The projection is uv = d.xy / (1 + d.z)
- * for the unit direction d in the cluster's frame, written with the homogeneous coordinate |d| +
- * d.z so that clipping at the horizon and the interpolation of positions stay linear in space.
+ * The projection is uv = d.xy / (1 + d.z) for the unit direction d in the cluster's frame, written
+ * with the homogeneous coordinate |d| + d.z so that clipping at the horizon and the interpolation of
+ * positions stay linear in space.
  *
  * Triangles are still bent, since only their corners are projected. The texel's own direction is
- * therefore cut with the plane of the triangle: where neighbours share a plane the stored position
- * and distance are those of an exact map, however coarse the triangles. */
+ * therefore cut with the plane of the triangle: where neighbours share a plane the stored distance is
+ * that of an exact map, however coarse the triangles.
+ *
+ * Most triangles are smaller than a texel, so what counts is how little a fragment does: the vertices
+ * bring positions in the cluster's own frame, where a texel's direction is known without it, and
+ * normals and albedo are for those to find who need them, by the number of the triangle. */
 #include "../shared/space.glsl"
 
 #ifdef VERTEX
-layout(location = 0) out vec3 position;
-layout(location = 1) out vec3 normal;
-layout(location = 2) out vec2 uv;
-layout(location = 3) flat out uint material;
-layout(location = 4) flat out int layer;
+layout(location = 0) out vec3 local;
+layout(location = 1) out vec2 uv;
+layout(location = 2) flat out float alpha_cutoff;
+layout(location = 3) flat out int texture_layer;
 
 void main()
 {
     int c = gl_InstanceIndex;
     vec3 d = vertex_position - map_eye(c);
-    float x = dot(d, map_tangent(c));
-    float y = dot(d, map_bitangent(c));
-    float z = dot(d, map_axis(c));
-    float w = length(d) + z;
-    position = vertex_position;
-    normal = vertex_normal;
+    local = vec3(dot(d, map_tangent(c)), dot(d, map_bitangent(c)), dot(d, map_axis(c)));
     uv = vertex_uv;
-    material = vertex_material;
-    layer = c;
-    gl_Position = vec4(x, y, 0.5 * w, w);
-    gl_ClipDistance[0] = map_member(c) < 0 ? -1.0 : z; /* nothing for an empty cluster */
+    alpha_cutoff = scene_materials[vertex_material].alpha_cutoff;
+    texture_layer = scene_materials[vertex_material].texture_layer;
+    float w = length(d) + local.z;
+    gl_Position = vec4(local.xy, 0.5 * w, w);
+    gl_ClipDistance[0] = map_member(c) < 0 ? -1.0 : local.z; /* nothing for an empty cluster */
     gl_Layer = c;
 }
 #endif
 
 #ifdef FRAGMENT
-#include "../shared/surface.glsl"
+layout(location = 0) in vec3 local;
+layout(location = 1) in vec2 uv;
+layout(location = 2) flat in float alpha_cutoff;
+layout(location = 3) flat in int texture_layer;
 
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
-layout(location = 3) flat in uint material;
-layout(location = 4) flat in int layer;
+/* Whether a hole of an alpha-tested texture is here. The nearest texel of the finest level tells: a map
+ * is far coarser than any texture, and what is averaged to half holes would be all hole or none. */
+bool in_hole()
+{
+    bool tested = alpha_cutoff > 0.0 && texture_layer >= 0;
+    ivec2 size = textureSize(scene_textures, 0).xy;
+    ivec2 texel = min(ivec2(fract(uv) * vec2(size)), size - 1);
+    ivec3 at = tested ? ivec3(texel, texture_layer) : ivec3(0);
+    return texelFetch(scene_textures, at, 0).a < alpha_cutoff && tested;
+}
 
-/* Unit direction of this texel. Texels outside the disk look behind the horizon and are never asked
- * for. */
+/* Unit direction of this texel in the cluster's frame. Texels outside the disk look behind the horizon
+ * and are never asked for. */
 vec3 texel_direction()
 {
     vec2 p = gl_FragCoord.xy * (2.0 / float(MAP_SIZE)) - 1.0;
     float s = dot(p, p);
-    vec3 d = vec3(2.0 * p, 1.0 - s) / (1.0 + s);
-    return map_tangent(layer) * d.x + map_bitangent(layer) * d.y
-        + map_axis(layer) * d.z;
+    return vec3(2.0 * p, 1.0 - s) / (1.0 + s);
 }
 
 void main()
 {
-    vec3 geometric = triangle_normal(position);
-    vec3 albedo = surface_albedo(material, uv);
-    vec3 eye = map_eye(layer);
-    vec3 direction = texel_direction();
-    float interpolated = length(position - eye);
-    float cut = dot(position - eye, geometric) / dot(direction, geometric);
+    if (in_hole())
+        discard;
+    vec3 normal = cross(dFdx(local), dFdy(local)); /* of the triangle; not unit, either side */
+    float interpolated = length(local);
+    float cut = dot(local, normal) / dot(texel_direction(), normal);
     /* Not where the texel's ray runs along the plane or misses it. */
     bool sound = cut > 0.5 * interpolated && cut < 2.0 * interpolated;
     float reach = sound ? cut : interpolated;
-    vec3 point = sound ? eye + direction * cut : position;
-    write_texel(point, reach, facing_normal(normal, geometric, eye - point), albedo);
+    write_texel(reach);
     gl_FragDepth = clamp(reach / (2.5 * frame.scene_radius), 0.0, 1.0);
 }
 #endif

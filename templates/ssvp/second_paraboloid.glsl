@@ -27,7 +27,7 @@ int map_member(int c)
 }
 
 #ifdef FRAGMENT
-void write_texel(vec3 point, float reach, vec3 normal, vec3 albedo)
+void write_texel(float reach)
 {
     second_distance = vec4(reach, 0.0, 0.0, 1.0);
 }

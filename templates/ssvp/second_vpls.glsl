@@ -7,6 +7,7 @@
  * flux, so that every VPL carries about the same: bright clusters are not left with a few VPLs when
  * there are many clusters. */
 #include "reuse.glsl"
+#include "seen.glsl"
 
 struct DiskSample {
     int cluster;
@@ -82,10 +83,9 @@ float samples_around(int c, float samples, vec3 x, vec3 n)
     float ahead = dot(d, cluster_views[c].normal);
     vec2 p = vec2(dot(d, cluster_views[c].tangent), dot(d, cluster_views[c].bitangent))
         / (reach + max(ahead, 0.0));
-    vec4 seen = paraboloid_position(ivec3(map_texel(p), c));
-    vec3 q = seen.xyz - cluster_views[c].position;
+    float seen = paraboloid_distance(ivec3(map_texel(p), c)).x;
     float cosine = -dot(n, d) / reach;
-    bool sees = seen.w > 0.0 && ahead > 0.0 && cosine > 0.0 && dot(q, q) > 0.94 * square;
+    bool sees = seen < 1e29 && ahead > 0.0 && cosine > 0.0 && seen * seen > 0.94 * square;
     return sees ? samples_per_area(c, samples, min(dot(p, p), 1.0), square, cosine) : 0.0;
 }
 
@@ -115,18 +115,16 @@ void main()
     DiskSample drawn = second_by_flux == 1 ? share_by_flux(k) : equal_share(k);
     int c = drawn.cluster;
     vec2 p = shift_disk(drawn.place);
-    ivec3 at = ivec3(map_texel(p), c);
-    vec4 x = paraboloid_position(at);
-    vec3 n = paraboloid_normal(at).xyz;
+    Seen seen = surface_of(ivec3(map_texel(p), c));
     float s = min(dot(p, p), 1.0);
     float square = (1.0 + s) * (1.0 + s);
     float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.number);
-    vec3 flux = paraboloid_albedo(at).rgb * cluster_views[c].flux * weight;
-    vec3 d = cluster_views[c].position - x.xyz;
+    vec3 flux = seen.albedo * cluster_views[c].flux * weight;
+    vec3 d = cluster_views[c].position - seen.position;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
-    float own = samples_per_area(c, drawn.number, s, far, dot(n, d) * inversesqrt(far));
-    second_vpl[k].position = x.xyz;
-    second_vpl[k].area = area_of(c, own, x.xyz, n);
-    second_vpl[k].normal = n;
-    second_vpl[k].flux = x.w > 0.0 ? flux : vec3(0.0); /* the light left the scene */
+    float own = samples_per_area(c, drawn.number, s, far, dot(seen.normal, d) * inversesqrt(far));
+    second_vpl[k].position = seen.position;
+    second_vpl[k].area = area_of(c, own, seen.position, seen.normal);
+    second_vpl[k].normal = seen.normal;
+    second_vpl[k].flux = seen.surface ? flux : vec3(0.0); /* the light left the scene */
 }
