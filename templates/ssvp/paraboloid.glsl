@@ -27,11 +27,16 @@ int map_member(int c)
     return cluster_views[c].member;
 }
 
+uint first_triangle(int draw)
+{
+    return paraboloid_draws[draw].first_index / 3u;
+}
+
 #ifdef FRAGMENT
-void write_texel(float reach)
+void write_texel(float reach, uint number)
 {
     paraboloid_distance = vec4(reach, 0.0, 0.0, 1.0);
-    paraboloid_triangle = uvec4(uint(gl_PrimitiveID) + 1u, 0u, 0u, 1u);
+    paraboloid_triangle = uvec4(number, 0u, 0u, 1u);
 }
 #endif
 

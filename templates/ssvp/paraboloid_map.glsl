@@ -1,6 +1,7 @@
 /* Paraboloid maps (Heidrich, Seidel 1998), all clusters in one layered draw. Includers say from where:
  * map_eye(c), map_tangent(c), map_bitangent(c), map_axis(c) and map_member(c), of struct ClusterView;
- * MAP_SIZE, texels per side; and their fragment part defines write_texel(reach), what a texel keeps.
+ * MAP_SIZE, texels per side; first_triangle(k), of a draw; and their fragment part defines write_texel(reach,
+ * number), what a texel keeps.
  *
  * The projection is uv = d.xy / (1 + d.z) for the unit direction d in the cluster's frame, written
  * with the homogeneous coordinate |d| + d.z so that clipping at the horizon and the interpolation of
@@ -20,15 +21,17 @@ layout(location = 0) out vec3 local;
 layout(location = 1) out vec2 uv;
 layout(location = 2) flat out float alpha_cutoff;
 layout(location = 3) flat out int texture_layer;
+layout(location = 4) flat out uint first_number;
 
 void main()
 {
-    int c = gl_InstanceIndex;
+    int c = gl_InstanceIndex / map_draws; /* an instance, a draw */
     vec3 d = vertex_position - map_eye(c);
     local = vec3(dot(d, map_tangent(c)), dot(d, map_bitangent(c)), dot(d, map_axis(c)));
     uv = vertex_uv;
     alpha_cutoff = scene_materials[vertex_material].alpha_cutoff;
     texture_layer = scene_materials[vertex_material].texture_layer;
+    first_number = first_triangle(gl_InstanceIndex) + 1u;
     float w = length(d) + local.z;
     gl_Position = vec4(local.xy, 0.5 * w, w);
     gl_ClipDistance[0] = map_member(c) < 0 ? -1.0 : local.z; /* nothing for an empty cluster */
@@ -41,6 +44,7 @@ layout(location = 0) in vec3 local;
 layout(location = 1) in vec2 uv;
 layout(location = 2) flat in float alpha_cutoff;
 layout(location = 3) flat in int texture_layer;
+layout(location = 4) flat in uint first_number;
 
 /* Whether a hole of an alpha-tested texture is here. The nearest texel of the finest level tells: a map
  * is far coarser than any texture, and what is averaged to half holes would be all hole or none. */
@@ -72,7 +76,7 @@ void main()
     /* Not where the texel's ray runs along the plane or misses it. */
     bool sound = cut > 0.5 * interpolated && cut < 2.0 * interpolated;
     float reach = sound ? cut : interpolated;
-    write_texel(reach);
+    write_texel(reach, first_number + uint(gl_PrimitiveID));
     gl_FragDepth = clamp(reach / (2.5 * frame.scene_radius), 0.0, 1.0);
 }
 #endif
