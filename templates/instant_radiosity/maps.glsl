@@ -26,8 +26,18 @@ int map_member(int c)
     return views[c].member;
 }
 
+int map_of(int instance)
+{
+    return instance;
+}
+
+uint first_triangle(int instance)
+{
+    return 0u;
+}
+
 #ifdef FRAGMENT
-void write_texel(vec3 point, float reach, vec3 normal, vec3 albedo)
+void write_texel(float reach, uint number)
 {
     map_distance = vec4(reach, 0.0, 0.0, 1.0);
 }

@@ -27,9 +27,14 @@ int map_member(int c)
     return cluster_views[c].member;
 }
 
-uint first_triangle(int draw)
+int map_of(int instance)
 {
-    return paraboloid_draws[draw].first_index / 3u;
+    return instance / map_draws; /* an instance, a draw */
+}
+
+uint first_triangle(int instance)
+{
+    return paraboloid_draws[instance].first_index / 3u;
 }
 
 #ifdef FRAGMENT

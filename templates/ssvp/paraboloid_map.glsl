@@ -1,7 +1,7 @@
 /* Paraboloid maps (Heidrich, Seidel 1998), all clusters in one layered draw. Includers say from where:
  * map_eye(c), map_tangent(c), map_bitangent(c), map_axis(c) and map_member(c), of struct ClusterView;
- * MAP_SIZE, texels per side; first_triangle(k), of a draw; and their fragment part defines write_texel(reach,
- * number), what a texel keeps.
+ * MAP_SIZE, texels per side; map_of(k) and first_triangle(k), of an instance; and their fragment part
+ * defines write_texel(reach, number), what a texel keeps.
  *
  * The projection is uv = d.xy / (1 + d.z) for the unit direction d in the cluster's frame, written
  * with the homogeneous coordinate |d| + d.z so that clipping at the horizon and the interpolation of
@@ -25,7 +25,7 @@ layout(location = 4) flat out uint first_number;
 
 void main()
 {
-    int c = gl_InstanceIndex / map_draws; /* an instance, a draw */
+    int c = map_of(gl_InstanceIndex);
     vec3 d = vertex_position - map_eye(c);
     local = vec3(dot(d, map_tangent(c)), dot(d, map_bitangent(c)), dot(d, map_axis(c)));
     uv = vertex_uv;
