@@ -48,7 +48,7 @@ for spec in templates/ssvp.yaml templates/rsm.yaml tests/specs/{features,mips,ra
 done
 
 # 1920 * 1080 * 16 bytes are 31.64 MiB; 8 maps of 256 * 256 * 8 bytes are 4 MiB; 240 * 8 is 1920, and 135 * 8 is 1080
-check "sizes of resources and dispatches" has ssvp.dot 'rgba32f 1920×1080' '31.6 MiB' 'rgba16f 256×256×8' '4.0 MiB' \
+check "sizes of resources and dispatches" has ssvp.dot 'rgba32f 1920×1080' '31.6 MiB' 'r32ui 256×256×8' '4.0 MiB' \
     'dispatch 240×135 workgroups of 8×8' 'draw of the scene, 8 instances'
 check "what a baked when leaves out" has ssvp.dot '"d_split"' '<b>shade_split</b>&nbsp; left out: when split == 1 &amp;&amp; bounces &gt; 0'
 check "what waits for what" has ssvp.dot 'colour attachment → compute storage read' 'GL: shader storage'
