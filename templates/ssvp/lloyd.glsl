@@ -16,7 +16,8 @@
  * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
  * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So long loops take a block at a turn, whose
  * loop of constant length the compiler unrolls: with every parameter at its max there are about
- * 56,000 turns. Large blocks take long to compile. */
+ * 56,000 turns. Large blocks take long to compile, and so does every read of a buffer: what is read
+ * twice is kept. */
 #include "../shared/space.glsl"
 
 shared vec3 centre_position[CENTRES];
@@ -26,9 +27,16 @@ shared vec3 mean_normal[CENTRES];
 shared int member_count[CENTRES];
 shared int label[POINTS];
 shared float apart[POINTS];
-shared int candidate[64]; /* by lane */
+shared uint most_apart; /* of all lanes, its bits */
+shared int first_apart; /* the first VPL that is so far away; POINTS: none is away at all */
 
-const int BLOCK = 8;
+const int BLOCK = 4;
+
+void none_apart()
+{
+    most_apart = 0u;
+    first_apart = POINTS;
+}
 
 /* Last frame's mean; in the first frame, without reuse_centres, and when the light reached nothing
  * until now, one of the living VPLs, evenly spaced in their order. */
@@ -57,13 +65,14 @@ void assign(int k)
     int nearest = 0;
     float least = 0.0;
     float second = 0.0;
+    vec3 position = point_position(k);
+    vec3 normal = point_normal(k);
     for (int first = 0; first < CENTRES; first += BLOCK) {
         for (int j = 0; j < BLOCK; j++) {
             int c = first + j;
             if (c >= CENTRES)
                 break;
-            float d = vpl_distance(point_position(k), point_normal(k), centre_position[c],
-                                   centre_normal[c]);
+            float d = vpl_distance(position, normal, centre_position[c], centre_normal[c]);
             if (c == 0 || d < least) {
                 second = least;
                 least = d;
@@ -89,14 +98,17 @@ void average(int c)
     vec3 dominant = centre_normal[c];
     float brightest = 0.0;
     int members = 0;
-    for (int first = 0; first < POINTS; first += BLOCK / 2) {
-        for (int j = 0; j < BLOCK / 2; j++) {
+    for (int first = 0; first < POINTS; first += BLOCK) {
+        for (int j = 0; j < BLOCK; j++) {
             int k = first + j;
             if (k < POINTS && label[k] == c) {
-                position = members == 0 ? point_position(k) : position + point_position(k);
-                normal = members == 0 ? point_normal(k) : normal + point_normal(k);
-                dominant = point_power(k) > brightest ? point_normal(k) : dominant;
-                brightest = max(point_power(k), brightest);
+                vec3 p = point_position(k);
+                vec3 n = point_normal(k);
+                float power = point_power(k);
+                position = members == 0 ? p : position + p;
+                normal = members == 0 ? n : normal + n;
+                dominant = power > brightest ? n : dominant;
+                brightest = max(power, brightest);
                 members++;
             }
         }
@@ -108,54 +120,38 @@ void average(int c)
     member_count[c] = members;
 }
 
-/* Of the VPLs lane, lane + lanes, ..., the one that is farthest from its own centre; -1: none is
- * apart. */
-int farthest_of(int lane, int lanes)
-{
-    int farthest = -1;
-    float most = 0.0;
-    for (int first = lane; first < POINTS; first += BLOCK * lanes) {
-        for (int j = 0; j < BLOCK; j++) {
-            int k = first + j * lanes;
-            if (k < POINTS && apart[k] > most) {
-                most = apart[k];
-                farthest = k;
-            }
-        }
-    }
-    return farthest;
-}
-
-bool beats(int k, int other)
-{
-    if (k < 0 || other < 0)
-        return k >= 0;
-    return apart[k] > apart[other] || (apart[k] == apart[other] && k < other);
-}
-
-void move_to_farthest(int c, int lanes)
-{
-    int farthest = -1;
-    for (int first = 0; first < lanes; first += BLOCK)
-        for (int j = 0; j < BLOCK; j++)
-            farthest = beats(candidate[first + j], farthest) ? candidate[first + j] : farthest;
-    if (farthest >= 0) {
-        mean_position[c] = point_position(farthest);
-        mean_normal[c] = unit_or(point_normal(farthest), centre_normal[c]);
-        apart[farthest] = -1.0;
-    }
-}
-
-/* An empty cluster moves to the VPL that is farthest from its own centre; two of them take two
- * VPLs. One that finds none keeps its centre. */
+/* An empty cluster moves to the VPL that is farthest from its own centre, of several to the first; two
+ * empty ones take two VPLs. One that finds none keeps its centre. The bits of distances, which are never
+ * negative here, are in the order of the distances. */
 void reseed_empty(int lane, int lanes)
 {
     for (int c = 0; c < CENTRES; c++) {
         if (member_count[c] == 0) {
-            candidate[lane] = farthest_of(lane, lanes);
+            int farthest = -1;
+            float most = 0.0;
+            for (int first = lane; first < POINTS; first += BLOCK * lanes) {
+                for (int j = 0; j < BLOCK; j++) {
+                    int k = first + j * lanes;
+                    if (k < POINTS && apart[k] > most) {
+                        most = apart[k];
+                        farthest = k;
+                    }
+                }
+            }
+            if (farthest >= 0)
+                atomicMax(most_apart, floatBitsToUint(most));
             barrier();
-            if (lane == 0)
-                move_to_farthest(c, lanes);
+            if (farthest >= 0 && floatBitsToUint(most) == most_apart)
+                atomicMin(first_apart, farthest);
+            barrier();
+            if (lane == 0) {
+                if (first_apart < POINTS) {
+                    mean_position[c] = point_position(first_apart);
+                    mean_normal[c] = unit_or(point_normal(first_apart), centre_normal[c]);
+                    apart[first_apart] = -1.0;
+                }
+                none_apart();
+            }
             barrier();
         }
     }
@@ -167,6 +163,8 @@ void main()
     int lanes = int(gl_WorkGroupSize.x);
     if (lane < CENTRES)
         seed(lane);
+    if (lane == 0)
+        none_apart();
     barrier();
     for (int i = 0; i < kmeans_iterations; i++) {
         for (int k = lane; k < POINTS; k += lanes)
