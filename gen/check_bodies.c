@@ -226,37 +226,52 @@ static const char *const *resource_words(const struct resource *resource)
     return !resource ? no_words : resource->kind == DT_IMAGE ? image_words : buffer_words;
 }
 
-static bool lists(const struct pass *pass, const char *name, bool writing)
+/* The access by which the pass lists a resource, to write it or at all; NULL: it does not. */
+static const struct access *find_access(const struct pass *pass, const char *name, bool writing)
 {
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (!strcmp(pass->accesses[i].name, name) &&
             (!writing || pass->accesses[i].mode != MODE_READ))
-            return true;
-    return false;
+            return &pass->accesses[i];
+    return NULL;
+}
+
+/* The resource's own name in a body that does not know it by that. */
+static void check_foreign_word(struct checker *c, const struct pass *pass, const struct body *body,
+                               const struct resource *resource, const struct access *access)
+{
+    bool image = resource->kind == DT_IMAGE;
+    const struct token *token = declares(body, resource->name)
+                                    ? NULL
+                                    : find_use(body, resource->name, resource_words(resource));
+    if (!token)
+        return;
+    if (access) {
+        diag_error(c->diag, token->loc, "the pass `%s` lists `%s` as `%s`, which its body must say",
+                   pass->name, resource->name, access->as);
+        return;
+    }
+    bool stores = (size_t)token->length == strlen(resource->name) + 6 &&
+                  token->text[token->length - 1] == 'e' && image &&
+                  strncmp(token->text + token->length - 6, "_store", 6) == 0;
+    diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in %s",
+               pass->name, resource->name, stores ? "writes" : "reads");
 }
 
 static void check_resource_use(struct checker *c, const struct pass *pass, const struct body *body,
                                const struct resource *resource)
 {
-    bool image = resource->kind == DT_IMAGE;
-    if (!lists(pass, resource->name, false)) {
-        const struct token *token = declares(body, resource->name)
-                                        ? NULL
-                                        : find_use(body, resource->name, resource_words(resource));
-        bool stores = token && (size_t)token->length == strlen(resource->name) + 6 &&
-                      token->text[token->length - 1] == 'e' && image &&
-                      strncmp(token->text + token->length - 6, "_store", 6) == 0;
-        if (token)
-            diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in %s",
-                       pass->name, resource->name, stores ? "writes" : "reads");
+    const struct access *access = find_access(pass, resource->name, false);
+    if (!access || access->as)
+        check_foreign_word(c, pass, body, resource, access);
+    if (!access || resource->kind != DT_IMAGE || find_access(pass, resource->name, true))
         return;
-    }
-    const char *word = image ? arena_printf(c->model->arena, "%s_store", resource->name) : NULL;
-    for (size_t i = 0; word && !lists(pass, resource->name, true) && i < body->count; i++)
+    const char *word = arena_printf(c->model->arena, "%s_store", access_word(access));
+    for (size_t i = 0; word && i < body->count; i++)
         if (token_is(&body->tokens[i], word)) {
             diag_error(c->diag, body->tokens[i].loc,
                        "the pass `%s` stores to `%s` but lists it only in reads", pass->name,
-                       resource->name);
+                       access_word(access));
             break;
         }
 }
@@ -285,12 +300,13 @@ static bool text_mentions(const char *text, const char *name)
     return false;
 }
 
-static bool reads_by_range(const struct pass *pass, const struct body *body, const char *name)
+static bool reads_by_range(const struct pass *pass, const struct body *body,
+                           const struct access *access)
 {
     for (uint32_t i = 0; i < pass->range_count; i++)
-        if ((pass->ranges[i].of && !strcmp(pass->ranges[i].of, name) &&
+        if ((pass->ranges[i].of && !strcmp(pass->ranges[i].of, access->name) &&
              mentions(body, pass->ranges[i].name)) ||
-            text_mentions(pass->ranges[i].first, name))
+            text_mentions(pass->ranges[i].first, access_word(access)))
             return true;
     return false;
 }
@@ -311,15 +327,16 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
         const struct resource *resource = access->resource;
+        const char *word = access_word(access);
         bool silent =
             resource && ((resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F &&
                           access->mode != MODE_READ) ||
                          resource == pass->indirect_resource || resource == pass->index_resource);
-        if (!resource || silent || find_use(body, access->name, resource_words(resource)) ||
-            mentions(body, access->name) || reads_by_range(pass, body, access->name))
+        if (!resource || silent || find_use(body, word, resource_words(resource)) ||
+            mentions(body, word) || reads_by_range(pass, body, access))
             continue;
         diag_warning(c->diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it",
-                     pass->name, access->name, lists_of[access->mode]);
+                     pass->name, word, lists_of[access->mode]);
     }
     for (uint32_t i = 0; i < pass->range_count; i++)
         if (!mentions(body, pass->ranges[i].name))
@@ -413,7 +430,7 @@ static bool accessed(const struct checker *c, const struct resource *resource)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const struct pass *pass = &c->pipeline->passes[i];
-        if (lists(pass, resource->name, false) || pass->indirect_resource == resource ||
+        if (find_access(pass, resource->name, false) || pass->indirect_resource == resource ||
             pass->index_resource == resource)
             return true;
     }

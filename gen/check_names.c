@@ -250,6 +250,65 @@ static void check_fields(struct checker *c, const struct structure *structure)
         check_word(c, structure->fields[i].name, structure->fields[i].loc, true);
 }
 
+/* ---- Words of one pass ----------------------------------------------------------------------- */
+
+/* A word that a pass has for a resource, against what stands in front of it in the pass. */
+static void check_word_once(struct checker *c, const struct pass *pass, uint32_t index)
+{
+    const struct access *access = &pass->accesses[index];
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *other = &pass->accesses[i];
+        bool same_word = !strcmp(access_word(other), access->as),
+             same_resource = !strcmp(other->name, access->name);
+        if (same_word == same_resource || (i > index && other->as))
+            continue;
+        if (same_word)
+            diag_error(c->diag, access->as_loc, "the pass `%s` calls both `%s` and `%s` `%s`",
+                       pass->name, other->name, access->name, access->as);
+        else
+            diag_error(c->diag, access->as_loc,
+                       "the pass `%s` calls `%s` `%s` and `%s`; a body has one name for it",
+                       pass->name, access->name, access_word(other), access->as);
+        return;
+    }
+    for (uint32_t i = 0; i < pass->range_count; i++)
+        if (!strcmp(pass->ranges[i].name, access->as))
+            diag_error(c->diag, access->as_loc, "`%s` is a range of the pass `%s`", access->as,
+                       pass->name);
+}
+
+/* What a body calls a resource is a name for it alone, as declared names are: a body may not take one
+ * thing for another that the spec has under that name. */
+static void check_words(struct checker *c, const struct pass *pass, struct declaration *list,
+                        size_t count)
+{
+    size_t all = count;
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        const struct resource *resource = find_resource(c, access->name);
+        if (!access->as || !strcmp(access->as, access->name))
+            continue;
+        check_word(c, access->as, access->as_loc, false);
+        check_word_once(c, pass, i);
+        for (size_t k = 0; k < count; k++)
+            if (!strcmp(list[k].name, access->as)) {
+                diag_error(c->diag, access->as_loc,
+                           "`%s` is the name of a %s; `as` takes one that nothing has", access->as,
+                           list[k].kind);
+                diag_note(c->diag, list[k].loc, "declared here");
+            }
+        for (size_t k = 0; k < count; k++)
+            check_derived(c, &(struct declaration){access->as, "", access->as_loc}, 1, &list[k]);
+        declare(list, &all, access->as,
+                resource && resource->kind == DT_BUFFER ? "buffer" : "image", access->as_loc);
+        unsigned errors = diag_error_count(c->diag);
+        check_derived(c, list, all - 1, &list[all - 1]);
+        if (diag_error_count(c->diag) > errors)
+            diag_note(c->diag, access->as_loc, "the pass `%s` calls `%s` so", pass->name,
+                      access->name);
+    }
+}
+
 static void check_pass_names(struct checker *c)
 {
     struct pipeline *p = c->pipeline;
@@ -270,7 +329,10 @@ void check_names(struct checker *c)
     const struct pipeline *p = c->pipeline;
     size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count +
                   p->sampler_count + p->metric_count + p->interleave_count;
-    struct declaration *list = calloc(most + 1, sizeof *list);
+    size_t words = 0; /* at most, in one pass */
+    for (uint32_t i = 0; i < p->pass_count; i++)
+        words = p->passes[i].access_count > words ? p->passes[i].access_count : words;
+    struct declaration *list = calloc(most + words + 1, sizeof *list);
     if (!list) {
         c->out_of_memory = true;
         return;
@@ -292,6 +354,8 @@ void check_names(struct checker *c)
         check_tag(c, &p->structs[i]);
     }
     check_pass_names(c);
+    for (uint32_t i = 0; i < p->pass_count; i++)
+        check_words(c, &p->passes[i], list, count);
     check_all_capitals(c);
     free(list);
 }
@@ -381,6 +445,9 @@ static void resolve_access(struct checker *c, struct access *access)
             access->builtin = i;
     if (!access->resource && access->builtin < 0)
         report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
+    if (access->builtin >= 0 && access->as)
+        diag_error(c->diag, access->as_loc, "`%s` has one name in every body; leave `as` out",
+                   access->name);
     if (access->builtin >= 0 && access->mode != MODE_READ)
         diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read",
                    access->name);

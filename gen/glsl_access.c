@@ -65,9 +65,9 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
     const char *kind = is_storage(access) ? "image" : "texture";
     uint32_t number = earlier(glsl, access);
     const char *name =
-        number ? arena_printf(glsl->model->arena, "%s_%s_%u", access->name, kind, number)
-               : arena_printf(glsl->model->arena, "%s_%s", access->name, kind);
-    return name ? name : access->name;
+        number ? arena_printf(glsl->model->arena, "%s_%s_%u", access_word(access), kind, number)
+               : arena_printf(glsl->model->arena, "%s_%s", access_word(access), kind);
+    return name ? name : access_word(access);
 }
 
 /* ---- Functions ------------------------------------------------------------------------------- */
@@ -89,11 +89,11 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
     bool depth = image->format == DT_FORMAT_D32F;
     if (is_storage(access))
         text_add(out, "%svec4 %s(%s p)\n{\n    return imageLoad(%s, p);\n}\n\n", prefix,
-                 access->name, position, variable);
+                 access_word(access), position, variable);
     else
         text_add(out, "%s%s %s(%s p)\n{\n    return texelFetch(%s, p, %u)%s;\n}\n\n",
-                 depth ? "" : prefix, depth ? "float" : "vec4", access->name, position, variable,
-                 level_of(glsl, access), depth ? ".x" : "");
+                 depth ? "" : prefix, depth ? "float" : "vec4", access_word(access), position,
+                 variable, level_of(glsl, access), depth ? ".x" : "");
 }
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -101,11 +101,11 @@ static void add_size(const struct glsl *glsl, const struct access *access, struc
     const char *variable = variable_name(glsl, access);
     const char *swizzle = access->resource->layers ? ".xy" : "";
     if (is_storage(access))
-        text_add(out, "ivec2 %s_size()\n{\n    return imageSize(%s)%s;\n}\n\n", access->name,
+        text_add(out, "ivec2 %s_size()\n{\n    return imageSize(%s)%s;\n}\n\n", access_word(access),
                  variable, swizzle);
     else
-        text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, %u)%s;\n}\n\n", access->name,
-                 variable, level_of(glsl, access), swizzle);
+        text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, %u)%s;\n}\n\n",
+                 access_word(access), variable, level_of(glsl, access), swizzle);
 }
 
 static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -117,14 +117,14 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
-    if (!access->mip && glsl_uses(glsl, "%s_sample_lod", access->name))
+    if (!access->mip && glsl_uses(glsl, "%s_sample_lod", access_word(access)))
         text_add(
             out,
             "%s %s_sample_lod(%s uv, float lod)\n{\n    return textureLod(%s, uv, lod)%s;\n}\n\n",
-            type, access->name, uv, variable, tail);
-    if (!glsl_uses(glsl, "%s_sample", access->name))
+            type, access_word(access), uv, variable, tail);
+    if (!glsl_uses(glsl, "%s_sample", access_word(access)))
         return;
-    text_add(out, "%s %s_sample(%s uv)\n{\n", type, access->name, uv);
+    text_add(out, "%s %s_sample(%s uv)\n{\n", type, access_word(access), uv);
     if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
         text_add(out, "    return texture(%s, uv)%s;\n}\n\n", variable, tail);
     else
@@ -141,20 +141,20 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
         text_add(out,
                  "float %s_compare(vec3 uv, float reference)\n{\n"
                  "    return textureGrad(%s, vec4(uv, reference), vec2(0.0), vec2(0.0));\n}\n\n",
-                 access->name, variable);
+                 access_word(access), variable);
     else
         text_add(out,
                  "float %s_compare(vec2 uv, float reference)\n{\n"
                  "    return textureLod(%s, vec3(uv, reference), %u.0);\n}\n\n",
-                 access->name, variable, level_of(glsl, access));
+                 access_word(access), variable, level_of(glsl, access));
 }
 
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
     text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, value);\n}\n\n",
-             access->name, image->layers ? "ivec3" : "ivec2", format_names(image->format).prefix,
-             variable_name(glsl, access));
+             access_word(access), image->layers ? "ivec3" : "ivec2",
+             format_names(image->format).prefix, variable_name(glsl, access));
 }
 
 /* Whether an earlier access of the pass to this resource gives the same function already. */
@@ -184,16 +184,16 @@ void glsl_accessors(struct glsl *glsl)
         const struct access *access = &glsl->pass->accesses[i];
         if (!is_image(access) || access->binding < 0)
             continue;
-        if (glsl_uses(glsl, "%s_size", access->name) && !earlier(glsl, access))
+        if (glsl_uses(glsl, "%s_size", access_word(access)) && !earlier(glsl, access))
             add_size(glsl, access, out);
         if (access->mode != MODE_WRITE && !is_compare(access) &&
-            glsl_uses(glsl, "%s", access->name) && first_texel_access(glsl, access) &&
+            glsl_uses(glsl, "%s", access_word(access)) && first_texel_access(glsl, access) &&
             !names_target(glsl, access))
             add_texel(glsl, access, out);
-        if (access->mode != MODE_READ && glsl_uses(glsl, "%s_store", access->name))
+        if (access->mode != MODE_READ && glsl_uses(glsl, "%s_store", access_word(access)))
             add_store(glsl, access, out);
         if (access->filter && access->filter->compare &&
-            glsl_uses(glsl, "%s_compare", access->name))
+            glsl_uses(glsl, "%s_compare", access_word(access)))
             add_compare(glsl, access, out);
         else if (access->filter && !access->filter->compare)
             add_sample(glsl, access, out);
@@ -228,24 +228,24 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
 {
     const struct resource *buffer = access->resource;
     const char *element = glsl_element_type(buffer);
-    if (glsl_uses(glsl, "%s_count", access->name)) {
+    if (glsl_uses(glsl, "%s_count", access_word(access))) {
         int64_t count = 0;
         if (!expr_reach(buffer->count) && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK) {
-            text_add(out, "const int %s_count = %lld;\n", access->name, (long long)count);
+            text_add(out, "const int %s_count = %lld;\n", access_word(access), (long long)count);
         } else {
-            text_add(out, "#define %s_count (", access->name);
+            text_add(out, "#define %s_count (", access_word(access));
             expr_emit_glsl(buffer->count, out);
             text_add(out, ")\n");
         }
     }
-    if (glsl_uses(glsl, "%s_quads", access->name)) {
+    if (glsl_uses(glsl, "%s_quads", access_word(access))) {
         text_add(out, "layout(std140, ");
         glsl_binding(glsl, access->binding, out);
-        text_add(out, ") uniform %s_quads_block {\n    uvec4 %s_quads[%llu];\n};\n", access->name,
-                 access->name,
+        text_add(out, ") uniform %s_quads_block {\n    uvec4 %s_quads[%llu];\n};\n",
+                 access_word(access), access_word(access),
                  (unsigned long long)expr_value(buffer->count, 0, 0, 0) * buffer->stride / 16);
     }
-    if (!glsl_uses(glsl, "%s", access->name))
+    if (!glsl_uses(glsl, "%s", access_word(access)))
         return;
     if (glsl->stage == STAGE_IS_VERTEX && access->mode != MODE_READ)
         return; /* only fragment and compute stages write */
@@ -256,13 +256,13 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
              uniform                     ? "uniform"
              : access->mode == MODE_READ ? "readonly buffer"
                                          : "buffer",
-             access->name, element, access->name);
+             access_word(access), element, access_word(access));
     int64_t count = 0;
     if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
         text_add(out, "%lld", (long long)count);
     text_add(out, "];\n};\n");
     if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && access->mode != MODE_READ)
-        text_add(out, "precise %s;\n", access->name);
+        text_add(out, "precise %s;\n", access_word(access));
 }
 
 static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text *out)
@@ -292,7 +292,7 @@ static void add_targets(struct glsl *glsl, struct text *out)
         const struct access *access = &glsl->pass->accesses[i];
         if (is_image(access) && access->kind & ACCESS_COLOR && access->attachment >= 0)
             text_add(out, "layout(location = %d) out %svec4 %s;\n", access->attachment,
-                     format_names(access->resource->format).prefix, access->name);
+                     format_names(access->resource->format).prefix, access_word(access));
     }
 }
 

@@ -243,7 +243,7 @@ static void add_element(const struct loop *loop, const char *index, struct text 
     const char *variable = loop->variable.text;
     if (!is_shared(range)) {
         text_add(out, "        %s %.*s = %s[%s_first + %s];\n", type, length, variable,
-                 buffer->name, range->name, index);
+                 access_word(range->access), range->name, index);
     } else if (by_words(range) && !structure) {
         text_add(out, "        %s %.*s = ", type, length, variable);
         add_words(range, buffer->type, index, 0, out);
@@ -276,19 +276,20 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     const struct resource *buffer = range->access->resource;
     const struct structure *structure = buffer->structure;
     const uint32_t *local = glsl->pass->local;
+    const char *name = access_word(range->access);
     uint32_t words = by_words(range) ? buffer->stride / 4 : 1;
     text_add(out, "    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n",
              count * words, local[0] * local[1] * local[2]);
     if (by_words(range))
         text_add(out, "        %s_words[i] = %s_quads[(%s_first%s) * %u + (i >> 2)][i & 3];\n",
-                 range->name, buffer->name, range->name, chunk, words / 4);
+                 range->name, name, range->name, chunk, words / 4);
     else if (loop->fields == WHOLE)
-        text_add(out, "        %s_cache[i] = %s[%s_first%s + i];\n", range->name, buffer->name,
-                 range->name, chunk);
+        text_add(out, "        %s_cache[i] = %s[%s_first%s + i];\n", range->name, name, range->name,
+                 chunk);
     for (uint32_t i = 0; !by_words(range) && structure && i < structure->field_count; i++)
         if (loop->fields >> i & 1)
             text_add(out, "        %s_%s[i] = %s[%s_first%s + i].%s;\n", range->name,
-                     structure->fields[i].name, buffer->name, range->name, chunk,
+                     structure->fields[i].name, name, range->name, chunk,
                      structure->fields[i].name);
     text_add(out, "    }\n");
 }
@@ -340,8 +341,7 @@ static void add_loop(const struct glsl *glsl, const struct loop *loop, struct te
     uint32_t count = (uint32_t)range->count_value, chunk = chunk_of(range);
     uint32_t chunks = count ? count / chunk : 0, rest = count - chunks * chunk;
     char base[96], offset[96];
-    text_add(out, "{ /* range %s: %u of %s */\n", range->name, count,
-             range->access->resource->name);
+    text_add(out, "{ /* range %s: %u of %s */\n", range->name, count, access_word(range->access));
     if (!loop->copied)
         add_first(range, out);
     if (chunks == 1) {

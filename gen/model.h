@@ -152,6 +152,8 @@ enum access_mode { MODE_READ, MODE_WRITE, MODE_UPDATE };
 struct access {
     const char *name; /* of the resource; "scene_vertices" etc. are builtins: see builtin */
     struct loc loc;
+    const char *as; /* what the body calls it; NULL: by its name. See access_word */
+    struct loc as_loc;
     enum access_mode mode;
     struct expr *mip;    /* NULL: mip 0 for storage and targets, all mips for sampling */
     const char *sampler; /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
@@ -164,6 +166,11 @@ struct access {
     int binding;    /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
     int attachment; /* plan: colour attachment number; -1 */
 };
+/* What the body calls the resource. */
+static inline const char *access_word(const struct access *access)
+{
+    return access->as ? access->as : access->name;
+}
 
 enum builtin {
     BUILTIN_VERTICES,

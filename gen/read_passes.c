@@ -52,6 +52,8 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
         return false;
     access->name = field_text(reader, &fields, "name");
     access->loc = field_loc(reader, &fields, "name");
+    access->as = field_text(reader, &fields, "as");
+    access->as_loc = field_loc(reader, &fields, "as");
     access->sampler = field_text(reader, &fields, "sampler");
     access->sampler_loc = field_loc(reader, &fields, "sampler");
     access->mip = field_expr(reader, &fields, "mip");

@@ -342,6 +342,10 @@ const struct key table_keys[] = {
      "draw: scene: clip distances that the vertex part writes, up to 8.", "1"},
     {SECTION_ACCESS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The resource.",
      "shadow_depth"},
+    {SECTION_ACCESS, "as", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "its name",
+     "What the body calls it in place of its name, so that one body serves passes over different "
+     "resources.",
+     "points"},
     {SECTION_ACCESS, "sampler", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "by texel",
      "reads: the filtering sampler of `NAME_sample` and `NAME_compare`.", "soft"},
     {SECTION_ACCESS, "mip", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "0; all for a sampler",

@@ -390,6 +390,76 @@ static void test_map_of_a_sampler(void **state)
         }
 }
 
+/* `text` with every `from` replaced by `to`; free() */
+static char *replaced(const char *text, const char *from, const char *to)
+{
+    struct text out = {0};
+    for (const char *at; (at = strstr(text, from)); text = at + strlen(from)) {
+        text_add_bytes(&out, text, (size_t)(at - text));
+        text_add(&out, "%s", to);
+    }
+    text_add(&out, "%s", text);
+    return out.data;
+}
+
+/* Of the accesses of `shade`, in their order. */
+static const struct {
+    const char *name, *as;
+} words[] = {{"normals", "surface"},
+             {"result", "sum_of"},
+             {"lights", "heap"},
+             {"cells", "places"},
+             {"shadows", "darkness"}};
+
+/* `text` as it is with other words for the resources; takes it, and gives one to free(). */
+static char *in_other_words(char *text)
+{
+    for (uint32_t i = 0; i < COUNT(words); i++) {
+        char *next = replaced(text, words[i].name, words[i].as);
+        free(text);
+        text = next;
+    }
+    return text;
+}
+
+/* What stands behind the library, from the first resource on; free() */
+static char *resources_and_body(struct fixture *f, enum backend backend, const char *body)
+{
+    f->model.glsl_source_count = 0;
+    set_body(f, SHADE, "shade.glsl", body);
+    struct shader shader = build(f, SHADE, backend, STAGE_IS_COMPUTE);
+    const char *at = strstr(shader.glsl.data, "binding = 0");
+    assert_non_null(at);
+    char *text = strdup(at);
+    shader_free(&shader);
+    return text;
+}
+
+/* A pass that lists resources `as` something else, with a body that says so, is the same pass but for
+ * these words. */
+static void test_words_of_a_pass(void **state)
+{
+    struct fixture *f = *state;
+    char *body = in_other_words(strdup(shade_body));
+    f->model.pipeline.fast = true; /* exact mode has a `result` of its own */
+    for (int storage = STORAGE_SHARED; storage <= STORAGE_BUFFER; storage++)
+        for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+            f->ranges[0].storage = (enum storage_class)storage;
+            for (uint32_t i = 0; i < COUNT(words); i++)
+                f->shade_accesses[i].as = NULL;
+            char *wanted = resources_and_body(f, (enum backend)backend, shade_body);
+            for (uint32_t i = 0; i < COUNT(words); i++)
+                f->shade_accesses[i].as = words[i].as;
+            char *found = resources_and_body(f, (enum backend)backend, body);
+            assert_non_null(strstr(found, "heap["));
+            wanted = in_other_words(wanted);
+            assert_string_equal(found, wanted);
+            free(found);
+            free(wanted);
+        }
+    free(body);
+}
+
 static const char *emit_shade(struct fixture *f, const char *body, struct shader *shader)
 {
     *shader = (struct shader){0};
@@ -557,6 +627,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_goldens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_no_contraction, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_products_are_written_out, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_words_of_a_pass, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_map_of_a_sampler, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_copy_follows_its_first_element, set_up, tear_down),

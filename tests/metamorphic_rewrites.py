@@ -169,6 +169,26 @@ def body_per_pass(pipeline):
     pipeline.bodies = bodies
 
 
+def accesses(entry):
+    return [access for key in ("reads", "writes", "updates") for access in entry.get(key, [])]
+
+
+def own_names(pipeline):
+    """Bodies call resources by their names again, where passes list them `as` something else."""
+    for entry in pipeline.passes():
+        words = {access["as"]: access["name"] for access in accesses(entry) if "as" in access}
+        if not words:
+            continue
+        path = f"named_{entry['name']}.glsl"
+        pipeline.bodies[path] = replace_words(paste_includes(pipeline, entry["shader"]), words)
+        entry["shader"] = path
+        for key in ("reads", "writes", "updates"):
+            plain = [{part: value for part, value in access.items() if part != "as"} if "as" in access else access
+                     for access in entry.get(key, [])]
+            entry[key] = [access["name"] if isinstance(access, dict) and len(access) == 1 else access
+                          for access in plain]
+
+
 def edit_bodies(pipeline, edit):
     pipeline.bodies = {path: edit(text) for path, text in pipeline.bodies.items()}
 
@@ -276,6 +296,29 @@ def rename_everything(pipeline):
     pipeline.names, pipeline.pass_names, pipeline.spec = words, passes, spec
 
 
+# What a body calls a resource is a matter between it and its pass.
+@rewrite("bodies call resources by their names", "ssvp", "features")
+def names_in_bodies(pipeline):
+    own_names(pipeline)
+
+
+@rewrite("every pass with words of its own for resources", "features", "rsm", "ssvp", "mips")
+def other_words(pipeline):
+    own_names(pipeline)
+    body_per_pass(pipeline)
+    for entry in pipeline.passes():
+        listed = [name for name in names_of(accesses(entry)) if name in pipeline.resources()]
+        words = {name: f"word_{i}_of_{entry['name']}" for i, name in enumerate(dict.fromkeys(listed))}
+        for key in ("reads", "writes", "updates"):
+            entry[key] = [access if name not in words else
+                          {**(access if isinstance(access, dict) else {"name": name}), "as": words[name]}
+                          for access, name in zip(entry.get(key, []), names_of(entry.get(key)))]
+        for part in entry.get("ranges", {}).values():
+            if "first" in part:
+                part["first"] = replace_words(part["first"], words)
+        pipeline.bodies[entry["shader"]] = replace_words(pipeline.bodies[entry["shader"]], words)
+
+
 # Passes that share no resource that one of them changes may run in any order.
 @rewrite("independent passes in another order", "rsm", "ssvp", "features", "mips")
 def reorder_passes(pipeline):
@@ -362,6 +405,7 @@ def dead_passes(pipeline):
 # An element's fields lie side by side or in two buffers: the same numbers.
 @rewrite("two buffers merged into one of structs", "ssvp", "features")
 def merge_buffers(pipeline):
+    own_names(pipeline)
     buffers = pipeline.spec["buffers"]
     keep, join = ("vpls", "labels") if "vpls" in buffers else ("histogram", "marks")
     first, second = buffers.pop(keep), buffers.pop(join)
@@ -392,13 +436,15 @@ def split_buffer(pipeline, buffer):
             if buffer in entry.get(key, []):
                 entry[key].remove(buffer)
                 entry[key] += [f"{buffer}_{field}" for field in fields]
-    edit_bodies(pipeline, lambda text: re.sub(rf"(?<![\w.]){buffer}\[({INDEX})\]\.({WORD})", rf"{buffer}_\2[\1]",
-                                              text))
+    edit_bodies(pipeline, lambda text: re.sub(
+        rf"(?<![\w.]){buffer}\[({INDEX})\]\.({WORD})", rf"{buffer}_\2[\1]",
+        re.sub(rf"(?<![\w.]){buffer}_count\b", f"{buffer}_{next(iter(fields))}_count", text)))
 
 
 # The same, the other way: every field in a buffer of its own.
 @rewrite("buffers of structs split", "ssvp", "rsm", "features")
 def split_buffers(pipeline):
+    own_names(pipeline)
     if "taps" in pipeline.spec["buffers"]:
         ranges_as_loops(pipeline)   # a range runs over whole elements
         edit_bodies(pipeline, lambda text: text.replace("Tap tap = taps[(0) + element];", "").replace(
@@ -538,6 +584,7 @@ def plan_for_gpu(pipeline):
 # A range is the run of elements that a plain loop visits.
 @rewrite("ranges written as plain loops", "rsm", "ssvp", "features")
 def ranges_as_loops(pipeline):
+    own_names(pipeline)
     body_per_pass(pipeline)
     for entry in pipeline.passes():
         for name, part in entry.pop("ranges", {}).items():
@@ -576,6 +623,7 @@ def dispatch_groups(pipeline):
 # An array of one layer holds what an image holds. (rsm has no image that qualifies.)
 @rewrite("images made arrays of one layer", "features", "ssvp")
 def make_layered(pipeline):
+    own_names(pipeline)
     output = pipeline.spec["output"].values()
     chosen = [name for name, image in pipeline.spec["images"].items()
               if "layers" not in image and name not in output and name not in image_of_targets(pipeline)
@@ -593,6 +641,7 @@ def make_layered(pipeline):
 # arguments is asked for.
 @rewrite("buffers longer than needed", "rsm", "ssvp", "features")
 def longer(pipeline):
+    own_names(pipeline)
     for name, buffer in pipeline.spec["buffers"].items():
         counted = any(f"{name}_count" in text for text in pipeline.bodies.values())
         if not counted and all(name != entry.get("indirect") for entry in pipeline.passes()):

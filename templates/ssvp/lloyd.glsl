@@ -1,8 +1,6 @@
 /* k-means over VPLs with the metric vpl_distance (paper, Equation 2; Dong et al. 2009), by Lloyd's
- * iterations. Includers say over which: POINTS and CENTRES, how many there are; point_position(k),
- * point_normal(k), point_power(k), a VPL; last_mean(c), last_normal(c), was_seen(c), what the last frame
- * kept; keep_label(k, label), keep_margin(k, margin), keep_centre(c, position, normal, members, seen)
- * and keep_mean(c, position, normal), where results go.
+ * iterations. A pass says which: `points`; `point_labels` and `point_margins`, one for each; and
+ * `point_centres`, which hold what the last frame kept and what this one keeps.
  *
  * One workgroup does all iterations. Every sum is serial in one invocation, the owner of the
  * cluster, so its order is fixed; ties go to the lowest index. VPLs of zero flux have no vote and
@@ -20,22 +18,27 @@
  * twice is kept. */
 #include "../shared/space.glsl"
 
-shared vec3 centre_position[CENTRES];
-shared vec3 centre_normal[CENTRES];
-shared vec3 mean_position[CENTRES];
-shared vec3 mean_normal[CENTRES];
-shared int member_count[CENTRES];
-shared int label[POINTS];
-shared float apart[POINTS];
+shared vec3 centre_position[point_centres_count];
+shared vec3 centre_normal[point_centres_count];
+shared vec3 mean_position[point_centres_count];
+shared vec3 mean_normal[point_centres_count];
+shared int member_count[point_centres_count];
+shared int label[points_count];
+shared float apart[points_count];
 shared uint most_apart; /* of all lanes, its bits */
-shared int first_apart; /* the first VPL that is so far away; POINTS: none is away at all */
+shared int first_apart; /* the first VPL that is so far away; points_count: none is away at all */
 
 const int BLOCK = 4;
+
+float point_power(int k)
+{
+    return points[k].flux.r + points[k].flux.g + points[k].flux.b;
+}
 
 void none_apart()
 {
     most_apart = 0u;
-    first_apart = POINTS;
+    first_apart = points_count;
 }
 
 /* Last frame's mean; in the first frame, without reuse_centres, and when the light reached nothing
@@ -43,21 +46,21 @@ void none_apart()
 void seed(int c)
 {
     int living = 0;
-    for (int k = 0; k < POINTS; k++)
+    for (int k = 0; k < points_count; k++)
         living += point_power(k) > 0.0 ? 1 : 0;
-    int wanted = (2 * c + 1) * living / (2 * CENTRES);
+    int wanted = (2 * c + 1) * living / (2 * point_centres_count);
     int chosen = 0;
     int rank = 0;
-    for (int k = 0; k < POINTS; k++) {
+    for (int k = 0; k < points_count; k++) {
         bool lives = point_power(k) > 0.0;
         if (lives && rank == wanted)
             chosen = k;
         rank += lives ? 1 : 0;
     }
-    bool seen = reuse_centres == 1 && was_seen(c) != 0u;
-    centre_position[c] = seen ? last_mean(c) : point_position(chosen);
-    vec3 normal = unit_or(point_normal(chosen), vec3(0.0, 0.0, 1.0));
-    centre_normal[c] = seen ? last_normal(c) : normal;
+    bool seen = reuse_centres == 1 && point_centres[c].seen != 0u;
+    centre_position[c] = seen ? point_centres[c].mean : points[chosen].position;
+    vec3 normal = unit_or(points[chosen].normal, vec3(0.0, 0.0, 1.0));
+    centre_normal[c] = seen ? point_centres[c].mean_normal : normal;
 }
 
 void assign(int k)
@@ -65,12 +68,12 @@ void assign(int k)
     int nearest = 0;
     float least = 0.0;
     float second = 0.0;
-    vec3 position = point_position(k);
-    vec3 normal = point_normal(k);
-    for (int first = 0; first < CENTRES; first += BLOCK) {
+    vec3 position = points[k].position;
+    vec3 normal = points[k].normal;
+    for (int first = 0; first < point_centres_count; first += BLOCK) {
         for (int j = 0; j < BLOCK; j++) {
             int c = first + j;
-            if (c >= CENTRES)
+            if (c >= point_centres_count)
                 break;
             float d = vpl_distance(position, normal, centre_position[c], centre_normal[c]);
             if (c == 0 || d < least) {
@@ -85,7 +88,7 @@ void assign(int k)
     bool lives = point_power(k) > 0.0;
     label[k] = lives ? nearest : -1;
     apart[k] = lives ? least : -1.0;
-    keep_margin(k, lives && CENTRES > 1 ? second - least : -1.0);
+    point_margins[k] = lives && point_centres_count > 1 ? second - least : -1.0;
 }
 
 /* Mean of the positions, normalised sum of the normals. Where normals cancel out, the normal of the
@@ -98,12 +101,12 @@ void average(int c)
     vec3 dominant = centre_normal[c];
     float brightest = 0.0;
     int members = 0;
-    for (int first = 0; first < POINTS; first += BLOCK) {
+    for (int first = 0; first < points_count; first += BLOCK) {
         for (int j = 0; j < BLOCK; j++) {
             int k = first + j;
-            if (k < POINTS && label[k] == c) {
-                vec3 p = point_position(k);
-                vec3 n = point_normal(k);
+            if (k < points_count && label[k] == c) {
+                vec3 p = points[k].position;
+                vec3 n = points[k].normal;
                 float power = point_power(k);
                 position = members == 0 ? p : position + p;
                 normal = members == 0 ? n : normal + n;
@@ -125,14 +128,14 @@ void average(int c)
  * negative here, are in the order of the distances. */
 void reseed_empty(int lane, int lanes)
 {
-    for (int c = 0; c < CENTRES; c++) {
+    for (int c = 0; c < point_centres_count; c++) {
         if (member_count[c] == 0) {
             int farthest = -1;
             float most = 0.0;
-            for (int first = lane; first < POINTS; first += BLOCK * lanes) {
+            for (int first = lane; first < points_count; first += BLOCK * lanes) {
                 for (int j = 0; j < BLOCK; j++) {
                     int k = first + j * lanes;
-                    if (k < POINTS && apart[k] > most) {
+                    if (k < points_count && apart[k] > most) {
                         most = apart[k];
                         farthest = k;
                     }
@@ -145,9 +148,9 @@ void reseed_empty(int lane, int lanes)
                 atomicMin(first_apart, farthest);
             barrier();
             if (lane == 0) {
-                if (first_apart < POINTS) {
-                    mean_position[c] = point_position(first_apart);
-                    mean_normal[c] = unit_or(point_normal(first_apart), centre_normal[c]);
+                if (first_apart < points_count) {
+                    mean_position[c] = points[first_apart].position;
+                    mean_normal[c] = unit_or(points[first_apart].normal, centre_normal[c]);
                     apart[first_apart] = -1.0;
                 }
                 none_apart();
@@ -161,34 +164,37 @@ void main()
 {
     int lane = int(gl_LocalInvocationIndex);
     int lanes = int(gl_WorkGroupSize.x);
-    if (lane < CENTRES)
+    if (lane < point_centres_count)
         seed(lane);
     if (lane == 0)
         none_apart();
     barrier();
     for (int i = 0; i < kmeans_iterations; i++) {
-        for (int k = lane; k < POINTS; k += lanes)
+        for (int k = lane; k < points_count; k += lanes)
             assign(k);
         barrier();
-        if (lane < CENTRES)
+        if (lane < point_centres_count)
             average(lane);
         barrier();
         reseed_empty(lane, lanes);
         barrier();
-        if (lane < CENTRES && i + 1 < kmeans_iterations) {
+        if (lane < point_centres_count && i + 1 < kmeans_iterations) {
             centre_position[lane] = mean_position[lane];
             centre_normal[lane] = mean_normal[lane];
         }
         barrier();
     }
-    for (int k = lane; k < POINTS; k += lanes)
-        keep_label(k, label[k]);
-    if (lane < CENTRES) {
+    for (int k = lane; k < points_count; k += lanes)
+        point_labels[k] = label[k];
+    if (lane < point_centres_count) {
         int all = 0;
-        for (int c = 0; c < CENTRES; c++)
+        for (int c = 0; c < point_centres_count; c++)
             all += member_count[c];
-        keep_centre(lane, centre_position[lane], centre_normal[lane], member_count[lane],
-                    all > 0 ? 1u : 0u);
-        keep_mean(lane, mean_position[lane], mean_normal[lane]);
+        point_centres[lane].position = centre_position[lane];
+        point_centres[lane].normal = centre_normal[lane];
+        point_centres[lane].members = member_count[lane];
+        point_centres[lane].seen = all > 0 ? 1u : 0u;
+        point_centres[lane].mean = mean_position[lane];
+        point_centres[lane].mean_normal = mean_normal[lane];
     }
 }

@@ -1,7 +1,7 @@
 void main()
 {
     ivec2 p = invocation().xy;
-    if (any(greaterThanEqual(p, trail_size())))
+    if (any(greaterThanEqual(p, path_size())))
         return;
-    trail_store(p, mix(trail(p), laced(p), weight));
+    path_store(p, mix(path(p), newest(p), weight));
 }
