@@ -123,6 +123,7 @@ bool measure_add_metrics(struct steps *steps, int part, const char *picture, con
         command_file(&command, "--test", picture);
         if (maps)
             command_file(&command, "-o", maps);
+        fprintf(command.out, " --flip ldr"); /* nobody here looks at the other */
         command_file(&command, "--json", file);
     }
     free(reference);

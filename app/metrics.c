@@ -153,6 +153,13 @@ static bool measure_flip(struct metrics *metrics, int which)
     return good && distribution_measure(&metrics->flip[which], map, count);
 }
 
+/* It takes ten times as long as all else together. */
+static bool measures_hdr_flip(const struct metrics *metrics)
+{
+    const char *flip = metrics->options->flip;
+    return metrics->hdr && (!flip || strcmp(flip, "ldr") != 0);
+}
+
 static bool measure(struct metrics *metrics)
 {
     const struct rgb_image *images = metrics->images, *mapped = metrics->mapped;
@@ -165,7 +172,7 @@ static bool measure(struct metrics *metrics)
         console_status(console, "FLIP of tone-mapped images");
         good = measure_flip(metrics, LDR);
     }
-    if (good && metrics->hdr) {
+    if (good && measures_hdr_flip(metrics)) {
         console_status(console, "FLIP over all exposures");
         good = measure_flip(metrics, HDR);
     }
@@ -225,7 +232,8 @@ static bool write_maps(const struct metrics *metrics)
            write_picture(metrics, "reference", NULL, &metrics->mapped[REFERENCE]) &&
            write_picture(metrics, "test", NULL, &metrics->mapped[TEST]) &&
            write_picture(metrics, "flip_ldr", metrics->flip_map[LDR], NULL) &&
-           (!metrics->hdr || write_picture(metrics, "flip_hdr", metrics->flip_map[HDR], NULL));
+           (!measures_hdr_flip(metrics) ||
+            write_picture(metrics, "flip_hdr", metrics->flip_map[HDR], NULL));
 }
 
 static cJSON *errors_json(const struct image_errors *errors)
@@ -274,6 +282,10 @@ static cJSON *metrics_json(const struct metrics *metrics)
     }
     cJSON *hdr = errors_json(&metrics->hdr_errors);
     cJSON_AddItemToObject(root, "hdr", hdr);
+    if (!measures_hdr_flip(metrics)) {
+        cJSON_AddNullToObject(hdr, "flip");
+        return root;
+    }
     cJSON *flip = flip_json(&metrics->flip[HDR]);
     cJSON_AddItemToObject(hdr, "flip", flip);
     cJSON_AddNumberToObject(flip, "start_exposure", metrics->exposures.start);
@@ -282,12 +294,16 @@ static cJSON *metrics_json(const struct metrics *metrics)
     return root;
 }
 
+/* `flip`: NULL where it was not measured. */
 static void print_errors(const char *name, const struct image_errors *errors,
                          const struct distribution *flip)
 {
-    printf("%-12s  %9.5f  %9.5f  %9.5f  %9.5f  %9.5f  %7.2f  %8.5f  %8.5f  %8.5f\n", name,
-           errors->mean_reference, errors->mean_test, errors->mean_absolute, errors->rmse,
-           errors->relative_mse, errors->psnr, flip->mean, flip->p95, flip->most);
+    printf("%-12s  %9.5f  %9.5f  %9.5f  %9.5f  %9.5f  %7.2f", name, errors->mean_reference,
+           errors->mean_test, errors->mean_absolute, errors->rmse, errors->relative_mse,
+           errors->psnr);
+    if (flip)
+        printf("  %8.5f  %8.5f  %8.5f", flip->mean, flip->p95, flip->most);
+    printf("\n");
 }
 
 static void print_table(const struct metrics *metrics)
@@ -299,7 +315,8 @@ static void print_table(const struct metrics *metrics)
     printf("%-12s  %9s  %9s  %9s  %9s  %9s  %7s  %8s  %8s  %8s\n", "", "reference", "test",
            "mean abs", "RMSE", "rel. MSE", "PSNR", "FLIP", "FLIP p95", "FLIP max");
     if (metrics->hdr)
-        print_errors("linear", &metrics->hdr_errors, &metrics->flip[HDR]);
+        print_errors("linear", &metrics->hdr_errors,
+                     measures_hdr_flip(metrics) ? &metrics->flip[HDR] : NULL);
     print_errors("tone-mapped", &metrics->ldr_errors, &metrics->flip[LDR]);
     printf("\nYee: %llu of %llu pixels can be told apart\n",
            (unsigned long long)metrics->yee_failing, (unsigned long long)count);

@@ -103,6 +103,8 @@ static const struct option_row rows[] = {
      "average the changes over N x N pixels first, against noise of the reference (default: 1)"},
     {"--exposure", OPTION_NUMBER, AT(exposure), VERB_METRICS, 0, "FACTOR",
      "of both pictures (default: log-average luminance of the reference to 0.18)"},
+    {"--flip", OPTION_CHOICE, AT(flip), VERB_METRICS, 0, "all|ldr",
+     "leave out FLIP over all exposures, which takes most of the time (default: all)"},
     {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
      "of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
     {"--pictures", OPTION_STRING, AT(pictures), VERB_COMPARE, 0, "DIR",

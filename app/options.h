@@ -66,6 +66,7 @@ struct options {
     bool emission;
     const char *reference; /* picture files; flicker: patterns of them */
     const char *test;
+    const char *flip;
     double exposure; /* factor; 0: of the reference's log-average luminance */
     double pixels_per_degree;
     uint32_t block;              /* flicker: 0: not given */

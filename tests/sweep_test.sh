@@ -181,6 +181,7 @@ for row in rows:
     for column, value in (("relative_mse", told["hdr"]["relative_mse"]), ("rmse", told["hdr"]["rmse"]),
                           ("psnr", told["ldr"]["psnr"]), ("flip", told["ldr"]["flip"]["mean"])):
         assert abs(float(row[column]) / value - 1) < 1e-5, (row, column, value)
+    assert told["hdr"]["flip"] is None
     ratio = float(row["mean"]) / told["exposure"]
     assert abs(ratio / float(row["level"]) - 1) < 1e-5, row
     side = json.load(open(name + "bench.json"))["sides"][row["backend"] == "vk"]
