@@ -278,8 +278,15 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     const uint32_t *local = glsl->pass->local;
     const char *name = access_word(range->access);
     uint32_t words = by_words(range) ? buffer->stride / 4 : 1;
-    text_add(out, "    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n",
-             count * words, local[0] * local[1] * local[2]);
+    uint32_t copied = count * words, invocations = local[0] * local[1] * local[2];
+    if (copied <= invocations) /* a loop would cost a CPU a turn's checks for each vector */
+        text_add(out,
+                 "    if (gl_LocalInvocationIndex < %uu) {\n"
+                 "        int i = int(gl_LocalInvocationIndex);\n",
+                 copied);
+    else
+        text_add(out, "    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n", copied,
+                 invocations);
     if (by_words(range))
         text_add(out, "        %s_words[i] = %s_quads[(%s_first%s) * %u + (i >> 2)][i & 3];\n",
                  range->name, name, range->name, chunk, words / 4);

@@ -236,7 +236,8 @@ void main()
     int subset_first = interleave_class() * 5;
     for (int subset_base = 0; subset_base < 4; subset_base += 2) {
     barrier();
-    for (int i = int(gl_LocalInvocationIndex); i < 2; i += 64) {
+    if (gl_LocalInvocationIndex < 2u) {
+        int i = int(gl_LocalInvocationIndex);
         subset_position[i] = lights[subset_first + subset_base + i].position;
         subset_flux[i] = lights[subset_first + subset_base + i].flux;
     }
@@ -263,7 +264,8 @@ void main()
     }
     }
     barrier();
-    for (int i = int(gl_LocalInvocationIndex); i < 1; i += 64) {
+    if (gl_LocalInvocationIndex < 1u) {
+        int i = int(gl_LocalInvocationIndex);
         subset_position[i] = lights[subset_first + 4 + i].position;
         subset_flux[i] = lights[subset_first + 4 + i].flux;
     }
