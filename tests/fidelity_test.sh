@@ -4,7 +4,7 @@
 # more clusters bring the picture nearer. Three frames, so that the clusters have settled. TAP. Long: more scenes.
 # shellcheck disable=SC2317 # functions are called through check
 . "$(dirname "$0")/tap.sh"
-size=160x90 samples=64
+size=160x90 samples=64 frames=3
 commented=$work/comments
 
 truth() { # file scene first last
@@ -15,7 +15,7 @@ truth() { # file scene first last
 ours() { # file scene sets...
     local file=$1 scene=$2
     shift 2
-    "$diptych" render --scene "$root/scenes/$scene.yaml" --size "$size" --frames 3 --backend vk --show indirect \
+    "$diptych" render --scene "$root/scenes/$scene.yaml" --size "$size" --frames "$frames" --backend vk --show indirect \
         -o "$work/$file" "$@"
 }
 
@@ -87,6 +87,27 @@ for scene in "${scenes[@]}"; do
     check "$scene: 8 clusters are nearer than 2" nearer truth.exr two.exr few.exr
     check "$scene: 32 clusters are nearer than 2" nearer truth.exr many.exr few.exr
 done
+
+# More clusters do not make it worse. The eyes of one pattern are luckier than another's, so a fifth more than the number of
+# clusters before is let pass, but 32 must be nearer than 8. Long: the mean over four patterns.
+patterns=1
+[ -z "${DIPTYCH_LONG:-}" ] || patterns=4
+average() { # scene clusters: the mean of the relative mean squared errors
+    local frame
+    frames=$patterns ours "$2.%d.exr" "$1" --set "clusters=$2" --set reuse_pattern=0 || return
+    for ((frame = 0; frame < patterns; frame++)); do
+        measured truth.exr "$2.$frame.exr" relative_mse || return
+    done | awk '{ sum += $1 } END { print sum / NR }'
+}
+grows() {
+    local eight sixteen more
+    truth truth.exr "$1" 1 2 && eight=$(average "$1" 8) && sixteen=$(average "$1" 16) && more=$(average "$1" 32) &&
+        is "$sixteen < 1.2 * $eight && $more < 1.2 * $sixteen && $more < $eight"
+}
+for scene in cornell atrium; do
+    check "$scene: errors of 8, 16, 32 clusters" grows "$scene"
+done
+
 # Instant Radiosity has no bias but what maps and half floats have: ten times the VPLs leave less than a third of the error.
 prepare() {
     local vpls
