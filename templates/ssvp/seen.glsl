@@ -41,13 +41,13 @@ Seen surface_of(ivec3 at)
     SceneVertex a = scene_vertices[scene_indices[first]];
     SceneVertex b = scene_vertices[scene_indices[first + 1u]];
     SceneVertex c = scene_vertices[scene_indices[first + 2u]];
-    ClusterView view_of = cluster_views[at.z];
     vec2 p = (vec2(at.xy) + 0.5) * (2.0 / float(paraboloid_size)) - 1.0;
     float s = dot(p, p);
     vec3 d = vec3(2.0 * p, 1.0 - s) / (1.0 + s);
-    vec3 direction = view_of.tangent * d.x + view_of.bitangent * d.y + view_of.normal * d.z;
+    vec3 direction = cluster_views[at.z].tangent * d.x + cluster_views[at.z].bitangent * d.y +
+                     cluster_views[at.z].normal * d.z;
     float reach = seen.surface ? paraboloid_distance(at).x : 0.0;
-    seen.position = view_of.position + direction * reach;
+    seen.position = cluster_views[at.z].position + direction * reach;
 
     vec3 e = corner_position(b) - corner_position(a);
     vec3 f = corner_position(c) - corner_position(a);
