@@ -1,7 +1,6 @@
-/* Paraboloid maps (Heidrich, Seidel 1998), all clusters in one layered draw. Includers say from where:
- * map_eye(c), map_tangent(c), map_bitangent(c), map_axis(c) and map_member(c), of struct ClusterView;
- * MAP_SIZE, texels per side; map_of(k) and first_triangle(k), of an instance; and their fragment part
- * defines write_texel(reach, number), what a texel keeps.
+/* Paraboloid maps (Heidrich, Seidel 1998), all clusters in layered draws. The pass calls the maps' eyes
+ * `views`. Includers say MAP_SIZE, texels per side; map_of(k) and first_triangle(k), of an instance; and
+ * their fragment part defines write_texel(reach, number), what a texel keeps.
  *
  * The projection is uv = d.xy / (1 + d.z) for the unit direction d in the cluster's frame, written
  * with the homogeneous coordinate |d| + d.z so that clipping at the horizon and the interpolation of
@@ -26,15 +25,15 @@ layout(location = 4) flat out uint first_number;
 void main()
 {
     int c = map_of(gl_InstanceIndex);
-    vec3 d = vertex_position - map_eye(c);
-    local = vec3(dot(d, map_tangent(c)), dot(d, map_bitangent(c)), dot(d, map_axis(c)));
+    vec3 d = vertex_position - views[c].position;
+    local = vec3(dot(d, views[c].tangent), dot(d, views[c].bitangent), dot(d, views[c].normal));
     uv = vertex_uv;
     alpha_cutoff = scene_materials[vertex_material].alpha_cutoff;
     texture_layer = scene_materials[vertex_material].texture_layer;
     first_number = first_triangle(gl_InstanceIndex) + 1u;
     float w = length(d) + local.z;
     gl_Position = vec4(local.xy, 0.5 * w, w);
-    gl_ClipDistance[0] = map_member(c) < 0 ? -1.0 : local.z; /* nothing for an empty cluster */
+    gl_ClipDistance[0] = views[c].member < 0 ? -1.0 : local.z; /* nothing for an empty cluster */
     gl_Layer = c;
 }
 #endif

@@ -1,40 +1,9 @@
 /* The maps that tell what a cluster of second-bounce VPLs sees. */
 const int MAP_SIZE = second_map_size;
 
-vec3 map_eye(int c)
-{
-    return second_views[c].position;
-}
-
-vec3 map_tangent(int c)
-{
-    return second_views[c].tangent;
-}
-
-vec3 map_bitangent(int c)
-{
-    return second_views[c].bitangent;
-}
-
-vec3 map_axis(int c)
-{
-    return second_views[c].normal;
-}
-
-int map_member(int c)
-{
-    return second_views[c].member;
-}
-
-int map_of(int instance)
-{
-    return instance / map_draws; /* an instance, a draw */
-}
-
-uint first_triangle(int instance)
-{
-    return 0u;
-}
+#ifdef VERTEX
+#include "map_draws.glsl"
+#endif
 
 #ifdef FRAGMENT
 void write_texel(float reach, uint number)

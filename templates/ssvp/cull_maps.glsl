@@ -1,6 +1,5 @@
 /* The draws of a paraboloid map: runs of the scene's blocks that are not wholly behind the plane through
- * its eye. Includers say of which maps: map_eye(c), map_axis(c) and map_member(c), of struct ClusterView;
- * keep_draw(k, index_count, first_index), where results go.
+ * its eye. The pass calls the maps' eyes `views` and the draws `draws`.
  *
  * A workgroup makes the draws of a map. An invocation joins those of its own blocks that follow each
  * other to runs, and writes them behind those of the invocations before it; what is left of the map's
@@ -9,12 +8,21 @@
 
 shared int run_count[64];
 
+void keep_draw(int k, uint index_count, uint first_index)
+{
+    draws[k].index_count = index_count;
+    draws[k].instance_count = index_count > 0u ? 1u : 0u;
+    draws[k].first_index = first_index;
+    draws[k].vertex_offset = 0;
+    draws[k].first_instance = uint(k);
+}
+
 bool shows(int c, int block)
 {
     vec3 middle = 0.5 * (block_bounds[block].low + block_bounds[block].high);
     vec3 reach = 0.5 * (block_bounds[block].high - block_bounds[block].low);
-    vec3 axis = map_axis(c);
-    float nearest = dot(middle - map_eye(c), axis) + dot(reach, abs(axis));
+    vec3 axis = views[c].normal;
+    float nearest = dot(middle - views[c].position, axis) + dot(reach, abs(axis));
     float slack = 1e-4 * frame.scene_radius; /* more than what rounding takes off */
     return block_triangles(block).y > 0 && nearest > -slack;
 }
@@ -47,7 +55,7 @@ void main()
     int c = int(gl_WorkGroupID.x);
     int lane = int(gl_LocalInvocationIndex);
     int first = lane * lane_blocks;
-    int end = map_member(c) < 0 ? first : min(first + lane_blocks, cull_blocks);
+    int end = views[c].member < 0 ? first : min(first + lane_blocks, cull_blocks);
     run_count[lane] = find_runs(c, first, end, 0, false);
     barrier();
     int before = 0;
