@@ -22,9 +22,9 @@ struct build_request {
 struct cache_entry {
     char
         *folder; /* of what was generated: gl/, vk/, and gen.d, which names what it was made from */
-    char *object; /* path of the shared object in it */
-    char *name;   /* of the pipeline: prefix of its two symbols */
-    DIR *held;    /* the folder is not pruned until this is closed */
+    char *object;                     /* path of the shared object in it */
+    char *name;                       /* of the pipeline: prefix of its two symbols */
+    DIR *held;                        /* the folder is not pruned until this is closed */
     double generator_ms, compiler_ms; /* what they took, 0: it was found */
 };
 

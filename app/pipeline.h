@@ -18,9 +18,9 @@ struct pipeline {
     /* where it was generated: gl/PASS.comp, vk/PASS.comp and so on, and gen.d, which names the files
      * that it was made from; owned */
     char *generated;
-    DIR *held;              /* keeps that folder */
+    DIR *held;                        /* keeps that folder */
     double generator_ms, compiler_ms; /* that making it took; 0: it was in the cache */
-    char *spec, *templates; /* real paths of what it was generated from; owned */
+    char *spec, *templates;           /* real paths of what it was generated from; owned */
 };
 
 /* The real path of a spec, NULL: of the project's own; logged; free(). */

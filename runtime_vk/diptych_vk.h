@@ -98,7 +98,8 @@ struct dt_vk_range {
  * may be written between frames: the next frame sees it. */
 struct dt_vk_scene {
     struct dt_vk_range vertices; /* struct dt_vertex[]; usage VERTEX_BUFFER and STORAGE_BUFFER */
-    struct dt_vk_range indices;  /* uint32_t[], three per triangle; INDEX_BUFFER, STORAGE_BUFFER */
+    struct dt_vk_range
+        indices; /* uint32_t[], three per triangle; INDEX_BUFFER, STORAGE_BUFFER; lavapipe: offset 0 */
     uint32_t index_count;
     /* struct dt_material[DT_MAX_MATERIALS], whatever stands behind those in use; STORAGE_BUFFER,
      * UNIFORM_BUFFER */

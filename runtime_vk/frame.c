@@ -547,13 +547,32 @@ void dt_vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,
     rt->vk.CmdEndRendering(rt->frame_commands);
 }
 
+/* lavapipe 22.3.6 binds an index buffer at an offset for direct draws only: indirect ones count from the
+ * start of the buffer, and draw something else without a word. */
+static bool counts_from_start(struct vk_runtime *rt, const struct vk_program *program,
+                              const struct vk_buffer *indices)
+{
+    if (!indices->offset || strncmp(rt->properties.deviceName, "llvmpipe", 8) != 0)
+        return true;
+    vk_error(rt,
+             "pass %s: scene indices at byte %llu, but indirect draws of %s count from the start "
+             "of the buffer; give them a buffer of their own",
+             program->name, (unsigned long long)indices->offset, rt->properties.deviceName);
+    return false;
+}
+
 void dt_vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *program,
                                const struct vk_targets *targets, const struct vk_buffer *indices,
                                const struct vk_buffer *arguments, uint32_t draw_count)
 {
     uint32_t limit = rt->properties.limits.maxDrawIndirectCount;
+    indices = indices ? indices : &rt->builtin.indices;
     if (rt->skips)
         return;
+    if (!counts_from_start(rt, program, indices)) {
+        rt->failed = true;
+        return;
+    }
     if (draw_count > limit) {
         vk_error(rt, "pass %s: %u indirect draws, but the device's limit is %u; use fewer",
                  program->name, draw_count, limit);
@@ -562,7 +581,7 @@ void dt_vk_draw_scene_indirect(struct vk_runtime *rt, const struct vk_program *p
     }
     begin_rendering(rt, targets);
     bind_program(rt, program, VK_PIPELINE_BIND_POINT_GRAPHICS);
-    bind_scene(rt, indices ? indices : &rt->builtin.indices);
+    bind_scene(rt, indices);
     rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, arguments->handle, 0, draw_count,
                                   sizeof(VkDrawIndexedIndirectCommand));
     rt->vk.CmdEndRendering(rt->frame_commands);

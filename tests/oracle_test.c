@@ -582,19 +582,18 @@ static void culling_changes_no_texel(void **state)
     static const char *const maps[] = {"paraboloid_distance", "paraboloid_triangle",
                                        "second_distance"};
     static const char *const blocks[] = {"--set cull_blocks=1", "--set cull_blocks=9",
-                                         "--set cull_blocks=1000 --frames 2",
-                                         "--set cull_blocks=1000 --set still_scene=0 --frames 2"};
+                                         "--set cull_blocks=1000"};
     for (int b = 0; b < 2; ++b) {
-        uint64_t drawn[4] = {0};
+        uint64_t drawn[3] = {0};
         struct dump_entry whole[3] = {0};
-        for (int i = 0; i < 4; ++i) {
+        for (int i = 0; i < 3; ++i) {
             struct dump dump;
             render(&dump, "spot", backends[b], blocks[i]);
             for (int m = 0; m < 3; ++m) {
                 struct dump_entry map = dump_read(&dump, NULL, maps[m]);
                 if (i == 0)
                     whole[m] = map;
-                else if (i == 1)
+                else
                     assert_memory_equal(map.data, whole[m].data, map.size);
                 if (i > 0)
                     dump_entry_free(&map);
@@ -611,7 +610,7 @@ static void culling_changes_no_texel(void **state)
         for (int m = 0; m < 3; ++m)
             dump_entry_free(&whole[m]);
         assert_true(drawn[1] < drawn[0] && drawn[2] < drawn[1]);
-        assert_true(drawn[2] > drawn[0] / 4 && drawn[3] == drawn[2]);
+        assert_true(drawn[2] > drawn[0] / 4);
     }
 }
 

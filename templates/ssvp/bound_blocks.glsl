@@ -1,6 +1,6 @@
 /* Bounding boxes of the scene's blocks: runs of triangles that follow each other in the mesh, of one
- * length, all but the last ones. A workgroup bounds a block; in the first frame alone, where the scene
- * keeps still. */
+ * length, all but the last ones. A workgroup bounds a block. Every frame anew: a host may have moved
+ * them. */
 #include "blocks.glsl"
 
 shared vec3 lows[64];
@@ -10,8 +10,6 @@ void main()
 {
     int block = int(gl_WorkGroupID.x);
     int lane = int(gl_LocalInvocationIndex);
-    if (still_scene == 1 && frame.index > 0u)
-        return;
     ivec2 run = block_triangles(block);
     vec3 low = vec3(1e30);
     vec3 high = vec3(-1e30);

@@ -55,12 +55,12 @@ static struct dt_vk_range place(const struct dt_vk_range *before, VkDeviceSize s
 static struct buffer make_scene(const struct renderer *renderer, const struct dt_scene *scene,
                                 struct dt_vk_scene *import)
 {
-    const struct dt_vk_range own = {.size = 1}; /* something of the host's comes first */
+    const struct dt_vk_range nothing = {0}; /* indices first: lavapipe wants their offset 0 */
     struct dt_vk_range *vertices = &import->vertices, *indices = &import->indices;
     struct dt_vk_range *materials = &import->materials;
-    *vertices = place(&own, scene->vertex_count * sizeof *scene->vertices);
-    *indices = place(vertices, scene->index_count * sizeof *scene->indices);
-    *materials = place(indices, DT_MAX_MATERIALS * sizeof *scene->materials);
+    *indices = place(&nothing, scene->index_count * sizeof *scene->indices);
+    *vertices = place(indices, scene->vertex_count * sizeof *scene->vertices);
+    *materials = place(vertices, DT_MAX_MATERIALS * sizeof *scene->materials);
     struct buffer geometry =
         make_buffer(renderer, materials->offset + materials->size,
                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
