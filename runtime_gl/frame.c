@@ -26,7 +26,10 @@ bool dt_gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
         return false;
     if (!GL(rt, name, PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, pass, -1, name)))
         return false;
-    return !rt->queries || GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP));
+    /* llvmpipe draws later, but dispatches at once, and notes the time when it draws: without a flush
+     * a dispatch that waits for nothing is over before its time begins. */
+    return !rt->queries || (GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP)) &&
+                            GL(rt, name, Flush()));
 }
 
 bool dt_gl_pass_end(struct gl_runtime *rt, uint32_t pass)

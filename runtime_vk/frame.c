@@ -319,8 +319,13 @@ bool dt_vk_pass_begin(struct vk_runtime *rt, uint32_t pass, bool runs)
         return false;
     if (rt->begin_label)
         rt->begin_label(rt->frame_commands, &label);
-    if (rt->timing && rt->pass_runs[pass])
+    if (rt->timing && rt->pass_runs[pass]) {
         write_timestamp(rt, 2 * pass);
+        /* lavapipe draws later, but dispatches at once, and notes the time when it draws: a dispatch
+         * that waits for nothing would be over before its time begins. */
+        if (rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
+            vk_full_barrier(rt, rt->frame_commands);
+    }
     return true;
 }
 
