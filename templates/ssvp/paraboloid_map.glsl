@@ -13,7 +13,6 @@
  * Most triangles are smaller than a texel, so what counts is how little a fragment does: the vertices
  * bring positions in the cluster's own frame, where a texel's direction is known without it, and
  * normals and albedo are for those to find who need them, by the number of the triangle. */
-#include "../shared/space.glsl"
 
 #ifdef VERTEX
 layout(location = 0) out vec3 local;
