@@ -162,6 +162,17 @@ static bool same_extent(const struct expr *a, const struct expr *b, uint32_t oth
     return same && ((a && b) || !((a ? expr_reach(a) : 0) | (b ? expr_reach(b) : 0)));
 }
 
+bool buffer_covers(const struct resource *a, const struct resource *b)
+{
+    if (a->kind != DT_BUFFER || b->kind != DT_BUFFER) {
+        return false;
+    }
+    if (expr_reach(a->count) | expr_reach(b->count)) {
+        return a->stride >= b->stride && same_extent(a->count, b->count, 1);
+    }
+    return a->bytes >= b->bytes;
+}
+
 static bool same_texture(const struct resource *a, const struct resource *b)
 {
     return a->kind == DT_IMAGE && b->kind == DT_IMAGE && a->format == b->format &&

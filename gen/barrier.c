@@ -113,6 +113,27 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
     return before;
 }
 
+/* By the specification a barrier chains with earlier ones whatever their resources: the last user of the
+ * memory waited for `other`. But synchronization validation (1.3.239) follows buffers by their bytes, and
+ * images apart from all memory. It sees that `other` is over only where a buffer between the two took
+ * every byte that they have in common. */
+static bool order_is_seen(const struct pipeline *pipeline, const struct resource *other,
+                          const struct resource *resource)
+{
+    if (other->kind != DT_BUFFER || resource->kind != DT_BUFFER) {
+        return true;
+    }
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        const struct resource *between = &pipeline->resources[i];
+
+        if (used_before(other, between) && used_before(between, resource) &&
+            (buffer_covers(between, other) || buffer_covers(between, resource))) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* The last user of the memory waited for those before it, but made available only what lies in its
  * own bytes: what others wrote beyond those, and nobody read, is still to be made available. */
 static void wait_for_memory(struct barrier *barrier, const struct pipeline *pipeline,
@@ -120,14 +141,15 @@ static void wait_for_memory(struct barrier *barrier, const struct pipeline *pipe
 {
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
+        bool earlier = used_before(other, barrier->resource);
 
         for (uint32_t mip = 0; mip < past[i].mip_count; mip++) {
             const struct mip_history *own = &past[i].mips[mip];
 
-            if (other == barrier->alias) {
+            if (other == barrier->alias ||
+                (earlier && !order_is_seen(pipeline, other, barrier->resource))) {
                 wait_for_all(barrier, own);
-            } else if (used_before(other, barrier->resource) && own->write_stages &&
-                       !own->read_stages) {
+            } else if (earlier && own->write_stages && !own->read_stages) {
                 wait_for_write(barrier, own);
             }
         }

@@ -71,7 +71,9 @@ void plan_lifetimes(struct model *model);                /* alias.c: first_pass,
 void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */
 bool resources_overlap(const struct resource *a,
                        const struct resource *b); /* alias.c: alive in a common pass */
-void plan_barriers(struct model *model);          /* barrier.c: pass->barriers */
+/* alias.c: whether both are buffers, and `a` is never smaller, whatever the size of the frame */
+bool buffer_covers(const struct resource *a, const struct resource *b);
+void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 
 /* The layout that a Vulkan image has while a pass touches it in these ways (mask of enum
  * access_kind). */

@@ -22,6 +22,7 @@ pipelines() { # size
     audit "mips at $1" "$specs/mips.yaml" --live shrink=false --size "$1"
     audit "layout at $1" "$specs/layout.yaml" --size "$1"
     audit "kinds at $1" "$specs/kinds.yaml" --size "$1"
+    audit "memory at $1" "$specs/memory.yaml" --size "$1"
 }
 
 pipelines 97x65

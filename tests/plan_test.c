@@ -736,6 +736,58 @@ static void test_third_user_waits_for_unread_writes(void **state)
     assert_true(barrier_on(last, next)->from_writes);
 }
 
+/* Buffer, target, buffer in one place. Synchronization validation does not see that waiting for the target
+ * is waiting for the readers of the first buffer; it does where another buffer took all of it in between. */
+static void test_buffer_waits_for_the_buffer_before_a_target(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *early = buffer(f, "early", "4096"), *late = buffer(f, "late", "4096");
+    struct resource *target = image(f, "target", DT_FORMAT_D32F), *sum = buffer(f, "sum", "8");
+    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *look = pass(f, "look", PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN), *again = pass(f, "again", PASS_DISPATCH);
+
+    target->width = target->height = number(f, "16");
+    touch(fill, early, MODE_WRITE);
+    touch(look, early, MODE_READ);
+    touch(look, sum, MODE_WRITE);
+    touch(draw, target, MODE_WRITE);
+    touch(again, sum, MODE_READ);
+    touch(again, late, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(early->slot, late->slot);
+    assert_int_equal(target->slot, late->slot);
+    assert_ptr_equal(barrier_on(again, late)->alias, target);
+    assert_int_equal(barrier_on(again, late)->from_stages, STAGE_COMPUTE | STAGE_DEPTH);
+    assert_int_equal(barrier_on(again, late)->from & ~ACCESS_STORAGE_READ, ACCESS_DEPTH);
+}
+
+static void test_buffer_waits_for_what_a_smaller_one_left(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *early = buffer(f, "early", "4096"), *late = buffer(f, "late", "4096");
+    struct resource *between = buffer(f, "between", "2048"), *sum = buffer(f, "sum", "8");
+    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *look = pass(f, "look", PASS_FULLSCREEN);
+    struct pass *store = pass(f, "store", PASS_DISPATCH), *again = pass(f, "again", PASS_DISPATCH);
+
+    touch(fill, early, MODE_WRITE);
+    touch(look, early, MODE_READ);
+    touch(look, image(f, "seen", DT_FORMAT_RGBA16F), MODE_WRITE);
+    touch(store, between, MODE_WRITE);
+    touch(store, sum, MODE_WRITE);
+    touch(again, sum, MODE_READ);
+    touch(again, late, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(early->slot, late->slot);
+    assert_int_equal(between->slot, late->slot);
+    assert_ptr_equal(barrier_on(again, late)->alias, between);
+    assert_int_equal(barrier_on(again, late)->from_stages,
+                     barrier_on(store, between)->from_stages | STAGE_COMPUTE);
+    between->count = number(f, "4096");
+    assert_true(plan(f));
+    assert_int_equal(between->slot, late->slot);
+    assert_int_equal(barrier_on(again, late)->from_stages, STAGE_COMPUTE);
+}
+
 static void test_history_and_output_keep_their_memory(void **state)
 {
     struct fixture *f = *state;
@@ -785,6 +837,10 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_history_crosses_frames, setup, teardown),
         cmocka_unit_test_setup_teardown(test_third_user_waits_for_unread_writes, setup, teardown),
         cmocka_unit_test_setup_teardown(test_chain_takes_two_slots, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_buffer_waits_for_the_buffer_before_a_target, setup,
+                                        teardown),
+        cmocka_unit_test_setup_teardown(test_buffer_waits_for_what_a_smaller_one_left, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(test_history_and_output_keep_their_memory, setup, teardown),
     };
 

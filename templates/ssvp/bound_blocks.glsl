@@ -1,7 +1,5 @@
 /* Bounding boxes of the scene's blocks: runs of triangles that follow each other in the mesh, of one
- * length, all but the last ones. A workgroup bounds a block. Every frame anew: a host may have moved
- * them; the spec keeps the boxes from frame to frame only so that they share no memory, where a depth image
- * between two buffers makes synchronization validation report a hazard. */
+ * length, all but the last ones. A workgroup bounds a block, every frame anew: a host may have moved it. */
 #include "blocks.glsl"
 
 shared vec3 lows[64];
