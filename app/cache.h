@@ -33,9 +33,4 @@ bool cache_get(struct cache_entry *entry, const struct build_request *request,
                struct console *console);
 void cache_entry_free(struct cache_entry *entry);
 
-/* Hands every file that the makefile rule in `path` depends on to `take`, until that returns false,
- * having logged why. */
-bool depfile_read(const char *path, bool (*take)(void *user, const char *file), void *user,
-                  const struct dt_log *log);
-
 #endif

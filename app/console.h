@@ -13,7 +13,7 @@
 /* Exit statuses that scripts rely on. `compare` gives EXIT_DIFFER. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 4 };
+enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8 };
 
 struct console {
     struct dt_log log;

@@ -16,7 +16,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "cache.h"
+#include "stamp.h"
 #include "dump.h"
 #include "files.h"
 #include "folder.h"

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#include "cache.h"
+#include "stamp.h"
 #include "files.h"
 
 enum { LOOK_MS = 20, MAX_FOLDERS = 64 };

@@ -609,62 +609,32 @@ void c_slot_doc(const struct c_output *c)
 
 static const char *const stage_names[3] = {"compute", "vertex", "fragment"};
 
-/* Tens of thousands of words: by hand, since formatting each would be a sixth of a generation; and
- * as a string of 32-bit characters, which compilers read in a quarter of the time that a list of as
- * many numbers takes them. */
-static void emit_words(struct text *out, const char *pass, const char *stage,
-                       const struct shader *shader)
+void c_code_name(const struct c_output *c, const struct pass *pass, int stage)
 {
-    static const char digits[] = "0123456789abcdef";
-
-    text_add(out, "static const uint32_t %s_%s[%zu] =\n", pass, stage, shader->word_count);
-    for (size_t i = 0; i < shader->word_count; i++) {
-        char word[] = "\\x00000000";
-
-        for (int digit = 0; digit < 8; digit++) {
-            word[2 + digit] = digits[shader->words[i] >> (28 - 4 * digit) & 15];
-        }
-        text_add(out, i % 8 ? "" : "    U\"");
-        text_add_bytes(out, word, sizeof word - 1);
-        if (i + 1 == shader->word_count) {
-            text_add_bytes(out, "\";\n\n", 4);
-        } else if (i % 8 == 7) {
-            text_add_bytes(out, "\"\n", 2);
-        }
-    }
-}
-
-static void emit_glsl_text(const struct c_output *c, const char *pass, const char *stage,
-                           const struct shader *shader)
-{
-    const char *at = shader->glsl.data;
-
-    text_add(c->out, "static const char %s_%s_glsl[] =\n", pass, stage);
-    while (*at) {
-        size_t length = strcspn(at, "\n");
-        bool ended = at[length] == '\n';
-        char *line = arena_strndup(c->model->arena, at, length + ended);
-
-        text_add(c->out, "    ");
-        c_string(c->out, line);
-        at += length + ended;
-        text_add(c->out, *at ? "\n" : ";\n\n");
-    }
+    text_add(c->out, "%s_%s_%s_%s", c->pipeline->name, c->backend == BACKEND_GL ? "gl" : "vk",
+             pass->name, stage_names[stage]);
 }
 
 void c_slot_shaders(const struct c_output *c)
 {
     for (uint32_t p = 0; p < c->pipeline->pass_count; p++) {
         for (int stage = 0; stage < 3; stage++) {
-            const struct shader *shader = &c->shaders[p].stage[stage];
-            const char *pass = c->pipeline->order[p]->name;
+            if (c->shaders[p].stage[stage].word_count) {
+                text_add(c->out, "extern const struct dt_code ");
+                c_code_name(c, c->pipeline->order[p], stage);
+                text_add(c->out, ";\n");
+            }
+        }
+    }
+}
 
-            if (shader->word_count) {
-                emit_words(c->out, pass, stage_names[stage], shader);
-            }
-            if (shader->word_count && c->backend == BACKEND_GL && shader->glsl.length) {
-                emit_glsl_text(c, pass, stage_names[stage], shader);
-            }
+void c_stages(const struct c_output *c, const struct pass *pass)
+{
+    for (int stage = 0; stage < 3; stage++) {
+        if (c->shaders[pass->index].stage[stage].word_count) {
+            text_add(c->out, "        .%s = ", stage_names[stage]);
+            c_code_name(c, pass, stage);
+            text_add(c->out, ",\n");
         }
     }
 }

@@ -28,10 +28,14 @@ void c_scaffold(const struct c_output *c, const char *scaffold, const struct c_s
 void c_slot_name(const struct c_output *c);
 void c_slot_spec(const struct c_output *c);
 void c_slot_doc(const struct c_output *c);
-void c_slot_shaders(const struct c_output *c);   /* SPIR-V as words; for OpenGL the GLSL too */
+void c_slot_shaders(const struct c_output *c);   /* declares what emit_shaders.c defines */
 void c_slot_resources(const struct c_output *c); /* lines of the table from index to object */
 void c_slot_create(const struct c_output *c); /* calls of create_NAME for samplers and programs */
 void c_slot_record(const struct c_output *c); /* calls of record_NAME */
+/* A struct dt_code, as emit_shaders.c defines it; and the members of a program's info that name a
+ * pass's. */
+void c_code_name(const struct c_output *c, const struct pass *pass, int stage);
+void c_stages(const struct c_output *c, const struct pass *pass);
 bool c_pass_uses_live(
     const struct pass *pass); /* the pass's record function takes the live block */
 

@@ -85,22 +85,11 @@ static void emit_draw_state(const struct c_output *c, const struct pass *pass)
 
 static void emit_program(const struct c_output *c, const struct pass *pass)
 {
-    static const char *const stages[3] = {"compute", "vertex", "fragment"};
-
     text_add(c->out,
              "static bool create_program_%s(struct gl_runtime *rt, struct %s_gl_state *state)\n{\n"
              "    const struct gl_program_info info = {\n        .name = \"%s\",\n",
              pass->name, c->pipeline->name, pass->name);
-    for (int stage = 0; stage < 3; stage++) {
-        const struct shader *shader = &c->shaders[pass->index].stage[stage];
-
-        if (shader->word_count) {
-            text_add(c->out, "        .%s = {%s_%s, sizeof %s_%s, ", stages[stage], pass->name,
-                     stages[stage], pass->name, stages[stage]);
-            text_add(c->out, shader->glsl.length ? "%s_%s_glsl},\n" : "NULL},\n", pass->name,
-                     stages[stage]);
-        }
-    }
+    c_stages(c, pass);
     if (pass_draws(pass)) {
         emit_draw_state(c, pass);
     }

@@ -203,20 +203,13 @@ static void emit_draw_state(const struct c_output *c, const struct pass *pass)
 
 static void emit_program(const struct c_output *c, const struct pass *pass)
 {
-    static const char *const stages[3] = {"compute", "vertex", "fragment"};
-
     text_add(c->out,
              "static bool create_program_%s(struct vk_runtime *rt, struct %s_vk_state *state)\n{\n",
              pass->name, c->pipeline->name);
     emit_binding_slots(c, pass);
     text_add(c->out, "    const struct vk_program_info info = {\n        .name = \"%s\",\n",
              pass->name);
-    for (int stage = 0; stage < 3; stage++) {
-        if (c->shaders[pass->index].stage[stage].word_count) {
-            text_add(c->out, "        .%s = {%s_%s, sizeof %s_%s},\n", stages[stage], pass->name,
-                     stages[stage], pass->name, stages[stage]);
-        }
-    }
+    c_stages(c, pass);
     text_add(c->out, "        .slots = slots,\n        .slot_count = DT_ARRAY_COUNT(slots),\n");
     if (pass_draws(pass)) {
         emit_draw_state(c, pass);

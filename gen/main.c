@@ -286,10 +286,13 @@ static void add_drawing(struct generation *g, const char *path,
 static void add_sources(struct generation *g)
 {
     const struct model *model = &g->model;
-    struct text header = {0}, pipeline = {0}, gl = {0}, vk = {0}, graph = {0}, lifetimes = {0};
+    struct text header = {0}, pipeline = {0}, gl = {0}, vk = {0}, gl_shaders = {0},
+                vk_shaders = {0}, graph = {0}, lifetimes = {0};
     emit_header(model, &header);
     emit_c_pipeline(model, g->shaders[BACKEND_VK], &pipeline);
     emit_c_gl(model, g->shaders[BACKEND_GL], &gl);
+    emit_c_shaders(model, g->shaders[BACKEND_GL], BACKEND_GL, &gl_shaders);
+    emit_c_shaders(model, g->shaders[BACKEND_VK], BACKEND_VK, &vk_shaders);
     emit_c_vk(model, g->shaders[BACKEND_VK], &vk);
     emit_graph(model, &graph);
     emit_lifetimes(model, &lifetimes);
@@ -299,7 +302,9 @@ static void add_sources(struct generation *g)
     add_named(g, ".h", &header);
     add_named(g, ".c", &pipeline);
     add_named(g, "_gl.c", &gl);
+    add_named(g, "_gl_shaders.c", &gl_shaders);
     add_named(g, "_vk.c", &vk);
+    add_named(g, "_vk_shaders.c", &vk_shaders);
     add_named(g, ".dot", &graph);
     add_named(g, "_lifetimes.dot", &lifetimes);
     add_shaders(g);

@@ -63,7 +63,10 @@ void emit_c_pipeline(const struct model *model, const struct pass_shaders *shade
 void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
                struct text *out); /* NAME_gl.c */
 void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,
-               struct text *out);                                 /* NAME_vk.c */
+               struct text *out); /* NAME_vk.c */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c: apart from the panels, which most edits leave as they are. */
+void emit_c_shaders(const struct model *model, const struct pass_shaders *shaders,
+                    enum backend backend, struct text *out);
 void emit_limit(const struct pass *pass, struct text *out);       /* limit/PASS.c; emit_work.c */
 void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */

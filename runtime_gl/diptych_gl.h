@@ -14,7 +14,7 @@
  *     dt_gl_close(rt);
  *
  * `ssvp_gl`, SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that diptych-gen writes:
- * compile NAME.c and NAME_gl.c into the host, and include NAME.h.
+ * compile NAME.c, NAME_gl.c and NAME_gl_shaders.c into the host, and include NAME.h.
  *
  * Context. OpenGL 4.6 core with GL_ARB_shader_viewport_layer_array, errors not turned off, and the very
  * same context current in every call: of contexts that share objects only one has vertex arrays and

@@ -7,7 +7,7 @@
 struct stage {
     GLenum kind;
     const char *name;
-    const struct gl_code *code;
+    const struct dt_code *code;
 };
 
 /* Logs what the driver says about a shader (or program) that it refuses. */
@@ -30,7 +30,7 @@ static void log_refusal(struct gl_runtime *rt, const char *program, const char *
 }
 
 static bool load_code(struct gl_runtime *rt, const char *program, GLuint shader,
-                      const struct gl_code *code)
+                      const struct dt_code *code)
 {
     if (rt->options.glsl || !code->size)
         return GL(rt, program, ShaderSource(shader, 1, &code->glsl, NULL)) &&
@@ -70,7 +70,7 @@ static bool attach_all(struct gl_runtime *rt, const struct gl_program *program,
         {GL_FRAGMENT_SHADER, "compiling the fragment shader", &info->fragment},
     };
     for (size_t i = 0; i < DT_ARRAY_COUNT(stages); i++) {
-        const struct gl_code *code = stages[i].code;
+        const struct dt_code *code = stages[i].code;
         bool present = code->size != 0 || code->glsl != NULL; /* the runtime's own have only text */
         if (present && !attach_stage(rt, program, &stages[i]))
             return false;
@@ -98,7 +98,7 @@ bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
         return false;
     }
     *program = (struct gl_program){.name = info->name, .info = *info};
-    program->info.compute = program->info.vertex = program->info.fragment = (struct gl_code){0};
+    program->info.compute = program->info.vertex = program->info.fragment = (struct dt_code){0};
     program->handle = rt->gl.CreateProgram();
     if (!program->handle)
         return gl_check(rt, "CreateProgram", info->name);

@@ -81,15 +81,9 @@ void dt_gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
 
 /* ---- Programs: one per pass ------------------------------------------------------------------ */
 
-struct gl_code {
-    const uint32_t *words; /* SPIR-V */
-    size_t size;           /* bytes; 0: the stage is absent */
-    const char *glsl;      /* the same as text, for options.glsl */
-};
-
 struct gl_program_info {
     const char *name;
-    struct gl_code compute, vertex, fragment;
+    struct dt_code compute, vertex, fragment;
     /* vertex attributes of struct dt_vertex at locations 0 to 3; else no vertex input */
     bool scene_vertices;
     bool depth_test, depth_write;

@@ -18,7 +18,7 @@
  *     dt_vk_close(rt);
  *
  * `ssvp_vk`, SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that diptych-gen writes:
- * compile NAME.c and NAME_vk.c into the host, and include NAME.h.
+ * compile NAME.c, NAME_vk.c and NAME_vk_shaders.c into the host, and include NAME.h.
  *
  * Errors. A function that returns false or NULL has said why in one DT_ERROR to the log; a runtime whose
  * resize or record failed takes nothing but resize and close. There is no other output, no global

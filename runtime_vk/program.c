@@ -139,7 +139,7 @@ bool dt_vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
 
 /* ---- Pipelines ------------------------------------------------------------------------------- */
 
-static bool create_module(struct vk_runtime *rt, const char *name, const struct vk_code *code,
+static bool create_module(struct vk_runtime *rt, const char *name, const struct dt_code *code,
                           VkShaderModule *module)
 {
     VkShaderModuleCreateInfo info = {

@@ -121,11 +121,6 @@ void dt_vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
 
 /* ---- Programs: one per pass ------------------------------------------------------------------ */
 
-struct vk_code {
-    const uint32_t *words;
-    size_t size; /* bytes; 0: the stage is absent */
-};
-
 struct vk_binding_slot { /* one line of the descriptor set layout */
     uint32_t binding;
     VkDescriptorType type;
@@ -133,7 +128,7 @@ struct vk_binding_slot { /* one line of the descriptor set layout */
 
 struct vk_program_info {
     const char *name;
-    struct vk_code compute, vertex, fragment;
+    struct dt_code compute, vertex, fragment;
     const struct vk_binding_slot *slots;
     uint32_t slot_count;
     /* graphics only */

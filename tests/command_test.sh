@@ -163,7 +163,7 @@ at_once() {
 check "two processes build one pipeline at once" at_once
 # The cache stays within its size: what was used last goes last, and what is in use not at all.
 versions() {
-    find "$work/project/build/cache" -mindepth 2 -maxdepth 2 -type d 2>/dev/null
+    find "$work/project/build/cache" -mindepth 3 -maxdepth 3 -name panels.so -printf '%h\n' 2>/dev/null
 }
 variant() { # number option...: the folder of its version, which nothing else has; 2 MiB more than it was
     local before
@@ -188,5 +188,30 @@ in_use_stays() {
         [ -d "${folders[1]}" ] && [ ! -d "${folders[3]}" ] && [ "$(versions | wc -l)" = 2 ]
 }
 check "... but nothing that a process holds" in_use_stays
+
+# An edit compiles the C that it changes: shaders always, panels where their commands change.
+cat >"$work/counting" <<'COUNTING'
+#!/bin/sh
+for word; do case $word in *.c) basename "$word" >>"$0.log" ;; esac done
+exec cc "$@"
+COUNTING
+chmod +x "$work/counting"
+# shellcheck disable=SC2317
+compiles() { # file... after whatever was edited, and the picture is what a new cache makes of it
+    rm -f "$work/counting.log"
+    CC=$work/counting "${own[@]}" && diff <(printf '%s\n' "$@" | sort) <(sort "$work/counting.log") &&
+        cp "$work/own.png" "$work/kept.png" && rm -rf "$work/fresh" && mkdir "$work/fresh" &&
+        cp -r "$work/project" "$work/fresh/" && rm -rf "$work/fresh/project/build/cache" &&
+        "$work/fresh/project/build/diptych" "${own[@]:1}" >/dev/null && cmp "$work/own.png" "$work/kept.png"
+}
+mapfile -t sources < <(printf '%s\n' mips.c mips_{gl,vk}{,_shaders}.c)
+check "a new pipeline compiles everything" compiles "${sources[@]}"
+sed -i 's/rgb, count/bgr, count/' "$work/spec/mips_show.glsl"
+check "an edited body compiles shaders, and no panel" compiles mips_{gl,vk}_shaders.c
+sed -i 's/\[32, 32, 1\]/[16, 32, 1]/' "$work/spec/mips.yaml"
+check "another dispatch compiles the panels" compiles "${sources[@]}"
+sed -i 's/bgr, count/rgb, count/' "$work/spec/mips_show.glsl"
+find "$work/project/build/cache" -name object.o -delete
+check "objects that are gone are made again" compiles "${sources[@]}"
 check "what is gone is made again" variant 3
 finish

@@ -94,7 +94,7 @@ static const char full_frag[] = "#version 460\n"
                                 "layout(location = 0) out vec4 color;\n"
                                 "void main() { color = vec4(0.5, 0.0, 1.0, 0.5); }\n";
 
-static struct gl_code compile_anew(glslang_stage_t stage, const char *text)
+static struct dt_code compile_anew(glslang_stage_t stage, const char *text)
 {
     const glslang_input_t input = {
         .language = GLSLANG_SOURCE_GLSL,
@@ -126,13 +126,13 @@ static struct gl_code compile_anew(glslang_stage_t stage, const char *text)
     glslang_program_delete(program);
     glslang_shader_delete(shader);
     glslang_finalize_process();
-    return (struct gl_code){words, size, text};
+    return (struct dt_code){words, size, text};
 }
 
 /* The module of one stage. It lives as long as the program: glslang takes longer than all else. */
-static struct gl_code compile(glslang_stage_t stage, const char *text)
+static struct dt_code compile(glslang_stage_t stage, const char *text)
 {
-    static struct gl_code made[16];
+    static struct dt_code made[16];
     size_t i = 0;
     while (made[i].glsl && made[i].glsl != text)
         i++;

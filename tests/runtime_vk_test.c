@@ -130,7 +130,7 @@ struct state {
 
 #define CODE(words)                                                                                \
     {                                                                                              \
-        words, sizeof(words)                                                                       \
+        words, sizeof(words), NULL                                                                 \
     }
 #define UBO     VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
 #define SSBO    VK_DESCRIPTOR_TYPE_STORAGE_BUFFER

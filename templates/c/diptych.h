@@ -177,6 +177,13 @@ struct dt_pipeline {
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
 };
 
+/* One stage of one pass: NAME_gl_shaders.c and NAME_vk_shaders.c, for NAME_gl.c and NAME_vk.c. */
+struct dt_code {
+    const uint32_t *words; /* SPIR-V */
+    size_t size;           /* bytes; 0: the stage is absent */
+    const char *glsl;      /* the same as text, for OpenGL's options.glsl; else NULL */
+};
+
 /* ---- What a scene hands to a pipeline -------------------------------------------------------- */
 
 struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at locations 0 to 3 */

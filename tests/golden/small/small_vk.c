@@ -31,23 +31,16 @@ struct small_vk_state {
     } programs;
 };
 
-/* ---- Shaders: SPIR-V ------------------------------------------------------------------------- */
+/* ---- Shaders, defined beside this file ------------------------------------------------------- */
 
-static const uint32_t scene_vertex[] = /* SPIR-V */
-
-static const uint32_t scene_fragment[] = /* SPIR-V */
-
-static const uint32_t place_compute[] = /* SPIR-V */
-
-static const uint32_t shade_compute[] = /* SPIR-V */
-
-static const uint32_t glow_vertex[] = /* SPIR-V */
-
-static const uint32_t glow_fragment[] = /* SPIR-V */
-
-static const uint32_t follow_compute[] = /* SPIR-V */
-
-static const uint32_t show_compute[] = /* SPIR-V */
+extern const struct dt_code small_vk_scene_vertex;
+extern const struct dt_code small_vk_scene_fragment;
+extern const struct dt_code small_vk_place_compute;
+extern const struct dt_code small_vk_shade_compute;
+extern const struct dt_code small_vk_glow_vertex;
+extern const struct dt_code small_vk_glow_fragment;
+extern const struct dt_code small_vk_follow_compute;
+extern const struct dt_code small_vk_show_compute;
 
 /* ---- Samplers and programs ------------------------------------------------------------------- */
 
@@ -88,8 +81,8 @@ static bool create_program_scene(struct vk_runtime *rt, struct small_vk_state *s
     };
     const struct vk_program_info info = {
         .name = "scene",
-        .vertex = {scene_vertex, sizeof scene_vertex},
-        .fragment = {scene_fragment, sizeof scene_fragment},
+        .vertex = small_vk_scene_vertex,
+        .fragment = small_vk_scene_fragment,
         .slots = slots,
         .slot_count = DT_ARRAY_COUNT(slots),
         .scene_vertices = true,
@@ -115,7 +108,7 @@ static bool create_program_place(struct vk_runtime *rt, struct small_vk_state *s
     };
     const struct vk_program_info info = {
         .name = "place",
-        .compute = {place_compute, sizeof place_compute},
+        .compute = small_vk_place_compute,
         .slots = slots,
         .slot_count = DT_ARRAY_COUNT(slots),
     };
@@ -135,7 +128,7 @@ static bool create_program_shade(struct vk_runtime *rt, struct small_vk_state *s
     };
     const struct vk_program_info info = {
         .name = "shade",
-        .compute = {shade_compute, sizeof shade_compute},
+        .compute = small_vk_shade_compute,
         .slots = slots,
         .slot_count = DT_ARRAY_COUNT(slots),
     };
@@ -152,8 +145,8 @@ static bool create_program_glow(struct vk_runtime *rt, struct small_vk_state *st
     };
     const struct vk_program_info info = {
         .name = "glow",
-        .vertex = {glow_vertex, sizeof glow_vertex},
-        .fragment = {glow_fragment, sizeof glow_fragment},
+        .vertex = small_vk_glow_vertex,
+        .fragment = small_vk_glow_fragment,
         .slots = slots,
         .slot_count = DT_ARRAY_COUNT(slots),
         .scene_vertices = false,
@@ -177,7 +170,7 @@ static bool create_program_follow(struct vk_runtime *rt, struct small_vk_state *
     };
     const struct vk_program_info info = {
         .name = "follow",
-        .compute = {follow_compute, sizeof follow_compute},
+        .compute = small_vk_follow_compute,
         .slots = slots,
         .slot_count = DT_ARRAY_COUNT(slots),
     };
@@ -195,7 +188,7 @@ static bool create_program_show(struct vk_runtime *rt, struct small_vk_state *st
     };
     const struct vk_program_info info = {
         .name = "show",
-        .compute = {show_compute, sizeof show_compute},
+        .compute = small_vk_show_compute,
         .slots = slots,
         .slot_count = DT_ARRAY_COUNT(slots),
     };

@@ -1,0 +1,208 @@
+/* Compiles generated C; see compile.h. Objects of the panels and of the reflection are kept in the
+ * cache, by source and flags: most edits change shaders only, whose C is made anew each time, and most
+ * of a panel's time goes into the headers of its graphics API. */
+#include "compile.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "files.h"
+#include "tool.h"
+
+enum { UNITS = 5 };
+
+static const struct {
+    const char *end; /* of the source's name */
+    bool kept;
+} kinds[UNITS] = {/* those that take longest first */
+                  {"_gl_shaders.c", false},
+                  {"_vk_shaders.c", false},
+                  {"_gl.c", true},
+                  {"_vk.c", true},
+                  {".c", true}};
+
+static const char *const flags[] = {"-std=c11",
+                                    "-Og", /* two thirds of the time; what it calls is optimised */
+                                    "-fPIC", "-MMD"};
+
+struct unit {
+    char *source, *object, *depfile;
+    char *argv[17];
+    char *folder;         /* of its versions in the cache; NULL: is not kept */
+    struct stamped found; /* there */
+};
+
+static const char *c_compiler(void)
+{
+    const char *named = getenv("CC");
+    return named && *named ? named : "cc";
+}
+
+/* ---- What is to be done ---------------------------------------------------------------------- */
+
+static bool plan_command(struct unit *unit, const struct build_request *request)
+{
+    const char *argv[] = {c_compiler(),
+                          flags[0],
+                          flags[1],
+                          flags[2],
+                          flags[3],
+                          "-MF",
+                          unit->depfile,
+                          "-I",
+                          request->headers[0],
+                          "-I",
+                          request->headers[1],
+                          "-c",
+                          unit->source,
+                          "-o",
+                          unit->object,
+                          NULL};
+    _Static_assert(sizeof argv <= sizeof unit->argv, "every word has its place");
+    memcpy(unit->argv, argv, sizeof argv);
+    return unit->source && unit->object && unit->depfile;
+}
+
+/* All that decides what becomes of it, but for the headers that the stamp tells of. */
+static bool unit_key(const struct unit *unit, const struct compile_work *work, uint64_t *key)
+{
+    const struct build_request *request = work->request;
+    const char *const words[] = {c_compiler(),       flags[0], flags[1],
+                                 flags[2],           flags[3], request->headers[0],
+                                 request->headers[1]};
+    *key = FILE_HASH_START;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        hash_bytes(key, words[i], strlen(words[i]) + 1);
+    char *header = format_string("%s/%s.h", work->stamp.folder, work->name);
+    bool good = header && hash_file(key, header) && hash_file(key, unit->source);
+    free(header);
+    return good;
+}
+
+/* What was made of it before, if that is still there. */
+static bool find(struct unit *unit)
+{
+    if (!stamp_read(&unit->found, unit->folder))
+        return true;
+    char *object = format_string("%s/object.o", unit->found.folder);
+    bool good = object;
+    if (good && file_exists(object)) {
+        free(unit->object);
+        unit->object = object;
+        return true;
+    }
+    stamped_free(&unit->found);
+    free(object);
+    return good;
+}
+
+static bool plan(struct unit *unit, const struct compile_work *work, int kind)
+{
+    const char *folder = work->stamp.folder, *end = kinds[kind].end;
+    uint64_t key;
+    *unit = (struct unit){.source = format_string("%s/%s%s", folder, work->name, end),
+                          .object = format_string("%s/%s%s.o", folder, work->name, end),
+                          .depfile = format_string("%s/%s%s.d", folder, work->name, end)};
+    if (!plan_command(unit, work->request))
+        return false;
+    if (!kinds[kind].kept)
+        return true;
+    if (!unit_key(unit, work, &key))
+        return false;
+    unit->folder = format_string("%s/%016" PRIx64, work->base, key);
+    return unit->folder && find(unit);
+}
+
+static void forget(struct unit *unit)
+{
+    if (!unit->found.folder && unit->object)
+        unlink(unit->object);
+    free(unit->source);
+    free(unit->object);
+    free(unit->depfile);
+    free(unit->folder);
+    stamped_free(&unit->found);
+}
+
+/* ---- Doing it -------------------------------------------------------------------------------- */
+
+static bool compile(struct unit *units, struct console *console)
+{
+    static const struct tool compiler = {
+        .what = "compiling the generated C",
+        .hint = "install a C compiler, or name one in the environment variable CC"};
+    char *const *argvs[UNITS];
+    uint32_t count = 0;
+    for (int i = 0; i < UNITS; i++)
+        if (!units[i].found.folder)
+            argvs[count++] = units[i].argv;
+    return tool_run_all(&compiler, argvs, count, console);
+}
+
+/* The runtimes' symbols come from the executable when it is loaded. */
+static bool link_objects(const struct unit *units, const char *folder, struct console *console)
+{
+    static const struct tool linker = {.what = "linking the generated C",
+                                       .hint =
+                                           "install a C compiler, or name one in the environment "
+                                           "variable CC"};
+    char *object = format_string("%s/panels.so", folder);
+    char *argv[UNITS + 5] = {(char *)c_compiler(), (char *)"-shared", (char *)"-o", object};
+    for (int i = 0; i < UNITS; i++)
+        argv[4 + i] = units[i].object;
+    bool good = object && tool_run(&linker, argv, -1, console);
+    free(object);
+    return good;
+}
+
+/* Moves a new object into the cache. */
+static bool keep(struct unit *unit, const struct compile_work *work, const char *files,
+                 const struct dt_log *log)
+{
+    char *temporary = stamp_temporary(unit->folder);
+    char *object = format_string("%s/object.o", temporary ? temporary : "");
+    bool good = temporary && object && file_make_folders(temporary, log) &&
+                rename(unit->object, object) == 0 &&
+                stamp_publish(unit->folder, temporary, work->name, files, log);
+    if (temporary)
+        file_remove_tree(temporary);
+    free(object);
+    free(temporary);
+    return good;
+}
+
+/* What the unit was made from, for the pipeline's stamp and for its own. */
+static bool account(struct unit *unit, const struct compile_work *work, FILE *files,
+                    const struct dt_log *log)
+{
+    if (unit->found.folder)
+        return fputs(unit->found.files, files) >= 0;
+    char *lines = NULL;
+    size_t size = 0;
+    FILE *own = open_memstream(&lines, &size);
+    bool good = own && stamp_add(own, unit->depfile, &work->stamp, log);
+    if (own && fclose(own) != 0)
+        good = false;
+    good = good && fputs(lines, files) >= 0 && (!unit->folder || keep(unit, work, lines, log));
+    free(lines);
+    return good;
+}
+
+bool compile_pipeline(const struct compile_work *work, FILE *files, struct console *console)
+{
+    struct unit units[UNITS];
+    bool good = true;
+    for (int i = 0; i < UNITS; i++)
+        good = plan(&units[i], work, i) && good;
+    if (!good)
+        report_error(&console->log, "%s: what was generated cannot be read back",
+                     work->stamp.folder);
+    good = good && compile(units, console) && link_objects(units, work->stamp.folder, console);
+    for (int i = 0; i < UNITS; i++) {
+        good = good && account(&units[i], work, files, &console->log);
+        forget(&units[i]);
+    }
+    return good;
+}
