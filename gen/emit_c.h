@@ -86,6 +86,10 @@ void c_targets(const struct c_output *c); /* the functions targets_NAME of all d
 bool has_fetch(const struct pipeline *pipeline);
 bool access_is_image(const struct access *access);
 
+/* emit_needs.c, for NAME_vk.c: the features that passes need of a device, and where the panel tells. */
+void c_slot_needs(const struct c_output *c);
+void c_slot_panel_needs(const struct c_output *c);
+
 /* emit_work.c, for NAME.c: the functions runs_NAME, and the members of a dt_pass that tell its
  * work. */
 void emit_runs_functions(const struct c_output *c);

@@ -642,6 +642,8 @@ void emit_c_vk(const struct model *model, const struct pass_shaders *shaders, st
         {"destroy", emit_destroy},
         {"passes", emit_passes},
         {"record", c_slot_record},
+        {"needs", c_slot_needs},
+        {"panel_needs", c_slot_panel_needs},
     };
     struct c_output c = {.model = model,
                          .pipeline = &model->pipeline,

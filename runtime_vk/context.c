@@ -173,7 +173,7 @@ static bool open_device(struct vk_runtime *rt)
 {
     rt->queue_family = vk_device_queue_family(rt, rt->physical, &rt->timestamp_bits);
     struct vk_features features;
-    vk_features_needed(&features);
+    vk_features_wanted(rt, &features);
     VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
         .queueFamilyIndex = rt->queue_family,

@@ -3,37 +3,42 @@
 #include "internal.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { MAX_QUEUE_FAMILIES = 32 };
 
 static const struct {
     const char *name;
     size_t offset; /* of a VkBool32 in struct vk_features */
-} needed_features[] = {
+    bool always;   /* whatever the pipeline; the others are named by passes that need them */
+} known_features[] = {
 /* NOLINTNEXTLINE(bugprone-macro-parentheses): a member name */
 #define FEATURE(part, name) #name, offsetof(struct vk_features, part.name)
-    {FEATURE(core.features, fullDrawIndexUint32)},
-    {FEATURE(core.features, multiDrawIndirect)},
-    {FEATURE(core.features, drawIndirectFirstInstance)},
-    {FEATURE(core.features, samplerAnisotropy)},
-    {FEATURE(core.features, vertexPipelineStoresAndAtomics)},
-    {FEATURE(core.features, fragmentStoresAndAtomics)},
-    {FEATURE(core.features, shaderStorageImageExtendedFormats)},
-    {FEATURE(core.features, shaderClipDistance)},
-    {FEATURE(core.features, geometryShader)}, /* gl_PrimitiveID in fragments */
-    {FEATURE(vulkan11, shaderDrawParameters)},
-    {FEATURE(vulkan12, shaderOutputLayer)},
-    {FEATURE(vulkan13, shaderDemoteToHelperInvocation)},
-    {FEATURE(vulkan13, shaderTerminateInvocation)},
-    {FEATURE(vulkan13, synchronization2)},
-    {FEATURE(vulkan13, dynamicRendering)},
-    {FEATURE(vulkan13, maintenance4)},
+    {FEATURE(vulkan13, shaderDemoteToHelperInvocation), true},
+    {FEATURE(vulkan13, shaderTerminateInvocation), true},
+    {FEATURE(vulkan13, synchronization2), true},
+    {FEATURE(vulkan13, dynamicRendering), true},
+    {FEATURE(vulkan13, maintenance4), true},
+    {FEATURE(core.features, fullDrawIndexUint32), false},
+    {FEATURE(core.features, multiDrawIndirect), false},
+    {FEATURE(core.features, drawIndirectFirstInstance), false},
+    {FEATURE(core.features, samplerAnisotropy), false},
+    {FEATURE(core.features, fragmentStoresAndAtomics), false},
+    {FEATURE(core.features, geometryShader), false},
+    {FEATURE(core.features, sampleRateShading), false},
+    {FEATURE(core.features, shaderImageGatherExtended), false},
+    {FEATURE(core.features, shaderStorageImageExtendedFormats), false},
+    {FEATURE(core.features, shaderClipDistance), false},
+    {FEATURE(core.features, shaderCullDistance), false},
+    {FEATURE(core.features, shaderFloat64), false},
+    {FEATURE(vulkan11, shaderDrawParameters), false},
+    {FEATURE(vulkan12, shaderOutputLayer), false},
 #undef FEATURE
 };
 
 static VkBool32 *feature(struct vk_features *features, size_t index)
 {
-    return (VkBool32 *)((char *)features + needed_features[index].offset);
+    return (VkBool32 *)((char *)features + known_features[index].offset);
 }
 
 static void link_features(struct vk_features *features)
@@ -49,14 +54,32 @@ static void link_features(struct vk_features *features)
     };
 }
 
-void vk_features_needed(struct vk_features *features)
+static void find_features(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                          struct vk_features *features)
 {
     link_features(features);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(needed_features); i++)
-        *feature(features, i) = VK_TRUE;
+    rt->vk.GetPhysicalDeviceFeatures2(physical, &features->core);
 }
 
-void dt_vk_need_features(VkPhysicalDeviceFeatures *core, VkPhysicalDeviceVulkan11Features *vulkan11,
+void vk_features_wanted(const struct vk_runtime *rt, struct vk_features *features)
+{
+    struct vk_features has;
+    find_features(rt, rt->physical, &has);
+    link_features(features);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
+        *feature(features, i) = *feature(&has, i);
+}
+
+static bool panel_needs(const struct dt_panel *panel, const char *name)
+{
+    for (uint32_t i = 0; i < panel->need_count; i++)
+        if (strcmp(panel->needs[i].feature, name) == 0)
+            return true;
+    return false;
+}
+
+void dt_vk_need_features(const struct dt_panel *panel, VkPhysicalDeviceFeatures *core,
+                         VkPhysicalDeviceVulkan11Features *vulkan11,
                          VkPhysicalDeviceVulkan12Features *vulkan12,
                          VkPhysicalDeviceVulkan13Features *vulkan13)
 {
@@ -64,12 +87,35 @@ void dt_vk_need_features(VkPhysicalDeviceFeatures *core, VkPhysicalDeviceVulkan1
                                    .vulkan11 = *vulkan11,
                                    .vulkan12 = *vulkan12,
                                    .vulkan13 = *vulkan13};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(needed_features); i++)
-        *feature(&features, i) = VK_TRUE;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
+        if (known_features[i].always || panel_needs(panel, known_features[i].name))
+            *feature(&features, i) = VK_TRUE;
     *core = features.core.features;
     *vulkan11 = features.vulkan11;
     *vulkan12 = features.vulkan12;
     *vulkan13 = features.vulkan13;
+}
+
+static bool has_feature(struct vk_features *features, const char *name)
+{
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
+        if (strcmp(known_features[i].name, name) == 0)
+            return *feature(features, i);
+    return false;
+}
+
+bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *panel)
+{
+    struct vk_features features;
+    find_features(rt, rt->physical, &features);
+    for (uint32_t i = 0; i < panel->need_count; i++) {
+        const struct dt_need *need = &panel->needs[i];
+        if (!has_feature(&features, need->feature))
+            return vk_error(rt, "pass %s: needs %s, which %s does not have; use another %s",
+                            panel->pipeline->passes[need->pass].name, need->feature,
+                            rt->properties.deviceName, rt->hosted ? "device" : "--device");
+    }
+    return true;
 }
 
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
@@ -103,12 +149,11 @@ bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, cha
         return false;
     }
     struct vk_features features;
-    link_features(&features);
-    rt->vk.GetPhysicalDeviceFeatures2(physical, &features.core);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(needed_features) && used < size; i++)
-        if (!*feature(&features, i))
+    find_features(rt, physical, &features);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known_features) && used < size; i++)
+        if (known_features[i].always && !*feature(&features, i))
             used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
-                                     needed_features[i].name);
+                                     known_features[i].name);
     if (used < size && vk_device_queue_family(rt, physical, &timestamp_bits) == UINT32_MAX)
         used += (size_t)snprintf(text + used, size - used, "%sa queue for graphics and compute",
                                  used ? ", " : "");

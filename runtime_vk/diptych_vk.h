@@ -31,7 +31,7 @@
  * runtimes of one device may be used by different threads at once.
  *
  * Device. Vulkan 1.3, a queue family with graphics and compute, and the features that
- * dt_vk_need_features sets; no extensions.
+ * dt_vk_need_features sets, which depend on the pipeline; no extensions.
  *
  * Synchronisation. What record writes into a command buffer begins and ends with a full memory barrier
  * (all stages, all accesses). So
@@ -67,7 +67,7 @@ struct dt_vk_host {
     /* All of these must outlive the runtime. */
     VkInstance instance; /* of apiVersion 1.3 or higher */
     VkPhysicalDevice physical_device;
-    VkDevice device;       /* with the features of dt_vk_need_features enabled */
+    VkDevice device;       /* with the features of dt_vk_need_features for every panel enabled */
     uint32_t queue_family; /* of the queue that the command buffers go to; graphics and compute */
     /* The loader's, or that of the host's own loader. Every Vulkan function is called through it. */
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
@@ -75,9 +75,11 @@ struct dt_vk_host {
     bool timing; /* timestamps around every pass, for dt_vk_timings */
 };
 
-/* Sets to VK_TRUE what a device must have enabled for diptych, and leaves all else as it is. Call it on
- * the feature structures that vkCreateDevice is going to get. */
-void dt_vk_need_features(VkPhysicalDeviceFeatures *core, VkPhysicalDeviceVulkan11Features *vulkan11,
+/* Sets to VK_TRUE what a device must have enabled for the panel's pipeline, and leaves all else as it is.
+ * Call it for each pipeline on the feature structures that vkCreateDevice is going to get. Where the
+ * physical device lacks one of them, dt_vk_create says so and names the pass. */
+void dt_vk_need_features(const struct dt_panel *panel, VkPhysicalDeviceFeatures *core,
+                         VkPhysicalDeviceVulkan11Features *vulkan11,
                          VkPhysicalDeviceVulkan12Features *vulkan12,
                          VkPhysicalDeviceVulkan13Features *vulkan13);
 

@@ -143,7 +143,10 @@ struct vk_features {
     VkPhysicalDeviceVulkan12Features vulkan12;
     VkPhysicalDeviceVulkan13Features vulkan13;
 };
-void vk_features_needed(struct vk_features *features);
+/* Everything that the device has of what pipelines may need. */
+void vk_features_wanted(const struct vk_runtime *rt, struct vk_features *features);
+/* Whether the device has what the passes of a pipeline need. */
+bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *panel);
 
 /* Writes what the device lacks, ", "-separated, to `text`; true when that is nothing. */
 bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text,

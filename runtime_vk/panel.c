@@ -28,6 +28,8 @@ void vk_panel_destroy(struct vk_runtime *rt)
 bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel)
 {
     vk_panel_destroy(rt);
+    if (!vk_device_suits_panel(rt, panel))
+        return false;
     rt->state = calloc(1, panel->state_size ? panel->state_size : 1);
     if (!rt->state)
         return vk_error(rt, "pipeline %s: out of memory; free some", panel->pipeline->name);

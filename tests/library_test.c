@@ -134,7 +134,7 @@ static void open_device(void)
     uint32_t count = 1;
     assert_true(vkEnumeratePhysicalDevices(vk.instance, &count, &vk.physical) >= 0 && count);
     vkGetPhysicalDeviceMemoryProperties(vk.physical, &vk.memory);
-    dt_vk_need_features(&core, &vulkan11, &vulkan12, &vulkan13);
+    dt_vk_need_features(&features_vk, &core, &vulkan11, &vulkan12, &vulkan13);
     const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                            .queueCount = 1,
                                            .pQueuePriorities = &(float){1}};
@@ -314,6 +314,11 @@ static void vulkan_tells_wrong_calls(void **state)
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "import_scene");
     REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image), "create comes first");
     REFUSED(dt_vk_create(rt, &features_gl), "the panel is for gl");
+    const struct dt_need future = {FEATURES_PASS_SLICE, "rayTracing"};
+    struct dt_panel needy = features_vk;
+    needy.needs = &future;
+    needy.need_count = 1;
+    REFUSED(dt_vk_create(rt, &needy), "pass slice: needs rayTracing, which ");
     scene.index_count = 4;
     REFUSED(dt_vk_import_scene(rt, &scene), "4 indices");
     scene = vk.scene;

@@ -434,7 +434,15 @@ static void destroy(void *rt, void *memory)
 }
 
 static const struct dt_panel panel = {
-    "gl", &pipeline, sizeof(struct state), create, resize, record, resource, destroy};
+    .backend = "gl",
+    .pipeline = &pipeline,
+    .state_size = sizeof(struct state),
+    .create = create,
+    .resize = resize,
+    .record = record,
+    .resource = resource,
+    .destroy = destroy,
+};
 
 /* ---- Scene: a quad over x in -1..0, counter-clockwise ---------------------------------------- */
 

@@ -54,6 +54,18 @@ VkResult vkAllocateMemory(VkDevice device, const VkMemoryAllocateInfo *pAllocate
     return real(device, pAllocateInfo, pAllocator, pMemory);
 }
 
+static bool lacks_geometry; /* the device tells that it has no geometry shaders */
+
+void vkGetPhysicalDeviceFeatures2(VkPhysicalDevice physicalDevice,
+                                  VkPhysicalDeviceFeatures2 *pFeatures)
+{
+    PFN_vkGetPhysicalDeviceFeatures2 real;
+    *(void **)&real = dlsym(RTLD_NEXT, "vkGetPhysicalDeviceFeatures2");
+    real(physicalDevice, pFeatures);
+    if (lacks_geometry)
+        pFeatures->features.geometryShader = VK_FALSE;
+}
+
 /* ---- The panel ------------------------------------------------------------------------------- */
 
 enum { COLOR, DEPTH, LAYERS, MASK, DISPLAY, ROWS, FRAMES, DRAWS, GROUPS, SPARE, RESOURCES };
@@ -1013,6 +1025,31 @@ static void an_unknown_device_is_named_and_the_known_are_listed(void **unused)
     assert_int_equal(heard.errors, 2);
 }
 
+/* A device is refused only by a pipeline with a pass that needs what it lacks. */
+static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **unused)
+{
+    (void)unused;
+    static const struct dt_need needs[] = {{SCENE_PASS, "fullDrawIndexUint32"},
+                                           {MASK_PASS, "geometryShader"}};
+    struct dt_panel needy = panel;
+    needy.needs = needs;
+    needy.need_count = DT_ARRAY_COUNT(needs);
+    void *rt = open_ready(true, 0);
+    assert_true(runtime_vk.create(rt, &needy));
+    runtime_vk.close(rt);
+    lacks_geometry = true;
+    rt = open_ready(true, 0);
+    assert_int_equal(heard.errors, 0);
+    assert_false(runtime_vk.create(rt, &needy));
+    assert_int_equal(heard.errors, 1);
+    assert_non_null(strstr(heard.last, "pass mask: needs geometryShader, which "));
+    assert_non_null(strstr(heard.last, "; use another --device"));
+    assert_true(runtime_vk.create(rt, &panel));
+    runtime_vk.close(rt);
+    lacks_geometry = false;
+    assert_int_equal(heard.errors, 1);
+}
+
 /* Fails the first, second, ... allocation until everything works: one error each time, and
  * nothing is left behind, which the validation layers would tell when the device is destroyed. */
 static void out_of_memory_is_one_error_and_a_clean_end(void **unused)
@@ -1053,6 +1090,7 @@ int main(void)
         cmocka_unit_test(a_missing_barrier_is_heard),
         cmocka_unit_test(limits_are_errors_before_the_call),
         cmocka_unit_test(an_unknown_device_is_named_and_the_known_are_listed),
+        cmocka_unit_test(a_feature_is_asked_for_by_the_pass_that_needs_it),
         cmocka_unit_test(out_of_memory_is_one_error_and_a_clean_end),
     };
     return cmocka_run_group_tests_name("runtime_vk", tests, NULL, NULL);

@@ -261,6 +261,12 @@ struct dt_scene {
 
 /* ---- Runtimes -------------------------------------------------------------------------------- */
 
+/* What a pass needs of a device beyond what every pipeline does. */
+struct dt_need {
+    uint32_t pass;
+    const char *feature; /* of VkPhysicalDeviceFeatures or VkPhysicalDeviceVulkan1?Features */
+};
+
 /* One backend's half of a generated pipeline. `runtime` is the struct gl_runtime or vk_runtime that
  * the panel was made for, `state` is state_size zeroed bytes that belong to the panel. destroy
  * takes any state that create or resize left behind, complete or not. */
@@ -276,6 +282,8 @@ struct dt_panel {
         void *state,
         uint32_t index); /* struct gl_buffer *, gl_image *, vk_buffer * or vk_image * */
     void (*destroy)(void *runtime, void *state);
+    const struct dt_need *needs; /* vk only */
+    uint32_t need_count;
 };
 
 struct dt_runtime_options {

@@ -41,7 +41,9 @@ static void open_renderer(struct renderer *renderer)
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
     VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                           .pNext = &vulkan11};
-    dt_vk_need_features(&features.features, &vulkan11, &vulkan12, &vulkan13);
+    for (int i = 0; i < MAX_PIPELINES; i++)
+        dt_vk_need_features(pipelines[i].panel, &features.features, &vulkan11, &vulkan12,
+                            &vulkan13);
     renderer_open(renderer, &features);
 }
 

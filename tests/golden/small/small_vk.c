@@ -823,6 +823,10 @@ static bool record(void *runtime, void *opaque, const void *live_block)
     return ok;
 }
 
+static const struct dt_need needs[] = {
+    {SMALL_PASS_SCENE, "fullDrawIndexUint32"},
+};
+
 const struct dt_panel small_vk = {
     .backend = "vk",
     .pipeline = &small_pipeline,
@@ -832,4 +836,6 @@ const struct dt_panel small_vk = {
     .record = record,
     .resource = resource,
     .destroy = destroy,
+    .needs = needs,
+    .need_count = DT_ARRAY_COUNT(needs),
 };
