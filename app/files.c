@@ -90,6 +90,34 @@ bool file_write(const char *path, const void *data, size_t size, const struct dt
     return good;
 }
 
+bool file_draft_begin(struct file_draft *draft, const struct dt_log *log)
+{
+    *draft = (struct file_draft){0};
+    draft->out = open_memstream(&draft->text, &draft->size);
+    if (!draft->out)
+        report_error(log, "out of memory");
+    return draft->out;
+}
+
+bool file_draft_end(struct file_draft *draft, const char *path, const struct dt_log *log)
+{
+    bool begun = draft->out, whole = begun && fclose(draft->out) == 0 && path && draft->size > 0;
+    draft->out = NULL;
+    if (begun && !whole)
+        report_error(log, path ? "%s: out of memory" : "out of memory", path);
+    bool good = whole && file_write(path, draft->text, draft->size, log);
+    file_draft_discard(draft);
+    return good;
+}
+
+void file_draft_discard(struct file_draft *draft)
+{
+    if (draft->out)
+        fclose(draft->out);
+    free(draft->text);
+    *draft = (struct file_draft){0};
+}
+
 bool file_can_write(const char *path, const struct dt_log *log)
 {
     const char *slash = strrchr(path, '/');

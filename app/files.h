@@ -4,6 +4,8 @@
 #ifndef DIPTYCH_FILES_H
 #define DIPTYCH_FILES_H
 
+#include <stdio.h>
+
 #include "diptych.h"
 
 /* printf into a new string; NULL when out of memory. */
@@ -17,6 +19,18 @@ char *file_contents(int file);
 
 /* Writes beside `path` and renames, so that the file is there whole or not at all. */
 bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log);
+
+/* A file whose content is put together first: whatever goes into `out`. file_draft_end writes it as
+ * file_write does, and ends the draft in any case; a path of NULL, or nothing in the draft, means that
+ * memory ran out. */
+struct file_draft {
+    FILE *out;
+    char *text;
+    size_t size;
+};
+bool file_draft_begin(struct file_draft *draft, const struct dt_log *log);
+bool file_draft_end(struct file_draft *draft, const char *path, const struct dt_log *log);
+void file_draft_discard(struct file_draft *draft); /* or end; also of one that could not begin */
 
 /* Whether file_write could put a file there, asked before hours of work; logs as it would. */
 bool file_can_write(const char *path, const struct dt_log *log);

@@ -268,23 +268,17 @@ static bool has_row(const struct grid *grid, const struct grid_point *point, uin
 bool grid_write_csv(const struct grid *grid, const char *path)
 {
     const struct dt_log *log = &grid->steps->console->log;
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out)
-        put_heads(out, grid);
-    for (uint32_t i = 0; i < grid->count && out; i++) {
+    struct file_draft draft;
+    if (!file_draft_begin(&draft, log))
+        return false;
+    put_heads(draft.out, grid);
+    for (uint32_t i = 0; i < grid->count; i++) {
         for (uint32_t side = 0; side < grid->steps->sides.count; side++) {
             if (has_row(grid, &grid->points[i], side))
-                put_row(out, grid, &grid->points[i], side);
+                put_row(draft.out, grid, &grid->points[i], side);
         }
     }
-    bool good = out && fclose(out) == 0;
-    if (!good)
-        report_error(log, "%s: out of memory", path);
-    good = good && file_write(path, text, size, log);
-    free(text);
-    return good;
+    return file_draft_end(&draft, path, log);
 }
 
 static void add_number(cJSON *row, const char *name, double value)

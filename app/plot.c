@@ -214,17 +214,12 @@ static void put_script(FILE *out, const struct plot *plot)
     fprintf(out, "%s%s\n", plot->data_text, plot->lines_text);
 }
 
-static bool write_text(const char *folder, const char *name, const char *ending, const char *text,
-                       const struct dt_log *log)
+static bool write_script(const struct plot *plot, const char *path, const struct dt_log *log)
 {
-    char *path = format_string("%s/%s%s", folder, name, ending);
-    bool good = path && text;
-    if (good)
-        good = file_write(path, text, strlen(text), log);
-    else
-        report_error(log, "out of memory");
-    free(path);
-    return good;
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        put_script(draft.out, plot);
+    return file_draft_end(&draft, path, log);
 }
 
 /* A plot that nothing can be drawn in is not there. */
@@ -247,36 +242,31 @@ static bool write_svg(const char *svg, const char *folder, const char *name,
         report_error(log, "gnuplot has not drawn %s/%s.gp", folder, name);
         return false;
     }
-    char *styled = format_string("%.*s\n%s%s", (int)(body + 1 - svg), svg, svg_style, body + 1);
-    bool good = write_text(folder, name, ".svg", styled, log);
-    free(styled);
+    char *path = format_string("%s/%s.svg", folder, name);
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        fprintf(draft.out, "%.*s\n%s%s", (int)(body + 1 - svg), svg, svg_style, body + 1);
+    bool good = file_draft_end(&draft, path, log);
+    free(path);
     return good;
 }
 
 bool plot_draw(struct plot *plot, struct console *console, const char *folder, const char *name)
 {
     const struct dt_log *log = &console->log;
-    char *text = NULL, *script = format_string("%s/%s.gp", folder, name);
-    size_t size = 0;
+    char *script = format_string("%s/%s.gp", folder, name);
     end_line(plot);
     bool good = fflush(plot->data) == 0 && fflush(plot->lines) == 0;
     if (good && plot_is_empty(plot)) {
         free(script);
         return remove_plot(folder, name, log);
     }
-    FILE *out = good ? open_memstream(&text, &size) : NULL;
-    if (out)
-        put_script(out, plot);
-    good = out && fclose(out) == 0 && script;
     if (!good)
         report_error(log, "out of memory");
     char *argv[] = {(char *)"gnuplot", script, NULL};
-    char *svg = good && write_text(folder, name, ".gp", text, log)
-                    ? tool_read(&gnuplot, argv, console)
-                    : NULL;
+    char *svg = good && write_script(plot, script, log) ? tool_read(&gnuplot, argv, console) : NULL;
     good = svg && write_svg(svg, folder, name, log);
     free(svg);
-    free(text);
     free(script);
     return good;
 }

@@ -626,19 +626,16 @@ static bool put_page(FILE *out, struct report *report)
 bool report_write_page(struct report *report)
 {
     const struct dt_log *log = &report->steps.console->log;
-    char *text = NULL, *path = format_string("%s/index.html", report->steps.folder);
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    bool written = out && put_page(out, report);
-    bool good = out && fclose(out) == 0 && path;
-    if (!good)
-        report_error(log, "out of memory");
-    if (good && written) {
+    char *path = format_string("%s/index.html", report->steps.folder);
+    struct file_draft draft;
+    bool good = file_draft_begin(&draft, log) && put_page(draft.out, report);
+    if (good) {
         console_hold(report->steps.console);
-        good = file_write(path, text, size, log);
+        good = file_draft_end(&draft, path, log);
         console_release(report->steps.console);
+    } else {
+        file_draft_discard(&draft);
     }
-    free(text);
     free(path);
-    return good && written;
+    return good;
 }

@@ -249,17 +249,12 @@ static bool write_changes(struct report *report, const struct step_scene *scene,
                           const cJSON *motion, const char *name)
 {
     const struct dt_log *log = &report->steps.console->log;
-    char *text = NULL, *path = format_string("%s/plots/%s.csv", report->steps.folder, name);
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out)
-        put_changes(out, report, scene, motion);
-    bool good = out && fclose(out) == 0 && path;
-    if (!good)
-        report_error(log, "out of memory");
-    good = good && file_write(path, text, size, log);
+    char *path = format_string("%s/plots/%s.csv", report->steps.folder, name);
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        put_changes(draft.out, report, scene, motion);
+    bool good = file_draft_end(&draft, path, log);
     free(path);
-    free(text);
     return good;
 }
 

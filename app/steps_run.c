@@ -77,17 +77,12 @@ static bool write_file(const struct steps *steps, const char *name,
                        void (*write)(FILE *, const struct steps *))
 {
     const struct dt_log *log = &steps->console->log;
-    char *text = NULL, *path = format_string("%s/%s", steps->folder, name);
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out)
-        write(out, steps);
-    bool good = out && fclose(out) == 0 && path;
-    if (!good)
-        report_error(log, "out of memory");
-    good = good && file_write(path, text, size, log);
+    char *path = format_string("%s/%s", steps->folder, name);
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        write(draft.out, steps);
+    bool good = file_draft_end(&draft, path, log);
     free(path);
-    free(text);
     return good;
 }
 

@@ -206,17 +206,11 @@ typedef void content_writer(FILE *out, const cJSON *sweep, const char *folder);
 static bool write_content(const cJSON *sweep, const char *folder, const char *name,
                           content_writer *writer, const struct dt_log *log)
 {
-    char *text = NULL;
-    size_t size = 0;
     char *path = format_string("%s/%s", folder, name);
-    FILE *out = open_memstream(&text, &size);
-    if (out)
-        writer(out, sweep, folder);
-    bool good = out && fclose(out) == 0 && path && size > 0;
-    if (!good)
-        report_error(log, "%s/%s: out of memory", folder, name);
-    good = good && file_write(path, text, size, log);
-    free(text);
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        writer(draft.out, sweep, folder);
+    bool good = file_draft_end(&draft, path, log);
     free(path);
     return good;
 }

@@ -181,12 +181,12 @@ static void put_field(FILE *out, const char *text, char end)
 static bool write_csv(const struct result *results, int count, const char *path,
                       const struct dt_log *log)
 {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out)
-        fputs("run,verdict,pass,resource,seconds,scene,width,height,frames,settings,error\n", out);
-    for (int i = 0; i < count && out; i++) {
+    struct file_draft draft;
+    if (!file_draft_begin(&draft, log))
+        return false;
+    FILE *out = draft.out;
+    fputs("run,verdict,pass,resource,seconds,scene,width,height,frames,settings,error\n", out);
+    for (int i = 0; i < count; i++) {
         const struct result *result = &results[i];
         fprintf(out, "%d,%s,", i + 1, verdict_names[result->verdict]);
         put_field(out, result->pass, ',');
@@ -198,12 +198,7 @@ static bool write_csv(const struct result *results, int count, const char *path,
         put_field(out, result->settings, ',');
         put_field(out, result->error, '\n');
     }
-    bool good = out && fclose(out) == 0;
-    if (!good)
-        report_error(log, "%s: out of memory", path);
-    good = good && file_write(path, text, size, log);
-    free(text);
-    return good;
+    return file_draft_end(&draft, path, log);
 }
 
 /* ---- The table ------------------------------------------------------------------------------- */

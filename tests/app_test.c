@@ -154,6 +154,36 @@ static void files_appear_whole(void **state)
     free(deep);
 }
 
+static void drafts_become_files_whole(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/diptych-XXXXXX";
+    assert_non_null(mkdtemp(folder));
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    struct file_draft draft;
+    char *path = format_string("%s/file", folder);
+    assert_true(file_draft_begin(&draft, &log));
+    fprintf(draft.out, "%d lines\n", 1);
+    assert_false(file_exists(path));
+    assert_true(file_draft_end(&draft, path, &log));
+    size_t size;
+    char *text = file_read(path, &size, &log);
+    assert_string_equal(text, "1 lines\n");
+    assert_true(file_draft_begin(&draft, &log));
+    assert_false(file_draft_end(&draft, path, &log)); /* of nothing: the former file stays */
+    assert_int_equal(ear.errors, 1);
+    assert_true(file_exists(path));
+    assert_true(file_draft_begin(&draft, &log));
+    fputs("lost", draft.out);
+    file_draft_discard(&draft);
+    assert_false(file_draft_end(&draft, path, &log)); /* and has been reported before */
+    assert_int_equal(ear.errors, 1);
+    file_remove_tree(folder);
+    free(text);
+    free(path);
+}
+
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
 static void halves_are_ieee(void **state)
@@ -353,6 +383,7 @@ int main(void)
         cmocka_unit_test(names_are_guessed),
         cmocka_unit_test(hash_is_fnv1a),
         cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(drafts_become_files_whole),
         cmocka_unit_test(halves_are_ieee),
         cmocka_unit_test(components_are_named),
         cmocka_unit_test(live_parameters_are_checked),
