@@ -492,7 +492,10 @@ static enum status run(const struct options *options)
     struct generation g = {
         .options = options, .diag = diag_create(), .model.arena = arena_create()};
     enum status status = STATUS_FAILED;
-    if (g.diag && g.model.arena) {
+    bool compiles = !options->live, started = compiles && spirv_init();
+    if (compiles && !started) {
+        fputs("diptych-gen: error: the GLSL compiler could not be started\n", stderr);
+    } else if (g.diag && g.model.arena) {
         g.model.templates_dir = find_templates(g.model.arena, options->templates);
         status = options->live         ? print_live(&g)
                  : options->variations ? print_variations(&g)
@@ -509,6 +512,8 @@ static enum status run(const struct options *options)
     output_free(g.output);
     diag_free(g.diag);
     arena_free(g.model.arena);
+    if (started)
+        spirv_finish();
     return status;
 }
 

@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 enum { MOST_THREADS = 8 };
@@ -14,6 +15,7 @@ struct job { /* one shader to compile */
     const struct pass *pass;
     enum backend backend;
     struct shader *shader;
+    const struct shader *twin; /* compiled before it, maybe by another job; NULL: there is none */
     bool done;
 };
 
@@ -29,13 +31,14 @@ static bool has_stage(const struct pass *pass, enum stage stage)
     return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
 }
 
-/* GLSL of one pass; its shaders that are new become jobs. */
-static bool emit_pass(struct model *model, struct pass_shaders *shaders, struct shader_cache *cache,
-                      struct job job, struct jobs *jobs, struct diag *diag)
+/* GLSL of the pass `index`; its shaders that are new become jobs. */
+static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_t index,
+                      struct shader_cache *cache, struct job job, struct jobs *jobs,
+                      struct diag *diag)
 {
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
-        struct shader *shader = &shaders->stage[stage];
+        struct shader *shader = &shaders[index].stage[stage];
         shader->stage = stage;
         if (!has_stage(job.pass, stage))
             continue;
@@ -43,6 +46,7 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders, struct 
             good = false;
         } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
             job.shader = shader;
+            job.twin = shader_twin(shaders, index, stage);
             jobs->list[jobs->count++] = job;
         }
     }
@@ -57,7 +61,8 @@ static void *compile_some(void *user)
     struct diag *unheard = diag_create();
     for (uint32_t i; unheard && (i = atomic_fetch_add(&jobs->next, 1)) < jobs->count;) {
         struct job *job = &jobs->list[i];
-        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
+        if (!job->twin)
+            job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
     }
     diag_free(unheard);
     return NULL;
@@ -68,6 +73,18 @@ static uint32_t thread_count(const struct jobs *jobs)
     long processors = sysconf(_SC_NPROCESSORS_ONLN);
     uint32_t count = processors > MOST_THREADS ? MOST_THREADS : (uint32_t)processors;
     return count < jobs->count ? count : jobs->count;
+}
+
+/* False where that has none, either. */
+static bool copy_twin(struct shader *shader, const struct shader *twin)
+{
+    size_t size = twin->word_count * sizeof *twin->words;
+    shader->words = size ? malloc(size) : NULL;
+    if (!shader->words)
+        return false;
+    memcpy(shader->words, twin->words, size);
+    shader->word_count = twin->word_count;
+    return true;
 }
 
 /* What fails is compiled once more, one after the other: then its messages come in order. */
@@ -84,25 +101,12 @@ static bool compile(struct jobs *jobs, struct diag *diag)
     bool good = true;
     for (uint32_t i = 0; i < jobs->count; i++) {
         struct job *job = &jobs->list[i];
-        if (job->done)
+        if (job->done || (job->twin && copy_twin(job->shader, job->twin)))
             continue;
         free(job->shader->words);
         job->shader->words = NULL;
         good &= spirv_compile(jobs->model, job->pass, job->backend, job->shader, diag);
     }
-    return good;
-}
-
-static bool compile_new(struct jobs *jobs, struct diag *diag)
-{
-    if (!jobs->count)
-        return true;
-    if (!spirv_init()) {
-        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
-        return false;
-    }
-    bool good = compile(jobs, diag);
-    spirv_finish();
     return good;
 }
 
@@ -117,11 +121,11 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
         if (!shaders[backend] || !jobs.list)
             diag_error(diag, (struct loc){0}, "out of memory");
         for (uint32_t i = 0; shaders[backend] && jobs.list && i < count; i++)
-            good &= emit_pass(model, &shaders[backend][i], cache,
+            good &= emit_pass(model, shaders[backend], i, cache,
                               (struct job){.pass = model->pipeline.order[i], .backend = backend},
                               &jobs, diag);
     }
-    good &= compile_new(&jobs, diag);
+    good &= compile(&jobs, diag);
     free(jobs.list);
     return good && !diag_error_count(diag);
 }

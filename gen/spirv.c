@@ -13,16 +13,76 @@
 #include <spirv/unified1/GLSL.std.450.h>
 #define SPV_ENABLE_UTILITY_CODE /* SpvHasResultAndType */
 #include <spirv/unified1/spirv.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
+static glslang_stage_t stage_of(enum stage stage)
+{
+    static const glslang_stage_t stages[] = {GLSLANG_STAGE_COMPUTE, GLSLANG_STAGE_VERTEX,
+                                             GLSLANG_STAGE_FRAGMENT};
+    return stages[stage];
+}
+
+static glslang_input_t input_of(enum backend backend, enum stage stage, const char *code)
+{
+    bool vulkan = backend == BACKEND_VK;
+    return (glslang_input_t){
+        .language = GLSLANG_SOURCE_GLSL,
+        .stage = stage_of(stage),
+        .client = vulkan ? GLSLANG_CLIENT_VULKAN : GLSLANG_CLIENT_OPENGL,
+        .client_version = vulkan ? GLSLANG_TARGET_VULKAN_1_3 : GLSLANG_TARGET_OPENGL_450,
+        .target_language = GLSLANG_TARGET_SPV,
+        .target_language_version = vulkan ? GLSLANG_TARGET_SPV_1_5 : GLSLANG_TARGET_SPV_1_0,
+        .code = code,
+        .default_version = 460,
+        .default_profile = GLSLANG_CORE_PROFILE,
+        .messages = GLSLANG_MSG_SPV_RULES_BIT | (vulkan ? GLSLANG_MSG_VULKAN_RULES_BIT : 0) |
+                    GLSLANG_MSG_CASCADING_ERRORS_BIT,
+        .resource = glslang_default_resource(),
+    };
+}
+
+/* ---- Start ----------------------------------------------------------------------------------- */
+
+/* glslang reads the declarations of all built-in functions with the first shader of each API, under
+ * a lock: a third of the time that a small edit takes. So that is done while the spec is read. */
+static struct {
+    pthread_t thread;
+    bool started;
+    atomic_bool stop;
+} warmup;
+
+static void *read_builtins(void *user)
+{
+    (void)user;
+    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK && !warmup.stop; backend++) {
+        glslang_input_t input =
+            input_of(backend, STAGE_IS_COMPUTE, "#version 460\nvoid main() {}\n");
+        glslang_shader_t *shader = glslang_shader_create(&input);
+        if (shader && glslang_shader_preprocess(shader, &input))
+            glslang_shader_parse(shader, &input);
+        glslang_shader_delete(shader);
+    }
+    return NULL;
+}
+
 bool spirv_init(void)
 {
-    return glslang_initialize_process();
+    if (!glslang_initialize_process())
+        return false;
+    warmup.stop = false;
+    warmup.started = pthread_create(&warmup.thread, NULL, read_builtins, NULL) == 0;
+    return true;
 }
 
 void spirv_finish(void)
 {
+    warmup.stop = true;
+    if (warmup.started)
+        pthread_join(warmup.thread, NULL);
+    warmup.started = false;
     glslang_finalize_process();
 }
 
@@ -372,13 +432,6 @@ static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_cou
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
 
-static glslang_stage_t stage_of(enum stage stage)
-{
-    static const glslang_stage_t stages[] = {GLSLANG_STAGE_COMPUTE, GLSLANG_STAGE_VERTEX,
-                                             GLSLANG_STAGE_FRAGMENT};
-    return stages[stage];
-}
-
 static bool take_words(const struct model *model, const struct pass *pass,
                        glslang_program_t *program, struct shader *shader, struct diag *diag)
 {
@@ -420,21 +473,7 @@ static bool validate(const struct pass *pass, enum backend backend, const struct
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag)
 {
-    bool vulkan = backend == BACKEND_VK;
-    glslang_input_t input = {
-        .language = GLSLANG_SOURCE_GLSL,
-        .stage = stage_of(shader->stage),
-        .client = vulkan ? GLSLANG_CLIENT_VULKAN : GLSLANG_CLIENT_OPENGL,
-        .client_version = vulkan ? GLSLANG_TARGET_VULKAN_1_3 : GLSLANG_TARGET_OPENGL_450,
-        .target_language = GLSLANG_TARGET_SPV,
-        .target_language_version = vulkan ? GLSLANG_TARGET_SPV_1_5 : GLSLANG_TARGET_SPV_1_0,
-        .code = shader->glsl.data,
-        .default_version = 460,
-        .default_profile = GLSLANG_CORE_PROFILE,
-        .messages = GLSLANG_MSG_SPV_RULES_BIT | (vulkan ? GLSLANG_MSG_VULKAN_RULES_BIT : 0) |
-                    GLSLANG_MSG_CASCADING_ERRORS_BIT,
-        .resource = glslang_default_resource(),
-    };
+    glslang_input_t input = input_of(backend, shader->stage, shader->glsl.data);
     glslang_shader_t *compiled = glslang_shader_create(&input);
     glslang_program_t *program = glslang_program_create();
     bool ok = compiled && program;

@@ -35,7 +35,8 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
                struct shader *shader, struct diag *diag);
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
  * spirv-val (SPIRV-Tools). glslang's errors come back as diagnostics at the line of the body
- * file. spirv_compile may run on several threads, each with a diag of its own. */
+ * file. spirv_compile may run on several threads, each with a diag of its own. spirv_init starts one
+ * that prepares the compiler: best before anything else. */
 bool spirv_init(void);
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
