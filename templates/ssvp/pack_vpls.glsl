@@ -1,0 +1,35 @@
+/* VPLs in the order in which interleave classes shade them, and the eyes that these ask: those of all
+ * clusters, since a VPL takes the map of its cluster as its own; where a class has fewer VPLs than there
+ * are clusters, one for each VPL. Classes that get one less are filled up with VPLs of zero flux. */
+#include "classes.glsl"
+#include "eyes.glsl"
+
+const int class_points = packed_points_count / class_count;
+const int class_eyes = packed_eyes_count / class_count;
+
+void main()
+{
+    int slot = invocation().x;
+    if (slot >= packed_points_count)
+        return;
+    int j = slot % class_points;
+    int wanted = class_member(slot / class_points, j);
+    int k = min(wanted, points_count - 1);
+    int c = max(point_labels[k], 0);
+    bool all_clusters = class_eyes == views_count;
+    packed_points[slot].position = points[k].position;
+    packed_points[slot].disk = softness * points[k].area / PI;
+    packed_points[slot].normal = points[k].normal;
+    packed_points[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
+    packed_points[slot].eye = eye_bit(all_clusters ? c : j);
+    if (j >= class_eyes)
+        return;
+    int place = slot / class_points * class_eyes + j;
+    c = all_clusters ? j : c;
+    packed_eyes[place].position = views[c].position;
+    packed_eyes[place].layer = c;
+    packed_eyes[place].tangent = views[c].tangent;
+    packed_eyes[place].bitangent = views[c].bitangent;
+    packed_eyes[place].axis = views[c].normal;
+    packed_eyes[place].bit = eye_bit(j);
+}
