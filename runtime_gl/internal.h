@@ -51,6 +51,13 @@ struct gl_import {
 
 struct gl_kept; /* state.c: a host's state while it is away */
 
+/* program.c: programs of a panel that is being replaced, for the one that follows. */
+struct gl_spare {
+    bool keeps; /* what is destroyed comes here */
+    struct gl_program *programs;
+    uint32_t count;
+};
+
 struct gl_runtime {
     GladGLContext gl;
     struct gl_context context;
@@ -69,6 +76,7 @@ struct gl_runtime {
 
     const struct dt_panel *panel; /* NULL: none created */
     void *state;
+    struct gl_spare spare;
     uint32_t width, height;
 
     /* host.c */
@@ -131,6 +139,7 @@ void gl_state_keep_binding(struct gl_runtime *rt, const struct gl_binding *bindi
 
 bool gl_builtin_create(struct gl_runtime *rt);
 void gl_builtin_destroy(struct gl_runtime *rt);
+void gl_programs_forget(struct gl_runtime *rt); /* the spare ones; program.c */
 bool gl_panel_create(struct gl_runtime *rt, const struct dt_panel *panel);
 bool gl_panel_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
 void gl_panel_destroy(struct gl_runtime *rt);

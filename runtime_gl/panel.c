@@ -81,14 +81,18 @@ static bool create_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeli
            rt->panel->create(rt, rt->state);
 }
 
+/* An edit leaves most programs as they are, so these go from the panel before to the new one. */
 bool gl_panel_create(struct gl_runtime *rt, const struct dt_panel *panel)
 {
+    rt->spare.keeps = true;
     gl_panel_destroy(rt);
+    rt->spare.keeps = false;
     rt->panel = panel;
-    if (create_panel(rt, panel->pipeline))
-        return true;
-    gl_panel_destroy(rt);
-    return false;
+    bool good = create_panel(rt, panel->pipeline);
+    if (!good)
+        gl_panel_destroy(rt);
+    gl_programs_forget(rt);
+    return good;
 }
 
 bool gl_panel_resize(struct gl_runtime *rt, uint32_t width, uint32_t height)

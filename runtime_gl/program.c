@@ -3,6 +3,7 @@
 #include "internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 struct stage {
     GLenum kind;
@@ -89,6 +90,55 @@ static bool link_program(struct gl_runtime *rt, const struct gl_program *program
     return status;
 }
 
+/* ---- Programs of the panel before ------------------------------------------------------------ */
+
+static bool same_code(const struct gl_runtime *rt, const struct dt_code *a, const struct dt_code *b)
+{
+    if (a->size != b->size || !a->size)
+        return a->size == b->size && a->glsl == b->glsl;
+    return rt->options.glsl ? strcmp(a->glsl, b->glsl) == 0
+                            : memcmp(a->words, b->words, a->size) == 0;
+}
+
+static bool keep(struct gl_spare *spare, const struct gl_program *program)
+{
+    struct gl_program *grown =
+        program->handle ? realloc(spare->programs, (spare->count + 1) * sizeof *grown) : NULL;
+    if (!grown)
+        return false;
+    spare->programs = grown;
+    spare->programs[spare->count++] = *program;
+    return true;
+}
+
+static bool take_spare(struct gl_runtime *rt, struct gl_program *program,
+                       const struct gl_program_info *info)
+{
+    struct gl_spare *spare = &rt->spare;
+    for (uint32_t i = 0; i < spare->count; i++) {
+        const struct gl_program_info *was = &spare->programs[i].info;
+        if (!same_code(rt, &was->compute, &info->compute) ||
+            !same_code(rt, &was->vertex, &info->vertex) ||
+            !same_code(rt, &was->fragment, &info->fragment))
+            continue;
+        *program = (struct gl_program){
+            .name = info->name, .handle = spare->programs[i].handle, .info = *info};
+        spare->programs[i] = spare->programs[--spare->count];
+        return true;
+    }
+    return false;
+}
+
+void gl_programs_forget(struct gl_runtime *rt)
+{
+    for (uint32_t i = 0; i < rt->spare.count; i++)
+        dt_gl_program_destroy(rt, &rt->spare.programs[i]);
+    free(rt->spare.programs);
+    rt->spare = (struct gl_spare){0};
+}
+
+/* ---- Programs -------------------------------------------------------------------------------- */
+
 bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
                           const struct gl_program_info *info)
 {
@@ -97,8 +147,9 @@ bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
                info->clip_distances, rt->device_name, rt->limits.clip_distances);
         return false;
     }
+    if (take_spare(rt, program, info))
+        return true;
     *program = (struct gl_program){.name = info->name, .info = *info};
-    program->info.compute = program->info.vertex = program->info.fragment = (struct dt_code){0};
     program->handle = rt->gl.CreateProgram();
     if (!program->handle)
         return gl_check(rt, "CreateProgram", info->name);
@@ -107,7 +158,8 @@ bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
 
 void dt_gl_program_destroy(struct gl_runtime *rt, struct gl_program *program)
 {
-    if (program->handle)
+    bool kept = rt->spare.keeps && keep(&rt->spare, program);
+    if (program->handle && !kept)
         rt->gl.DeleteProgram(program->handle);
     *program = (struct gl_program){0};
 }

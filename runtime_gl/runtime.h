@@ -96,7 +96,7 @@ struct gl_program_info {
 struct gl_program {
     const char *name;
     GLuint handle;
-    struct gl_program_info info; /* code emptied after create */
+    struct gl_program_info info; /* code of the panel */
 };
 bool dt_gl_program_create(struct gl_runtime *rt, struct gl_program *program,
                           const struct gl_program_info *info);

@@ -245,7 +245,6 @@ bool dt_vk_create(struct vk_runtime *rt, const struct dt_panel *panel)
     if (strcmp(panel->backend, "vk") != 0)
         return vk_error(rt, "pipeline %s: the panel is for %s; give the one of NAME_vk.c",
                         panel->pipeline->name, panel->backend);
-    vk_panel_destroy(rt);
     rt->import_count = 0;
     return vk_panel_create(rt, panel);
 }

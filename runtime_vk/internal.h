@@ -54,6 +54,13 @@ struct vk_present {
     struct vk_program programs[DT_WINDOW_TEXTURES]; /* alike but for what is bound */
 };
 
+/* program.c: programs of a panel that is being replaced, for the one that follows. */
+struct vk_spare {
+    bool keeps; /* what is destroyed comes here */
+    struct vk_program *programs;
+    uint32_t count;
+};
+
 struct vk_runtime {
     struct dt_log log;
     bool debug, timing;
@@ -97,6 +104,7 @@ struct vk_runtime {
     /* runtime.c */
     const struct dt_panel *panel;
     void *state;
+    struct vk_spare spare;
     uint32_t width, height; /* 0: the panel has no resources */
     bool sized; /* the panel's resources exist and its descriptors point at the present scene */
 
@@ -217,6 +225,7 @@ bool vk_frame_timings(struct vk_runtime *rt);
 
 /* ---- The pipeline (panel.c) ------------------------------------------------------------------ */
 
+void vk_programs_forget(struct vk_runtime *rt); /* the spare ones; program.c */
 bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel);
 bool vk_panel_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
 void vk_panel_destroy(struct vk_runtime *rt);

@@ -25,9 +25,8 @@ void vk_panel_destroy(struct vk_runtime *rt)
     rt->sized = false;
 }
 
-bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel)
+static bool create(struct vk_runtime *rt, const struct dt_panel *panel)
 {
-    vk_panel_destroy(rt);
     if (!vk_device_suits_panel(rt, panel))
         return false;
     rt->state = calloc(1, panel->state_size ? panel->state_size : 1);
@@ -38,6 +37,17 @@ bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel)
         return true;
     vk_panel_destroy(rt);
     return false;
+}
+
+/* An edit leaves most programs as they are, so these go from the panel before to the new one. */
+bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel)
+{
+    rt->spare.keeps = true;
+    vk_panel_destroy(rt);
+    rt->spare.keeps = false;
+    bool good = create(rt, panel);
+    vk_programs_forget(rt);
+    return good;
 }
 
 static bool lacks_scene(const struct vk_runtime *rt)

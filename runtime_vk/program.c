@@ -2,6 +2,7 @@
  * pipeline. Called by generated pipelines: create once, bind at every resize. */
 #include "internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
@@ -309,10 +310,84 @@ static bool create_graphics(struct vk_runtime *rt, struct vk_program *program,
     return ok;
 }
 
+/* ---- Programs of the panel before ------------------------------------------------------------ */
+
+static bool same_code(const struct dt_code *a, const struct dt_code *b)
+{
+    return a->size == b->size && (!a->size || memcmp(a->words, b->words, a->size) == 0);
+}
+
+static bool same_slots(const struct vk_program_info *a, const struct vk_program_info *b)
+{
+    bool same = a->slot_count == b->slot_count;
+    for (uint32_t i = 0; same && i < a->slot_count; i++)
+        same = a->slots[i].binding == b->slots[i].binding && a->slots[i].type == b->slots[i].type;
+    return same;
+}
+
+static bool same_state(const struct vk_program_info *a, const struct vk_program_info *b)
+{
+    bool same = a->color_count == b->color_count && a->depth_format == b->depth_format &&
+                a->depth_compare == b->depth_compare && a->cull == b->cull &&
+                a->depth_test == b->depth_test && a->depth_write == b->depth_write &&
+                a->blend_add == b->blend_add && a->blend_over == b->blend_over &&
+                a->scene_vertices == b->scene_vertices;
+    for (uint32_t i = 0; same && i < a->color_count; i++)
+        same = a->color_formats[i] == b->color_formats[i];
+    return same;
+}
+
+static bool same_program(const struct vk_program_info *a, const struct vk_program_info *b)
+{
+    return same_code(&a->compute, &b->compute) && same_code(&a->vertex, &b->vertex) &&
+           same_code(&a->fragment, &b->fragment) && same_slots(a, b) && same_state(a, b);
+}
+
+static bool keep(struct vk_spare *spare, const struct vk_program *program)
+{
+    struct vk_program *grown =
+        program->pipeline ? realloc(spare->programs, (spare->count + 1) * sizeof *grown) : NULL;
+    if (!grown)
+        return false;
+    spare->programs = grown;
+    spare->programs[spare->count++] = *program;
+    return true;
+}
+
+static bool take_spare(struct vk_runtime *rt, struct vk_program *program,
+                       const struct vk_program_info *info)
+{
+    struct vk_spare *spare = &rt->spare;
+    for (uint32_t i = 0; i < spare->count; i++) {
+        if (!same_program(&spare->programs[i].info, info))
+            continue;
+        *program = spare->programs[i];
+        program->name = info->name;
+        program->info = *info;
+        spare->programs[i] = spare->programs[--spare->count];
+        vk_set_name(rt, VK_OBJECT_TYPE_PIPELINE, (uint64_t)program->pipeline, info->name);
+        return true;
+    }
+    return false;
+}
+
+void vk_programs_forget(struct vk_runtime *rt)
+{
+    for (uint32_t i = 0; i < rt->spare.count; i++)
+        dt_vk_program_destroy(rt, &rt->spare.programs[i]);
+    free(rt->spare.programs);
+    rt->spare = (struct vk_spare){0};
+}
+
+/* ---- Programs -------------------------------------------------------------------------------- */
+
 bool dt_vk_program_create(struct vk_runtime *rt, struct vk_program *program,
                           const struct vk_program_info *info)
 {
-    *program = (struct vk_program){.name = info->name, .slot_count = info->slot_count};
+    if (take_spare(rt, program, info))
+        return true;
+    *program =
+        (struct vk_program){.name = info->name, .info = *info, .slot_count = info->slot_count};
     if (!create_set(rt, program, info))
         return false;
     VkPipelineLayoutCreateInfo layout = {
@@ -332,6 +407,10 @@ bool dt_vk_program_create(struct vk_runtime *rt, struct vk_program *program,
 
 void dt_vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
 {
+    if (rt->spare.keeps && keep(&rt->spare, program)) {
+        *program = (struct vk_program){0};
+        return;
+    }
     rt->vk.DestroyPipeline(rt->device, program->pipeline, NULL);
     rt->vk.DestroyPipelineLayout(rt->device, program->layout, NULL);
     rt->vk.DestroyDescriptorPool(rt->device, program->pool, NULL); /* frees the set */

@@ -144,6 +144,7 @@ struct vk_program_info {
 
 struct vk_program {
     const char *name;
+    struct vk_program_info info; /* points into the panel's code */
     VkPipeline pipeline;
     VkPipelineLayout layout;
     VkDescriptorSetLayout set_layout;

@@ -94,6 +94,8 @@ static const char full_frag[] = "#version 460\n"
                                 "layout(location = 0) out vec4 color;\n"
                                 "void main() { color = vec4(0.5, 0.0, 1.0, 0.5); }\n";
 
+static const char idle_comp[] = "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
+
 static struct dt_code compile_anew(glslang_stage_t stage, const char *text)
 {
     const glslang_input_t input = {
@@ -288,18 +290,27 @@ static bool create_draws(struct gl_runtime *rt, struct state *s)
                                          .blend_add = true});
 }
 
+static bool other_indirect; /* in the panel that is created next */
+static GLuint created[3];   /* by the last: draw, compute, indirect */
+
 static bool create(void *rt, void *memory)
 {
     struct state *s = memory;
-    return create_draws(rt, s) &&
-           dt_gl_program_create(
-               rt, &s->compute,
-               &(struct gl_program_info){
-                   .name = "compute", .compute = compile(GLSLANG_STAGE_COMPUTE, compute_comp)}) &&
-           dt_gl_program_create(
-               rt, &s->indirect,
-               &(struct gl_program_info){.name = "indirect",
-                                         .compute = compile(GLSLANG_STAGE_COMPUTE, indirect_comp)});
+    const char *indirect = other_indirect ? idle_comp : indirect_comp;
+    bool good =
+        create_draws(rt, s) &&
+        dt_gl_program_create(
+            rt, &s->compute,
+            &(struct gl_program_info){.name = "compute",
+                                      .compute = compile(GLSLANG_STAGE_COMPUTE, compute_comp)}) &&
+        dt_gl_program_create(
+            rt, &s->indirect,
+            &(struct gl_program_info){.name = "indirect",
+                                      .compute = compile(GLSLANG_STAGE_COMPUTE, indirect)});
+    created[0] = s->draw.handle;
+    created[1] = s->compute.handle;
+    created[2] = s->indirect.handle;
+    return good;
 }
 
 static void release(struct gl_runtime *rt, struct state *s)
@@ -696,6 +707,29 @@ static bool after_pass(void *user, uint32_t pass)
     return w->calls != w->stop_at;
 }
 
+/* An edit takes over what it leaves as it was, and nothing else. */
+static void test_programs_go_on(void **state)
+{
+    (void)state;
+    struct messages m = {0};
+    struct dt_runtime_options options = options_for(&m, NULL);
+    const struct dt_frame frame = {.index = 0};
+    void *rt = runtime_gl.open(&options);
+    assert_true(rt && runtime_gl.set_scene(rt, &scene) && runtime_gl.create(rt, &panel));
+    const GLuint before[3] = {created[0], created[1], created[2]};
+    other_indirect = true;
+    bool good = runtime_gl.create(rt, &panel);
+    other_indirect = false;
+    assert_true(good);
+    assert_true(created[0] == before[0] && created[1] == before[1]);
+    assert_true(created[2] != before[0] && created[2] != before[1] && created[2] != before[2]);
+    assert_true(runtime_gl.create(rt, &panel) && runtime_gl.resize(rt, 20, 10) &&
+                runtime_gl.render(rt, &frame, NULL, NULL));
+    assert_int_equal(created[1], before[1]);
+    check_pixels(rt, 20, 10, 2.0f);
+    runtime_gl.close(rt);
+}
+
 static void test_two_runtimes(void **state)
 {
     (void)state;
@@ -1088,6 +1122,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(test_glsl),
         cmocka_unit_test(test_osmesa),
         cmocka_unit_test(test_window),
+        cmocka_unit_test(test_programs_go_on),
         cmocka_unit_test(test_two_runtimes),
         cmocka_unit_test(test_write_before_pass),
         cmocka_unit_test(test_skipped_passes),

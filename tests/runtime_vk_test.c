@@ -149,6 +149,9 @@ struct state {
 #define STORAGE VK_DESCRIPTOR_TYPE_STORAGE_IMAGE
 #define TEXTURE VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
 
+static bool display_adds;          /* in the panel that is created next */
+static VkPipeline created[PASSES]; /* by the last */
+
 static bool probe_create(void *runtime, void *place)
 {
     struct vk_runtime *rt = runtime;
@@ -190,13 +193,16 @@ static bool probe_create(void *runtime, void *place)
                           .slots = display,
                           .slot_count = 1,
                           .color_formats = {vk_format(DT_FORMAT_RGBA8)},
-                          .color_count = 1},
+                          .color_count = 1,
+                          .blend_add = display_adds},
     };
     const struct vk_sampler_info nearest = {
         .name = "nearest", .anisotropy = 1, .wrap = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
-    for (int pass = 0; pass < PASSES; pass++)
+    for (int pass = 0; pass < PASSES; pass++) {
         if (!dt_vk_program_create(rt, &state->programs[pass], &infos[pass]))
             return false;
+        created[pass] = state->programs[pass].pipeline;
+    }
     return dt_vk_sampler_create(rt, &state->nearest, &nearest);
 }
 
@@ -962,6 +968,29 @@ static void a_missing_barrier_is_heard(void **unused)
     runtime_vk.close(rt);
 }
 
+/* An edit takes over what it leaves as it was, and nothing else. */
+static void programs_go_on_where_they_are_the_same(void **unused)
+{
+    (void)unused;
+    VkPipeline before[PASSES];
+    struct dt_frame frame = frame_at(0);
+    void *rt = open_ready(true, 0);
+    memcpy(before, created, sizeof before);
+    display_adds = true;
+    bool good = runtime_vk.create(rt, &panel);
+    display_adds = false;
+    assert_true(good);
+    for (int pass = 0; pass < PASSES; pass++) {
+        assert_true((created[pass] == before[pass]) == (pass != DISPLAY_PASS));
+        assert_true(pass == DISPLAY_PASS || created[DISPLAY_PASS] != before[pass]);
+    }
+    assert_true(runtime_vk.resize(rt, 16, 8) && runtime_vk.render(rt, &frame, NULL, NULL));
+    check_color(rt, 16, 8);
+    check_layers(rt);
+    assert_int_equal(runtime_vk.messages(rt), 0);
+    runtime_vk.close(rt);
+}
+
 static bool endless_record(void *runtime, void *place, const void *live)
 {
     struct state *state = place;
@@ -1088,6 +1117,7 @@ int main(void)
         cmocka_unit_test(a_dropped_barrier_is_named_and_missed),
         cmocka_unit_test(a_barrier_that_is_not_there_cannot_be_dropped),
         cmocka_unit_test(a_missing_barrier_is_heard),
+        cmocka_unit_test(programs_go_on_where_they_are_the_same),
         cmocka_unit_test(limits_are_errors_before_the_call),
         cmocka_unit_test(an_unknown_device_is_named_and_the_known_are_listed),
         cmocka_unit_test(a_feature_is_asked_for_by_the_pass_that_needs_it),
