@@ -131,10 +131,11 @@ static bool take_spare(struct gl_runtime *rt, struct gl_program *program,
 
 void gl_programs_forget(struct gl_runtime *rt)
 {
-    for (uint32_t i = 0; i < rt->spare.count; i++)
-        dt_gl_program_destroy(rt, &rt->spare.programs[i]);
-    free(rt->spare.programs);
+    struct gl_spare spare = rt->spare;
     rt->spare = (struct gl_spare){0};
+    for (uint32_t i = 0; i < spare.count; i++)
+        dt_gl_program_destroy(rt, &spare.programs[i]);
+    free(spare.programs);
 }
 
 /* ---- Programs -------------------------------------------------------------------------------- */

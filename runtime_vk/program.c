@@ -373,10 +373,11 @@ static bool take_spare(struct vk_runtime *rt, struct vk_program *program,
 
 void vk_programs_forget(struct vk_runtime *rt)
 {
-    for (uint32_t i = 0; i < rt->spare.count; i++)
-        dt_vk_program_destroy(rt, &rt->spare.programs[i]);
-    free(rt->spare.programs);
+    struct vk_spare spare = rt->spare;
     rt->spare = (struct vk_spare){0};
+    for (uint32_t i = 0; i < spare.count; i++)
+        dt_vk_program_destroy(rt, &spare.programs[i]);
+    free(spare.programs);
 }
 
 /* ---- Programs -------------------------------------------------------------------------------- */
