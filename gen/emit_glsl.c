@@ -464,7 +464,7 @@ static bool add_parts(struct glsl *glsl)
 {
     if (glsl->pass->kind == PASS_FULLSCREEN && glsl->stage == STAGE_IS_VERTEX)
         add_fullscreen_vertex(glsl);
-    else if (!glsl_body(glsl) || !glsl_ranges(glsl))
+    else if (!glsl_body(glsl) || !glsl_check_precise(glsl) || !glsl_ranges(glsl))
         return false;
     add_functions(glsl);
     glsl_resources(glsl);

@@ -76,6 +76,8 @@ bool glsl_ranges(struct glsl *glsl);
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);
 bool glsl_check_accesses(struct glsl *glsl);
+/* glsl_precise.c: the author's own `precise` stands where glslang takes it. */
+bool glsl_check_precise(const struct glsl *glsl);
 /* glsl_precise.c: `precise` wherever float arithmetic ends, in the text of a whole stage. */
 void glsl_precise(const struct glsl *glsl, struct text *text);
 /* glsl_library.c: the definitions of templates/glsl/NAME.glsl that are used so far, put before

@@ -19,6 +19,7 @@ struct rewrite {
     bool function;          /* the open brace of depth 1 is a function's */
     struct token result;    /* type that the function returns */
     struct token first;     /* of the declaration at depth 0 */
+    bool globals;           /* some variables are PRECISE */
 };
 
 static bool is_name(struct token token)
@@ -59,14 +60,23 @@ static bool takes_precise(const struct rewrite *rewrite, struct token type)
            !(rewrite->depth && token_is(rewrite->before, "(") && token_is(type, "int"));
 }
 
+/* Of a type and a name, which begin a declaration; the token behind the name tells. */
+static bool declares(struct token type, struct token name, struct token behind)
+{
+    return is_name(type) && is_name(name) && behind.length == 1 && strchr("=;,[)", *behind.text);
+}
+
 static void declaration(struct rewrite *rewrite, struct token type, const char *cursor)
 {
     if (!begins_declaration(rewrite) || (rewrite->depth && !rewrite->function) ||
         !takes_precise(rewrite, type))
         return;
     struct token name = token_next(&cursor), behind = token_next(&cursor);
-    if (is_name(name) && behind.length == 1 && strchr("=;,[)", *behind.text))
-        insert(rewrite, type.text, "precise ");
+    if (!declares(type, name, behind))
+        return;
+    bool global = !rewrite->depth && !rewrite->parentheses && !token_is(rewrite->before, "shared");
+    insert(rewrite, type.text, global ? "PRECISE " : "precise ");
+    rewrite->globals |= global;
 }
 
 /* `return a + b;` at `token`: through a variable. A name or a literal alone stays. */
@@ -103,6 +113,42 @@ static void walk(struct rewrite *rewrite, struct token token)
     rewrite->before = token;
 }
 
+/* glslang (12) takes a global variable that is declared with `precise` for a local one of no function,
+ * and writes an invalid module. That needs no such mark, since spirv.c marks the operations; GL_SPIRV is
+ * defined where GLSL is compiled for it. Behind the line of #version. */
+static void define_precise(struct text *text)
+{
+    const char *behind = strchr(text->data, '\n') + 1;
+    struct text out = {.failed = text->failed};
+    text_add_bytes(&out, text->data, (size_t)(behind - text->data));
+    text_add(&out, "#ifdef GL_SPIRV\n#define PRECISE\n#else\n#define PRECISE precise\n#endif\n%s",
+             behind);
+    text_free(text);
+    *text = out;
+}
+
+bool glsl_check_precise(const struct glsl *glsl)
+{
+    const char *body = glsl->parts[PART_BODY].data, *cursor = body ? body : "";
+    struct token token;
+    for (int depth = 0; (token = token_next(&cursor)).length;) {
+        const char *at = cursor;
+        depth += token_is(token, "{") - token_is(token, "}");
+        if (depth || !token_is(token, "precise"))
+            continue;
+        struct token type = token_next(&at), name = token_next(&at), behind = token_next(&at);
+        if (!declares(type, name, behind))
+            continue;
+        diag_error(glsl->diag, glsl_body_loc(glsl, body, (size_t)(token.text - body), token.length),
+                   "glslang cannot declare a global variable with `precise`; write `%.*s %.*s;` "
+                   "and `precise %.*s;` behind it",
+                   (int)type.length, type.text, (int)name.length, name.text, (int)name.length,
+                   name.text);
+        return false;
+    }
+    return true;
+}
+
 void glsl_precise(const struct glsl *glsl, struct text *text)
 {
     struct text out = {.failed = text->failed};
@@ -120,6 +166,8 @@ void glsl_precise(const struct glsl *glsl, struct text *text)
         walk(&rewrite, token);
     }
     insert(&rewrite, cursor, "");
+    if (rewrite.globals && out.data)
+        define_precise(&out);
     text_free(text);
     *text = out;
 }

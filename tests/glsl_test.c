@@ -588,6 +588,23 @@ static void test_range_errors(void **state)
     }
 }
 
+/* A variable of the whole shader, used in a function: glslang does not get to see its `precise`. */
+static void test_global_variables(void **state)
+{
+    struct fixture *f = *state;
+    set_body(f, TONE, "tone.glsl",
+             "float total = 0.5, other;\n"
+             "void add(float a) { other = a; total += a * other; }\n"
+             "void main() { add(2.0); display = result(ivec2(0)) * total; }\n");
+    for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+        struct shader shader = build(f, TONE, (enum backend)backend, STAGE_IS_FRAGMENT);
+        bool marked = strstr(shader.glsl.data, "\nPRECISE float total = 0.5, other;\n");
+        assert_int_equal(marked, backend == BACKEND_GL);
+        assert_int_equal(strstr(shader.glsl.data, "#define PRECISE precise\n") != NULL, marked);
+        shader_free(&shader);
+    }
+}
+
 /* Errors of the GLSL compiler are told at the author's line and column. */
 static void test_compile_error_place(void **state)
 {
@@ -634,6 +651,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_range_by_words, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_whole_element, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_errors, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_global_variables, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_compile_error_place, set_up, tear_down),
     };
     return cmocka_run_group_tests(tests, start, finish);

@@ -1,3 +1,11 @@
+float third = 1.0 / 3.0;
+vec4 sum; /* of the whole shader */
+
+void add(vec4 a, vec4 b)
+{
+    sum += a * b * third;
+}
+
 void main()
 {
     int i = invocation().x;
@@ -9,4 +17,8 @@ void main()
     products[i].mat4x3_vec = mat4x3(m) * s;
     products[i].mat3_vec = mat3(m) * s.xyz;
     products[i].mat2_vec = mat2(m) * s.xy;
+    sum = a;
+    add(a, b);
+    add(b, s);
+    products[i].summed = sum;
 }
