@@ -1,4 +1,5 @@
 /* `diptych render`: one scene, one backend, one picture; on request a dump and timings. */
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -31,6 +32,8 @@ struct render {
     uint32_t shown_pass; /* the last that writes it: resources may share memory, so it is read then;
                             pass_count without a picture */
     struct dt_bytes picture; /* its bytes */
+    pthread_t images;        /* loads what writes it, meanwhile */
+    bool loads_images;
 };
 
 static bool ends_with(const char *text, const char *tail)
@@ -303,12 +306,21 @@ static bool can_write_picture(const struct render *render)
     return good;
 }
 
+static void *load_images(void *unused)
+{
+    (void)unused;
+    image_load();
+    return NULL;
+}
+
 static bool prepare(struct render *render)
 {
     const struct options *options = &render->options;
     const struct dt_log *log = &render->console->log;
     if (!can_write_picture(render) || (options->timings && !file_can_write(options->timings, log)))
         return false;
+    render->loads_images =
+        options->output && pthread_create(&render->images, NULL, load_images, NULL) == 0;
     if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
     if (!find_shown(render) || !find_fault(render) ||
@@ -373,6 +385,8 @@ int verb_render(struct console *console, const struct options *options)
     session_close(&render.session);
     good = good && atomic_load(&console->errors) ==
                        0; /* messages while the device was torn down count, too */
+    if (render.loads_images)
+        pthread_join(render.images, NULL);
     if (good && options->output && !render.numbered)
         good = write_picture(&render, options->output);
     good = dump_end(&render.dump, good) && good;

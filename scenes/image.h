@@ -13,6 +13,10 @@
 bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,
                       const struct dt_log *log);
 
+/* Loads what these functions need, which takes a quarter of a second: who is about to call one of
+ * them may do that on a thread of its own. What goes wrong is told by the first that is called. */
+void image_load(void);
+
 /* Width and height of an image file, from its header alone. */
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log);
 
