@@ -48,7 +48,7 @@ sleep 0.05
 touch "$work/stamp"
 sleep 0.05
 touch templates/rsm.yaml
-check "a touched spec concerns its pipeline" edges 1 4 'rsm' ninja -n
+check "a touched spec concerns its pipeline" edges 1 6 'rsm' ninja -n
 check "... is generated again, and no more" edges 1 1 'GENERATE templates/rsm\.yaml' ninja
 check "... as its files are what they were" older build/gen/rsm/rsm* build/obj/pipelines/rsm*.o
 check "... and then there is nothing to do" nothing_to_do
