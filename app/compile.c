@@ -3,6 +3,7 @@
  * of a panel's time goes into the headers of its graphics API. */
 #include "compile.h"
 
+#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,6 +34,8 @@ struct unit {
     char *folder;         /* of its versions in the cache; NULL: is not kept */
     struct stamped found; /* there */
 };
+
+static const char hint[] = "install a C compiler, or name one in the environment variable CC";
 
 static const char *c_compiler(void)
 {
@@ -130,9 +133,7 @@ static void forget(struct unit *unit)
 
 static bool compile(struct unit *units, struct console *console)
 {
-    static const struct tool compiler = {
-        .what = "compiling the generated C",
-        .hint = "install a C compiler, or name one in the environment variable CC"};
+    static const struct tool compiler = {.what = "compiling the generated C", .hint = hint};
     char *const *argvs[UNITS];
     uint32_t count = 0;
     for (int i = 0; i < UNITS; i++)
@@ -144,10 +145,7 @@ static bool compile(struct unit *units, struct console *console)
 /* The runtimes' symbols come from the executable when it is loaded. */
 static bool link_objects(const struct unit *units, const char *folder, struct console *console)
 {
-    static const struct tool linker = {.what = "linking the generated C",
-                                       .hint =
-                                           "install a C compiler, or name one in the environment "
-                                           "variable CC"};
+    static const struct tool linker = {.what = "linking the generated C", .hint = hint};
     char *object = format_string("%s/panels.so", folder);
     char *argv[UNITS + 5] = {(char *)c_compiler(), (char *)"-shared", (char *)"-o", object};
     for (int i = 0; i < UNITS; i++)
@@ -162,10 +160,15 @@ static bool keep(struct unit *unit, const struct compile_work *work, const char 
                  const struct dt_log *log)
 {
     char *temporary = stamp_temporary(unit->folder);
-    char *object = format_string("%s/object.o", temporary ? temporary : "");
-    bool good = temporary && object && file_make_folders(temporary, log) &&
-                rename(unit->object, object) == 0 &&
-                stamp_publish(unit->folder, temporary, work->name, files, log);
+    char *object = temporary ? format_string("%s/object.o", temporary) : NULL;
+    bool good = object && file_make_folders(temporary, log);
+    if (!object)
+        report_error(log, "out of memory");
+    if (good && rename(unit->object, object) != 0) {
+        report_error(log, "%s: cannot be renamed to %s: %s", unit->object, object, strerror(errno));
+        good = false;
+    }
+    good = good && stamp_publish(unit->folder, temporary, work->name, files, log);
     if (temporary)
         file_remove_tree(temporary);
     free(object);
@@ -182,6 +185,8 @@ static bool account(struct unit *unit, const struct compile_work *work, FILE *fi
     char *lines = NULL;
     size_t size = 0;
     FILE *own = open_memstream(&lines, &size);
+    if (!own)
+        report_error(log, "out of memory");
     bool good = own && stamp_add(own, unit->depfile, &work->stamp, log);
     if (own && fclose(own) != 0)
         good = false;
