@@ -16,15 +16,20 @@ enum { HASH_TEXT = 17 };
 
 /* ---- Hashes ---------------------------------------------------------------------------------- */
 
-/* A line of a SPIR-V module, which changes with the compiler's version: its head, which counts words,
- * or some of them. */
+/* A line of a SPIR-V module, which changes with the compiler's version: its head or tail, which count
+ * words and say whose they are, or some of them. */
 static bool is_spirv(const char *line)
 {
-    return strncmp(line, "static const uint32_t ", 22) == 0 || strncmp(line, "    U\"", 6) == 0;
+    static const char *const begins[] = {"static const uint32_t ", "    U\"",
+                                         "    .words = ", "    .size = "};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(begins); i++)
+        if (strncmp(line, begins[i], strlen(begins[i])) == 0)
+            return true;
+    return false;
 }
 
-/* A panel's C without SPIR-V, and without the line that names the spec's file. */
-static bool hash_panel(uint64_t *hash, const char *path, const struct dt_log *log)
+/* Generated C without SPIR-V, and without the line that names the spec's file. */
+static bool hash_c(uint64_t *hash, const char *path, const struct dt_log *log)
 {
     size_t size;
     char *text = file_read(path, &size, log);
@@ -38,17 +43,17 @@ static bool hash_panel(uint64_t *hash, const char *path, const struct dt_log *lo
     return text;
 }
 
-/* All that the pipeline does: what both panels call, and the GLSL that the OpenGL one holds as
- * text. */
+/* All that the pipeline does: what both panels call, and the GLSL that OpenGL's shaders hold as text. */
 static bool hash_code(char text[HASH_TEXT], const struct pipeline *pipeline,
                       const struct dt_log *log)
 {
+    static const char *const files[] = {"gl", "gl_shaders", "vk"};
     uint64_t hash = FILE_HASH_START;
     bool good = true;
-    for (int i = 0; i < 2 && good; i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++) {
         char *path =
-            format_string("%s/%s_%s.c", pipeline->generated, pipeline->info->name, i ? "vk" : "gl");
-        good = path && hash_panel(&hash, path, log);
+            format_string("%s/%s_%s.c", pipeline->generated, pipeline->info->name, files[i]);
+        good = path && hash_c(&hash, path, log);
         free(path);
     }
     snprintf(text, HASH_TEXT, "%016" PRIx64, hash);
