@@ -15,7 +15,9 @@ CHANGES = ("bit", "texel", "sign")
 KINDS = (*CHANGES, "missing")
 SMALL = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "16x16", "--set", "rsm_size=16"]
 SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", "--set", "first_vpls=16",
-                "--set", "second_vpls=16", "--set", "clusters=2", "--set", "paraboloid_size=16"]
+                "--set", "second_vpls=16", "--set", "clusters=2", "--set", "paraboloid_size=16",
+                # of two maps one finds room for its list, so that no draw is empty
+                "--set", "second_clusters=2", "--set", "map_triangles=300"]
 FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
 RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]
 

@@ -258,7 +258,7 @@ def rename_everything(pipeline):
     words = {name: f"{chr(ord('z') - i % 26)}{i}" for i, name in enumerate(sorted(declared))}
     fields = sorted({field for fields in pipeline.section("structs").values() for field in fields})
     members = {field: f"q{len(fields) - i}" for i, field in enumerate(fields) if not re.fullmatch("[xyzw]+", field)}
-    passes = {entry["name"]: f"pass_{chr(ord('z') - i)}" for i, entry in enumerate(pipeline.passes())}
+    passes = {entry["name"]: f"pass_{chr(ord('z') - i % 26)}{i}" for i, entry in enumerate(pipeline.passes())}
 
     def rename(node, key=None):
         if isinstance(node, dict):
@@ -449,7 +449,7 @@ def split_buffers(pipeline):
         ranges_as_loops(pipeline)   # a range runs over whole elements
         edit_bodies(pipeline, lambda text: text.replace("Tap tap = taps[(0) + element];", "").replace(
             "tap.", "taps[element]."))
-    for buffer in ("centres", "cluster_views", "second_vpl", "taps", "histogram"):
+    for buffer in ("centres", "vpls", "second_vpl", "taps", "histogram"):
         if buffer in pipeline.spec["buffers"]:
             split_buffer(pipeline, buffer)
 

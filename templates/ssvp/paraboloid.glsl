@@ -1,17 +1,10 @@
 /* The maps that second-bounce VPLs are sampled from, and that tell what a cluster of first-bounce VPLs
- * sees. */
-const int MAP_SIZE = paraboloid_size;
-
+ * sees, from the lists of what each draws. */
 #ifdef VERTEX
-#include "map_draws.glsl"
-#endif
-
-#ifdef FRAGMENT
-void write_texel(float reach, uint number)
+uint first_triangle(int instance)
 {
-    paraboloid_distance = vec4(reach, 0.0, 0.0, 1.0);
-    paraboloid_triangle = uvec4(number, 0u, 0u, 1u);
+    return paraboloid_draws[instance].first_index / 3u;
 }
 #endif
 
-#include "paraboloid_map.glsl"
+#include "paraboloid_texel.glsl"

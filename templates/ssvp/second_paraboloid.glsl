@@ -1,9 +1,15 @@
 /* The maps that tell what a cluster of second-bounce VPLs sees. */
 const int MAP_SIZE = second_map_size;
 
-#ifdef VERTEX
-#include "map_draws.glsl"
-#endif
+int map_of(int instance)
+{
+    return instance;
+}
+
+uint first_triangle(int instance)
+{
+    return 0u; /* nobody asks for a triangle's number */
+}
 
 #ifdef FRAGMENT
 void write_texel(float reach, uint number)

@@ -1,4 +1,4 @@
-/* What a texel of a paraboloid map shows: the surface of the triangle whose number it keeps. Included by
+/* What a texel of a paraboloid map shows: the surface of the triangle whose place it keeps. Included by
  * what samples the maps. */
 #include "../shared/space.glsl"
 #include "../shared/facing.glsl"
@@ -32,15 +32,24 @@ vec3 albedo_of(SceneVertex a, SceneVertex b, SceneVertex c, vec3 weights, float 
     return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : texel.rgb), 0.0, 1.0);
 }
 
+/* By the place of a corner in the lists of what maps draw, and behind them in the scene. */
+SceneVertex corner_at(uint place)
+{
+    uint listed = 3u * uint(listed_triangles);
+    bool whole = place >= listed;
+    uint index = whole ? scene_indices[place - listed] : map_indices[place];
+    return scene_vertices[index];
+}
+
 Seen surface_of(ivec3 at)
 {
     Seen seen;
     uint number = paraboloid_triangle(at).x;
     seen.surface = number > 0u;
     uint first = 3u * (max(number, 1u) - 1u);
-    SceneVertex a = scene_vertices[scene_indices[first]];
-    SceneVertex b = scene_vertices[scene_indices[first + 1u]];
-    SceneVertex c = scene_vertices[scene_indices[first + 2u]];
+    SceneVertex a = corner_at(first);
+    SceneVertex b = corner_at(first + 1u);
+    SceneVertex c = corner_at(first + 2u);
     vec2 p = (vec2(at.xy) + 0.5) * (2.0 / float(paraboloid_size)) - 1.0;
     float s = dot(p, p);
     vec3 d = vec3(2.0 * p, 1.0 - s) / (1.0 + s);

@@ -1,0 +1,36 @@
+/* Where the list of each map begins, and within it what comes of each chunk of triangles: counts become
+ * places. Lists stand one behind the other as long as there is room; a map that finds none draws the
+ * whole scene, in a pass of its own. An invocation has a map. The pass calls the draws of lists `draws`
+ * and those of the whole scene `whole_draws`. */
+shared uint totals[64];
+
+void main()
+{
+    int map = int(gl_LocalInvocationIndex);
+    uint chunks = cull_groups[0];
+    uint total = 0u;
+    for (uint k = 0u; k < (map < views_count ? chunks : 0u); k++) {
+        uint at = k * uint(views_count) + uint(map);
+        chunk_places[at] = total;
+        total += chunk_counts[at];
+    }
+    totals[map] = total;
+    barrier();
+    if (map >= views_count)
+        return;
+    uint first = 0u;
+    for (int k = 0; k < map; k++)
+        first += first + totals[k] <= uint(listed_triangles) ? totals[k] : 0u;
+    bool fits = chunks > 0u && first + total <= uint(listed_triangles);
+    bool empty = views[map].member < 0 || frame.triangle_count == 0u;
+    draws[map].index_count = fits ? 3u * total : 0u;
+    draws[map].instance_count = fits && total > 0u ? 1u : 0u;
+    draws[map].first_index = fits ? 3u * first : 0u;
+    draws[map].vertex_offset = 0;
+    draws[map].first_instance = uint(map);
+    whole_draws[map].index_count = fits || empty ? 0u : 3u * frame.triangle_count;
+    whole_draws[map].instance_count = fits || empty ? 0u : 1u;
+    whole_draws[map].first_index = 0u;
+    whole_draws[map].vertex_offset = 0;
+    whole_draws[map].first_instance = uint(map);
+}
