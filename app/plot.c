@@ -164,6 +164,11 @@ void plot_point(struct plot *plot, double x, double y, double low, double high)
     take_in(plot, high);
 }
 
+int plot_height(int lines)
+{
+    return PLOT_HEIGHT - 20 + 17 * lines;
+}
+
 bool plot_is_empty(const struct plot *plot)
 {
     return plot->point_count == 0;
@@ -190,21 +195,33 @@ static void put_range(FILE *out, const struct plot *plot)
     fputs(")\n", out);
 }
 
+/* A key of more than four lines stands above the plot, which it must not eat up. */
+static bool has_tall_key(const struct plot *plot)
+{
+    return !plot->beside && plot->line_count > 4;
+}
+
+static int height_of(const struct plot *plot)
+{
+    int height = has_tall_key(plot) ? plot_height((int)plot->line_count) : PLOT_HEIGHT;
+    return plot->height ? plot->height : height;
+}
+
 static void put_script(FILE *out, const struct plot *plot)
 {
     fputs("# gnuplot, anywhere: the SVG comes on standard output.\n", out);
     fprintf(out,
             "set terminal svg size %d,%d font 'DejaVu Sans,Verdana,sans-serif,13' noenhanced\n",
-            plot->beside ? 2 * PLOT_WIDTH : PLOT_WIDTH, plot->height ? plot->height : PLOT_HEIGHT);
+            plot->beside ? 2 * PLOT_WIDTH : PLOT_WIDTH, height_of(plot));
     fputs(gnuplot_head, out);
     fputs("set xlabel ", out);
     put_quoted(out, plot->x_label);
     fputs("\nset ylabel ", out);
     put_quoted(out, plot->y_label);
     fprintf(out, "\nset key %s\n",
-            plot->beside           ? "outside right top vertical Left reverse"
-            : plot->line_count > 4 ? "above vertical maxrows 99"
-                                   : "above");
+            plot->beside         ? "outside right top vertical Left reverse"
+            : has_tall_key(plot) ? "above vertical maxrows 99"
+                                 : "above");
     if (plot->value_count)
         put_values(out, plot);
     if (plot->from_zero)

@@ -17,7 +17,7 @@ struct plot {
     uint32_t value_count;
     bool from_zero; /* y; else logarithmic, where only positive values can be seen */
     bool beside;    /* the key is right of the plot, which is wider for it */
-    int height;     /* pixels; 0: PLOT_HEIGHT */
+    int height;     /* pixels; 0: what its lines need */
     /* What plot_line and plot_point gather. */
     FILE *data, *lines;
     char *data_text, *lines_text;
@@ -39,6 +39,7 @@ void plot_point(struct plot *plot, double x, double y, double low, double high);
 double plot_x(const struct plot *plot, uint32_t index); /* of one of the values */
 /* Writes FOLDER/NAME.gp and NAME.svg, or removes an SVG where there is nothing to be seen. Logs its error. */
 bool plot_draw(struct plot *plot, struct console *console, const char *folder, const char *name);
+int plot_height(int lines); /* with a line of the key above for each */
 bool plot_is_empty(const struct plot *plot);
 void plot_free(struct plot *plot);
 

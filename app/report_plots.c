@@ -180,7 +180,7 @@ static const cJSON *motion_runs(const struct report *report)
 
 int report_change_plot_height(const struct report *report)
 {
-    return PLOT_HEIGHT - 20 + 17 * cJSON_GetArraySize(motion_runs(report));
+    return plot_height(cJSON_GetArraySize(motion_runs(report)));
 }
 
 /* Per cent, of a run's step from frame `step` to the next. */
