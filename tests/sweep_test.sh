@@ -38,7 +38,7 @@ if [ -n "$long" ]; then
         agree rsm 50 $seed 64
     done
 else
-    agree ssvp 8 5 12
+    agree ssvp 8 1 12
     agree rsm 12 1 12
 fi
 
