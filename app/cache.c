@@ -57,7 +57,7 @@ static bool generate(const struct compile_work *work, struct console *console)
             argv[n++] = (char *)"--set";
             argv[n++] = (char *)request->sets[i];
         }
-        good = tool_run(&generator, argv, -1, console);
+        good = tool_run_waiting(request->generator, &generator, argv, console);
     } else {
         report_error(&console->log, "out of memory");
     }

@@ -7,7 +7,7 @@
 
 #include <dirent.h>
 
-#include "console.h"
+#include "tool.h"
 
 struct build_request {
     const char *headers[2]; /* folders with diptych.h and with the runtimes' headers */
@@ -16,6 +16,7 @@ struct build_request {
     const char *spec;       /* real path */
     const char **sets;      /* sorted */
     uint32_t set_count;
+    struct tool_waiting *generator; /* prepared for this; NULL: none */
 };
 
 /* What was found or built; strings are owned, free with cache_entry_free. */

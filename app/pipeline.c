@@ -278,6 +278,12 @@ static bool load_request(struct pipeline *pipeline, struct console *console,
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options)
 {
+    return pipeline_load_prepared(pipeline, console, options, NULL);
+}
+
+bool pipeline_load_prepared(struct pipeline *pipeline, struct console *console,
+                            const struct options *options, struct tool_waiting *generator)
+{
     *pipeline = (struct pipeline){0};
     char *tools = tools_folder(&console->log);
     char *headers = tools ? headers_folder(&console->log) : NULL;
@@ -291,7 +297,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
                                     .tools = tools,
                                     .templates = templates,
                                     .spec = spec,
-                                    .sets = sets};
+                                    .sets = sets,
+                                    .generator = generator};
     if (spec && (!templates || !sets))
         report_error(&console->log, "%s: cannot be read: %s",
                      options->templates ? options->templates : "templates", strerror(errno));

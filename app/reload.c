@@ -14,7 +14,7 @@
 #include "stamp.h"
 #include "files.h"
 
-enum { LOOK_MS = 20, MAX_FOLDERS = 64 };
+enum { LOOK_MS = 20, CALM_LOOKS = 50, MAX_FOLDERS = 64 };
 
 struct reload {
     struct console *console;
@@ -25,6 +25,7 @@ struct reload {
     enum reload_news news;
     struct reload_result result;
     /* the thread's own */
+    struct tool_waiting generator; /* for the next build */
     char *folders[MAX_FOLDERS];
     uint32_t folder_count;
 };
@@ -127,13 +128,25 @@ static void build(struct reload *reload, double start)
     struct reload_result result = {0};
     tell(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_load(&result.pipeline, reload->console, reload->options);
+    bool good = pipeline_load_prepared(&result.pipeline, reload->console, reload->options,
+                                       &reload->generator);
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
     console_status(reload->console, "%s", "");
     if (good)
         watch(reload, &result.pipeline); /* it may be made from files of more folders */
     tell(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
+}
+
+/* So that the next edit need not wait until it is. Not at once: the first frame needs the processor. */
+static void prepare(struct reload *reload)
+{
+    char *tools = reload->generator.child ? NULL : tools_folder(&reload->console->log);
+    char *path = tools ? format_string("%s/diptych-gen", tools) : NULL;
+    if (path)
+        tool_prepare(&reload->generator, path, reload->console);
+    free(path);
+    free(tools);
 }
 
 static bool is_stopped(struct reload *reload)
@@ -148,11 +161,16 @@ static void *run(void *user)
 {
     struct reload *reload = user;
     uint64_t built = look(reload);
+    uint32_t calm = 0;
     while (!is_stopped(reload)) {
         nanosleep(&(struct timespec){.tv_nsec = LOOK_MS * 1000000L}, NULL);
         uint64_t seen = look(reload);
-        if (seen == built)
+        if (seen == built) {
+            if (++calm == CALM_LOOKS)
+                prepare(reload);
             continue;
+        }
+        calm = 0;
         double start = milliseconds_now();
         for (uint64_t before = seen + 1; before != seen;) { /* until it is written to its end */
             before = seen;
@@ -164,6 +182,7 @@ static void *run(void *user)
         /* with more folders it is another number; else a file saved meanwhile has its turn next */
         built = reload->folder_count == folders ? seen : look(reload);
     }
+    tool_dismiss(&reload->generator, reload->console);
     return NULL;
 }
 

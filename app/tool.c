@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -18,10 +19,10 @@
 
 extern char **environ;
 
-/* Its output goes to the file `output`, -1: nowhere; its messages to `errors`, -1: to stderr. The child
+/* Its input is the file `input`, -1: ours. Its output goes to the file `output`, -1: nowhere; its messages to `errors`, -1: to stderr. The child
  * leads a process group, so that console_wait can end it with all its own children; signals are
  * unblocked in it. Returns 0 or an errno. */
-static int start(pid_t *child, char *const argv[], int output, int errors)
+static int start(pid_t *child, char *const argv[], int input, int output, int errors)
 {
     sigset_t none;
     sigemptyset(&none);
@@ -32,6 +33,8 @@ static int start(pid_t *child, char *const argv[], int output, int errors)
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
+    if (input >= 0)
+        posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
     if (output >= 0)
         posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
     else
@@ -95,7 +98,8 @@ static bool begin(struct running *running, const struct tool *tool, char *const 
     bool keep =
         messages == MESSAGES_APART || (messages == MESSAGES_KEPT && captured < 0 && console->keeps);
     *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
-    int error = start(&running->child, argv, output, running->kept >= 0 ? running->kept : captured);
+    int error =
+        start(&running->child, argv, -1, output, running->kept >= 0 ? running->kept : captured);
     if (!error) {
         console_adopt(console, running->child);
         return true;
@@ -190,6 +194,81 @@ bool tool_lines(const struct tool *tool, char *const argv[],
     else if (ends[0] >= 0)
         close(ends[0]);
     return good;
+}
+
+/* ---- Ahead of the work ----------------------------------------------------------------------- */
+
+void tool_prepare(struct tool_waiting *waiting, const char *path, struct console *console)
+{
+    char *argv[] = {(char *)path, (char *)"--wait", NULL};
+    int ends[2] = {-1, -1};
+    *waiting = (struct tool_waiting){.messages = memfd_create("errors", MFD_CLOEXEC), .input = -1};
+    if (waiting->messages >= 0 && stat(path, &waiting->program) == 0 &&
+        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) == 0 &&
+        start(&waiting->child, argv, ends[0], -1, waiting->messages) == 0) {
+        console_adopt(console, waiting->child);
+        waiting->input = ends[1];
+    } else {
+        waiting->child = 0;
+        if (ends[1] >= 0)
+            close(ends[1]);
+        if (waiting->messages >= 0)
+            close(waiting->messages);
+    }
+    if (ends[0] >= 0)
+        close(ends[0]);
+}
+
+static bool send_word(int socket, const char *word)
+{
+    size_t left = strlen(word) + 1;
+    while (left) {
+        ssize_t sent = send(socket, word, left, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR)
+            return false;
+        word += sent > 0 ? sent : 0;
+        left -= sent > 0 ? (size_t)sent : 0;
+    }
+    return true;
+}
+
+/* Whether it has all its words. */
+static bool send_words(const struct tool_waiting *waiting, char *const argv[])
+{
+    struct stat now;
+    bool good = stat(argv[0], &now) == 0 && now.st_ino == waiting->program.st_ino &&
+                now.st_size == waiting->program.st_size &&
+                now.st_mtim.tv_sec == waiting->program.st_mtim.tv_sec &&
+                now.st_mtim.tv_nsec == waiting->program.st_mtim.tv_nsec;
+    for (size_t i = 1; good && argv[i]; i++)
+        good = send_word(waiting->input, argv[i]);
+    return good;
+}
+
+void tool_dismiss(struct tool_waiting *waiting, struct console *console)
+{
+    if (!waiting->child)
+        return;
+    kill(waiting->child, SIGKILL);
+    close(waiting->input);
+    console_wait(console, waiting->child);
+    close(waiting->messages);
+    waiting->child = 0;
+}
+
+bool tool_run_waiting(struct tool_waiting *waiting, const struct tool *tool, char *const argv[],
+                      struct console *console)
+{
+    if (!waiting || !waiting->child)
+        return tool_run(tool, argv, -1, console);
+    if (!send_words(waiting, argv)) {
+        tool_dismiss(waiting, console);
+        return tool_run(tool, argv, -1, console);
+    }
+    close(waiting->input);
+    const struct running running = {waiting->child, waiting->messages};
+    waiting->child = 0;
+    return judge(finish(&running, console), tool, argv[0], &console->log);
 }
 
 bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t count,

@@ -3,6 +3,9 @@
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 
+#include <sys/stat.h>
+#include <sys/types.h>
+
 #include "console.h"
 
 struct tool {
@@ -16,6 +19,23 @@ struct tool {
  * dropped, since it would get between our own output and whoever reads that. An error is logged
  * unless the tool explains what it dislikes itself. */
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console);
+
+/* A program that was started before its work is known: it prepares, and waits for its words on its standard
+ * input, each ended by a zero byte. */
+struct tool_waiting {
+    pid_t child;         /* 0: there is none */
+    int messages, input; /* a file with what it says; where its words go */
+    struct stat program; /* as it was */
+};
+
+/* Starts `path --wait`. Nothing is said where that fails: tool_run_waiting does without. */
+void tool_prepare(struct tool_waiting *waiting, const char *path, struct console *console);
+/* As tool_run without output, by the program that waits; by a new one where that is gone, or argv[0] is
+ * another program by now. `waiting` may be NULL. */
+bool tool_run_waiting(struct tool_waiting *waiting, const struct tool *tool, char *const argv[],
+                      struct console *console);
+/* It is not wanted any more. */
+void tool_dismiss(struct tool_waiting *waiting, struct console *console);
 
 /* Runs several at once, at most CONSOLE_CHILDREN, each with its own argv and no output, and waits for
  * all. What they say comes one after the other. */

@@ -24,6 +24,7 @@ struct options {
     const char **sets;
     size_t set_count;
     bool check, live, schema, reference, help, version;
+    bool started; /* the GLSL compiler is, by whoever runs this */
 };
 
 struct option_name {
@@ -492,8 +493,8 @@ static enum status run(const struct options *options)
     struct generation g = {
         .options = options, .diag = diag_create(), .model.arena = arena_create()};
     enum status status = STATUS_FAILED;
-    bool compiles = !options->live, started = compiles && spirv_init();
-    if (compiles && !started) {
+    bool starts = !options->live && !options->started, started = starts && spirv_init();
+    if (starts && !started) {
         fputs("diptych-gen: error: the GLSL compiler could not be started\n", stderr);
     } else if (g.diag && g.model.arena) {
         g.model.templates_dir = find_templates(g.model.arena, options->templates);
@@ -531,13 +532,13 @@ static enum status print_text(void (*emit)(struct text *out))
     return good ? STATUS_DONE : STATUS_FAILED;
 }
 
-int main(int argc, char **argv)
+/* ---- The command line ------------------------------------------------------------------------ */
+
+static enum status run_words(int argc, char **argv, bool started)
 {
-    struct options options = {.sets = calloc((size_t)argc + 1, sizeof(char *))};
+    struct options options = {.sets = calloc((size_t)argc + 1, sizeof(char *)), .started = started};
     enum status status = STATUS_DONE;
-    if (argc == 2 && !strcmp(argv[1], "--describe")) {
-        print_description();
-    } else if (!options.sets || !parse_options(argc, argv, &options)) {
+    if (!options.sets || !parse_options(argc, argv, &options)) {
         status = STATUS_FAILED;
     } else if (options.help) {
         print_help();
@@ -551,5 +552,60 @@ int main(int argc, char **argv)
         status = run(&options);
     }
     free(options.sets);
-    return (int)status;
+    return status;
+}
+
+/* What comes on the standard input, up to its end; NULL when it cannot be read. */
+static char *read_input(size_t *size)
+{
+    size_t capacity = 4096;
+    char *bytes = malloc(capacity);
+    *size = 0;
+    while (bytes) {
+        ssize_t got = read(STDIN_FILENO, bytes + *size, capacity - *size);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            break;
+        *size += (size_t)got;
+        char *grown = *size == capacity ? realloc(bytes, capacity *= 2) : bytes;
+        if (!grown)
+            free(bytes);
+        bytes = grown;
+    }
+    return bytes;
+}
+
+/* --wait: for programs that will want a generation soon (app/tool.h). Prepares the GLSL compiler, which is
+ * most of the work of a small edit, and takes its words from the standard input, each ended by a zero
+ * byte; none: it was not wanted after all. */
+static enum status wait_and_run(void)
+{
+    bool started = spirv_init();
+    size_t size = 0;
+    char *words = started ? read_input(&size) : NULL;
+    char **argv = calloc(size + 2, sizeof *argv);
+    int argc = 1;
+    for (size_t at = 0; words && argv && at < size; at += strlen(words + at) + 1) {
+        if (words[size - 1]) /* cut short */
+            break;
+        argv[argc++] = words + at;
+    }
+    enum status status = argc > 1 ? run_words(argc, argv, true) : STATUS_DONE;
+    if (started)
+        spirv_finish();
+    free(argv);
+    free(words);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 2 && !strcmp(argv[1], "--describe")) {
+        print_description();
+        return STATUS_DONE;
+    }
+    if (argc == 2 && !strcmp(argv[1], "--wait"))
+        return (int)wait_and_run();
+    return (int)run_words(argc, argv, false);
 }

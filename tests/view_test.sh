@@ -53,6 +53,18 @@ ends() { # status: and no validation layer has said anything
     [ $? = "$1" ] && ! grep -E 'VUID|SYNC-HAZARD|debug message' view.err
 }
 # shellcheck disable=SC2317
+waits() { # for the next edit: a generator
+    for _ in $(seq 100); do
+        ! pgrep -P "$window" -f -- --wait >waiting || return 0
+        sleep 0.1
+    done
+    return 1
+}
+# shellcheck disable=SC2317
+is_gone() { # what waited last
+    ! kill -0 "$(cat waiting)" 2>/dev/null
+}
+# shellcheck disable=SC2317
 changed_lines() { # file file: of the second, those that the first has not
     diff "$1" "$2" | grep '^>'
 }
@@ -114,6 +126,13 @@ check "... on the terminal, too" says "'codes' : undeclared identifier"
 check "... with its line" says "| "
 cp "$root/templates/shared/tonemap.glsl" "$tonemap"
 check "put right, it is as before" see right.ppm as=moved.ppm
+check "a generator waits for the next edit" waits
+kill -KILL "$(cat waiting)"
+sed -i 's/display_store(p, vec4(/&0.5 * /' "$tonemap"
+check "... which is seen without it, too" see dark.ppm not=moved.ppm shown halves
+cp "$root/templates/shared/tonemap.glsl" "$tonemap"
+check "... and put right" see right.ppm as=moved.ppm
+check "... when another one waits" waits
 
 cp "$spec" spec.yaml
 sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + 1"/' "$spec" # good at the sizes that the generator tries
@@ -124,8 +143,10 @@ check "... and goes on when it is put right" see right.ppm as=moved.ppm
 
 xdotool search --name diptych windowsize --sync 400 120
 check "the window has another size" see resized.ppm size=400x120 shown halves
+check "a generator waits all the while" waits
 xdotool key Escape
 check "Esc ends it, and the layers were silent" ends 0
+check "... and nobody waits any more" is_gone
 check "it counted reloads, and measured every pass" holds_json \
     'd["reloads"] >= 2 and d["reload_ms"] > 0 and d["sides"][1]["frame_ms"] > 0 and d["sides"][0]["passes"][-1]["ms"] > 0'
 
