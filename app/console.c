@@ -77,10 +77,18 @@ bool console_capture(struct console *console)
     bool taken = console->capture >= 0;
     if (!taken) {
         console->capture = memfd_create("messages", MFD_CLOEXEC);
-        console->capturing = pthread_self();
+        console->capturing = console->capturing_too = pthread_self();
     }
     pthread_mutex_unlock(&console->lock);
     return !taken;
+}
+
+void console_capture_too(struct console *console, pthread_t owner)
+{
+    pthread_mutex_lock(&console->lock);
+    if (console->capture >= 0 && pthread_equal(console->capturing, owner))
+        console->capturing_too = pthread_self();
+    pthread_mutex_unlock(&console->lock);
 }
 
 char *console_captured(struct console *console)
@@ -98,7 +106,8 @@ char *console_captured(struct console *console)
 int console_capturing(struct console *console)
 {
     pthread_mutex_lock(&console->lock);
-    bool own = console->capture >= 0 && pthread_equal(console->capturing, pthread_self());
+    bool own = console->capture >= 0 && (pthread_equal(console->capturing, pthread_self()) ||
+                                         pthread_equal(console->capturing_too, pthread_self()));
     int file = own ? console->capture : -1;
     pthread_mutex_unlock(&console->lock);
     return file;

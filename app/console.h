@@ -30,7 +30,7 @@ struct console {
     char status[128];
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
     int capture; /* memory file that takes what the capturing thread says; -1: none */
-    pthread_t capturing;
+    pthread_t capturing, capturing_too; /* the same where there is one */
     /* each leads a process group, which a signal ends, too; 0: none */
     pid_t children[CONSOLE_CHILDREN];
     bool keeps; /* warnings and errors, for --json */
@@ -65,6 +65,8 @@ struct dt_log log_from(struct log_source *source);
  * kept and not shown; NULL then when out of memory, else to be freed. False where another thread does. */
 bool console_capture(struct console *console);
 char *console_captured(struct console *console);
+/* What this thread logs goes the same way, while `owner` captures. One thread at a time. */
+void console_capture_too(struct console *console, pthread_t owner);
 int console_capturing(
     struct console *console); /* the file, when it is this thread that does; or -1 */
 

@@ -1,9 +1,10 @@
 /* `diptych view`: a window on one backend, or on two of them beside each other, from a camera that
- * flies. Frames run one after the other on this thread, which is also the window's; wishes that
- * keys and mouse leave behind are carried out between them. */
+ * flies. Frames run one after the other on this thread, which is also the window's, but for the first
+ * that two backends have; wishes that keys and mouse leave behind are carried out between them. */
 #include "view.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -122,6 +123,46 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
            view_times_take(side, milliseconds_now() - start);
 }
 
+/* One side's frame on a thread of its own. */
+struct side_frame {
+    struct view *view;
+    struct view_side *side;
+    const struct dt_frame *frame;
+    pthread_t waits; /* for it */
+    bool good;
+};
+
+static void *render_apart(void *user)
+{
+    struct side_frame *work = user;
+    console_capture_too(work->view->console, work->waits);
+    work->good = render_side(work->view, work->side, work->frame);
+    return NULL;
+}
+
+/* The first frame of a pipeline is mostly the drivers' compiling, each on one thread, so Vulkan does that
+ * on another one than OpenGL, whose context is this thread's. Later frames take turns: their times are
+ * shown. */
+static bool render_both(struct view *view, const struct dt_frame *frame)
+{
+    struct view_side *second = &view->side[1];
+    struct side_frame work = {view, second, frame, pthread_self(), false};
+    pthread_t thread;
+    bool apart = frame->index == 0 && strcmp(second->session.runtime->name, "vk") == 0 &&
+                 pthread_create(&thread, NULL, render_apart, &work) == 0;
+    bool good = render_side(view, &view->side[0], frame);
+    if (!apart)
+        return good && render_side(view, second, frame);
+    pthread_join(thread, NULL);
+    return good && work.good;
+}
+
+static bool render_sides(struct view *view, const struct dt_frame *frame)
+{
+    return view->side_count == 1 ? render_side(view, &view->side[0], frame)
+                                 : render_both(view, frame);
+}
+
 static bool fit_to_window(struct view *view)
 {
     uint32_t size[2];
@@ -146,10 +187,7 @@ bool view_render(struct view *view)
     frame.index = view->frame++;
     view->frames++;
     view->camera = frame.camera;
-    for (uint32_t i = 0; i < view->side_count; i++)
-        if (!render_side(view, &view->side[i], &frame))
-            return false;
-    return view_pictures(view);
+    return render_sides(view, &frame) && view_pictures(view);
 }
 
 /* The overlay's triangles behind those of the pictures. */
