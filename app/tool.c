@@ -19,9 +19,9 @@
 
 extern char **environ;
 
-/* Its input is the file `input`, -1: ours. Its output goes to the file `output`, -1: nowhere; its messages to `errors`, -1: to stderr. The child
- * leads a process group, so that console_wait can end it with all its own children; signals are
- * unblocked in it. Returns 0 or an errno. */
+/* Its input is the file `input`, -1: ours. Its output goes to the file `output`, -1: nowhere; its
+ * messages to `errors`, -1: to stderr. The child leads a process group, so that console_wait can end it
+ * with all its own children; signals are unblocked in it. Returns 0 or an errno. */
 static int start(pid_t *child, char *const argv[], int input, int output, int errors)
 {
     sigset_t none;
