@@ -12,10 +12,10 @@
  * the second nearest of those centres is.
  *
  * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
- * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So long loops take a block at a turn, whose
- * loop of constant length the compiler unrolls: with every parameter at its max there are about
- * 56,000 turns. Large blocks take long to compile, and so does every read of a buffer: what is read
- * twice is kept. */
+ * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So where there would be more, long loops take a
+ * block at a turn, whose loop of constant length the compiler unrolls: with every parameter at its max
+ * there are about 56,000 turns. Blocks take long to compile, and so does every read of a buffer: what is
+ * read twice is kept. */
 #include "../shared/space.glsl"
 
 shared vec3 centre_position[point_centres_count];
@@ -25,15 +25,14 @@ shared vec3 mean_normal[point_centres_count];
 shared int member_count[point_centres_count];
 shared int label[points_count];
 shared float apart[points_count];
+shared float power[points_count];
 shared uint most_apart; /* of all lanes, its bits */
 shared int first_apart; /* the first VPL that is so far away; points_count: none is away at all */
 
-const int BLOCK = 4;
-
-float point_power(int k)
-{
-    return points[k].flux.r + points[k].flux.g + points[k].flux.b;
-}
+const int ROUNDS = (points_count + 63) / 64; /* of the workgroup's lanes over the points */
+const int TURNS = 2 * (points_count + ROUNDS) + point_centres_count +
+                  kmeans_iterations * (points_count + (ROUNDS + 1) * (2 * point_centres_count + 1));
+const int BLOCK = TURNS < 60000 ? 1 : 4;
 
 void none_apart()
 {
@@ -47,12 +46,12 @@ void seed(int c)
 {
     int living = 0;
     for (int k = 0; k < points_count; k++)
-        living += point_power(k) > 0.0 ? 1 : 0;
+        living += power[k] > 0.0 ? 1 : 0;
     int wanted = (2 * c + 1) * living / (2 * point_centres_count);
     int chosen = 0;
     int rank = 0;
     for (int k = 0; k < points_count; k++) {
-        bool lives = point_power(k) > 0.0;
+        bool lives = power[k] > 0.0;
         if (lives && rank == wanted)
             chosen = k;
         rank += lives ? 1 : 0;
@@ -85,7 +84,7 @@ void assign(int k)
             }
         }
     }
-    bool lives = point_power(k) > 0.0;
+    bool lives = power[k] > 0.0;
     label[k] = lives ? nearest : -1;
     apart[k] = lives ? least : -1.0;
     point_margins[k] = lives && point_centres_count > 1 ? second - least : -1.0;
@@ -107,11 +106,10 @@ void average(int c)
             if (k < points_count && label[k] == c) {
                 vec3 p = points[k].position;
                 vec3 n = points[k].normal;
-                float power = point_power(k);
                 position = members == 0 ? p : position + p;
                 normal = members == 0 ? n : normal + n;
-                dominant = power > brightest ? n : dominant;
-                brightest = max(power, brightest);
+                dominant = power[k] > brightest ? n : dominant;
+                brightest = max(power[k], brightest);
                 members++;
             }
         }
@@ -164,10 +162,13 @@ void main()
 {
     int lane = int(gl_LocalInvocationIndex);
     int lanes = int(gl_WorkGroupSize.x);
-    if (lane < point_centres_count)
-        seed(lane);
+    for (int k = lane; k < points_count; k += lanes)
+        power[k] = points[k].flux.r + points[k].flux.g + points[k].flux.b;
     if (lane == 0)
         none_apart();
+    barrier();
+    if (lane < point_centres_count)
+        seed(lane);
     barrier();
     for (int i = 0; i < kmeans_iterations; i++) {
         for (int k = lane; k < points_count; k += lanes)
