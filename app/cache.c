@@ -25,8 +25,8 @@ enum { MOST_BUILDS = 5 }; /* of files that are saved while they are compiled */
 static char *shader_cache(const struct build_request *request, const char *base)
 {
     uint64_t key = FILE_HASH_START;
-    hash_bytes(&key, request->spec, strlen(request->spec) + 1);
-    hash_bytes(&key, request->templates, strlen(request->templates) + 1);
+    hash_string(&key, request->spec);
+    hash_string(&key, request->templates);
     return format_string("%s/%016" PRIx64 CACHE_SHADERS, base, key);
 }
 
@@ -130,10 +130,11 @@ static bool request_key(const struct build_request *request, uint64_t *key,
                         const struct dt_log *log)
 {
     *key = FILE_HASH_START;
-    hash_bytes(key, request->spec, strlen(request->spec) + 1);
-    hash_bytes(key, request->templates, strlen(request->templates) + 1);
+    hash_string(key, request->spec);
+    hash_string(key, request->templates);
     for (uint32_t i = 0; i < request->set_count; i++)
-        hash_bytes(key, request->sets[i], strlen(request->sets[i]) + 1);
+        hash_string(key, request->sets[i]);
+    hash_string(key, compile_panels_with(request));
     char *generator = format_string("%s/diptych-gen", request->tools);
     struct stat info; /* ten megabytes take longer to read than all the rest of what is cached */
     bool good = generator && stat(generator, &info) == 0;

@@ -1,6 +1,7 @@
 /* Compiles generated C; see compile.h. Objects of the panels and of the reflection are kept in the
  * cache, by source and flags: most edits change shaders only, whose C is made anew each time, and most
- * of a panel's time goes into the headers of its graphics API. */
+ * of a panel's time goes into the headers of its graphics API. Who waits at a window for what an edit
+ * does gets panels from tcc, which takes a twentieth of the time; what they call is optimised. */
 #include "compile.h"
 
 #include <errno.h>
@@ -16,17 +17,19 @@ enum { UNITS = 5 };
 
 static const struct {
     const char *end; /* of the source's name */
-    bool kept;
-} kinds[UNITS] = {/* those that take longest first */
+    bool kept;       /* in the cache; the others are char32_t literals, unknown to tcc */
+} kinds[UNITS] = {   /* those that take longest first */
                   {"_gl_shaders.c", false},
                   {"_vk_shaders.c", false},
                   {"_gl.c", true},
                   {"_vk.c", true},
                   {".c", true}};
 
-static const char *const flags[] = {"-std=c11",
-                                    "-Og", /* two thirds of the time; what it calls is optimised */
-                                    "-fPIC", "-MMD"};
+enum { FLAGS = 3 };
+static const char *const flags[FLAGS] = {
+    "-std=c11", "-Og", /* two thirds of the time; what it calls is optimised */
+    "-fPIC"};
+static const char quick_compiler[] = "tcc";
 
 struct unit {
     char *source, *object, *depfile;
@@ -43,26 +46,24 @@ static const char *c_compiler(void)
     return named && *named ? named : "cc";
 }
 
+const char *compile_panels_with(const struct build_request *request)
+{
+    const char *named = getenv("CC");
+    bool quick = request->hurried && !(named && *named) && tool_is_there(quick_compiler);
+    return quick ? quick_compiler : c_compiler();
+}
+
 /* ---- What is to be done ---------------------------------------------------------------------- */
 
-static bool plan_command(struct unit *unit, const struct build_request *request)
+static bool plan_command(struct unit *unit, const struct build_request *request, bool kept)
 {
-    const char *argv[] = {c_compiler(),
-                          flags[0],
-                          flags[1],
-                          flags[2],
-                          flags[3],
-                          "-MF",
-                          unit->depfile,
-                          "-I",
-                          request->headers[0],
-                          "-I",
-                          request->headers[1],
-                          "-c",
-                          unit->source,
-                          "-o",
-                          unit->object,
-                          NULL};
+    const char *compiler = kept ? compile_panels_with(request) : c_compiler();
+    const char *argv[] = {
+        compiler, flags[0], flags[1], flags[2],
+        /* tcc knows one word only, and leaves the system's headers out by itself */
+        compiler == quick_compiler ? "-MD" : "-MMD", "-MF", unit->depfile, "-I",
+        request->headers[0], "-I", request->headers[1], "-c", unit->source, "-o", unit->object,
+        NULL};
     _Static_assert(sizeof argv <= sizeof unit->argv, "every word has its place");
     memcpy(unit->argv, argv, sizeof argv);
     return unit->source && unit->object && unit->depfile;
@@ -72,12 +73,12 @@ static bool plan_command(struct unit *unit, const struct build_request *request)
 static bool unit_key(const struct unit *unit, const struct compile_work *work, uint64_t *key)
 {
     const struct build_request *request = work->request;
-    const char *const words[] = {c_compiler(),       flags[0], flags[1],
-                                 flags[2],           flags[3], request->headers[0],
-                                 request->headers[1]};
     *key = FILE_HASH_START;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
-        hash_bytes(key, words[i], strlen(words[i]) + 1);
+    for (size_t i = 0; i < FLAGS; i++)
+        hash_string(key, flags[i]);
+    hash_string(key, unit->argv[0]);
+    hash_string(key, request->headers[0]);
+    hash_string(key, request->headers[1]);
     char *header = format_string("%s/%s.h", work->stamp.folder, work->name);
     bool good = header && hash_file(key, header) && hash_file(key, unit->source);
     free(header);
@@ -108,7 +109,7 @@ static bool plan(struct unit *unit, const struct compile_work *work, int kind)
     *unit = (struct unit){.source = format_string("%s/%s%s", folder, work->name, end),
                           .object = format_string("%s/%s%s.o", folder, work->name, end),
                           .depfile = format_string("%s/%s%s.d", folder, work->name, end)};
-    if (!plan_command(unit, work->request))
+    if (!plan_command(unit, work->request, kinds[kind].kept))
         return false;
     if (!kinds[kind].kept)
         return true;
@@ -147,9 +148,11 @@ static bool link_objects(const struct unit *units, const char *folder, struct co
 {
     static const struct tool linker = {.what = "linking the generated C", .hint = hint};
     char *object = format_string("%s/panels.so", folder);
-    char *argv[UNITS + 5] = {(char *)c_compiler(), (char *)"-shared", (char *)"-o", object};
+    char *argv[UNITS + 6] = {(char *)c_compiler(), (char *)"-shared",
+                             (char *)"-Wl,-z,noexecstack", /* tcc does not say so */
+                             (char *)"-o", object};
     for (int i = 0; i < UNITS; i++)
-        argv[4 + i] = units[i].object;
+        argv[5 + i] = units[i].object;
     bool good = object && tool_run(&linker, argv, -1, console);
     free(object);
     return good;

@@ -182,6 +182,11 @@ void hash_bytes(uint64_t *hash, const void *data, size_t size)
         *hash = (*hash ^ bytes[i]) * UINT64_C(0x100000001b3);
 }
 
+void hash_string(uint64_t *hash, const char *text)
+{
+    hash_bytes(hash, text, strlen(text) + 1);
+}
+
 bool hash_file(uint64_t *hash, const char *path)
 {
     FILE *stream = fopen(path, "rb");

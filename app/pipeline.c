@@ -298,7 +298,8 @@ bool pipeline_load_prepared(struct pipeline *pipeline, struct console *console,
                                     .templates = templates,
                                     .spec = spec,
                                     .sets = sets,
-                                    .generator = generator};
+                                    .generator = generator,
+                                    .hurried = generator};
     if (spec && (!templates || !sets))
         report_error(&console->log, "%s: cannot be read: %s",
                      options->templates ? options->templates : "templates", strerror(errno));

@@ -301,6 +301,20 @@ char *tool_read(const struct tool *tool, char *const argv[], struct console *con
     return text;
 }
 
+bool tool_is_there(const char *name)
+{
+    bool found = false;
+    const char *path = getenv("PATH");
+    for (const char *at = path ? path : ""; *at && !found; at += *at == ':') {
+        int length = (int)strcspn(at, ":");
+        char *file = format_string("%.*s/%s", length, at, name);
+        found = file && access(file, X_OK) == 0;
+        free(file);
+        at += length;
+    }
+    return found;
+}
+
 char *tools_folder(const struct dt_log *log)
 {
     char *path = realpath("/proc/self/exe", NULL);

@@ -49,6 +49,9 @@ char *tool_read(const struct tool *tool, char *const argv[], struct console *con
 bool tool_lines(const struct tool *tool, char *const argv[],
                 void (*take)(void *user, const char *line), void *user, struct console *console);
 
+/* Whether there is a program of that name in a folder of PATH. */
+bool tool_is_there(const char *name);
+
 /* The folder of the executable, where diptych-gen, glad and the cache stand, too; NULL, logged, when it cannot
  * be found; free(). */
 char *tools_folder(const struct dt_log *log);

@@ -147,9 +147,13 @@ done
 # What a killed process left is removed by the next one.
 # shellcheck disable=SC2317
 swept() {
-    local folder
-    folder=$(dirname "$(find "$work/project/build/cache" -mindepth 1 -maxdepth 1 -type d | head -n 1)/x")
-    mkdir "$folder/tmp-999999999"
+    local made folder
+    "${own[@]}" || return
+    for made in "$work"/project/build/cache/*/*/panels.so; do # one: no other compiler has got so far
+        folder=$(dirname "$(dirname "$made")")
+        mkdir "$folder/tmp-999999999"
+    done
+    echo "# changed" >>"$work/spec/mips.yaml"
     "${own[@]}" && nothing_left
 }
 check "what a killed process left half built is swept" swept

@@ -28,6 +28,12 @@ DISPLAY=:$(cat display.number)
 export DISPLAY
 unset WAYLAND_DISPLAY
 
+# The compiler of edits, or any other in its place, which tells when it is called.
+mkdir bin
+printf '#!/bin/sh\necho "$@" >>"%s/tcc.calls"\nexec %s "$@"\n' "$work" "$(command -v tcc || command -v cc)" >bin/tcc
+chmod +x bin/tcc
+PATH=$work/bin:$PATH
+
 open_window() { # option...: until its first picture is there
     "$diptych" view "${small[@]}" --debug --json view.json "$@" >view.out 2>view.err &
     window=$!
@@ -118,6 +124,7 @@ xdotool key p
 check "P takes a screenshot" says "wrote diptych-000.png"
 
 # Edits.
+check "no compiler but the system's is used before an edit" [ ! -e tcc.calls ]
 sed -i 's/display_store(p, vec4(/&0.5 * /' "$tonemap"
 check "a saved body changes the picture" see dark.ppm not=moved.ppm shown halves
 sed -i 's/vec3 codes/vec3 kodes/' "$tonemap"
@@ -138,6 +145,7 @@ cp "$spec" spec.yaml
 sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + 1"/' "$spec" # good at the sizes that the generator tries
 check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
 check "... with the reason" says "pass average"
+check "... from panels that tcc compiled" grep -F "_vk.c" tcc.calls
 cp spec.yaml "$spec"
 check "... and goes on when it is put right" see right.ppm as=moved.ppm
 
