@@ -211,7 +211,8 @@ static bool open_commands(struct vk_runtime *rt)
         .queueFamilyIndex = rt->queue_family,
     };
     VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    if (!VK(rt, vkCreateCommandPool(rt->device, &pool, NULL, &rt->command_pool), "commands") ||
+    VkAllocationCallbacks memory = vk_arena_callbacks(&rt->command_memory);
+    if (!VK(rt, vkCreateCommandPool(rt->device, &pool, &memory, &rt->command_pool), "commands") ||
         !VK(rt, vkCreateFence(rt->device, &fence, NULL, &rt->fence), "frame"))
         return false;
     VkCommandBufferAllocateInfo allocate = {
@@ -248,10 +249,12 @@ bool vk_context_open(struct vk_runtime *rt, const char *device, bool window)
 void vk_context_close(struct vk_runtime *rt)
 {
     if (rt->device) {
+        VkAllocationCallbacks memory = vk_arena_callbacks(&rt->command_memory);
         vkDestroyFence(rt->device, rt->fence, NULL);
-        vkDestroyCommandPool(rt->device, rt->command_pool, NULL);
+        vkDestroyCommandPool(rt->device, rt->command_pool, &memory);
         vkDestroyDevice(rt->device, NULL);
     }
+    vk_arena_free(&rt->command_memory);
     vk_window_close(rt);
     if (rt->messenger) {
         PFN_vkDestroyDebugUtilsMessengerEXT destroy =

@@ -3,6 +3,7 @@
 #ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
 #define DIPTYCH_RUNTIME_VK_INTERNAL_H
 
+#include "arena.h"
 #include "diptych_vk.h"
 #include "dispatch.h"
 #include "runtime.h"
@@ -82,6 +83,7 @@ struct vk_runtime {
     uint32_t queue_family, timestamp_bits;
     VkQueue queue;
     VkCommandPool command_pool;
+    struct vk_arena command_memory;
     VkCommandBuffer frame_commands, immediate_commands;
     VkFence fence;
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label; /* these three only with debug */

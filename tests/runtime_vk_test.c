@@ -10,6 +10,7 @@
 #include <dlfcn.h>
 #include <cmocka.h>
 
+#include "runtime_vk/arena.h"
 #include "runtime_vk/runtime.h"
 
 #include "count.comp.h"
@@ -1105,6 +1106,94 @@ static void out_of_memory_is_one_error_and_a_clean_end(void **unused)
     fail_allocation = 0;
 }
 
+/* ---- Memory of recorded commands -------------------------------------------------------------- */
+
+enum { BLOCKS = 300, MAX_CHUNKS = 64 };
+
+static void *take(const VkAllocationCallbacks *memory, size_t size, size_t alignment)
+{
+    void *block = memory->pfnAllocation(memory->pUserData, size, alignment,
+                                        VK_SYSTEM_ALLOCATION_SCOPE_OBJECT);
+    assert_non_null(block);
+    assert_int_equal((uintptr_t)block % alignment, 0);
+    return block;
+}
+
+/* Sizes from 1 to 389 bytes and alignments from 1 to 64, each filled with a byte of its own. */
+static void record_blocks(const VkAllocationCallbacks *memory, uint8_t *blocks[BLOCKS], size_t turn)
+{
+    for (size_t i = 0; i < BLOCKS; i++) {
+        size_t size = 1 + (i * 97 + turn) % 389;
+        blocks[i] = take(memory, size, (size_t)1 << i % 7);
+        memset(blocks[i], (int)i, size);
+    }
+    for (size_t i = 0; i < BLOCKS; i++) {
+        size_t size = 1 + (i * 97 + turn) % 389;
+        assert_int_equal(blocks[i][0], (uint8_t)i);
+        assert_int_equal(blocks[i][size - 1], (uint8_t)i);
+    }
+}
+
+static void reset_blocks(const VkAllocationCallbacks *memory, uint8_t *blocks[BLOCKS])
+{
+    for (size_t i = 0; i < BLOCKS; i++)
+        memory->pfnFree(memory->pUserData, blocks[i]);
+}
+
+/* Two command buffers, one of which is reset in every turn: their blocks come to lie where others of
+ * them lay, though one block is never given back. Counts stretches of 64 KiB. */
+static void commands_are_kept_where_others_were(void **state)
+{
+    struct vk_arena arena = {0};
+    VkAllocationCallbacks memory = vk_arena_callbacks(&arena);
+    uint8_t *buffers[2][BLOCKS], *pool = take(&memory, 200, 8);
+    uintptr_t chunks[MAX_CHUNKS];
+    size_t chunk_count = 0;
+    (void)state;
+    for (size_t turn = 0; turn < 100; turn++) {
+        if (turn >= 2)
+            reset_blocks(&memory, buffers[turn % 2]);
+        record_blocks(&memory, buffers[turn % 2], turn);
+        for (size_t i = 0; i < BLOCKS; i++) {
+            uintptr_t chunk = (uintptr_t)buffers[turn % 2][i] / 65536;
+            size_t known = 0;
+            while (known < chunk_count && chunks[known] != chunk)
+                known++;
+            if (known == chunk_count && chunk_count < MAX_CHUNKS)
+                chunks[chunk_count++] = chunk;
+        }
+    }
+    assert_in_range(chunk_count, 1, 6);
+    reset_blocks(&memory, buffers[0]);
+    reset_blocks(&memory, buffers[1]);
+    memory.pfnFree(memory.pUserData, pool);
+    vk_arena_free(&arena);
+}
+
+static void a_block_keeps_its_content_when_it_grows(void **state)
+{
+    struct vk_arena arena = {0};
+    VkAllocationCallbacks memory = vk_arena_callbacks(&arena);
+    uint8_t *block = NULL;
+    (void)state;
+    for (size_t size = 1; size < 1000000; size *= 3) {
+        block = memory.pfnReallocation(memory.pUserData, block, size, 16,
+                                       VK_SYSTEM_ALLOCATION_SCOPE_OBJECT);
+        assert_non_null(block);
+        for (size_t i = 0; i < size / 3; i++)
+            assert_int_equal(block[i], (uint8_t)i);
+        for (size_t i = 0; i < size; i++)
+            block[i] = (uint8_t)i;
+    }
+    assert_null(memory.pfnReallocation(memory.pUserData, block, SIZE_MAX - 64, 16,
+                                       VK_SYSTEM_ALLOCATION_SCOPE_OBJECT));
+    assert_int_equal(block[100], 100);
+    assert_null(
+        memory.pfnReallocation(memory.pUserData, block, 0, 16, VK_SYSTEM_ALLOCATION_SCOPE_OBJECT));
+    memory.pfnFree(memory.pUserData, NULL);
+    vk_arena_free(&arena);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1122,6 +1211,8 @@ int main(void)
         cmocka_unit_test(an_unknown_device_is_named_and_the_known_are_listed),
         cmocka_unit_test(a_feature_is_asked_for_by_the_pass_that_needs_it),
         cmocka_unit_test(out_of_memory_is_one_error_and_a_clean_end),
+        cmocka_unit_test(commands_are_kept_where_others_were),
+        cmocka_unit_test(a_block_keeps_its_content_when_it_grows),
     };
     return cmocka_run_group_tests_name("runtime_vk", tests, NULL, NULL);
 }
