@@ -67,6 +67,7 @@ static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, cons
     if (!VK(rt, rt->vk.ResetCommandBuffer(commands, 0), name) || /* may be left half recorded */
         !VK(rt, rt->vk.BeginCommandBuffer(commands, &info), name))
         return false;
+    rt->bound = (struct vk_bound){0};
     vk_full_barrier(rt, commands);
     return true;
 }
@@ -265,6 +266,7 @@ bool vk_frame_record(struct vk_runtime *rt, VkCommandBuffer commands, const stru
     struct dt_frame block = sized_frame(rt, frame);
     rt->frame_commands = commands;
     forget_frame(rt);
+    rt->bound = (struct vk_bound){0};
     vk_full_barrier(rt, commands);
     for (uint32_t i = 0; i < rt->import_count; i++)
         if (rt->imports[i].image)
@@ -510,6 +512,18 @@ static VkRenderingAttachmentInfo attachment(const struct vk_target *target)
     return info;
 }
 
+/* Draws of one size, and all draws of the scene, follow each other: what they share is said once. */
+static void set_area(struct vk_runtime *rt, VkExtent2D extent)
+{
+    VkViewport viewport = {0, 0, (float)extent.width, (float)extent.height, 0, 1};
+    VkRect2D scissor = {.extent = extent};
+    if (rt->bound.area.width == extent.width && rt->bound.area.height == extent.height)
+        return;
+    rt->bound.area = extent;
+    rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
+    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
+}
+
 static void begin_rendering(struct vk_runtime *rt, const struct vk_targets *targets)
 {
     VkRenderingAttachmentInfo colors[VK_MAX_COLOR_TARGETS], depth;
@@ -528,18 +542,22 @@ static void begin_rendering(struct vk_runtime *rt, const struct vk_targets *targ
         .pColorAttachments = colors,
         .pDepthAttachment = targets->depth.image ? &depth : NULL,
     };
-    VkViewport viewport = {0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1};
     rt->vk.CmdBeginRendering(rt->frame_commands, &info);
-    rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
-    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &area);
+    set_area(rt, area.extent);
 }
 
 static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
 {
     const struct vk_buffer *vertices = &rt->builtin.vertices;
-    rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &vertices->handle, &vertices->offset);
-    rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, indices->offset,
-                              VK_INDEX_TYPE_UINT32);
+    struct vk_bound *bound = &rt->bound;
+    if (!bound->vertices)
+        rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &vertices->handle, &vertices->offset);
+    if (bound->indices != indices->handle || bound->index_offset != indices->offset)
+        rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, indices->offset,
+                                  VK_INDEX_TYPE_UINT32);
+    bound->vertices = true;
+    bound->indices = indices->handle;
+    bound->index_offset = indices->offset;
 }
 
 void dt_vk_draw_scene(struct vk_runtime *rt, const struct vk_program *program,

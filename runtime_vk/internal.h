@@ -55,6 +55,14 @@ struct vk_present {
     struct vk_program programs[DT_WINDOW_TEXTURES]; /* alike but for what is bound */
 };
 
+/* frame.c: what the commands recorded so far have set for draws; zero: nothing yet. */
+struct vk_bound {
+    VkExtent2D area; /* viewport and scissor */
+    bool vertices;   /* the scene's */
+    VkBuffer indices;
+    VkDeviceSize index_offset;
+};
+
 /* program.c: programs of a panel that is being replaced, for the one that follows. */
 struct vk_spare {
     bool keeps; /* what is destroyed comes here */
@@ -120,9 +128,10 @@ struct vk_runtime {
 
     /* frame.c */
     const struct dt_observer *observer; /* during render */
-    bool failed;         /* a recording verb without result has logged an error in this frame */
-    uint32_t pass;       /* as of the last dt_vk_pass_begin, as the next */
-    bool skips;          /* the pass does nothing but its barriers */
+    bool failed;   /* a recording verb without result has logged an error in this frame */
+    uint32_t pass; /* as of the last dt_vk_pass_begin, as the next */
+    bool skips;    /* the pass does nothing but its barriers */
+    struct vk_bound bound;
     uint32_t barriers;   /* recorded so far in this frame */
     VkQueryPool queries; /* two per pass */
     bool *pass_runs;     /* pass_count of them, as the next two */
