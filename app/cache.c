@@ -134,7 +134,7 @@ static bool request_key(const struct build_request *request, uint64_t *key,
     hash_string(key, request->templates);
     for (uint32_t i = 0; i < request->set_count; i++)
         hash_string(key, request->sets[i]);
-    hash_string(key, compile_panels_with(request));
+    hash_string(key, compiler_of(request));
     char *generator = format_string("%s/diptych-gen", request->tools);
     struct stat info; /* ten megabytes take longer to read than all the rest of what is cached */
     bool good = generator && stat(generator, &info) == 0;

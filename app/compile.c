@@ -1,7 +1,7 @@
 /* Compiles generated C; see compile.h. Objects of the panels and of the reflection are kept in the
  * cache, by source and flags: most edits change shaders only, whose C is made anew each time, and most
  * of a panel's time goes into the headers of its graphics API. Who waits at a window for what an edit
- * does gets panels from tcc, which takes a twentieth of the time; what they call is optimised. */
+ * does gets panels from tcc, which takes a tenth of the time; what they call is optimised. */
 #include "compile.h"
 
 #include <errno.h>
@@ -17,8 +17,8 @@ enum { UNITS = 5 };
 
 static const struct {
     const char *end; /* of the source's name */
-    bool kept;       /* in the cache; the others are char32_t literals, unknown to tcc */
-} kinds[UNITS] = {   /* those that take longest first */
+    bool kept;
+} kinds[UNITS] = {/* those that take longest first */
                   {"_gl_shaders.c", false},
                   {"_vk_shaders.c", false},
                   {"_gl.c", true},
@@ -46,22 +46,26 @@ static const char *c_compiler(void)
     return named && *named ? named : "cc";
 }
 
-const char *compile_panels_with(const struct build_request *request)
+static bool is_quick(const struct build_request *request)
 {
     const char *named = getenv("CC");
-    bool quick = request->hurried && !(named && *named) && tool_is_there(quick_compiler);
-    return quick ? quick_compiler : c_compiler();
+    return request->hurried && !(named && *named) && tool_is_there(quick_compiler);
+}
+
+const char *compiler_of(const struct build_request *request)
+{
+    return is_quick(request) ? quick_compiler : c_compiler();
 }
 
 /* ---- What is to be done ---------------------------------------------------------------------- */
 
-static bool plan_command(struct unit *unit, const struct build_request *request, bool kept)
+static bool plan_command(struct unit *unit, const struct build_request *request,
+                         const char *compiler)
 {
-    const char *compiler = kept ? compile_panels_with(request) : c_compiler();
     const char *argv[] = {
         compiler, flags[0], flags[1], flags[2],
         /* tcc knows one word only, and leaves the system's headers out by itself */
-        compiler == quick_compiler ? "-MD" : "-MMD", "-MF", unit->depfile, "-I",
+        strcmp(compiler, quick_compiler) == 0 ? "-MD" : "-MMD", "-MF", unit->depfile, "-I",
         request->headers[0], "-I", request->headers[1], "-c", unit->source, "-o", unit->object,
         NULL};
     _Static_assert(sizeof argv <= sizeof unit->argv, "every word has its place");
@@ -102,14 +106,14 @@ static bool find(struct unit *unit)
     return good;
 }
 
-static bool plan(struct unit *unit, const struct compile_work *work, int kind)
+static bool plan(struct unit *unit, const struct compile_work *work, int kind, const char *compiler)
 {
     const char *folder = work->stamp.folder, *end = kinds[kind].end;
     uint64_t key;
     *unit = (struct unit){.source = format_string("%s/%s%s", folder, work->name, end),
                           .object = format_string("%s/%s%s.o", folder, work->name, end),
                           .depfile = format_string("%s/%s%s.d", folder, work->name, end)};
-    if (!plan_command(unit, work->request, kinds[kind].kept))
+    if (!plan_command(unit, work->request, compiler))
         return false;
     if (!kinds[kind].kept)
         return true;
@@ -132,9 +136,11 @@ static void forget(struct unit *unit)
 
 /* ---- Doing it -------------------------------------------------------------------------------- */
 
-static bool compile(struct unit *units, struct console *console)
+/* `optional`: of a failure nothing is said. */
+static bool compile(struct unit *units, bool optional, struct console *console)
 {
-    static const struct tool compiler = {.what = "compiling the generated C", .hint = hint};
+    const struct tool compiler = {
+        .what = "compiling the generated C", .hint = hint, .optional = optional};
     char *const *argvs[UNITS];
     uint32_t count = 0;
     for (int i = 0; i < UNITS; i++)
@@ -144,16 +150,17 @@ static bool compile(struct unit *units, struct console *console)
 }
 
 /* The runtimes' symbols come from the executable when it is loaded. */
-static bool link_objects(const struct unit *units, const char *folder, struct console *console)
+static bool link_objects(const struct unit *units, const char *folder, bool optional,
+                         struct console *console)
 {
-    static const struct tool linker = {.what = "linking the generated C", .hint = hint};
+    const struct tool linker = {
+        .what = "linking the generated C", .hint = hint, .optional = optional};
     char *object = format_string("%s/panels.so", folder);
-    char *argv[UNITS + 6] = {(char *)c_compiler(), (char *)"-shared",
-                             (char *)"-Wl,-z,noexecstack", /* tcc does not say so */
-                             (char *)"-o", object};
+    char *argv[UNITS + 5] = {units[0].argv[0], (char *)"-shared", (char *)"-o", object};
     for (int i = 0; i < UNITS; i++)
-        argv[5 + i] = units[i].object;
-    bool good = object && tool_run(&linker, argv, -1, console);
+        argv[4 + i] = units[i].object;
+    char *const *only = argv;
+    bool good = object && tool_run_all(&linker, &only, 1, console);
     free(object);
     return good;
 }
@@ -198,19 +205,28 @@ static bool account(struct unit *unit, const struct compile_work *work, FILE *fi
     return good;
 }
 
-bool compile_pipeline(const struct compile_work *work, FILE *files, struct console *console)
+static bool compile_with(const char *compiler, bool optional, const struct compile_work *work,
+                         FILE *files, struct console *console)
 {
     struct unit units[UNITS];
     bool good = true;
     for (int i = 0; i < UNITS; i++)
-        good = plan(&units[i], work, i) && good;
+        good = plan(&units[i], work, i, compiler) && good;
     if (!good)
         report_error(&console->log, "%s: what was generated cannot be read back",
                      work->stamp.folder);
-    good = good && compile(units, console) && link_objects(units, work->stamp.folder, console);
+    good = good && compile(units, optional, console) &&
+           link_objects(units, work->stamp.folder, optional, console);
     for (int i = 0; i < UNITS; i++) {
         good = good && account(&units[i], work, files, &console->log);
         forget(&units[i]);
     }
     return good;
+}
+
+/* The quick compiler knows less C than others: what headers of a system ask for may be too much. */
+bool compile_pipeline(const struct compile_work *work, FILE *files, struct console *console)
+{
+    return (is_quick(work->request) && compile_with(quick_compiler, true, work, files, console)) ||
+           compile_with(c_compiler(), false, work, files, console);
 }

@@ -12,8 +12,8 @@ struct compile_work {
     const char *name;        /* of the pipeline */
 };
 
-/* The compiler of panels and reflection; a name that outlives the request. */
-const char *compile_panels_with(const struct build_request *request);
+/* The name of the compiler; it outlives the request. */
+const char *compiler_of(const struct build_request *request);
 
 /* Reflection, both panels and their shaders; what an edit left as it was is not compiled again.
  * `files` gets the stamp's lines for the headers. */

@@ -112,11 +112,13 @@ static bool begin(struct running *running, const struct tool *tool, char *const 
 }
 
 /* Waits for it and tells what it said; the status as console_wait gives it. */
-static int finish(const struct running *running, struct console *console)
+static int finish(const struct running *running, const struct tool *tool, struct console *console)
 {
     int status = console_wait(console, running->child);
     int error = errno;
-    if (running->kept >= 0)
+    if (running->kept >= 0 && tool->optional && status != 0)
+        close(running->kept);
+    else if (running->kept >= 0)
         tell_errors(running->kept, status != 0, console);
     errno = error;
     return status;
@@ -130,6 +132,8 @@ static bool judge(int status, const struct tool *tool, const char *name, const s
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return true;
+    if (tool->optional)
+        return false;
     if (WIFSIGNALED(status))
         report_error(log, "%s was ended by signal %d", tool->what, WTERMSIG(status));
     else if (!tool->explains)
@@ -143,7 +147,7 @@ static bool run(const struct tool *tool, char *const argv[], int output, enum me
 {
     struct running running;
     return begin(&running, tool, argv, output, messages, console) &&
-           judge(finish(&running, console), tool, argv[0], &console->log);
+           judge(finish(&running, tool, console), tool, argv[0], &console->log);
 }
 
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
@@ -268,7 +272,7 @@ bool tool_run_waiting(struct tool_waiting *waiting, const struct tool *tool, cha
     close(waiting->input);
     const struct running running = {waiting->child, waiting->messages};
     waiting->child = 0;
-    return judge(finish(&running, console), tool, argv[0], &console->log);
+    return judge(finish(&running, tool, console), tool, argv[0], &console->log);
 }
 
 bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t count,
@@ -281,7 +285,7 @@ bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t 
            begin(&running[started], tool, argvs[started], -1, MESSAGES_APART, console))
         started++;
     for (uint32_t i = 0; i < started; i++) {
-        int own = finish(&running[i], console);
+        int own = finish(&running[i], tool, console);
         status = status ? status : own;
     }
     return judge(status, tool, argvs[0][0], &console->log) && started == count;

@@ -12,6 +12,7 @@ struct tool {
     const char *what; /* it does */
     const char *hint; /* when it cannot be started */
     bool explains;    /* whoever reads its messages needs no other */
+    bool optional;    /* where it does not end with status 0, nobody need know: there is another */
 };
 
 /* Runs argv[0] and waits; true when it ends with status 0. Should a signal end this process meanwhile, the

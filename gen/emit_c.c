@@ -58,7 +58,7 @@ void c_comment(struct text *out, const char *text)
 void c_double(struct text *out, double value)
 {
     if (isinf(value)) {
-        text_add(out, value < 0 ? "-INFINITY" : "INFINITY");
+        text_add(out, value < 0 ? "DT_NO_MIN" : "DT_NO_MAX");
     } else {
         text_add(out, "%.17g", value);
     }

@@ -59,6 +59,11 @@ runs_vulkan() { # times option...
 }
 check "... nor was Vulkan started again" runs_vulkan 1
 check "which it is where they differ" runs_vulkan 2 --fault vk:compose:bit
+if command -v tcc >/dev/null; then
+    check "generated C is C to tcc, too" env CC=tcc "${features[@]}"
+else
+    skip "tcc" "tcc is not installed"
+fi
 check "a backend agrees with itself" ends 0 "$agreement" "${features[@]}" --backend vk,vk --json "$work/it.json"
 check "... under two names" holds "it['sides'] == ['vk', 'vk#2'] and len(it['devices']) == 2"
 check "four sides agree" ends 0 "$agreement" "${features[@]}" --backend gl,vk@0,osmesa,gl+glsl --json "$work/it.json"

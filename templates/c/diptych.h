@@ -177,6 +177,16 @@ struct dt_pipeline {
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
 };
 
+/* Words of SPIR-V as a string: compilers read one in a quarter of the time that a list of numbers takes. */
+#ifdef __TINYC__ /* has 32-bit characters as wide ones only, and no constant -INFINITY */
+#define DT_WORDS(text) L##text
+#define DT_NO_MIN (-1.0 / 0.0)
+#else
+#define DT_WORDS(text) U##text
+#define DT_NO_MIN (-INFINITY) /* of a parameter */
+#endif
+#define DT_NO_MAX INFINITY
+
 /* One stage of one pass: NAME_gl_shaders.c and NAME_vk_shaders.c, for NAME_gl.c and NAME_vk.c. */
 struct dt_code {
     const uint32_t *words; /* SPIR-V */

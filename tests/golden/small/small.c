@@ -101,8 +101,8 @@ static const struct dt_param params[] = {
         .type = DT_TYPE_IVEC2,
         .live = false,
         .value = {3, 2},
-        .min = -INFINITY,
-        .max = INFINITY,
+        .min = DT_NO_MIN,
+        .max = DT_NO_MAX,
     },
     {
         .name = "glow",
@@ -111,8 +111,8 @@ static const struct dt_param params[] = {
         .live = true,
         .offset = 0,
         .value = {1},
-        .min = -INFINITY,
-        .max = INFINITY,
+        .min = DT_NO_MIN,
+        .max = DT_NO_MAX,
     },
     {
         .name = "gain",
