@@ -145,7 +145,7 @@ check "... and put right" see right.ppm as=moved.ppm
 check "... when another one waits" waits
 
 cp "$spec" spec.yaml
-sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + 1"/' "$spec" # good at the sizes that the generator tries
+sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$spec" # good at the sizes that the generator tries, and new
 check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
 check "... with the reason" says "pass average"
 check "... from panels that tcc compiled" grep -F "_vk.c" tcc.calls
