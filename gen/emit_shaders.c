@@ -16,7 +16,9 @@ static void emit_words(struct text *out, const struct shader *shader)
         for (int digit = 0; digit < 8; digit++) {
             word[2 + digit] = digits[shader->words[i] >> (28 - 4 * digit) & 15];
         }
-        text_add(out, i % 8 ? "" : "    DT_WORDS(\"");
+        if (i % 8 == 0) {
+            text_add(out, "    DT_WORDS(\"");
+        }
         text_add_bytes(out, word, sizeof word - 1);
         if (i + 1 == shader->word_count) {
             text_add(out, "\");\n");

@@ -100,10 +100,8 @@ static bool same_links(const struct pipeline *pipeline, const struct resource *a
 const struct resource *graph_block_of(const struct pipeline *pipeline,
                                       const struct resource *resource)
 {
-    int table = graph_first_change(pipeline, resource);
-
     for (const struct resource *other = pipeline->resources; other < resource; other++) {
-        if (graph_first_change(pipeline, other) == table && same_links(pipeline, other, resource)) {
+        if (same_links(pipeline, other, resource)) {
             return other;
         }
     }
