@@ -9,6 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "helper.h"
 #include "shader_cache.h"
 
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
@@ -488,12 +489,28 @@ static enum status write_json(const struct generation *g, enum status status)
     return status;
 }
 
+/* `waits`: there is time to prepare for OpenGL, too, which is of use where the helper fails. */
+static bool start_compiler(bool waits)
+{
+    bool helped = helper_start(BACKEND_GL);
+    if (spirv_init(BACKEND_VK, helped && !waits ? BACKEND_VK : BACKEND_GL))
+        return true;
+    helper_stop();
+    return false;
+}
+
+static void stop_compiler(void)
+{
+    helper_stop();
+    spirv_finish();
+}
+
 static enum status run(const struct options *options)
 {
     struct generation g = {
         .options = options, .diag = diag_create(), .model.arena = arena_create()};
     enum status status = STATUS_FAILED;
-    bool starts = !options->live && !options->started, started = starts && spirv_init();
+    bool starts = !options->live && !options->started, started = starts && start_compiler(false);
     if (starts && !started) {
         fputs("diptych-gen: error: the GLSL compiler could not be started\n", stderr);
     } else if (g.diag && g.model.arena) {
@@ -514,7 +531,7 @@ static enum status run(const struct options *options)
     diag_free(g.diag);
     arena_free(g.model.arena);
     if (started)
-        spirv_finish();
+        stop_compiler();
     return status;
 }
 
@@ -581,7 +598,7 @@ static char *read_input(size_t *size)
  * byte; none: it was not wanted after all. */
 static enum status wait_and_run(void)
 {
-    bool started = spirv_init();
+    bool started = start_compiler(true);
     size_t size = 0;
     char *words = started ? read_input(&size) : NULL;
     char **argv = calloc(size + 2, sizeof *argv);
@@ -593,7 +610,7 @@ static enum status wait_and_run(void)
     }
     enum status status = argc > 1 ? run_words(argc, argv, true) : STATUS_DONE;
     if (started)
-        spirv_finish();
+        stop_compiler();
     free(argv);
     free(words);
     return status;

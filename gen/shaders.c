@@ -1,6 +1,8 @@
 /* All shaders of a pipeline: every pass, backend and stage to GLSL and SPIR-V. Called by main.c, which
  * writes them, and by vary.c, which asks whether they compile. Text is emitted one after the other, since
- * that adds to the model; what the cache of shaders does not have is compiled on several threads. */
+ * that adds to the model; what the cache of shaders does not have is compiled on several threads, one
+ * backend's in a process of its own (helper.c). */
+#include "helper.h"
 #include "shader_cache.h"
 
 #include <pthread.h>
@@ -16,6 +18,7 @@ struct job { /* one shader to compile */
     enum backend backend;
     struct shader *shader;
     const struct shader *twin; /* compiled before it, maybe by another job; NULL: there is none */
+    bool apart;                /* the helper has it */
     bool done;
 };
 
@@ -23,6 +26,9 @@ struct jobs {
     const struct model *model;
     struct job *list;
     uint32_t count;
+    struct shader **apart; /* what the helper has */
+    uint32_t apart_count;
+    uint32_t processes; /* that compile at the same time */
     atomic_uint next;
 };
 
@@ -61,7 +67,7 @@ static void *compile_some(void *user)
     struct diag *unheard = diag_create();
     for (uint32_t i; unheard && (i = atomic_fetch_add(&jobs->next, 1)) < jobs->count;) {
         struct job *job = &jobs->list[i];
-        if (!job->twin)
+        if (!job->twin && !job->apart)
             job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
     }
     diag_free(unheard);
@@ -70,10 +76,71 @@ static void *compile_some(void *user)
 
 static uint32_t thread_count(const struct jobs *jobs)
 {
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    long processors = sysconf(_SC_NPROCESSORS_ONLN) / (long)jobs->processes;
+    uint32_t here = jobs->count - jobs->apart_count;
     uint32_t count = processors > MOST_THREADS ? MOST_THREADS : (uint32_t)processors;
-    return count < jobs->count ? count : jobs->count;
+    return count < here ? count : here;
 }
+
+static void compile_here(struct jobs *jobs)
+{
+    pthread_t threads[MOST_THREADS];
+    uint32_t started = 0;
+    while (started + 1 < thread_count(jobs) &&
+           !pthread_create(&threads[started], NULL, compile_some, jobs))
+        started++;
+    compile_some(jobs);
+    for (uint32_t i = 0; i < started; i++)
+        pthread_join(threads[i], NULL);
+}
+
+/* ---- The helper ------------------------------------------------------------------------------ */
+
+/* The jobs from `first` on, but twins. */
+static void hand_over(struct jobs *jobs, uint32_t first)
+{
+    for (uint32_t i = first; i < jobs->count; i++) {
+        if (!jobs->list[i].twin)
+            jobs->apart[jobs->apart_count++] = jobs->list[i].shader;
+    }
+    bool sent = jobs->apart_count &&
+                helper_send(jobs->model->pipeline.fast, jobs->apart, jobs->apart_count);
+    if (!sent)
+        jobs->apart_count = 0;
+    for (uint32_t i = first; sent && i < jobs->count; i++)
+        jobs->list[i].apart = !jobs->list[i].twin;
+}
+
+static void take_back(struct jobs *jobs)
+{
+    if (jobs->apart_count)
+        helper_receive(jobs->apart, jobs->apart_count);
+    for (uint32_t i = 0; i < jobs->count; i++) {
+        if (jobs->list[i].apart)
+            jobs->list[i].done = jobs->list[i].shader->words != NULL;
+    }
+}
+
+void shaders_compile_apart(enum backend backend, bool fast, struct shader *shaders, uint32_t count)
+{
+    const struct model model = {.pipeline.fast = fast};
+    const struct pass pass = {.name = ""}; /* for messages, which nobody hears */
+    struct jobs jobs = {
+        .model = &model, .list = calloc((size_t)count + 1, sizeof *jobs.list), .processes = 2};
+    for (uint32_t i = 0; jobs.list && i < count; i++)
+        jobs.list[jobs.count++] =
+            (struct job){.pass = &pass, .backend = backend, .shader = &shaders[i]};
+    compile_here(&jobs);
+    for (uint32_t i = 0; i < jobs.count; i++) {
+        if (jobs.list[i].done)
+            continue;
+        free(shaders[i].words);
+        shaders[i].words = NULL;
+    }
+    free(jobs.list);
+}
+
+/* ---- All ------------------------------------------------------------------------------------- */
 
 /* False where that has none, either. */
 static bool copy_twin(struct shader *shader, const struct shader *twin)
@@ -90,15 +157,9 @@ static bool copy_twin(struct shader *shader, const struct shader *twin)
 /* What fails is compiled once more, one after the other: then its messages come in order. */
 static bool compile(struct jobs *jobs, struct diag *diag)
 {
-    pthread_t threads[MOST_THREADS];
-    uint32_t started = 0;
-    while (started + 1 < thread_count(jobs) &&
-           !pthread_create(&threads[started], NULL, compile_some, jobs))
-        started++;
-    compile_some(jobs);
-    for (uint32_t i = 0; i < started; i++)
-        pthread_join(threads[i], NULL);
     bool good = true;
+    compile_here(jobs);
+    take_back(jobs);
     for (uint32_t i = 0; i < jobs->count; i++) {
         struct job *job = &jobs->list[i];
         if (job->done || (job->twin && copy_twin(job->shader, job->twin)))
@@ -114,9 +175,13 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag)
 {
     uint32_t count = model->pipeline.pass_count;
-    struct jobs jobs = {.model = model, .list = calloc(4 * count + 1, sizeof *jobs.list)};
+    struct jobs jobs = {.model = model,
+                        .list = calloc(4 * count + 1, sizeof *jobs.list),
+                        .apart = calloc(4 * count + 1, sizeof(struct shader *)),
+                        .processes = 1};
     bool good = true;
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+        uint32_t first = jobs.count;
         shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
         if (!shaders[backend] || !jobs.list)
             diag_error(diag, (struct loc){0}, "out of memory");
@@ -124,8 +189,13 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
             good &= emit_pass(model, shaders[backend], i, cache,
                               (struct job){.pass = model->pipeline.order[i], .backend = backend},
                               &jobs, diag);
+        if (helper_compiles(backend) && jobs.list && jobs.apart) {
+            jobs.processes = 2;
+            hand_over(&jobs, first);
+        }
     }
     good &= compile(&jobs, diag);
+    free(jobs.apart);
     free(jobs.list);
     return good && !diag_error_count(diag);
 }

@@ -52,27 +52,34 @@ static struct {
     pthread_t thread;
     bool started;
     atomic_bool stop;
+    enum backend first, last; /* in turn; maybe the same */
 } warmup;
+
+static void read_builtins_of(enum backend backend)
+{
+    glslang_input_t input = input_of(backend, STAGE_IS_COMPUTE, "#version 460\nvoid main() {}\n");
+    glslang_shader_t *shader = glslang_shader_create(&input);
+    if (shader && glslang_shader_preprocess(shader, &input))
+        glslang_shader_parse(shader, &input);
+    glslang_shader_delete(shader);
+}
 
 static void *read_builtins(void *user)
 {
     (void)user;
-    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK && !warmup.stop; backend++) {
-        glslang_input_t input =
-            input_of(backend, STAGE_IS_COMPUTE, "#version 460\nvoid main() {}\n");
-        glslang_shader_t *shader = glslang_shader_create(&input);
-        if (shader && glslang_shader_preprocess(shader, &input))
-            glslang_shader_parse(shader, &input);
-        glslang_shader_delete(shader);
-    }
+    read_builtins_of(warmup.first);
+    if (warmup.last != warmup.first && !warmup.stop)
+        read_builtins_of(warmup.last);
     return NULL;
 }
 
-bool spirv_init(void)
+bool spirv_init(enum backend first, enum backend last)
 {
     if (!glslang_initialize_process())
         return false;
     warmup.stop = false;
+    warmup.first = first;
+    warmup.last = last;
     warmup.started = pthread_create(&warmup.thread, NULL, read_builtins, NULL) == 0;
     return true;
 }

@@ -36,8 +36,9 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
  * spirv-val (SPIRV-Tools). glslang's errors come back as diagnostics at the line of the body
  * file. spirv_compile may run on several threads, each with a diag of its own. spirv_init starts one
- * that prepares the compiler: best before anything else. */
-bool spirv_init(void);
+ * that prepares the compiler for one backend or for two in turn: best before anything else. What is not
+ * prepared is when it is needed. */
+bool spirv_init(enum backend first, enum backend last);
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
 void spirv_finish(void);
@@ -57,6 +58,8 @@ struct shader_cache;
  * shaders compiled before, or NULL. shaders_free in any case. */
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag);
+/* In the helper: SPIR-V of what compiles, and none of the rest. */
+void shaders_compile_apart(enum backend backend, bool fast, struct shader *shaders, uint32_t count);
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
 void emit_header(const struct model *model, struct text *out); /* NAME.h */
 void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,

@@ -628,7 +628,7 @@ static void test_compile_error_place(void **state)
 static int start(void **state)
 {
     (void)state;
-    return spirv_init() ? 0 : 1;
+    return spirv_init(BACKEND_GL, BACKEND_VK) ? 0 : 1;
 }
 
 static int finish(void **state)

@@ -84,6 +84,42 @@ for file in small.h small.c small_{gl,vk}{,_shaders}.c small.dot small_lifetimes
     check "$file is as expected" as_expected "$file"
 done
 
+# A second process compiles for OpenGL where there are two processors. One that is lost changes nothing, and none stays.
+# shellcheck disable=SC2317
+waits() { # the generator's process, before it has its words, and its helper's
+    rm -f "$work/words"
+    mkfifo "$work/words"
+    "$gen" --wait <"$work/words" &
+    generator=$!
+    exec 3>"$work/words"
+    until helper=$(pgrep -P "$generator"); do
+        kill -0 "$generator" || return
+    done
+}
+# shellcheck disable=SC2317
+makes_without_helper() {
+    waits && kill -KILL "$helper" && printf '%s\0' tests/golden/small.yaml -o "$work/alone" >&3 && exec 3>&- &&
+        wait "$generator" && diff -r "$work/small" "$work/alone"
+}
+# shellcheck disable=SC2317
+is_left() { # the helper, of a generator that ends as its argument says: without words, or killed
+    waits || return
+    [ "$1" != killed ] || kill -KILL "$generator"
+    exec 3>&-
+    wait "$generator" 2>/dev/null
+    for _ in $(seq 20); do
+        [ -e "/proc/$helper" ] || return 1
+        sleep 0.1
+    done
+}
+if [ "$(nproc --all)" -gt 1 ]; then
+    check "a helper that is lost is done without" makes_without_helper
+    check_status 1 "no helper stays when no words come" is_left unasked
+    check_status 1 "... nor when the generator is killed" is_left killed
+else
+    skip "a helper that is lost is done without" "there is one processor"
+fi
+
 # Every type, baked and live: what is set is a constant in the GLSL, or a default in the C.
 # shellcheck disable=SC2317
 sets() { # type value baked live
