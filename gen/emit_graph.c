@@ -360,7 +360,7 @@ static void emit_block(const struct drawing *d, const struct block *block)
     for (uint32_t i = 0, row = 0; i < pipeline->resource_count; i++) {
         const struct resource *resource = &pipeline->resources[i];
 
-        if (graph_block_of(pipeline, resource) == block->first) {
+        if (d->graph.first_of[i] == block->first) {
             text_add(d->out, row++ ? "<tr>" : "");
             emit_resource(d, resource);
         }
@@ -478,7 +478,7 @@ static void emit_block_lines(struct drawing *d, uint32_t b)
     }
     text_add(d->out, "  //");
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        if (graph_block_of(pipeline, &pipeline->resources[i]) == block->first) {
+        if (d->graph.first_of[i] == block->first) {
             text_add(d->out, " %s", pipeline->resources[i].name);
         }
     }

@@ -36,6 +36,7 @@ struct graph {
     struct place *places; /* one more than passes: what is dropped behind the last */
     struct block *blocks;
     uint32_t block_count;
+    const struct resource **first_of; /* by resource: the first of its block */
     int track_count;
     int pass_width, table_left, table_width;
 };
@@ -60,8 +61,6 @@ int graph_bar(const struct pass *pass, uint32_t barrier);
 /* Whether a line of the drawing ends in the barrier; else the bar has to name its resource. */
 bool graph_has_line(const struct pass *pass, const struct barrier *barrier);
 bool graph_link(const struct pass *pass, const struct resource *resource, struct link *link);
-const struct resource *graph_block_of(const struct pipeline *pipeline,
-                                      const struct resource *resource); /* its first resource */
 int graph_first_change(const struct pipeline *pipeline, const struct resource *resource);
 
 /* Where a block's line meets a pass, and the height of a bar or of the title (LINE_UNWAITED). */

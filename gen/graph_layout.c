@@ -97,8 +97,8 @@ static bool same_links(const struct pipeline *pipeline, const struct resource *a
     return true;
 }
 
-const struct resource *graph_block_of(const struct pipeline *pipeline,
-                                      const struct resource *resource)
+static const struct resource *first_of_block(const struct pipeline *pipeline,
+                                             const struct resource *resource)
 {
     for (const struct resource *other = pipeline->resources; other < resource; other++) {
         if (same_links(pipeline, other, resource)) {
@@ -114,9 +114,10 @@ static void find_blocks(struct graph *graph)
 
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *resource = &pipeline->resources[i];
-        const struct resource *first = graph_block_of(pipeline, resource);
+        const struct resource *first = first_of_block(pipeline, resource);
         int table = graph_first_change(pipeline, resource);
 
+        graph->first_of[i] = first;
         for (uint32_t b = 0; b < graph->block_count; b++) {
             graph->blocks[b].rows += graph->blocks[b].first == first;
         }
@@ -331,7 +332,9 @@ bool graph_layout(const struct model *model, struct graph *graph)
     graph->pipeline = pipeline;
     graph->places = arena_alloc(model->arena, (pipeline->pass_count + 1) * sizeof *graph->places);
     graph->blocks = arena_alloc(model->arena, pipeline->resource_count * sizeof *graph->blocks + 1);
-    if (!graph->places || !graph->blocks) {
+    graph->first_of =
+        arena_alloc(model->arena, pipeline->resource_count * sizeof *graph->first_of + 1);
+    if (!graph->places || !graph->blocks || !graph->first_of) {
         return false;
     }
     find_blocks(graph);
