@@ -13,6 +13,7 @@ shared uint masks[chunk_triangles]; /* which of 32 maps draw a triangle, a bit e
 shared uint words[chunk_words * views_count];
 
 const float SNAP = 1.0 / 256.0;
+const int ROWS = 4; /* what spans more of them, the short way, covers a centre nearly always */
 
 vec3 corner(uint k)
 {
@@ -28,13 +29,28 @@ vec3 place(vec3 d, vec3 tangent, vec3 bitangent, vec3 normal)
     return vec3(local.xy * scale + 0.5 * float(paraboloid_size), local.z);
 }
 
-/* Whether all centres from `first` to `last` lie beyond the edge from a to b, seen from the third
- * corner, on whose side `turn` says where inside is. */
-bool beyond(vec2 a, vec2 b, float turn, vec2 first, vec2 last)
+/* Whether the triangle covers one of the centres (0, 0) to `last`, which stand in ROWS rows at most; `turn`
+ * is 1 where it is wound from x to y, else -1. In a row an edge is where inside begins or ends. */
+bool covers_centre(vec2 a, vec2 b, vec2 c, float turn, vec2 last)
 {
-    vec2 inward = vec2(a.y - b.y, b.x - a.x) * turn;
-    vec2 nearest = vec2(inward.x > 0.0 ? last.x : first.x, inward.y > 0.0 ? last.y : first.y);
-    return dot(inward, nearest - a) < -SNAP * (abs(inward.x) + abs(inward.y));
+    vec3 x = vec3(a.y - b.y, b.y - c.y, c.y - a.y) * turn; /* inward, of each edge */
+    vec3 y = vec3(b.x - a.x, c.x - b.x, a.x - c.x) * turn;
+    vec3 inner = x * vec3(a.x, b.x, c.x) + y * vec3(a.y, b.y, c.y) - SNAP * (abs(x) + abs(y));
+    x.x = x.x == 0.0 ? 1e-20 : x.x; /* along the rows: inside begins far before the row or far behind */
+    x.y = x.y == 0.0 ? 1e-20 : x.y;
+    x.z = x.z == 0.0 ? 1e-20 : x.z;
+    vec3 place = inner / x;
+    vec3 slope = y / x;
+    bool covers = false;
+    for (int row = 0; row < ROWS; row++) {
+        vec3 edge = place - slope * float(row);
+        float from = max(max(x.x > 0.0 ? edge.x : 0.0, x.y > 0.0 ? edge.y : 0.0),
+                         max(x.z > 0.0 ? edge.z : 0.0, 0.0));
+        float to = min(min(x.x > 0.0 ? last.x : edge.x, x.y > 0.0 ? last.x : edge.y),
+                       min(x.z > 0.0 ? last.x : edge.z, last.x));
+        covers = covers || (float(row) <= last.y && ceil(from) <= to);
+    }
+    return covers;
 }
 
 bool draws_triangle(vec3 a, vec3 b, vec3 c)
@@ -42,16 +58,23 @@ bool draws_triangle(vec3 a, vec3 b, vec3 c)
     float slack = 1e-5 * frame.scene_radius;
     bool behind = max(max(a.z, b.z), c.z) < -slack;
     bool before = min(min(a.z, b.z), c.z) > slack;
-    vec2 low = min(min(a.xy, b.xy), c.xy);
-    vec2 high = max(max(a.xy, b.xy), c.xy);
-    vec2 first = ceil(low - (0.5 + SNAP)) + 0.5;
-    vec2 last = floor(high - (0.5 - SNAP)) + 0.5;
-    bool between = first.x > last.x || first.y > last.y;
-    /* Twice the area; which side is inside is not certain where it is as small as its own error. */
-    float area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-    float turn = area > 0.0 ? 1.0 : -1.0;
-    bool beside = abs(area) > 1e-3 && (beyond(a.xy, b.xy, turn, first, last) ||
-                  beyond(b.xy, c.xy, turn, first, last) || beyond(c.xy, a.xy, turn, first, last));
+    vec2 first = ceil(min(min(a.xy, b.xy), c.xy) - (0.5 + SNAP)) + 0.5;
+    vec2 last = floor(max(max(a.xy, b.xy), c.xy) - (0.5 - SNAP)) + 0.5 - first;
+    bool between = last.x < 0.0 || last.y < 0.0;
+    /* Rows go the long way. */
+    bool tall = last.y > last.x;
+    vec2 p = a.xy - first;
+    vec2 q = b.xy - first;
+    vec2 r = c.xy - first;
+    p = tall ? p.yx : p;
+    q = tall ? q.yx : q;
+    r = tall ? r.yx : r;
+    last = tall ? last.yx : last;
+    /* Twice the area; which side is inside is not certain where it is as small as its own error, which goes
+     * with the triangle's length. */
+    float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+    bool few = abs(area) > 1e-3 * max(last.x, 1.0) && last.y < float(ROWS);
+    bool beside = few && !covers_centre(p, q, r, area > 0.0 ? 1.0 : -1.0, last);
     return !behind && !(before && (between || beside));
 }
 
