@@ -15,9 +15,12 @@ struct DiskSample {
     float number; /* of samples that the cluster has, its N; not an integer with second_by_flux */
 };
 
-float power(vec3 flux)
+float power_of_all()
 {
-    return flux.r + flux.g + flux.b;
+    float all = 0.0;
+    for (int c = 0; c < clusters; c++)
+        all += cluster_views[c].power;
+    return all;
 }
 
 DiskSample equal_share(int k)
@@ -32,24 +35,21 @@ DiskSample equal_share(int k)
 /* The clusters lie on a line, each as long as its power, and VPLs stand on it at equal distances.
  * Where one stands within its cluster is its first coordinate, the radical inverse of its number the
  * second: the VPLs of a cluster are a Hammersley set, however many they are. */
-DiskSample share_by_flux(int k)
+DiskSample share_by_flux(int k, float all)
 {
-    float all = power(cluster_views[0].flux);
-    for (int c = 1; c < clusters; c++)
-        all += power(cluster_views[c].flux);
     float place = (float(k) + 0.5) / float(second_total) * all;
     DiskSample drawn;
     drawn.cluster = 0;
     float before = 0.0;
     float passed = 0.0;
     for (int c = 0; c < clusters; c++) {
-        float length_here = power(cluster_views[c].flux);
+        float length_here = cluster_views[c].power;
         bool beyond = passed <= place && length_here > 0.0;
         drawn.cluster = beyond ? c : drawn.cluster;
         before = beyond ? passed : before;
         passed += length_here;
     }
-    float share = power(cluster_views[drawn.cluster].flux);
+    float share = cluster_views[drawn.cluster].power;
     float within = share > 0.0 ? clamp((place - before) / share, 0.0, 1.0) : 0.5;
     drawn.place = disk_points_map(vec2(within, hammersley(k, second_total).y));
     drawn.number = share > 0.0 ? float(second_total) * (share / all) : 1.0;
@@ -91,14 +91,11 @@ float samples_around(int c, float samples, vec3 x, vec3 n)
 
 /* The surface that a second-bounce VPL at x stands for: one of all that any cluster places there. `own`
  * is what its own one does. */
-float area_of(int own_cluster, float own, vec3 x, vec3 n)
+float area_of(int own_cluster, float own, float all, vec3 x, vec3 n)
 {
-    float all = power(cluster_views[0].flux);
-    for (int c = 1; c < clusters; c++)
-        all += power(cluster_views[c].flux);
     float sum = own;
     for (int c = 0; c < clusters; c++) {
-        float power_here = power(cluster_views[c].flux);
+        float power_here = cluster_views[c].power;
         float samples = second_by_flux == 1 ? float(second_total) * (power_here / max(all, 1e-30))
                                             : float(second_per_cluster);
         bool another = c != own_cluster && power_here > 0.0;
@@ -112,7 +109,8 @@ void main()
     int k = invocation().x;
     if (k >= second_total)
         return;
-    DiskSample drawn = second_by_flux == 1 ? share_by_flux(k) : equal_share(k);
+    float all = power_of_all();
+    DiskSample drawn = second_by_flux == 1 ? share_by_flux(k, all) : equal_share(k);
     int c = drawn.cluster;
     vec2 p = shift_disk(drawn.place);
     Seen seen = surface_of(ivec3(map_texel(p), c));
@@ -124,7 +122,7 @@ void main()
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
     float own = samples_per_area(c, drawn.number, s, far, dot(seen.normal, d) * inversesqrt(far));
     second_vpl[k].position = seen.position;
-    second_vpl[k].area = area_of(c, own, seen.position, seen.normal);
+    second_vpl[k].area = area_of(c, own, all, seen.position, seen.normal);
     second_vpl[k].normal = seen.normal;
     second_vpl[k].flux = seen.surface ? flux : vec3(0.0); /* the light left the scene */
 }

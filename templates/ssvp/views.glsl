@@ -39,5 +39,6 @@ void main()
     views[c].bitangent = bitangent;
     views[c].normal = axis;
     views[c].flux = flux;
+    views[c].power = flux.r + flux.g + flux.b;
     views[c].area = area;
 }
