@@ -44,6 +44,6 @@ bool file_remove_tree(const char *path); /* true also when there was nothing */
 #define FILE_HASH_START UINT64_C(0xcbf29ce484222325)
 void hash_bytes(uint64_t *hash, const void *data, size_t size);
 void hash_string(uint64_t *hash, const char *text); /* with its end, so that a | bc is not ab | c */
-bool hash_file(uint64_t *hash, const char *path); /* silent: false when it cannot be read */
+bool hash_file(uint64_t *hash, const char *path);   /* silent: false when it cannot be read */
 
 #endif

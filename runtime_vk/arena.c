@@ -89,6 +89,7 @@ static VKAPI_ATTR void *VKAPI_CALL allocate(void *user, size_t size, size_t alig
             arena->current = chunk;
     if (block)
         return block;
+    add_chunk(arena, 0, alignment); /* for the next frame, recorded while this one is kept */
     struct vk_chunk *added = add_chunk(arena, size, alignment);
     if (!added)
         return NULL;

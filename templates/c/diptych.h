@@ -180,10 +180,10 @@ struct dt_pipeline {
 /* Words of SPIR-V as a string: compilers read one in a quarter of the time that a list of numbers takes. */
 #ifdef __TINYC__ /* has 32-bit characters as wide ones only, and no constant -INFINITY */
 #define DT_WORDS(text) L##text
-#define DT_NO_MIN (-1.0 / 0.0)
+#define DT_NO_MIN      (-1.0 / 0.0)
 #else
 #define DT_WORDS(text) U##text
-#define DT_NO_MIN (-INFINITY) /* of a parameter */
+#define DT_NO_MIN      (-INFINITY) /* of a parameter */
 #endif
 #define DT_NO_MAX INFINITY
 

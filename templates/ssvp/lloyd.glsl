@@ -31,7 +31,7 @@ shared int first_apart; /* the first VPL that is so far away; points_count: none
 
 const int ROUNDS = (points_count + 63) / 64; /* of the workgroup's lanes over the points */
 const int TURNS = 2 * (points_count + ROUNDS) + point_centres_count +
-                  kmeans_iterations * (points_count + (ROUNDS + 1) * (2 * point_centres_count + 1));
+                  32 * (points_count + (ROUNDS + 1) * (2 * point_centres_count + 1)); /* iterations at most */
 const int BLOCK = TURNS < 60000 ? 1 : 4;
 
 void none_apart()
