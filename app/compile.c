@@ -1,7 +1,7 @@
 /* Compiles generated C; see compile.h. Objects of the panels and of the reflection are kept in the
  * cache, by source and flags: most edits change shaders only, whose C is made anew each time, and most
  * of a panel's time goes into the headers of its graphics API. Who waits at a window for what an edit
- * does gets panels from tcc, which takes a tenth of the time; what they call is optimised. */
+ * does gets them all from tcc, which takes a tenth of the time; what they call is optimised. */
 #include "compile.h"
 
 #include <errno.h>

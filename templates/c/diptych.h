@@ -177,13 +177,14 @@ struct dt_pipeline {
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
 };
 
-/* Words of SPIR-V as a string: compilers read one in a quarter of the time that a list of numbers takes. */
+/* For generated C, which includes math.h. Words of SPIR-V are a string: compilers read one in a quarter of
+ * the time that a list of numbers takes. Bounds are those of a parameter whose spec gives none. */
 #ifdef __TINYC__ /* has 32-bit characters as wide ones only, and no constant -INFINITY */
 #define DT_WORDS(text) L##text
 #define DT_NO_MIN      (-1.0 / 0.0)
 #else
 #define DT_WORDS(text) U##text
-#define DT_NO_MIN      (-INFINITY) /* of a parameter */
+#define DT_NO_MIN      (-INFINITY)
 #endif
 #define DT_NO_MAX INFINITY
 
