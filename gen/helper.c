@@ -20,7 +20,7 @@ static struct {
 } helper;
 
 struct request { /* then of each shader its stage, the length of its GLSL, and that */
-    uint32_t count, fast;
+    uint32_t count, fast, gpu;
 };
 struct item {
     uint32_t stage;
@@ -92,7 +92,7 @@ static bool serve(void)
     for (uint32_t i = 0; good && i < request.count; i++)
         good = receive_shader(&shaders[i]);
     if (good)
-        shaders_compile_apart(helper.backend, request.fast, shaders, request.count);
+        shaders_compile_apart(helper.backend, request.fast, request.gpu, shaders, request.count);
     for (uint32_t i = 0; good && i < request.count; i++)
         good = answer(&shaders[i]);
     for (uint32_t i = 0; shaders && i < request.count; i++) {
@@ -141,9 +141,9 @@ bool helper_compiles(enum backend backend)
     return helper.process && backend == helper.backend;
 }
 
-bool helper_send(bool fast, struct shader *const *shaders, uint32_t count)
+bool helper_send(bool fast, bool gpu, struct shader *const *shaders, uint32_t count)
 {
-    struct request request = {count, fast};
+    struct request request = {count, fast, gpu};
     bool good = send_all(helper.socket, &request, sizeof request);
     for (uint32_t i = 0; good && i < count; i++) {
         struct item item = {shaders[i]->stage, shaders[i]->glsl.length};

@@ -10,7 +10,7 @@ bool helper_start(enum backend backend);
 bool helper_compiles(enum backend backend);
 
 /* Hands over shaders, of which it takes stage and GLSL, and goes on at once; false: it is gone. */
-bool helper_send(bool fast, struct shader *const *shaders, uint32_t count);
+bool helper_send(bool fast, bool gpu, struct shader *const *shaders, uint32_t count);
 /* Their SPIR-V, in the same order; a shader that it could not compile keeps none. */
 void helper_receive(struct shader *const *shaders, uint32_t count);
 

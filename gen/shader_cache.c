@@ -20,7 +20,7 @@ struct head {
 static const char magic[8] = "dtspv 1";
 
 struct entry_head {
-    uint32_t kind; /* backend, stage, exactness */
+    uint32_t kind; /* backend, stage, target, exactness */
     uint32_t glsl_length, word_count;
     uint32_t unused;
     uint64_t hash; /* of what follows */
@@ -74,7 +74,8 @@ static uint64_t program_hash(void)
 
 static uint32_t kind_of(const struct model *model, enum backend backend, enum stage stage)
 {
-    return (uint32_t)backend << 8 | (uint32_t)stage << 1 | (uint32_t)model->pipeline.fast;
+    return (uint32_t)backend << 8 | (uint32_t)stage << 2 | (uint32_t)model->pipeline.gpu << 1 |
+           (uint32_t)model->pipeline.fast;
 }
 
 /* ---- Texts ----------------------------------------------------------------------------------- */

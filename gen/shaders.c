@@ -103,8 +103,9 @@ static void hand_over(struct jobs *jobs, uint32_t first)
         if (!jobs->list[i].twin)
             jobs->apart[jobs->apart_count++] = jobs->list[i].shader;
     }
+    const struct pipeline *pipeline = &jobs->model->pipeline;
     bool sent = jobs->apart_count &&
-                helper_send(jobs->model->pipeline.fast, jobs->apart, jobs->apart_count);
+                helper_send(pipeline->fast, pipeline->gpu, jobs->apart, jobs->apart_count);
     if (!sent)
         jobs->apart_count = 0;
     for (uint32_t i = first; sent && i < jobs->count; i++)
@@ -121,9 +122,10 @@ static void take_back(struct jobs *jobs)
     }
 }
 
-void shaders_compile_apart(enum backend backend, bool fast, struct shader *shaders, uint32_t count)
+void shaders_compile_apart(enum backend backend, bool fast, bool gpu, struct shader *shaders,
+                           uint32_t count)
 {
-    const struct model model = {.pipeline.fast = fast};
+    const struct model model = {.pipeline = {.fast = fast, .gpu = gpu}};
     const struct pass pass = {.name = ""}; /* for messages, which nobody hears */
     struct jobs jobs = {
         .model = &model, .list = calloc((size_t)count + 1, sizeof *jobs.list), .processes = 2};

@@ -1,5 +1,5 @@
 /* GLSL to SPIR-V: glslang's C interface, products of matrices written out and NoContraction on all
- * float arithmetic in exact mode, spirv-val.
+ * float arithmetic in exact mode, loops that stay loops, spirv-val.
  * Called by main.c for every stage that emit_glsl.c wrote. Messages of glslang come back at the
  * line of the file that the text is from. */
 #include "diag.h"
@@ -452,7 +452,8 @@ static bool take_words(const struct model *model, const struct pass *pass,
     } else if (check_functions(pass, words, count, diag)) {
         shader->words = make_exact(words, count, &shader->word_count);
     }
-    return shader->words != NULL;
+    return shader->words &&
+           (model->pipeline.gpu || spirv_keep_loops(shader->words, shader->word_count));
 }
 
 /* Names for the message cost most of the validation: only a module that is wrong gets them. */

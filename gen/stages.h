@@ -59,7 +59,8 @@ struct shader_cache;
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag);
 /* In the helper: SPIR-V of what compiles, and none of the rest. */
-void shaders_compile_apart(enum backend backend, bool fast, struct shader *shaders, uint32_t count);
+void shaders_compile_apart(enum backend backend, bool fast, bool gpu, struct shader *shaders,
+                           uint32_t count);
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
 void emit_header(const struct model *model, struct text *out); /* NAME.h */
 void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,

@@ -588,6 +588,55 @@ static void test_range_errors(void **state)
     }
 }
 
+/* Of each loop of the fragment shader `body`, in the order of the module: '1' where the driver is to
+ * leave it as it is, else '0'. */
+static void loops_of(struct fixture *f, const char *body, enum backend backend, char *loops)
+{
+    set_body(f, TONE, "tone.glsl", body);
+    struct shader shader = build(f, TONE, backend, STAGE_IS_FRAGMENT);
+    for (size_t at = 5; at < shader.word_count; at += shader.words[at] >> 16)
+        if ((shader.words[at] & 0xffff) == SpvOpLoopMerge)
+            *loops++ = shader.words[at + 3] & SpvLoopControlDontUnrollMask ? '1' : '0';
+    *loops = '\0';
+    shader_free(&shader);
+}
+
+/* Reads are what makes a turn long; a loop in another one is the driver's affair, since all turns
+ * count towards the most that software drivers do; so is one that takes its turn through an array of
+ * its own. */
+static void test_long_loops_stay_loops(void **state)
+{
+    static const char start[] =
+        "vec4 near(int i)\n{\n"
+        "    return result(ivec2(i)) * result(ivec2(0, i)) + result(ivec2(i, 0));\n}\n"
+        "void main()\n{\n    vec4 sum = vec4(0.0), kept[4];\n"
+        "    for (int i = 0; i < 4; i++)";
+    static const struct {
+        const char *body, *loops;
+    } cases[] = {
+        {"sum += near(i);", "1"},
+        {"sum += float(i) * exposure;", "0"},
+        {"sum += near(i);\n    for (int i = 0; i < 4; i++) sum += float(i);", "10"},
+        {"for (int k = 0; k < 4; k++) sum += near(i + k);", "10"},
+        {"{ kept[i] = near(i); sum += kept[i]; }", "0"},
+        {"{ kept[1] = near(i); sum += kept[1]; }", "1"},
+    };
+    struct fixture *f = *state;
+    for (int gpu = 0; gpu < 2; gpu++)
+        for (uint32_t i = 0; i < COUNT(cases); i++)
+            for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+                char body[1024], loops[8];
+                f->model.pipeline.gpu = gpu;
+                snprintf(body, sizeof body, "%s %s\n    display = sum;\n}\n", start, cases[i].body);
+                loops_of(f, body, (enum backend)backend, loops);
+                assert_int_equal(strlen(loops), strlen(cases[i].loops));
+                if (gpu)
+                    assert_null(strchr(loops, '1'));
+                else
+                    assert_string_equal(loops, cases[i].loops);
+            }
+}
+
 /* A variable of the whole shader, used in a function: glslang does not get to see its `precise`. */
 static void test_global_variables(void **state)
 {
@@ -651,6 +700,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_range_by_words, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_whole_element, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_errors, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_long_loops_stay_loops, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_global_variables, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_compile_error_place, set_up, tear_down),
     };
