@@ -414,6 +414,11 @@ static bool in_bodies(const struct checker *c, const char *name)
     return false;
 }
 
+static bool is_named(const struct weight *weight, const char *name)
+{
+    return weight->param && !strcmp(weight->param, name);
+}
+
 static bool in_expressions(const struct checker *c, const char *name)
 {
     for (size_t i = 0; i < c->expr_count; i++)
@@ -423,6 +428,11 @@ static bool in_expressions(const struct checker *c, const char *name)
         for (uint32_t k = 0; k < c->pipeline->passes[i].range_count; k++)
             if (text_mentions(c->pipeline->passes[i].ranges[k].first, name))
                 return true;
+    for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
+        const struct metric *metric = &c->pipeline->metrics[i];
+        if (is_named(&metric->position, name) || is_named(&metric->normal, name))
+            return true;
+    }
     return false;
 }
 

@@ -594,8 +594,37 @@ static void resolve_output(struct checker *c, const char *name, struct loc loc)
         report_unknown_resource(c, loc, "image", name, DT_IMAGE);
 }
 
+static void resolve_weight(struct checker *c, const struct weight *weight)
+{
+    const struct pipeline *p = c->pipeline;
+    const char **names = arena_alloc(c->model->arena, (p->param_count + 1) * sizeof *names);
+    size_t count = 0;
+    for (uint32_t i = 0; weight->param && names && i < p->param_count; i++) {
+        const struct param *param = &p->params[i];
+        bool named = !strcmp(param->name, weight->param);
+        if (param->type != DT_TYPE_FLOAT) {
+            if (named)
+                diag_error(c->diag, weight->loc, "a weight is a float, which `%s` is not",
+                           param->name);
+        } else if (named && (param->live ? param->min : param->value[0]) < 0) {
+            diag_error(c->diag, weight->loc, "a weight cannot be negative: give `%s` a min of 0",
+                       param->name);
+        }
+        if (named)
+            return;
+        if (param->type == DT_TYPE_FLOAT)
+            names[count++] = param->name;
+    }
+    if (weight->param)
+        report_missing(c, weight->loc, "parameter", weight->param, names, count);
+}
+
 void check_references(struct checker *c)
 {
+    for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
+        resolve_weight(c, &c->pipeline->metrics[i].position);
+        resolve_weight(c, &c->pipeline->metrics[i].normal);
+    }
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
         if (c->pipeline->resources[i].kind == DT_BUFFER)
             resolve_element(c, &c->pipeline->resources[i]);

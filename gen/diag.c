@@ -22,7 +22,8 @@ struct message {
 struct diag {
     struct message *messages;
     unsigned count, capacity, errors;
-    bool failed; /* out of memory: some message is lost */
+    bool failed;  /* out of memory: some message is lost */
+    bool repeats; /* the last error or warning was there before, and so may be its notes */
 };
 
 /* ---- Sources --------------------------------------------------------------------------------- */
@@ -145,7 +146,10 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
         diag->failed = true;
         return;
     }
-    if (severity != SEVERITY_NOTE && is_duplicate(diag, &message)) {
+    bool note = severity == SEVERITY_NOTE;
+    bool duplicate = (!note || diag->repeats) && is_duplicate(diag, &message);
+    diag->repeats = note ? diag->repeats : duplicate;
+    if (duplicate) {
         free(message.text);
         return;
     }

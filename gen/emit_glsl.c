@@ -75,15 +75,34 @@ static void add_component(enum dt_type scalar, double value, struct text *out)
         text_add(out, "%.0f%s", value, scalar == DT_TYPE_UINT ? "u" : "");
 }
 
+/* All that are live, and all that are uniform: the block's offsets are the layout's. */
+static void add_block(const struct glsl *glsl, struct text *out)
+{
+    text_add(out, "\nlayout(std140, ");
+    glsl_binding(glsl, glsl->pass->live_binding, out);
+    text_add(out, ") uniform Live {\n");
+    for (int uniform = 0; uniform < 2; uniform++)
+        for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
+            const struct param *param = &glsl->pipeline->params[i];
+            if (uniform ? !param->uniform : !param->live)
+                continue;
+            text_add(out, "    ");
+            if (uniform)
+                text_add(out, "layout(offset = %u) ", param->offset);
+            text_add(out, "%s %s;\n", glsl_type(param->type), param->name);
+        }
+    text_add(out, "};\n");
+}
+
 static void add_params(struct glsl *glsl, struct text *out)
 {
-    bool live = false;
+    bool block = false;
     for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
         const struct param *param = &glsl->pipeline->params[i];
         if (!glsl_uses(glsl, "%s", param->name))
             continue;
-        live |= param->live;
-        if (param->live)
+        block |= param->live || param->uniform;
+        if (param->live || param->uniform)
             continue;
         text_add(out, "const %s %s = ", glsl_type(param->type), param->name);
         if (param->components > 1)
@@ -94,17 +113,8 @@ static void add_params(struct glsl *glsl, struct text *out)
         }
         text_add(out, "%s;\n", param->components > 1 ? ")" : "");
     }
-    if (!live)
-        return;
-    text_add(out,
-             "\nlayout(std140, "); /* all live parameters: the block's offsets are the layout's */
-    glsl_binding(glsl, glsl->pass->live_binding, out);
-    text_add(out, ") uniform Live {\n");
-    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++)
-        if (glsl->pipeline->params[i].live)
-            text_add(out, "    %s %s;\n", glsl_type(glsl->pipeline->params[i].type),
-                     glsl->pipeline->params[i].name);
-    text_add(out, "};\n");
+    if (block)
+        add_block(glsl, out);
 }
 
 static void add_constants(struct glsl *glsl, struct text *out)
@@ -114,7 +124,7 @@ static void add_constants(struct glsl *glsl, struct text *out)
         const struct constant *constant = &glsl->pipeline->constants[i];
         if (!glsl_uses(glsl, "%s", constant->name))
             continue;
-        if (constant->folds) {
+        if (constant->folds && expr_is_literal(constant->value)) {
             text_add(out, "const int %s = %lld;\n", constant->name, (long long)constant->folded);
             continue;
         }
@@ -177,7 +187,7 @@ static void add_samplers(struct glsl *glsl)
         int64_t count = 0;
         if (!glsl_uses(glsl, "%s_count", sampler->name))
             continue;
-        if (!expr_reach(sampler->count) && expr_eval(sampler->count, 0, 0, &count) == EXPR_OK) {
+        if (expr_is_literal(sampler->count) && expr_eval(sampler->count, 0, 0, &count) == EXPR_OK) {
             text_add(constants, "const int %s_count = %lld;\n", sampler->name, (long long)count);
         } else {
             text_add(constants, "#define %s_count (", sampler->name);
@@ -208,15 +218,23 @@ static bool metric_takes(const struct pass *pass, const struct metric *metric,
     return false;
 }
 
+static void add_weight(const struct weight *weight, struct text *out)
+{
+    if (weight->param)
+        text_add(out, "%s", weight->param);
+    else
+        add_float(weight->value, out);
+}
+
 static void add_metric(struct glsl *glsl, const struct metric *metric)
 {
     struct text function = {0}, *out = &function;
     const char *scale = metric->scale ? metric->scale : "scene_radius";
     text_add(out, "float %s(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{\n    return %s(pa, na, pb, nb, ",
              metric->name, metric->normal_term == TERM_DOT ? "metric_dot" : "metric_one_minus_dot");
-    add_float(metric->position, out);
+    add_weight(&metric->position, out);
     text_add(out, ", ");
-    add_float(metric->normal, out);
+    add_weight(&metric->normal, out);
     double number;
     if (!strcmp(scale, "scene_radius")) {
         text_add(out, ", frame.scene_radius");

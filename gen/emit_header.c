@@ -110,7 +110,9 @@ static void emit_structs(const struct c_output *c)
     }
 }
 
-static void emit_live(const struct c_output *c)
+/* The parameters of one part of the block; offsets count from its beginning. */
+static void emit_part(const struct c_output *c, const char *part, bool live, uint32_t from,
+                      uint32_t size)
 {
     struct arena *arena = c->model->arena;
     struct member *members = arena_alloc(arena, (c->pipeline->param_count + 1) * sizeof *members);
@@ -119,15 +121,28 @@ static void emit_live(const struct c_output *c)
     for (uint32_t i = 0; members && i < c->pipeline->param_count; i++) {
         const struct param *param = &c->pipeline->params[i];
 
-        if (param->live) {
-            members[count++] = (struct member){param->name, param->type, 0, param->offset,
+        if (live ? param->live : param->uniform) {
+            members[count++] = (struct member){param->name, param->type, 0, param->offset - from,
                                                type_info(param->type)->size};
         }
     }
-    text_add(c->out, "/* The uniform block of the live parameters: std140. */\n");
     if (members) {
-        emit_struct(c->out, arena_printf(arena, "%s_live", c->pipeline->name), "std140", members,
-                    count, c->pipeline->live_size);
+        emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, part), "std140",
+                    members, count, size);
+    }
+}
+
+static void emit_block(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+
+    text_add(c->out, "/* The uniform block of the live parameters: std140. */\n");
+    emit_part(c, "live", true, 0, pipeline->live_size);
+    if (pipeline->block_size > pipeline->live_size) {
+        text_add(c->out,
+                 "/* Behind them, what a frame cannot change: the uniform parameters. */\n");
+        emit_part(c, "uniform", false, pipeline->live_size,
+                  pipeline->block_size - pipeline->live_size);
     }
 }
 
@@ -283,7 +298,7 @@ void emit_header(const struct model *model, struct text *out)
     text_add(out, "_H\n\n#include \"diptych.h\"\n\n");
     emit_params(&c);
     emit_structs(&c);
-    emit_live(&c);
+    emit_block(&c);
     emit_indices(&c);
     emit_functions(&c);
     text_add(out, "\n#endif\n");

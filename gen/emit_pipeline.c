@@ -77,9 +77,9 @@ static void emit_extents(const struct c_output *c)
 
 /* ---- Parameters ------------------------------------------------------------------------------ */
 
-static void emit_live_value(struct text *out, const struct param *param)
+static void emit_block_value(struct text *out, const char *part, const struct param *param)
 {
-    text_add(out, "    .%s = ", param->name);
+    text_add(out, "    .%s.%s = ", part, param->name);
     for (uint32_t i = 0; i < param->components; i++) {
         text_add(out, i ? ", " : param->components > 1 ? "{" : "");
         if (param->type <= DT_TYPE_VEC4) {
@@ -120,19 +120,34 @@ static void emit_param(struct text *out, const struct param *param)
     text_add(out, ",\n    },\n");
 }
 
-static void emit_params(const struct c_output *c)
+static void emit_block(const struct c_output *c)
 {
-    bool any_live = false;
+    const struct pipeline *pipeline = c->pipeline;
+    bool uniform = pipeline->block_size > pipeline->live_size;
+    bool any = false;
 
-    text_add(c->out, "static const struct %s_live live_defaults = {", c->pipeline->name);
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
-        if (c->pipeline->params[i].live) {
-            text_add(c->out, any_live ? "" : "\n");
-            emit_live_value(c->out, &c->pipeline->params[i]);
-            any_live = true;
+    text_add(c->out, "static const struct {\n    struct %s_live live;\n", pipeline->name);
+    if (uniform) {
+        text_add(c->out, "    struct %s_uniform uniform;\n", pipeline->name);
+    }
+    text_add(c->out, "} block = {");
+    for (int part = 0; part < 2; part++) {
+        for (uint32_t i = 0; i < pipeline->param_count; i++) {
+            const struct param *param = &pipeline->params[i];
+
+            if (part ? param->uniform : param->live) {
+                text_add(c->out, any ? "" : "\n");
+                emit_block_value(c->out, part ? "uniform" : "live", param);
+                any = true;
+            }
         }
     }
-    text_add(c->out, any_live ? "};\n\n" : "{0}};\n\n");
+    text_add(c->out, any ? "};\n\n" : "{{0}}};\n\n");
+}
+
+static void emit_params(const struct c_output *c)
+{
+    emit_block(c);
     if (c->pipeline->param_count) {
         text_add(c->out, "static const struct dt_param params[] = {\n");
         for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
@@ -435,7 +450,8 @@ void emit_c_pipeline(const struct model *model, const struct pass_shaders *shade
     emit_table(&c, "params", "param_count", pipeline->param_count);
     emit_table(&c, "resources", "resource_count", pipeline->resource_count);
     emit_table(&c, "passes", "pass_count", pipeline->pass_count);
-    text_add(out, "    .live_defaults = &live_defaults,\n    .live_size = sizeof live_defaults,\n");
+    text_add(out, "    .live_defaults = &block,\n    .live_size = sizeof block.live,\n"
+                  "    .block_size = sizeof block,\n");
     emit_output(&c, "linear_output", pipeline->linear_output);
     emit_output(&c, "display_output", pipeline->display_output);
     text_add(out, "};\n");

@@ -445,6 +445,13 @@ static unsigned reach_of_operands(const struct expr *expr)
     return expr_reach(operand[0]) | expr_reach(operand[1]) | expr_reach(operand[2]);
 }
 
+static unsigned reach_of_name(const struct expr *expr)
+{
+    if (expr->constant)
+        return expr_reach(expr->constant->value);
+    return expr->param && expr->param->live ? EXPR_LIVE : EXPR_BAKED;
+}
+
 unsigned expr_reach(const struct expr *expr)
 {
     if (!expr)
@@ -454,12 +461,26 @@ unsigned expr_reach(const struct expr *expr)
     case OP_FRAME_HEIGHT:
         return EXPR_FRAME;
     case OP_NAME:
-        if (expr->constant)
-            return expr_reach(expr->constant->value);
-        return expr->param && expr->param->live ? EXPR_LIVE : EXPR_BAKED;
+        return reach_of_name(expr);
     default:
         return reach_of_operands(expr);
     }
+}
+
+static bool has_uniform(const struct expr *expr)
+{
+    if (!expr)
+        return false;
+    if (expr->operation == OP_NAME)
+        return expr->constant ? has_uniform(expr->constant->value)
+                              : expr->param && expr->param->uniform;
+    return has_uniform(expr->operand[0]) || has_uniform(expr->operand[1]) ||
+           has_uniform(expr->operand[2]);
+}
+
+bool expr_is_literal(const struct expr *expr)
+{
+    return expr_reach(expr) == EXPR_BAKED && !has_uniform(expr);
 }
 
 /* ---- Evaluation ------------------------------------------------------------------------------ */
@@ -626,6 +647,12 @@ enum language { LANGUAGE_C, LANGUAGE_GLSL };
 static void emit(const struct expr *expr, enum language language, bool nested, struct text *out);
 static void emit_condition(const struct expr *expr, enum language language, struct text *out);
 
+/* C knows the values of uniform parameters, GLSL reads them. */
+static bool is_value(const struct expr *expr, enum language language)
+{
+    return language == LANGUAGE_C ? expr_reach(expr) == EXPR_BAKED : expr_is_literal(expr);
+}
+
 static const char *operator_token(enum operation operation)
 {
     for (size_t i = 0; i < BINARY_COUNT; i++)
@@ -733,7 +760,7 @@ static void emit_comparison(const struct expr *expr, enum language language, str
 static void emit_condition(const struct expr *expr, enum language language, struct text *out)
 {
     int64_t value;
-    if (expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
+    if (is_value(expr, language) && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
         text_add(out, value ? "true" : "false");
     } else if (is_condition(expr)) {
         emit_comparison(expr, language, out);
@@ -775,7 +802,7 @@ static void emit(const struct expr *expr, enum language language, bool nested, s
     int64_t value;
     if (!expr)
         return;
-    if (expr_reach(expr) == EXPR_BAKED && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
+    if (is_value(expr, language) && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
         text_add(out, nested && value < 0 ? "(%" PRId64 ")" : "%" PRId64, value);
     } else if (expr->operation <= OP_NAME) {
         emit_leaf(expr, language, out);

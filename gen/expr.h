@@ -20,6 +20,8 @@ enum expr_reach {
     EXPR_LIVE = 2
 }; /* mask: what the value depends on; `0 && live` on nothing */
 unsigned expr_reach(const struct expr *expr);
+/* Whether GLSL has its value as a literal: it is baked, and of no uniform parameter. */
+bool expr_is_literal(const struct expr *expr);
 
 enum expr_result { EXPR_OK, EXPR_DIVIDES_BY_ZERO, EXPR_OVERFLOWS };
 /* Live parameters count with their default. */
@@ -35,7 +37,7 @@ bool expr_mentions(const struct expr *expr, const char *name);
 /* C: baked parts as literals, frame.width as `width`, live parameters as `live->NAME`; int64_t
  * arithmetic. */
 void expr_emit_c(const struct expr *expr, struct text *out);
-/* GLSL int: frame.width as int(frame.width), live parameters by name. */
+/* GLSL int: frame.width as int(frame.width), live and uniform parameters by name. */
 void expr_emit_glsl(const struct expr *expr, struct text *out);
 
 #endif

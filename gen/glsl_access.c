@@ -230,7 +230,7 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
     const char *element = glsl_element_type(buffer);
     if (glsl_uses(glsl, "%s_count", access_word(access))) {
         int64_t count = 0;
-        if (!expr_reach(buffer->count) && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK) {
+        if (expr_is_literal(buffer->count) && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK) {
             text_add(out, "const int %s_count = %lld;\n", access_word(access), (long long)count);
         } else {
             text_add(out, "#define %s_count (", access_word(access));

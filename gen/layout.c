@@ -64,22 +64,29 @@ bool std140_equals_std430(const struct resource *buffer)
     return buffer->stride % 16 == 0 && (!structure || structure->align == 16);
 }
 
-/* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be
- * bound. */
-static void layout_live(struct pipeline *pipeline)
+/* Live parameters, or uniform ones, from `offset` on; returns the offset behind them. */
+static uint32_t layout_params(struct pipeline *pipeline, bool live, uint32_t offset)
 {
-    uint32_t offset = 0;
-
     for (uint32_t i = 0; i < pipeline->param_count; i++) {
         struct param *param = &pipeline->params[i];
         const struct type_info *info = type_info(param->type);
 
-        if (param->live) {
+        if (live ? param->live : param->uniform) {
             param->offset = align_up(offset, info->align);
             offset = param->offset + info->size;
         }
     }
-    pipeline->live_size = offset ? align_up(offset, 16) : 16;
+    return align_up(offset, 16);
+}
+
+/* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be
+ * bound. */
+static void layout_block(struct pipeline *pipeline)
+{
+    uint32_t live_size = layout_params(pipeline, true, 0);
+
+    pipeline->live_size = live_size ? live_size : 16;
+    pipeline->block_size = layout_params(pipeline, false, pipeline->live_size);
 }
 
 void layout_model(struct model *model)
@@ -99,5 +106,5 @@ void layout_model(struct model *model)
             resource->stride = align_up(types[resource->type].size, types[resource->type].align);
         }
     }
-    layout_live(pipeline);
+    layout_block(pipeline);
 }

@@ -37,7 +37,8 @@ struct param {
     double min, max; /* each component; +-INFINITY when absent */
     double step;     /* for sliders; 0 when absent */
     bool live;
-    uint32_t offset; /* layout: bytes into the live block */
+    bool uniform;    /* not live, but in the block all the same, behind those that are */
+    uint32_t offset; /* layout: bytes into the block of live and uniform ones */
 };
 
 struct constant { /* named integer expression; folds at generation unless it uses the frame size */
@@ -130,10 +131,16 @@ enum normal_term {
     TERM_ONE_MINUS_DOT,
     TERM_DOT
 }; /* w2 (1 - (a.b)+), and Equation 2 as printed: w2 (a.b)+ */
+struct weight {
+    double value;
+    const char *param; /* NULL, or what has the value instead */
+    struct loc loc;
+};
+
 struct metric {
     const char *name, *doc;
     struct loc loc;
-    double position, normal;                   /* weights */
+    struct weight position, normal;
     const char *position_field, *normal_field; /* default "position", "normal" */
     enum normal_term normal_term;
     const char *scale; /* "scene_radius", or a number as text: lengths are divided by it */
@@ -328,7 +335,7 @@ struct pipeline {
     struct pass **order; /* pass_count pointers, in order of execution */
     uint32_t slot_count;
     uint64_t transient_bytes, aliased_bytes; /* at 1920x1080: sum without, with aliasing */
-    uint32_t live_size;
+    uint32_t live_size, block_size; /* bytes of the live parameters, and with the uniform ones */
 };
 
 struct arena;

@@ -99,6 +99,8 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     case KEY_LENGTH:
         return scalar &&
                (!strcmp(text, "scene_radius") || (text_number(text, &number) && number > 0));
+    case KEY_WEIGHT:
+        return scalar && (text_number(text, &number) || is_identifier(text));
     case KEY_NAMES:
     case KEY_LIST:
         return fy_node_get_type(node) == FYNT_SEQUENCE;

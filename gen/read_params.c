@@ -127,6 +127,7 @@ static void read_param(struct reader *reader, const struct named *named, struct 
     param->max = field_number(reader, &fields, "max", INFINITY);
     param->step = field_number(reader, &fields, "step", 0);
     param->live = field_bool(reader, &fields, "live", false);
+    param->uniform = !param->live && field_bool(reader, &fields, "uniform", false);
     int type = field_choice(reader, &fields, "type", -1);
     set_value(reader, param, field_node(&fields, "value"), type);
 }

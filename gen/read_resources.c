@@ -215,6 +215,18 @@ void read_samplers(struct reader *reader, const struct fields *top)
         read_sampler(reader, &list.items[i], &pipeline->samplers[pipeline->sampler_count++]);
 }
 
+static struct weight read_weight(struct reader *reader, const struct fields *fields,
+                                 const char *key)
+{
+    const char *text = field_text(reader, fields, key);
+    struct weight weight = {.loc = field_loc(reader, fields, key)};
+    if (text && !text_number(text, &weight.value))
+        weight.param = text;
+    if (weight.value < 0)
+        diag_error(reader->diag, weight.loc, "a weight cannot be negative");
+    return weight;
+}
+
 static void read_metric(struct reader *reader, const struct named *named, struct metric *metric)
 {
     struct fields fields;
@@ -226,8 +238,8 @@ static void read_metric(struct reader *reader, const struct named *named, struct
     if (!fields_read(reader, named->value, SECTION_METRIC, named->loc, &fields))
         return;
     metric->doc = field_text(reader, &fields, "doc");
-    metric->position = field_number(reader, &fields, "position", 0);
-    metric->normal = field_number(reader, &fields, "normal", 0);
+    metric->position = read_weight(reader, &fields, "position");
+    metric->normal = read_weight(reader, &fields, "normal");
     if (field_node(&fields, "position_field"))
         metric->position_field = field_text(reader, &fields, "position_field");
     if (field_node(&fields, "normal_field"))
@@ -236,11 +248,6 @@ static void read_metric(struct reader *reader, const struct named *named, struct
         metric->scale = field_text(reader, &fields, "scale");
     metric->normal_term =
         (enum normal_term)field_choice(reader, &fields, "normal_term", TERM_ONE_MINUS_DOT);
-    static const char *const weights[] = {"position", "normal"};
-    for (int i = 0; i < 2; i++)
-        if (field_number(reader, &fields, weights[i], 0) < 0)
-            diag_error(reader->diag, field_loc(reader, &fields, weights[i]),
-                       "a weight cannot be negative");
 }
 
 void read_metrics(struct reader *reader, const struct fields *top)

@@ -68,6 +68,8 @@ static void add_scalar_type(struct text *out, const struct key *key)
         [KEY_NUMBERS] = "{\"anyOf\": [{\"type\": \"number\"}, {\"type\": \"array\", \"items\": "
                         "{\"type\": \"number\"}, "
                         "\"minItems\": 1, \"maxItems\": 4}]}",
+        [KEY_WEIGHT] = "{\"anyOf\": [{\"$ref\": \"#/$defs/NAME\"}, {\"type\": \"number\", "
+                       "\"minimum\": 0}]}",
         [KEY_LENGTH] = "{\"anyOf\": [{\"const\": \"scene_radius\"}, {\"type\": \"number\", "
                        "\"exclusiveMinimum\": 0}]}",
     };

@@ -4,6 +4,7 @@
  * line of the file that the text is from. */
 #include "diag.h"
 #include "spirv.h"
+#include "expr.h"
 #include "stages.h"
 
 #include <ctype.h>
@@ -100,18 +101,26 @@ static bool is_word(char c)
     return isalnum((unsigned char)c) || c == '_';
 }
 
-/* Column and length of `word` in a line of the source; 1 and 1 when it is not there. */
-static void find_in_line(struct loc *loc, const char *word, size_t length)
+/* The line of the source and its length; NULL when it has fewer lines. */
+static const char *line_of(const struct loc *loc, size_t *length)
 {
     const char *at = loc->source->text, *end = at + loc->source->length;
     for (int line = 1; line < loc->line && at; line++) {
         at = memchr(at, '\n', (size_t)(end - at));
         at = at ? at + 1 : NULL;
     }
+    const char *newline = at ? memchr(at, '\n', (size_t)(end - at)) : NULL;
+    *length = at ? (size_t)((newline ? newline : end) - at) : 0;
+    return at;
+}
+
+/* Column and length of `word` in a line of the source; 1 and 1 when it is not there. */
+static void find_in_line(struct loc *loc, const char *word, size_t length)
+{
+    size_t width;
+    const char *at = line_of(loc, &width);
     if (!at || !length)
         return;
-    const char *newline = memchr(at, '\n', (size_t)(end - at));
-    size_t width = (size_t)((newline ? newline : end) - at);
     for (size_t i = 0; i + length <= width; i++) {
         bool inside = is_word(word[0]) && ((i && is_word(at[i - 1])) ||
                                            (i + length < width && is_word(at[i + length])));
@@ -121,6 +130,29 @@ static void find_in_line(struct loc *loc, const char *word, size_t length)
             return;
         }
     }
+}
+
+static void note_uniform(const struct loc *error, const char *name, struct loc declared,
+                         struct diag *diag)
+{
+    struct loc used = *error;
+    used.length = 0;
+    find_in_line(&used, name, strlen(name));
+    if (used.length)
+        diag_note(diag, declared,
+                  "shaders read `%s` from a uniform block, so to them it is no constant", name);
+}
+
+/* Where a constant was asked for, the names in the line that are none because of `uniform: true`. */
+static void note_uniforms(const struct pipeline *pipeline, const struct loc *error,
+                          struct diag *diag)
+{
+    for (uint32_t i = 0; i < pipeline->param_count; i++)
+        if (pipeline->params[i].uniform)
+            note_uniform(error, pipeline->params[i].name, pipeline->params[i].loc, diag);
+    for (uint32_t i = 0; i < pipeline->constant_count; i++)
+        if (pipeline->constants[i].folds && !expr_is_literal(pipeline->constants[i].value))
+            note_uniform(error, pipeline->constants[i].name, pipeline->constants[i].loc, diag);
 }
 
 /* "ERROR: 1:12: 'name' : text": file and line as #line gave them. */
@@ -155,6 +187,9 @@ static void report_line(const struct model *model, const struct pass *pass, cons
     if (close == text + 1) /* '' : text */
         text = close + 1 + strspn(close + 1, ": ");
     diag_error(diag, loc, "%.*s", (int)(stop - text), text);
+    const char *asked = strstr(text, "constant");
+    if (asked && asked < stop)
+        note_uniforms(&model->pipeline, &loc, diag);
 }
 
 static void report_log(const struct model *model, const struct pass *pass, const char *log,

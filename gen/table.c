@@ -179,6 +179,13 @@ const struct key table_keys[] = {
      "What it changes, with its unit.", "\"clusters of k-means\""},
     {SECTION_PARAM, "live", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "true: changes at run time. Counts and sizes cannot depend on it; `when` can.", "true"},
+    {SECTION_PARAM, "uniform", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: shaders read the value, and constants made of it, from the uniform block of the live "
+     "parameters, where they otherwise have a literal. So an edit of it compiles no shader, but "
+     "the "
+     "compiler cannot compute ahead with it, and it cannot be the length of an array. Counts and "
+     "sizes can depend on it.",
+     "true"},
     {SECTION_CONSTANTS, "*", KEY_EXPR, SECTION_CONSTANT, NULL, OPTIONAL, NULL,
      "A constant, by its name.", "second_vpls / clusters"},
     {SECTION_CONSTANT, "value", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL,
@@ -251,10 +258,10 @@ const struct key table_keys[] = {
      "\"points on the disk\""},
     {SECTION_METRICS, "*", KEY_MAP, SECTION_METRIC, NULL, OPTIONAL, NULL, "A metric, by its name.",
      "{position: 0.6, normal: 0.4}"},
-    {SECTION_METRIC, "position", KEY_NUMBER, SECTION_NONE, NULL, REQUIRED, NULL,
-     "Weight of the distance.", "0.6"},
-    {SECTION_METRIC, "normal", KEY_NUMBER, SECTION_NONE, NULL, REQUIRED, NULL,
-     "Weight of the normals' term.", "0.4"},
+    {SECTION_METRIC, "position", KEY_WEIGHT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "Weight of the distance: a number, or a parameter of type float.", "0.6"},
+    {SECTION_METRIC, "normal", KEY_WEIGHT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "Weight of the normals' term, likewise.", "normal_weight"},
     {SECTION_METRIC, "position_field", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "position",
      "Field of a struct that is its position.", "center"},
     {SECTION_METRIC, "normal_field", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "normal",
@@ -449,6 +456,7 @@ const char *table_type_text(enum key_type type)
         [KEY_VALUE] = "a number, a bool or a list of 2 to 4 numbers",
         [KEY_NUMBERS] = "a number or a list of 1 to 4",
         [KEY_LENGTH] = "`scene_radius` or a number",
+        [KEY_WEIGHT] = "a number or a parameter",
         [KEY_CHOICE] = "a word",
         [KEY_TYPE] = "a type",
         [KEY_NAMES] = "a list of names",

@@ -56,6 +56,7 @@ enum key_type {
     KEY_VALUE,   /* number, bool, or a list of 2 to 4 numbers */
     KEY_NUMBERS, /* number, or a list of 1 to 4 */
     KEY_LENGTH,  /* `scene_radius`, or a number */
+    KEY_WEIGHT,  /* number, or the name of a parameter */
     KEY_CHOICE,  /* one of the words in `choices` */
     KEY_TYPE,    /* type of a field: a word in `choices`, or TYPE[N] */
     KEY_NAMES,   /* list of identifiers */

@@ -242,8 +242,10 @@ static void draw_metric(struct draws *draws, const struct metric *metric)
     const char *name = metric->name;
     if (one_in(draws, 2))
         return;
-    add_set(draws, path_of(draws, "metrics", name, "position"), draw_weight(draws));
-    add_set(draws, path_of(draws, "metrics", name, "normal"), draw_weight(draws));
+    if (!metric->position.param)
+        add_set(draws, path_of(draws, "metrics", name, "position"), draw_weight(draws));
+    if (!metric->normal.param)
+        add_set(draws, path_of(draws, "metrics", name, "normal"), draw_weight(draws));
     set_choice(draws, path_of(draws, "metrics", name, "normal_term"), SECTION_METRIC,
                "normal_term");
     if (one_in(draws, 2))

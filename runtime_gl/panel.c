@@ -72,7 +72,7 @@ static bool allocate_panel(struct gl_runtime *rt, const struct dt_pipeline *pipe
 
 static bool create_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeline)
 {
-    const struct gl_buffer_info live = {"live parameters", pipeline->live_size};
+    const struct gl_buffer_info live = {"live parameters", pipeline->block_size};
     return allocate_panel(rt, pipeline) &&
            gl_buffer_upload(rt, &rt->builtin.live, &live, pipeline->live_defaults) &&
            (!rt->queries ||

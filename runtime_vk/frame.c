@@ -121,7 +121,7 @@ bool vk_frame_create(struct vk_runtime *rt)
     const struct dt_pipeline *pipeline = rt->panel->pipeline;
     struct vk_buffer_info live = {
         .name = "live",
-        .size = pipeline->live_size,
+        .size = pipeline->block_size,
         .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
     };
     VkQueryPoolCreateInfo queries = {
@@ -209,12 +209,20 @@ static void forget_frame(struct vk_runtime *rt)
     rt->barriers = 0;
 }
 
+/* Of the block with the live parameters, what a frame cannot change. */
+static const char *behind_live(const struct dt_pipeline *pipeline)
+{
+    return (const char *)pipeline->live_defaults + pipeline->live_size;
+}
+
 bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->panel->pipeline;
     struct dt_frame block = sized_frame(rt, frame);
     memcpy(rt->frame_memory.bytes, &block, sizeof block);
     memcpy(rt->live_memory.bytes, live, pipeline->live_size);
+    memcpy((char *)rt->live_memory.bytes + pipeline->live_size, behind_live(pipeline),
+           pipeline->block_size - pipeline->live_size);
     forget_frame(rt);
     if (!record_frame(rt, live) ||
         !run_commands(rt, rt->frame_commands, pipeline->name, VK_NULL_HANDLE))
@@ -231,11 +239,11 @@ bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const 
 
 /* Commands write the uniform blocks, so that frames before this one keep theirs until they are done. */
 static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *buffer,
-                          const void *data, VkDeviceSize size)
+                          VkDeviceSize offset, const void *data, VkDeviceSize size)
 {
     const VkDeviceSize most = 65536; /* in one vkCmdUpdateBuffer */
     for (VkDeviceSize at = 0; at < size; at += most)
-        rt->vk.CmdUpdateBuffer(rt->frame_commands, buffer->handle, at,
+        rt->vk.CmdUpdateBuffer(rt->frame_commands, buffer->handle, offset + at,
                                size - at < most ? size - at : most, (const char *)data + at);
 }
 
@@ -271,8 +279,10 @@ bool vk_frame_record(struct vk_runtime *rt, VkCommandBuffer commands, const stru
     for (uint32_t i = 0; i < rt->import_count; i++)
         if (rt->imports[i].image)
             rt->imports[i].image->layout = rt->imports[i].given.layout_before;
-    write_uniform(rt, &rt->builtin.frame, &block, sizeof block);
-    write_uniform(rt, &rt->builtin.live, live, pipeline->live_size);
+    write_uniform(rt, &rt->builtin.frame, 0, &block, sizeof block);
+    write_uniform(rt, &rt->builtin.live, 0, live, pipeline->live_size);
+    write_uniform(rt, &rt->builtin.live, pipeline->live_size, behind_live(pipeline),
+                  pipeline->block_size - pipeline->live_size);
     for (uint32_t i = 0; i < rt->fill_count; i++)
         fill_now(rt, &rt->fills[i]);
     rt->fill_count = 0;

@@ -60,6 +60,9 @@ sed -i 's/\(exposure: .*value: 0\.\)18/\136/' templates/rsm.yaml
 check "another default of a live parameter changes C" edges 2 4 'rsm' ninja
 check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
 check "... and then there is nothing to do" nothing_to_do
+sed -i 's/\(rsm_size: .*value: \)512/\1384/' templates/rsm.yaml
+check "another value of a uniform parameter changes C, though it is a size" edges 2 6 'rsm' ninja
+check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
 touch gen/plan.h
 check "a touched header concerns those that include it" \
     edges 3 100 'build/obj/gen/|build/diptych-gen|GENERATE|build/obj/pipelines/' ninja -n

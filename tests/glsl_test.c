@@ -138,8 +138,8 @@ static void fill_declarations(struct fixture *f)
     f->samplers[1] =
         (struct sampler){.name = "shadow", .kind = SAMPLER_FILTER, .linear = true, .compare = true};
     f->metrics[0] = (struct metric){.name = "apart",
-                                    .position = 0.6,
-                                    .normal = 0.4,
+                                    .position = {.value = 0.6},
+                                    .normal = {.value = 0.4},
                                     .position_field = "position",
                                     .normal_field = "normal",
                                     .scale = "scene_radius"};

@@ -120,15 +120,15 @@ else
     skip "a helper that is lost is done without" "there is one processor"
 fi
 
-# Every type, baked and live: what is set is a constant in the GLSL, or a default in the C.
+# Every type, baked, live and uniform: what is set is a constant in the GLSL, or a value in the C.
 # shellcheck disable=SC2317
 sets() { # type value baked live
     rm -rf "$work/set"
-    "$gen" tests/specs/kinds.yaml -o "$work/set" --set "baked_$1=$2" --set "live_$1=$2" || return
+    "$gen" tests/specs/kinds.yaml -o "$work/set" --set "baked_$1=$2" --set "live_$1=$2" --set "uniform_$1=$2" || return
     for api in gl vk; do
         grep -F "const $1 baked_$1 = $3;" "$work/set/$api/sum.comp" || return
     done
-    grep -F ".live_$1 = $4," "$work/set/kinds.c"
+    grep -F ".live.live_$1 = $4," "$work/set/kinds.c" && grep -F ".uniform.uniform_$1 = $4," "$work/set/kinds.c"
 }
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"
@@ -147,7 +147,7 @@ uvec3 [7,8,9]         uvec3(7u,_8u,_9u)           {7u,_8u,_9u}
 uvec4 [7,8,9,10]      uvec4(7u,_8u,_9u,_10u)      {7u,_8u,_9u,_10u}
 bool  true            true                        1
 END
-for kind in baked live; do
+for kind in baked live uniform; do
     for wrong in float=11 int=-11 "vec3=[1, 2]" bool=2; do
         check_status 1 "--set of ${kind}_$wrong is refused" \
             "$gen" --check tests/specs/kinds.yaml --set "${kind}_$wrong"

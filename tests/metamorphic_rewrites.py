@@ -548,6 +548,20 @@ def bake_live(pipeline):
             param.pop("live", None)
 
 
+@rewrite("uniform parameters baked", "rsm", "ssvp")
+def bake_uniform(pipeline):
+    for param in pipeline.section("params").values():
+        if isinstance(param, dict):
+            param.pop("uniform", None)
+
+
+# In ssvp, what is not the length of an array.
+@rewrite("baked parameters made uniform", "ssvp")
+def make_uniform(pipeline):
+    for name in ("second_by_flux", "split", "cull_triangles"):
+        pipeline.spec["params"][name]["uniform"] = True
+
+
 # The same, the other way, for those that decide no count and no size.
 @rewrite("baked parameter made live", "ssvp")
 def make_live(pipeline):
@@ -743,11 +757,13 @@ def redundant_when(pipeline):
 def metrics_by_hand(pipeline):
     body_per_pass(pipeline)
     for name, metric in pipeline.spec.pop("metrics").items():
+        position, normal = (weight if isinstance(weight, str) else float(weight)  # of a parameter, or a number
+                            for weight in (metric["position"], metric["normal"]))
         scale = metric.get("scale", "scene_radius")
         formula = (f"float {name}(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{{\n"
-                   f"    return {float(metric['position'])} * (length(pa - pb) / "
+                   f"    return {position} * (length(pa - pb) / "
                    f"{'frame.scene_radius' if scale == 'scene_radius' else float(scale)}) + "
-                   f"{float(metric['normal'])} * (1.0 - max(dot(na, nb), 0.0));\n}}\n")
+                   f"{normal} * (1.0 - max(dot(na, nb), 0.0));\n}}\n")
         for entry in pipeline.passes():
             if name in entry.get("uses", []):
                 entry["uses"].remove(name)

@@ -157,12 +157,15 @@ static void test_std140_live(void **state)
         {.name = "c", .type = DT_TYPE_VEC3, .components = 3, .live = true},
         {.name = "d", .type = DT_TYPE_FLOAT, .components = 1, .live = true},
         {.name = "e", .type = DT_TYPE_UINT, .components = 1, .live = true},
+        {.name = "f", .type = DT_TYPE_FLOAT, .components = 1, .uniform = true},
+        {.name = "g", .type = DT_TYPE_VEC2, .components = 2, .uniform = true},
     };
 
     layout_model(&f->model);
     assert_int_equal(f->model.pipeline.live_size, 16);
+    assert_int_equal(f->model.pipeline.block_size, 16);
     f->model.pipeline.params = params;
-    f->model.pipeline.param_count = 6;
+    f->model.pipeline.param_count = 8;
     layout_model(&f->model);
     assert_int_equal(params[0].offset, 0);
     assert_int_equal(params[2].offset, 8);
@@ -170,6 +173,9 @@ static void test_std140_live(void **state)
     assert_int_equal(params[4].offset, 28);
     assert_int_equal(params[5].offset, 32);
     assert_int_equal(f->model.pipeline.live_size, 48);
+    assert_int_equal(params[6].offset, 48);
+    assert_int_equal(params[7].offset, 56);
+    assert_int_equal(f->model.pipeline.block_size, 64);
 }
 
 /* ---- Order ----------------------------------------------------------------------------------- */

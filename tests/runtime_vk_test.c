@@ -130,6 +130,7 @@ static const struct dt_pipeline pipeline = {
     .pass_count = PASSES,
     .live_defaults = &live_defaults,
     .live_size = sizeof live_defaults,
+    .block_size = sizeof live_defaults,
 };
 
 struct state {

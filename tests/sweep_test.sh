@@ -77,7 +77,7 @@ fi
 # Unwritten memory differs between the backends, so that a k-means that a driver cuts short is seen.
 check "k-means ends by itself with every parameter at its max" \
     "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=2048 --set clusters=64 --set kmeans_iterations=32 \
-    --set metrics.vpl_distance.position=0 --set rsm_size=64 --set paraboloid_size=16 --set second_vpls=64
+    --set position_weight=0 --set rsm_size=64 --set paraboloid_size=16 --set second_vpls=64
 
 # Normals with a component of -0.0 are all that some clusters add up.
 check "k-means keeps the sign of a zero where one driver unrolls its loops and the other does not" \

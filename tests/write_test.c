@@ -90,6 +90,7 @@ static const struct dt_pipeline pipeline = {
     .pass_count = 1,
     .live_defaults = live_defaults,
     .live_size = sizeof live_defaults,
+    .block_size = sizeof live_defaults,
 };
 
 static bool create(void *runtime, void *place)

@@ -171,8 +171,9 @@ struct dt_pipeline {
     uint32_t resource_count;
     const struct dt_pass *passes; /* in order of execution */
     uint32_t pass_count;
-    const void *live_defaults; /* the live block (std140) with every parameter at its value */
-    uint32_t live_size;        /* bytes, a multiple of 16, at least 16 */
+    const void *live_defaults; /* the uniform block (std140) with every parameter at its value */
+    uint32_t live_size;        /* bytes of live parameters, a multiple of 16, at least 16 */
+    uint32_t block_size;       /* and of those behind that a frame cannot change */
     int linear_output;         /* resource shown as linear HDR, for EXR; -1: none */
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
 };

@@ -1,5 +1,5 @@
 /* The maps that tell what each VPL sees. */
-const int MAP_SIZE = paraboloid_size;
+#define MAP_SIZE paraboloid_size
 
 int map_of(int instance)
 {

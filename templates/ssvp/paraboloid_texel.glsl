@@ -1,5 +1,5 @@
 /* What a texel of the maps that second-bounce VPLs are sampled from keeps; the maps' draws are one each. */
-const int MAP_SIZE = paraboloid_size;
+#define MAP_SIZE paraboloid_size
 
 int map_of(int instance)
 {

@@ -1,5 +1,5 @@
 /* The maps that tell what a cluster of second-bounce VPLs sees. */
-const int MAP_SIZE = second_map_size;
+#define MAP_SIZE second_map_size
 
 int map_of(int instance)
 {

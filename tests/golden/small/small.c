@@ -80,9 +80,11 @@ void small_extent_shown(uint32_t frame_width, uint32_t frame_height, uint32_t ex
     extent[2] = 1;
 }
 
-static const struct small_live live_defaults = {
-    .glow = 1,
-    .gain = 0.5f,
+static const struct {
+    struct small_live live;
+} block = {
+    .live.glow = 1,
+    .live.gain = 0.5f,
 };
 
 static const struct dt_param params[] = {
@@ -397,8 +399,9 @@ const struct dt_pipeline small_pipeline = {
     .resource_count = DT_ARRAY_COUNT(resources),
     .passes = passes,
     .pass_count = DT_ARRAY_COUNT(passes),
-    .live_defaults = &live_defaults,
-    .live_size = sizeof live_defaults,
+    .live_defaults = &block,
+    .live_size = sizeof block.live,
+    .block_size = sizeof block,
     .linear_output = SMALL_RESOURCE_TRAIL,
     .display_output = SMALL_RESOURCE_SHOWN,
 };
