@@ -114,6 +114,9 @@ static void emit_buffer(const struct c_output *c, const struct resource *buffer)
              "        .size = (GLsizeiptr)extent[0] * ",
              buffer->name);
     c_element(c, c->out, buffer);
+    if (buffer->block) {
+        text_add(c->out, ",\n        .block = %" PRIu32, buffer->block);
+    }
     text_add(c->out,
              ",\n    };\n\n    return dt_gl_buffer_create(rt, &state->buffers.%s, &info) &&\n"
              "           dt_gl_initialise(rt, &state->buffers.%s, NULL, %s);\n}\n\n",

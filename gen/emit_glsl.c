@@ -117,20 +117,32 @@ static void add_params(struct glsl *glsl, struct text *out)
         add_block(glsl, out);
 }
 
+static void add_constant(const struct constant *constant, struct text *out)
+{
+    if (constant->folds && constant_is_literal(constant)) {
+        text_add(out, "const int %s = %lld;\n", constant->name, (long long)constant->folded);
+        return;
+    }
+    text_add(out, "#define %s (", constant->name);
+    expr_emit_glsl(constant->value, out);
+    text_add(out, ")\n");
+}
+
+/* Those that are used, and those that these use, in whatever order the spec has them. */
 static void add_constants(struct glsl *glsl, struct text *out)
 {
-    for (uint32_t i = glsl->pipeline->constant_count;
-         i-- > 0;) { /* later ones may use earlier ones */
-        const struct constant *constant = &glsl->pipeline->constants[i];
-        if (!glsl_uses(glsl, "%s", constant->name))
-            continue;
-        if (constant->folds && expr_is_literal(constant->value)) {
-            text_add(out, "const int %s = %lld;\n", constant->name, (long long)constant->folded);
-            continue;
+    uint32_t count = glsl->pipeline->constant_count;
+    bool *there = arena_alloc(glsl->model->arena, (count + 1) * sizeof *there);
+    out->failed |= !there;
+    for (bool more = there; more;) {
+        more = false;
+        for (uint32_t i = count; i-- > 0;) {
+            const struct constant *constant = &glsl->pipeline->constants[i];
+            if (there[i] || !glsl_uses(glsl, "%s", constant->name))
+                continue;
+            add_constant(constant, out);
+            more = there[i] = true;
         }
-        text_add(out, "#define %s (", constant->name);
-        expr_emit_glsl(constant->value, out);
-        text_add(out, ")\n");
     }
 }
 

@@ -259,6 +259,9 @@ static void emit_buffer(const struct c_output *c, const struct resource *buffer)
              "        .size = (VkDeviceSize)extent[0] * ",
              buffer->name);
     c_element(c, c->out, buffer);
+    if (buffer->block) {
+        text_add(c->out, ",\n        .block = %" PRIu32, buffer->block);
+    }
     text_add(c->out, ",\n        .usage = ");
     emit_usage(c->out, buffer);
     text_add(c->out,

@@ -472,10 +472,16 @@ static bool has_uniform(const struct expr *expr)
     if (!expr)
         return false;
     if (expr->operation == OP_NAME)
-        return expr->constant ? has_uniform(expr->constant->value)
+        return expr->constant ? !constant_is_literal(expr->constant)
                               : expr->param && expr->param->uniform;
     return has_uniform(expr->operand[0]) || has_uniform(expr->operand[1]) ||
            has_uniform(expr->operand[2]);
+}
+
+bool constant_is_literal(const struct constant *constant)
+{
+    return expr_reach(constant->value) == EXPR_BAKED &&
+           (constant->literal || !has_uniform(constant->value));
 }
 
 bool expr_is_literal(const struct expr *expr)

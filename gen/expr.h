@@ -22,6 +22,7 @@ enum expr_reach {
 unsigned expr_reach(const struct expr *expr);
 /* Whether GLSL has its value as a literal: it is baked, and of no uniform parameter. */
 bool expr_is_literal(const struct expr *expr);
+bool constant_is_literal(const struct constant *constant);
 
 enum expr_result { EXPR_OK, EXPR_DIVIDES_BY_ZERO, EXPR_OVERFLOWS };
 /* Live parameters count with their default. */

@@ -258,7 +258,9 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
                                          : "buffer",
              access_word(access), element, access_word(access));
     int64_t count = 0;
-    if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
+    if (uniform && buffer->block)
+        text_add(out, "%u", buffer->block / buffer->stride);
+    else if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
         text_add(out, "%lld", (long long)count);
     text_add(out, "];\n};\n");
     if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && access->mode != MODE_READ)

@@ -45,7 +45,8 @@ struct constant { /* named integer expression; folds at generation unless it use
     const char *name, *doc;
     struct loc loc;
     struct expr *value;
-    bool folds; /* check: depends on baked parameters alone */
+    bool literal; /* in GLSL, also when it depends on uniform parameters */
+    bool folds;   /* check: depends on baked parameters alone */
     int64_t folded;
 };
 
@@ -100,6 +101,8 @@ struct resource {
     enum dt_type type;           /* when structure is NULL */
     struct expr *count;
     uint32_t stride; /* layout */
+    uint32_t
+        block; /* plan: bytes that uniform blocks declare, whatever the count; 0: the count's */
     /* images */
     enum dt_format format;
     struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */

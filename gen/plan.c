@@ -434,6 +434,23 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
     return count;
 }
 
+/* A block has a length in the shader. Where the count is of uniform parameters, it is as long as can be, so
+ * that another count is the same shader. */
+static void plan_blocks(struct pipeline *pipeline)
+{
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        struct resource *buffer = &pipeline->resources[i];
+        uint64_t bytes;
+
+        if (!(buffer->usage & ACCESS_UNIFORM) || !buffer->count || expr_is_literal(buffer->count)) {
+            continue;
+        }
+        bytes = buffer->stride *
+                (uint64_t)expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
+        buffer->block = bytes <= UNIFORM_BLOCK_LIMIT ? UNIFORM_BLOCK_LIMIT : SOFTWARE_UNIFORM_LIMIT;
+    }
+}
+
 /* ---------------------------------------------------------------------------------------------- */
 
 bool plan_model(struct model *model, struct diag *diag)
@@ -451,6 +468,7 @@ bool plan_model(struct model *model, struct diag *diag)
         return false;
     }
     plan_lifetimes(model);
+    plan_blocks(pipeline);
     check_uniforms(pipeline, diag);
     plan_slots(model);
     plan_barriers(model);

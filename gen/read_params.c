@@ -157,6 +157,7 @@ void read_constants(struct reader *reader, const struct fields *top)
             constant->value = node_expr(reader, named->value);
         } else if (fields_read(reader, named->value, SECTION_CONSTANT, named->loc, &fields)) {
             constant->doc = field_text(reader, &fields, "doc");
+            constant->literal = field_bool(reader, &fields, "literal", false);
             constant->value = field_expr(reader, &fields, "value");
         }
     }

@@ -151,7 +151,7 @@ static void note_uniforms(const struct pipeline *pipeline, const struct loc *err
         if (pipeline->params[i].uniform)
             note_uniform(error, pipeline->params[i].name, pipeline->params[i].loc, diag);
     for (uint32_t i = 0; i < pipeline->constant_count; i++)
-        if (pipeline->constants[i].folds && !expr_is_literal(pipeline->constants[i].value))
+        if (pipeline->constants[i].folds && !constant_is_literal(&pipeline->constants[i]))
             note_uniform(error, pipeline->constants[i].name, pipeline->constants[i].loc, diag);
 }
 

@@ -191,6 +191,11 @@ const struct key table_keys[] = {
     {SECTION_CONSTANT, "value", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL,
      "Integer expression over parameters, constants, frame.width and frame.height.",
      "ceil_div(frame.width, 2)"},
+    {SECTION_CONSTANT, "literal", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: a literal in shaders also where it is made of uniform parameters, an edit of which "
+     "then "
+     "compiles the shaders that use it.",
+     "true"},
     {SECTION_CONSTANT, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it is.",
      "\"half the width\""},
 

@@ -86,9 +86,11 @@ static bool check_binding(struct gl_runtime *rt, const struct gl_binding *bindin
 static bool bind_buffer(struct gl_runtime *rt, GLenum target, GLuint index,
                         const struct gl_buffer *buffer)
 {
-    if (buffer->imported)
+    bool block = buffer->block && target == GL_UNIFORM_BUFFER;
+    if (buffer->imported || buffer->block)
         return GL(rt, buffer->name,
-                  BindBufferRange(target, index, buffer->handle, buffer->offset, buffer->size));
+                  BindBufferRange(target, index, buffer->handle, buffer->offset,
+                                  block ? buffer->block : buffer->size));
     return GL(rt, buffer->name, BindBufferBase(target, index, buffer->handle));
 }
 

@@ -10,7 +10,7 @@
 
 bool gl_builtin_create(struct gl_runtime *rt)
 {
-    const struct gl_buffer_info frame = {"frame", sizeof(struct dt_frame)};
+    const struct gl_buffer_info frame = {.name = "frame", .size = sizeof(struct dt_frame)};
     const struct gl_sampler_info nearest = {"nearest",        GL_NEAREST, GL_NEAREST,
                                             GL_CLAMP_TO_EDGE, false,      1.0f};
     const struct gl_sampler_info trilinear = {"scene textures", GL_LINEAR, GL_LINEAR,
@@ -72,7 +72,7 @@ static bool allocate_panel(struct gl_runtime *rt, const struct dt_pipeline *pipe
 
 static bool create_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeline)
 {
-    const struct gl_buffer_info live = {"live parameters", pipeline->block_size};
+    const struct gl_buffer_info live = {.name = "live parameters", .size = pipeline->block_size};
     return allocate_panel(rt, pipeline) &&
            gl_buffer_upload(rt, &rt->builtin.live, &live, pipeline->live_defaults) &&
            (!rt->queries ||

@@ -109,7 +109,8 @@ static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame 
         vertices[i].position[0] = vertices[i].position[0] * 2 / (float)width - 1;
         vertices[i].position[1] = 1 - vertices[i].position[1] * 2 / (float)height;
     }
-    const struct gl_buffer_info info = {"window vertices", (GLsizeiptr)(size + size / 2)};
+    const struct gl_buffer_info info = {.name = "window vertices",
+                                        .size = (GLsizeiptr)(size + size / 2)};
     bool fits = rt->present.vertices.handle && rt->present.vertices.size >= (GLsizeiptr)size;
     if (!fits)
         dt_gl_buffer_destroy(rt, &rt->present.vertices);

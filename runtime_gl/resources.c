@@ -46,7 +46,9 @@ bool gl_buffer_upload(struct gl_runtime *rt, struct gl_buffer *buffer,
                (long long)rt->limits.storage_size);
         return false;
     }
-    *buffer = (struct gl_buffer){.name = info->name, .size = size};
+    *buffer = (struct gl_buffer){
+        .name = info->name, .size = size, .block = info->block > size ? info->block : 0};
+    size = buffer->block ? buffer->block : size;
     bool exact = size == info->size; /* raised sizes reach beyond the data */
     return GL(rt, info->name, CreateBuffers(1, &buffer->handle)) &&
            GL(rt, info->name,

@@ -19,9 +19,10 @@ struct gl_runtime;
 struct gl_buffer {
     const char *name;
     GLuint handle;
-    GLsizeiptr size; /* bytes, at least 16 */
-    GLintptr offset; /* bytes; 0 but for a host's */
-    bool imported;   /* the handle is a host's, and so are the bytes before and behind */
+    GLsizeiptr size;  /* bytes, at least 16 */
+    GLsizeiptr block; /* bytes bound as a uniform block, where that is more than size; else 0 */
+    GLintptr offset;  /* bytes; 0 but for a host's */
+    bool imported;    /* the handle is a host's, and so are the bytes before and behind */
 };
 
 struct gl_image {
@@ -40,7 +41,8 @@ struct gl_image {
 
 struct gl_buffer_info {
     const char *name;
-    GLsizeiptr size; /* bytes; raised to 16 */
+    GLsizeiptr size;  /* bytes; raised to 16 */
+    GLsizeiptr block; /* bytes of the uniform block that shaders declare; 0: as many */
 };
 bool dt_gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer,
                          const struct gl_buffer_info *info);

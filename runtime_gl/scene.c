@@ -5,12 +5,13 @@
 static bool upload_buffers(struct gl_runtime *rt, const struct dt_scene *scene)
 {
     struct gl_builtin *b = &rt->builtin;
-    const struct gl_buffer_info vertices = {"scene vertices", (GLsizeiptr)sizeof *scene->vertices *
-                                                                  scene->vertex_count};
-    const struct gl_buffer_info indices = {"scene indices",
-                                           (GLsizeiptr)sizeof *scene->indices * scene->index_count};
+    const struct gl_buffer_info vertices = {.name = "scene vertices",
+                                            .size = (GLsizeiptr)sizeof *scene->vertices *
+                                                    scene->vertex_count};
+    const struct gl_buffer_info indices = {
+        .name = "scene indices", .size = (GLsizeiptr)sizeof *scene->indices * scene->index_count};
     const struct gl_buffer_info materials = {
-        "scene materials", (GLsizeiptr)sizeof *scene->materials * DT_MAX_MATERIALS};
+        .name = "scene materials", .size = (GLsizeiptr)sizeof *scene->materials * DT_MAX_MATERIALS};
     if (scene->material_count > DT_MAX_MATERIALS) {
         gl_log(rt, DT_ERROR, "the scene has %u materials, and shaders see %d: merge some",
                scene->material_count, DT_MAX_MATERIALS);

@@ -122,8 +122,9 @@ bool dt_vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
             .descriptorType = from->type,
         };
         if (from->buffer) {
+            bool block = from->buffer->block && from->type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
             buffers[i] = (VkDescriptorBufferInfo){from->buffer->handle, from->buffer->offset,
-                                                  from->buffer->size};
+                                                  block ? from->buffer->block : from->buffer->size};
             writes[i].pBufferInfo = &buffers[i];
         } else {
             images[i] =

@@ -69,10 +69,11 @@ bool dt_vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
                         info->name, (unsigned long long)size, (unsigned long long)limit);
     VkBufferCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = size,
+        .size = info->block > size ? info->block : size,
         .usage = info->usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
-    *buffer = (struct vk_buffer){.name = info->name, .size = size};
+    *buffer = (struct vk_buffer){
+        .name = info->name, .size = size, .block = info->block > size ? info->block : 0};
     if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, NULL, &buffer->handle), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);

@@ -20,6 +20,7 @@ struct vk_buffer {
     VkBuffer handle;
     VkDeviceSize offset; /* bytes; 0 but for a host's */
     VkDeviceSize size;   /* bytes, at least 16 */
+    VkDeviceSize block;  /* bytes bound as a uniform block, where that is more than size; else 0 */
 };
 
 struct vk_image {
@@ -75,6 +76,7 @@ static inline VkFormat vk_format(enum dt_format format)
 struct vk_buffer_info {
     const char *name;
     VkDeviceSize size;        /* bytes; raised to 16 */
+    VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: as many */
     VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
 };
 bool dt_vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,

@@ -130,6 +130,24 @@ sets() { # type value baked live
     done
     grep -F ".live.live_$1 = $4," "$work/set/kinds.c" && grep -F ".uniform.uniform_$1 = $4," "$work/set/kinds.c"
 }
+# A number that shaders read is not in them, nor in the lengths of the blocks that it decides.
+# shellcheck disable=SC2317
+same_shaders() { # folder pass...
+    local api name
+    for name in "${@:2}"; do
+        for api in gl vk; do
+            cmp "$work/counts/$api/$name" "$1/$api/$name" || return
+        done
+    done
+}
+check "ssvp is generated" "$gen" templates/ssvp.yaml -o "$work/counts"
+check "... with other numbers" "$gen" templates/ssvp.yaml -o "$work/others" --set first_vpls=300 --set second_vpls=310 \
+    --set clusters=9 --set second_clusters=5 --set paraboloid_size=200 --set rsm_size=300 --set kmeans_iterations=4
+check "... k-means, views, maps and samples of them are the same shaders" same_shaders "$work/others" \
+    kmeans.comp second_kmeans.comp place_views.comp place_second_views.comp sample_rsm.comp sample_paraboloid.comp \
+    place_paraboloid.comp place_second.comp pack_first.comp pack_second.comp paraboloid.vert paraboloid.frag rsm.frag
+check_status 1 "... shading, whose loops are written out, is not" cmp "$work/counts/vk/shade.comp" "$work/others/vk/shade.comp"
+
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"
 done <<'END'

@@ -10,7 +10,7 @@
  * A workgroup has a chunk of triangles that follow each other, an invocation a triangle. */
 
 shared uint masks[chunk_triangles]; /* which of 32 maps draw a triangle, a bit each */
-shared uint words[chunk_words * views_count];
+shared uint words[chunk_words * maps_limit];
 
 const float SNAP = 1.0 / 256.0;
 const int ROWS = 4; /* what spans more of them, the short way, covers a centre nearly always */

@@ -7,7 +7,7 @@ uvec2 eye_bit(int eye)
 bool shares_bit(uvec2 a, uvec2 b)
 {
     uint both = a.x & b.x;
-    if (max(first_eyes, second_eyes) > 32)
+    if (many_eyes == 1)
         both |= a.y & b.y;
     return both != 0u;
 }

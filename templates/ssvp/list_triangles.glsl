@@ -1,7 +1,7 @@
 /* Writes the triangles that each map draws into its list, in the mesh's order, which decides between two
  * of the same depth. A workgroup has a chunk of triangles, an invocation 32 of them for one map. The
  * pass calls the draws of lists `draws`. */
-shared uint words[chunk_words * draws_count];
+shared uint words[chunk_words * maps_limit];
 
 void main()
 {

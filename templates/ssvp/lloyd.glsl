@@ -13,26 +13,22 @@
  *
  * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
  * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So where there would be more, long loops take a
- * block at a turn, whose loop of constant length the compiler unrolls: with every parameter at its max
- * there are about 56,000 turns. Blocks take long to compile, and so does every read of a buffer: what is
- * read twice is kept. */
+ * block at a turn (kmeans_block), whose loop of constant length the compiler unrolls: with every parameter
+ * at its max there are about 56,000 turns. Blocks take long to compile, and so does every read of a buffer:
+ * what is read twice is kept. Arrays are as long as they can have to be, for any number of points and
+ * centres, so that another number is not another shader. */
 #include "../shared/space.glsl"
 
-shared vec3 centre_position[point_centres_count];
-shared vec3 centre_normal[point_centres_count];
-shared vec3 mean_position[point_centres_count];
-shared vec3 mean_normal[point_centres_count];
-shared int member_count[point_centres_count];
-shared int label[points_count];
-shared float apart[points_count];
-shared float power[points_count];
+shared vec3 centre_position[maps_limit];
+shared vec3 centre_normal[maps_limit];
+shared vec3 mean_position[maps_limit];
+shared vec3 mean_normal[maps_limit];
+shared int member_count[maps_limit];
+shared int label[points_limit];
+shared float apart[points_limit];
+shared float power[points_limit];
 shared uint most_apart; /* of all lanes, its bits */
 shared int first_apart; /* the first VPL that is so far away; points_count: none is away at all */
-
-const int ROUNDS = (points_count + 63) / 64; /* of the workgroup's lanes over the points */
-const int TURNS = 2 * (points_count + ROUNDS) + point_centres_count +
-                  32 * (points_count + (ROUNDS + 1) * (2 * point_centres_count + 1)); /* iterations at most */
-const int BLOCK = TURNS < 60000 ? 1 : 4;
 
 void none_apart()
 {
@@ -69,8 +65,8 @@ void assign(int k)
     float second = 0.0;
     vec3 position = points[k].position;
     vec3 normal = points[k].normal;
-    for (int first = 0; first < point_centres_count; first += BLOCK) {
-        for (int j = 0; j < BLOCK; j++) {
+    for (int first = 0; first < point_centres_count; first += kmeans_block) {
+        for (int j = 0; j < kmeans_block; j++) {
             int c = first + j;
             if (c >= point_centres_count)
                 break;
@@ -100,8 +96,8 @@ void average(int c)
     vec3 dominant = centre_normal[c];
     float brightest = 0.0;
     int members = 0;
-    for (int first = 0; first < points_count; first += BLOCK) {
-        for (int j = 0; j < BLOCK; j++) {
+    for (int first = 0; first < points_count; first += kmeans_block) {
+        for (int j = 0; j < kmeans_block; j++) {
             int k = first + j;
             if (k < points_count && label[k] == c) {
                 vec3 p = points[k].position;
@@ -130,8 +126,8 @@ void reseed_empty(int lane, int lanes)
         if (member_count[c] == 0) {
             int farthest = -1;
             float most = 0.0;
-            for (int first = lane; first < points_count; first += BLOCK * lanes) {
-                for (int j = 0; j < BLOCK; j++) {
+            for (int first = lane; first < points_count; first += kmeans_block * lanes) {
+                for (int j = 0; j < kmeans_block; j++) {
                     int k = first + j * lanes;
                     if (k < points_count && apart[k] > most) {
                         most = apart[k];

@@ -4,14 +4,13 @@
 #include "classes.glsl"
 #include "eyes.glsl"
 
-const int class_points = packed_points_count / class_count;
-const int class_eyes = packed_eyes_count / class_count;
-
 void main()
 {
     int slot = invocation().x;
     if (slot >= packed_points_count)
         return;
+    int class_points = packed_points_count / class_count;
+    int class_eyes = packed_eyes_count / class_count;
     int j = slot % class_points;
     int wanted = class_member(slot / class_points, j);
     int k = min(wanted, points_count - 1);

@@ -26,7 +26,7 @@
     }
     lit = uvec2(0u);
     for (Eye e : second_eye_range) {
-        if (second_clusters > 0) {
+        if (second_visibility == 1) {
             Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, closest, middle);
             float seen = second_distance(ivec3(s.texel, e.layer)).r;
             bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
@@ -35,7 +35,7 @@
     }
     for (ClassVpl v : second_range) {
         float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
-        sum += v.flux * (second_clusters == 0 || shares_bit(lit, v.eye) ? geometry : 0.0);
+        sum += v.flux * (second_visibility == 0 || shares_bit(lit, v.eye) ? geometry : 0.0);
     }
 
     /* Half floats end at 65504. */
