@@ -79,13 +79,16 @@ for scene in "${scenes[@]}"; do
         prepare() {
         truth truth.exr "$scene" 1 2 && ours one.exr "$scene" --set bounces=1 && ours two.exr "$scene" &&
             ours blind.exr "$scene" --set second_clusters=0 && ours few.exr "$scene" --set clusters=2 &&
-            ours many.exr "$scene" --set clusters=32
+            ours many.exr "$scene" --set clusters=32 &&
+            ours eight.exr "$scene" --set clusters=32 --set second_divisor=64
     }
     check "$scene, traced and rendered" prepare
     check "$scene: two bounces are nearer than one" nearer truth.exr two.exr one.exr
     check "$scene: the second bounce with visibility is nearer than without" nearer truth.exr two.exr blind.exr
     check "$scene: 8 clusters are nearer than 2" nearer truth.exr two.exr few.exr
     check "$scene: 32 clusters are nearer than 2" nearer truth.exr many.exr few.exr
+    [ "$scene" = cornell ] || continue # elsewhere eight maps of second-bounce visibility hide no more of 32 clusters' VPLs
+    check "$scene: 32 clusters are nearer when maps of second-bounce visibility grow with them" nearer truth.exr many.exr eight.exr
 done
 
 # More clusters do not make it worse. The eyes of one pattern are luckier than another's, so a fifth more than the number of
