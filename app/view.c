@@ -77,6 +77,31 @@ bool view_open_window(struct view *view, int width, int height)
     return open_overlay(view);
 }
 
+/* Two backends keep two processors busy. */
+static void start_warming(struct view *view)
+{
+    const struct view_side *side = &view->side[0];
+    const struct dt_runtime *runtime = side->session.runtime;
+    if (view->side_count == 1 && runtime->is_software(side->session.handle) &&
+        sysconf(_SC_NPROCESSORS_ONLN) > 1)
+        view->warm = warm_start(runtime, view->sides.list, &view->scene.data);
+    view_warm(view);
+}
+
+void view_warm(struct view *view)
+{
+    struct dt_frame frame;
+    if (!view->warm)
+        return;
+    memset(&frame, 0, sizeof frame);
+    const uint32_t *size = view->size[0] ? view->size : view->options->size;
+    scene_frame(&view->scene, size[0], size[1], &frame);
+    frame.width = size[0];
+    frame.height = size[1];
+    warm_begin(view->warm, view_panel_of(&view->side[0], &view->pipeline), &frame,
+               view->pipeline.live);
+}
+
 static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
@@ -91,6 +116,7 @@ static bool open_view(struct view *view)
     int panels = view->side_count > 1 ? 2 : 1;
     if (!view_open_window(view, (int)options->size[0] * panels, (int)options->size[1]))
         return false;
+    start_warming(view);
     view->reload = reload_start(view->console, options, &view->pipeline);
     console_status(view->console, "%s", "");
     return view->reload && view_times_create(view);
@@ -187,7 +213,10 @@ bool view_render(struct view *view)
     frame.index = view->frame++;
     view->frames++;
     view->camera = frame.camera;
-    return render_sides(view, &frame) && view_pictures(view);
+    bool good = render_sides(view, &frame) && view_pictures(view);
+    if (view->warm && frame.index == 0)
+        warm_end(view->warm);
+    return good;
 }
 
 /* The overlay's triangles behind those of the pictures. */
@@ -363,6 +392,7 @@ int verb_view(struct console *console, const struct options *options)
     if (good)
         view_tell(&view);
     reload_stop(view.reload);
+    warm_stop(view.warm);
     close_sides(&view);
     view_outline_forget(&view);
     free(view.error);

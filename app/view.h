@@ -10,6 +10,7 @@
 #include "points.h"
 #include "reload.h"
 #include "session.h"
+#include "warm.h"
 
 enum { VIEW_SIDES = 2, VIEW_MAX_POINTS = 8, VIEW_MAX_SOURCES = 4, VIEW_TIMED_FRAMES = 256 };
 
@@ -56,6 +57,7 @@ struct view {
     GLFWwindow *window;
     struct overlay *overlay;
     bool overlay_hidden;
+    struct warm *warm; /* NULL: the driver needs none, or there is no processor to spare */
     struct reload *reload;
     bool reloading;
     uint32_t losses;      /* of devices */
@@ -103,6 +105,7 @@ struct view {
 /* ---- view.c ---------------------------------------------------------------------------------- */
 
 bool view_render(struct view *view); /* a frame on every side, and its pictures */
+void view_warm(struct view *view);   /* begins with view->pipeline, whose first frame comes */
 /* One side's device, scene and pipeline; the first one's window, and what stands over the picture. */
 bool view_open_side(struct view *view, uint32_t index);
 bool view_open_window(struct view *view, int width, int height);

@@ -96,10 +96,18 @@ static bool start(struct view *view, const char *shown, bool *offered)
     *offered = view_outline_read(view);
     view->shown_points = points <= view->points_count ? points : 0;
     view->frame = 0; /* history starts anew */
+    view_warm(view);
     double begun = milliseconds_now();
     bool created = create(view);
     view->device_ms = milliseconds_now() - begun;
     return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
+}
+
+static void let_go(struct view *view, struct pipeline *pipeline)
+{
+    if (view->warm)
+        warm_settle(view->warm);
+    pipeline_unload(pipeline);
 }
 
 /* What a driver or runtime says against the new pipeline is an error like one of the generator, and
@@ -121,13 +129,13 @@ static bool swap(struct view *view, struct pipeline *next)
         free(text);
     }
     if (good) {
-        pipeline_unload(&old);
+        let_go(view, &old);
         return true;
     }
     struct pipeline refused = view->pipeline;
     view->pipeline = old;
     good = start(view, shown, &offered);
-    pipeline_unload(&refused); /* its panels were at work until now */
+    let_go(view, &refused); /* its panels were at work until now */
     return good;
 }
 

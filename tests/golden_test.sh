@@ -102,13 +102,13 @@ makes_without_helper() {
         wait "$generator" && diff -r "$work/small" "$work/alone"
 }
 # shellcheck disable=SC2317
-is_left() { # the helper, of a generator that ends as its argument says: without words, or killed
+is_left() { # the helper, of a generator that ends as its argument says: without words, or killed; nobody has to bury it
     waits || return
     [ "$1" != killed ] || kill -KILL "$generator"
     exec 3>&-
     wait "$generator" 2>/dev/null
     for _ in $(seq 20); do
-        [ -e "/proc/$helper" ] || return 1
+        grep -q '^State:.[^Z]' "/proc/$helper/status" 2>/dev/null || return 1
         sleep 0.1
     done
 }
