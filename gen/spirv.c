@@ -319,7 +319,7 @@ static void put_product(struct expansion *to, const uint32_t *product)
 {
     SpvOp opcode = (SpvOp)(product[0] & 0xffff);
     uint32_t type = product[1], id = product[2], left = product[3], right = product[4];
-    uint32_t columns[4], parts[6] = {type, id};
+    uint32_t columns[4] = {0}, parts[6] = {type, id};
     uint32_t matrix = opcode == SpvOpVectorTimesMatrix ? right : left;
     const uint32_t *matrix_type = type_of(to, matrix), *right_type = type_of(to, right);
     for (uint32_t i = 0; i < matrix_type[3]; i++)

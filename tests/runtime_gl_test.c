@@ -333,7 +333,7 @@ static bool make_resources(struct gl_runtime *rt, struct state *s, uint32_t widt
         bool image = r->kind == DT_IMAGE;
         const struct gl_image_info info = {r->name, r->format, e[0],       e[1],
                                            e[2],    r->mips,   r->layered, NULL};
-        const struct gl_buffer_info bytes = {r->name, (GLsizeiptr)e[0] * r->stride};
+        const struct gl_buffer_info bytes = {.name = r->name, .size = (GLsizeiptr)e[0] * r->stride};
         if (!(image ? dt_gl_image_create(rt, &s->images[i], &info)
                     : dt_gl_buffer_create(rt, &s->buffers[i], &bytes)) ||
             !dt_gl_initialise(rt, image ? NULL : &s->buffers[i], image ? &s->images[i] : NULL,
@@ -1052,8 +1052,8 @@ static void test_bad_resources(void **state)
     dt_gl_program_destroy(rt, &program);
 
     struct gl_buffer buffer = {0};
-    assert_false(
-        dt_gl_buffer_create(rt, &buffer, &(struct gl_buffer_info){"huge", (GLsizeiptr)1 << 50}));
+    assert_false(dt_gl_buffer_create(
+        rt, &buffer, &(struct gl_buffer_info){.name = "huge", .size = (GLsizeiptr)1 << 50}));
     expect_error(&m, "huge");
     dt_gl_buffer_destroy(rt, &buffer);
     struct gl_image image = {0};

@@ -125,7 +125,8 @@ static bool gl_resize(void *rt, void *place, uint32_t width, uint32_t height)
         extent_of(i, e);
         const struct gl_image_info image = {r->name, r->format, e[0],       e[1],
                                             e[2],    r->mips,   r->layered, NULL};
-        const struct gl_buffer_info buffer = {r->name, (GLsizeiptr)e[0] * r->stride};
+        const struct gl_buffer_info buffer = {.name = r->name,
+                                              .size = (GLsizeiptr)e[0] * r->stride};
         if (!(i < SMALL ? dt_gl_image_create(rt, &state->images[i], &image)
                         : dt_gl_buffer_create(rt, &state->buffers[i], &buffer)))
             return false;
@@ -183,8 +184,9 @@ static bool vk_make(void *rt, struct vk_state *state, uint32_t i)
     extent_of(i, e);
     const struct vk_image_info image = {
         r->name, r->format, VK_IMAGE_USAGE_SAMPLED_BIT, e[0], e[1], e[2], r->mips, r->layered};
-    const struct vk_buffer_info buffer = {r->name, (VkDeviceSize)e[0] * r->stride,
-                                          VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
+    const struct vk_buffer_info buffer = {.name = r->name,
+                                          .size = (VkDeviceSize)e[0] * r->stride,
+                                          .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     const struct vk_slot_user user = {.image = i < SMALL ? &state->images[i] : NULL,
                                       .buffer = i < SMALL ? NULL : &state->buffers[i]};
     return (i < SMALL ? dt_vk_image_create(rt, &state->images[i], &image)
