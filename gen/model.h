@@ -101,8 +101,7 @@ struct resource {
     enum dt_type type;           /* when structure is NULL */
     struct expr *count;
     uint32_t stride; /* layout */
-    uint32_t
-        block; /* plan: bytes that uniform blocks declare, whatever the count; 0: the count's */
+    uint32_t block;  /* plan: bytes that its uniform blocks declare; 0: the count's */
     /* images */
     enum dt_format format;
     struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */
