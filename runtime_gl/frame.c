@@ -54,6 +54,12 @@ bool dt_gl_barrier(struct gl_runtime *rt, GLbitfield bits)
 
 /* ---- Bindings -------------------------------------------------------------------------------- */
 
+/* What is bound as a uniform block: as much as shaders declare. */
+static GLsizeiptr block_size(const struct gl_buffer *buffer)
+{
+    return buffer->block ? buffer->block : buffer->size;
+}
+
 static bool check_binding(struct gl_runtime *rt, const struct gl_binding *binding)
 {
     const struct gl_limits *l = &rt->limits;
@@ -74,10 +80,11 @@ static bool check_binding(struct gl_runtime *rt, const struct gl_binding *bindin
         return false;
     }
     if (binding->kind == GL_BIND_UNIFORM && binding->buffer &&
-        binding->buffer->size > l->uniform_size) {
+        block_size(binding->buffer) > l->uniform_size) {
         gl_log(rt, DT_ERROR,
                "%s: %lld bytes, and %s allows %lld in a uniform block: make it a storage buffer",
-               name, (long long)binding->buffer->size, rt->device_name, (long long)l->uniform_size);
+               name, (long long)block_size(binding->buffer), rt->device_name,
+               (long long)l->uniform_size);
         return false;
     }
     return true;
@@ -86,11 +93,11 @@ static bool check_binding(struct gl_runtime *rt, const struct gl_binding *bindin
 static bool bind_buffer(struct gl_runtime *rt, GLenum target, GLuint index,
                         const struct gl_buffer *buffer)
 {
-    bool block = buffer->block && target == GL_UNIFORM_BUFFER;
+    bool block = target == GL_UNIFORM_BUFFER;
     if (buffer->imported || buffer->block)
         return GL(rt, buffer->name,
                   BindBufferRange(target, index, buffer->handle, buffer->offset,
-                                  block ? buffer->block : buffer->size));
+                                  block ? block_size(buffer) : buffer->size));
     return GL(rt, buffer->name, BindBufferBase(target, index, buffer->handle));
 }
 

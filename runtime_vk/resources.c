@@ -52,28 +52,35 @@ static bool allocate(struct vk_runtime *rt, VkDeviceMemory *memory, const char *
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
+static bool check_range(struct vk_runtime *rt, const char *name, VkDeviceSize size,
+                        VkDeviceSize limit)
+{
+    return size <= limit ||
+           vk_error(rt,
+                    "buffer %s: %llu bytes, but the device binds at most %llu; use fewer "
+                    "elements, or another --device",
+                    name, (unsigned long long)size, (unsigned long long)limit);
+}
+
 bool dt_vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
                          const struct vk_buffer_info *info)
 {
     const VkPhysicalDeviceLimits *limits = &rt->properties.limits;
     VkDeviceSize size = info->size < 16 ? 16 : info->size;
-    VkDeviceSize limit = UINT64_MAX;
-    if (info->usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT)
-        limit = limits->maxStorageBufferRange;
-    if (info->usage & VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT && limits->maxUniformBufferRange < limit)
-        limit = limits->maxUniformBufferRange;
-    if (size > limit)
-        return vk_error(rt,
-                        "buffer %s: %llu bytes, but the device binds at most %llu; use fewer "
-                        "elements, or another --device",
-                        info->name, (unsigned long long)size, (unsigned long long)limit);
+    VkDeviceSize whole = info->block > size ? info->block : size;
+    if (info->usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT &&
+        !check_range(rt, info->name, size, limits->maxStorageBufferRange))
+        return false;
+    if (info->usage & VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT &&
+        !check_range(rt, info->name, whole, limits->maxUniformBufferRange))
+        return false;
     VkBufferCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = info->block > size ? info->block : size,
+        .size = whole,
         .usage = info->usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
-    *buffer = (struct vk_buffer){
-        .name = info->name, .size = size, .block = info->block > size ? info->block : 0};
+    *buffer =
+        (struct vk_buffer){.name = info->name, .size = size, .block = whole > size ? whole : 0};
     if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, NULL, &buffer->handle), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);

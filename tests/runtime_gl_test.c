@@ -1056,6 +1056,11 @@ static void test_bad_resources(void **state)
         rt, &buffer, &(struct gl_buffer_info){.name = "huge", .size = (GLsizeiptr)1 << 50}));
     expect_error(&m, "huge");
     dt_gl_buffer_destroy(rt, &buffer);
+    /* what shaders declare counts, not what is written */
+    const struct gl_buffer wide = {.name = "wide", .size = 16, .block = (GLsizeiptr)1 << 50};
+    const struct gl_binding binding = {.kind = GL_BIND_UNIFORM, .buffer = &wide};
+    assert_false(dt_gl_bind(rt, &binding, 1));
+    expect_error(&m, "wide: 1125899906842624 bytes");
     struct gl_image image = {0};
     const struct gl_image_info deep = {"deep", DT_FORMAT_R8, 4, 4, 1u << 20, 1, true, NULL};
     assert_false(dt_gl_image_create(rt, &image, &deep));

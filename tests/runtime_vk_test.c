@@ -1022,6 +1022,18 @@ static void limits_are_errors_before_the_call(void **unused)
     assert_false(runtime_vk.resize(rt, 16, 8));
     assert_non_null(strstr(heard.last, "image layers: 1048576x8 texels, but the device's limit"));
     layers_wide = 16;
+    const VkBufferUsageFlags kinds[] = {VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+                                        VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
+    for (int i = 0; i < 2; i++) { /* of a uniform block, what shaders declare counts */
+        struct vk_buffer wide = {0};
+        const struct vk_buffer_info info = {.name = "wide",
+                                            .size = i ? 16 : 1ull << 50,
+                                            .block = i ? 1ull << 50 : 0,
+                                            .usage = kinds[i]};
+        assert_false(dt_vk_buffer_create(rt, &wide, &info));
+        assert_non_null(
+            strstr(heard.last, "buffer wide: 1125899906842624 bytes, but the device binds"));
+    }
     endless.record = endless_record;
     assert_true(runtime_vk.create(rt, &endless));
     assert_true(runtime_vk.resize(rt, 16, 8));
@@ -1029,10 +1041,10 @@ static void limits_are_errors_before_the_call(void **unused)
     assert_non_null(strstr(heard.last, "read spare: mip 3, and it has 3"));
     assert_false(runtime_vk.render(rt, &frame, NULL, NULL));
     assert_non_null(strstr(heard.last, "pass plan: 4294967295 x 1 x 1 workgroups"));
-    assert_int_equal(heard.errors, 5);
+    assert_int_equal(heard.errors, 7);
     assert_int_equal(runtime_vk.messages(rt), 0);
     runtime_vk.close(rt);
-    assert_int_equal(heard.errors, 5);
+    assert_int_equal(heard.errors, 7);
 }
 
 static void an_unknown_device_is_named_and_the_known_are_listed(void **unused)
