@@ -75,18 +75,46 @@ static bool write_and_close(int descriptor, const char *data, size_t size)
     return good;
 }
 
-bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log)
+/* A pipe, a terminal or the like, also by a link as /dev/stdout is one: nothing may take its place. */
+static bool is_stream(const struct stat *status)
 {
-    char *temporary = format_string("%s.tmp-%d", path, (int)getpid());
+    return !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
+}
+
+/* Beside the file that it becomes, which is where a link leads, and with its permissions. */
+static bool write_and_rename(const char *path, const struct stat *old, const void *data,
+                             size_t size)
+{
+    char *real = realpath(path, NULL);
+    const char *place = real ? real : path;
+    char *temporary = format_string("%s.tmp-%d", place, (int)getpid());
     int descriptor =
         temporary ? open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
+    if (descriptor >= 0 && old)
+        fchmod(descriptor, old->st_mode & 0777);
     bool good =
-        descriptor >= 0 && write_and_close(descriptor, data, size) && rename(temporary, path) == 0;
-    if (!good)
-        report_error(log, "%s: cannot be written: %s", path, strerror(errno));
+        descriptor >= 0 && write_and_close(descriptor, data, size) && rename(temporary, place) == 0;
+    int error = errno;
     if (!good && descriptor >= 0)
         unlink(temporary);
     free(temporary);
+    free(real);
+    errno = error;
+    return good;
+}
+
+bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log)
+{
+    struct stat old;
+    bool exists = stat(path, &old) == 0, good;
+    if (exists && is_stream(&old)) {
+        int descriptor = open(path, O_WRONLY | O_CLOEXEC);
+        good = descriptor >= 0 && write_and_close(descriptor, data, size);
+    } else {
+        good = write_and_rename(path, exists ? &old : NULL, data, size);
+    }
+    if (!good)
+        report_error(log, "%s: cannot be written: %s", path, strerror(errno));
     return good;
 }
 
@@ -120,19 +148,23 @@ void file_draft_discard(struct file_draft *draft)
 
 bool file_can_write(const char *path, const struct dt_log *log)
 {
-    const char *slash = strrchr(path, '/');
-    char *folder = !slash          ? strdup(".")
-                   : slash == path ? strdup("/")
-                                   : strndup(path, (size_t)(slash - path));
+    char *real = realpath(path, NULL);
+    const char *place = real ? real : path, *slash = strrchr(place, '/');
+    char *folder = !slash           ? strdup(".")
+                   : slash == place ? strdup("/")
+                                    : strndup(place, (size_t)(slash - place));
     struct stat status;
-    bool good = folder && access(folder, W_OK | X_OK) == 0;
-    if (good && stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
+    bool exists = stat(path, &status) == 0;
+    bool good = exists && is_stream(&status) ? access(path, W_OK) == 0
+                                             : folder && access(folder, W_OK | X_OK) == 0;
+    if (good && exists && S_ISDIR(status.st_mode)) {
         errno = EISDIR;
         good = false;
     }
     if (!good)
         report_error(log, "%s: cannot be written: %s", path, strerror(errno));
     free(folder);
+    free(real);
     return good;
 }
 

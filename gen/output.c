@@ -16,6 +16,8 @@ struct output_file {
     char *path, *temporary; /* temporary: NULL while there is none */
     struct text text;
     bool unchanged;
+    bool
+        stream; /* a pipe, a terminal or the like stands there, which nothing may take the place of */
 };
 
 struct output {
@@ -120,6 +122,18 @@ static bool write_temporary(struct output_file *file)
     return good;
 }
 
+/* Straight into what stands there. */
+static bool write_stream(const struct output_file *file)
+{
+    int descriptor = open(file->path, O_WRONLY | O_CLOEXEC);
+    bool good = descriptor >= 0 && write_all(descriptor, file->text.data, file->text.length);
+    if (!good)
+        fail("write", file->path);
+    if (descriptor >= 0)
+        close(descriptor);
+    return good;
+}
+
 static void remove_temporaries(struct output *output)
 {
     for (size_t i = 0; i < output->count; i++) {
@@ -145,25 +159,48 @@ static bool interrupted(const sigset_t *signals)
     return false;
 }
 
+/* Nothing takes the place of a link, either: it is written where that leads. */
+static void follow_link(struct output_file *file)
+{
+    struct stat status;
+    char *real =
+        !lstat(file->path, &status) && S_ISLNK(status.st_mode) ? realpath(file->path, NULL) : NULL;
+    if (!real)
+        return;
+    free(file->path);
+    file->path = real;
+}
+
+/* Finds out what has to be written, and writes it beside its place. */
+static bool prepare(struct output_file *file)
+{
+    struct stat status;
+    follow_link(file);
+    bool exists = !stat(file->path, &status);
+    file->stream = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+    file->unchanged = !file->stream && is_unchanged(file);
+    if (file->stream || file->unchanged)
+        return true;
+    if (!write_temporary(file))
+        return false;
+    if (exists && S_ISDIR(status.st_mode)) { /* it would stop the renames half way */
+        errno = EISDIR;
+        return fail("write", file->path);
+    }
+    return true;
+}
+
 static bool write_and_rename(struct output *output, const sigset_t *signals)
 {
-    for (size_t i = 0; i < output->count; i++) {
-        struct output_file *file = &output->files[i];
-        file->unchanged = is_unchanged(file);
-        if (interrupted(signals) || (!file->unchanged && !write_temporary(file)))
+    for (size_t i = 0; i < output->count; i++)
+        if (interrupted(signals) || !prepare(&output->files[i]))
             return false;
-        struct stat status; /* a folder in the place of a file would stop the renames half way */
-        if (!file->unchanged && !stat(file->path, &status) && S_ISDIR(status.st_mode)) {
-            errno = EISDIR;
-            return fail("write", file->path);
-        }
-    }
     for (size_t i = 0; i < output->count; i++) {
         struct output_file *file = &output->files[i];
         if (file->unchanged)
             continue;
-        if (rename(file->temporary, file->path))
-            return fail("write", file->path);
+        if (file->stream ? !write_stream(file) : rename(file->temporary, file->path) != 0)
+            return file->stream ? false : fail("write", file->path);
         free(file->temporary);
         file->temporary = NULL;
     }

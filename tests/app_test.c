@@ -1,5 +1,6 @@
 /* The parts of the command line that need no device: options, files, numbers in resources,
  * live parameters, pictures, dumps. Expected values come from IEEE 754 and sRGB. */
+#include <fcntl.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -152,6 +153,42 @@ static void files_appear_whole(void **state)
     free(text);
     free(path);
     free(deep);
+}
+
+/* As a person keeps scenes: a link into another folder, a file that only he may read; and --json into a
+ * pipe. */
+static void files_keep_their_place(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/diptych-XXXXXX", got[8] = "";
+    assert_non_null(mkdtemp(folder));
+    char *file = format_string("%s/file", folder), *link = format_string("%s/link", folder);
+    char *pipe = format_string("%s/pipe", folder);
+    struct stat status;
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    assert_true(file_write(file, "old", 3, &log));
+    assert_int_equal(chmod(file, 0640), 0);
+    assert_int_equal(symlink("file", link), 0);
+    assert_true(file_can_write(link, &log) && file_write(link, "new!", 4, &log));
+    assert_int_equal(lstat(link, &status), 0);
+    assert_true(S_ISLNK(status.st_mode));
+    assert_int_equal(stat(file, &status), 0);
+    assert_int_equal(status.st_mode & 0777, 0640);
+    assert_int_equal(status.st_size, 4);
+    assert_int_equal(mkfifo(pipe, 0600), 0);
+    int end = open(pipe, O_RDONLY | O_NONBLOCK);
+    assert_true(end >= 0 && file_can_write(pipe, &log) && file_write(pipe, "said", 4, &log));
+    assert_int_equal(read(end, got, sizeof got), 4);
+    assert_memory_equal(got, "said", 4);
+    assert_int_equal(lstat(pipe, &status), 0);
+    assert_true(S_ISFIFO(status.st_mode));
+    assert_int_equal(ear.errors, 0);
+    close(end);
+    file_remove_tree(folder);
+    free(pipe);
+    free(link);
+    free(file);
 }
 
 static void drafts_become_files_whole(void **state)
@@ -383,6 +420,7 @@ int main(void)
         cmocka_unit_test(names_are_guessed),
         cmocka_unit_test(hash_is_fnv1a),
         cmocka_unit_test(files_appear_whole),
+        cmocka_unit_test(files_keep_their_place),
         cmocka_unit_test(drafts_become_files_whole),
         cmocka_unit_test(halves_are_ieee),
         cmocka_unit_test(components_are_named),

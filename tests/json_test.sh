@@ -83,4 +83,16 @@ fails "no outline" 2 "'report.yaml' in errors[0]['message']" report -o "$work/re
 fails "a wrong option" 2 "'did you mean' in errors[0]['message']" render "${scene[@]}" --backendd vk
 check_status 1 "a file that cannot be written" "$diptych" reference "${scene[@]}" -o "$work/c.exr" --json "$work/absent/c.json"
 check "... is told before the work" [ ! -e "$work/c.exr" ]
+mkfifo "$work/pipe"
+for verb in check reference; do
+    timeout 20 cat "$work/pipe" >"$work/piped.json" &
+    if [ $verb = check ]; then
+        "$build/diptych-gen" --check "$wrong" --json "$work/pipe" 2>"$work/said"
+    else
+        "$diptych" reference --scene "$work/scene.yaml" -o "$work/b.exr" --json "$work/pipe" 2>"$work/said"
+    fi
+    check "$verb: into a pipe" wait $!
+    check "... that stays one" [ -p "$work/pipe" ]
+    check "... with all that it tells" $python -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["exit_status"] != 1)' "$work/piped.json"
+done
 finish
