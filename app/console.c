@@ -71,31 +71,49 @@ void console_keep(struct console *console, enum dt_level level, const char *text
     pthread_mutex_unlock(&console->lock);
 }
 
+/* That of the thread, within the lock; NULL: it has none. */
+static struct console_capture *capture_of(struct console *console, pthread_t owner)
+{
+    for (int i = 0; i < CONSOLE_CAPTURES; i++) {
+        struct console_capture *capture = &console->captures[i];
+        if (capture->open && pthread_equal(capture->owner, owner))
+            return capture;
+    }
+    return NULL;
+}
+
 bool console_capture(struct console *console)
 {
+    pthread_t self = pthread_self();
+    struct console_capture *place = NULL;
     pthread_mutex_lock(&console->lock);
-    bool taken = console->capture >= 0;
-    if (!taken) {
-        console->capture = memfd_create("messages", MFD_CLOEXEC);
-        console->capturing = console->capturing_too = pthread_self();
-    }
+    for (int i = 0; i < CONSOLE_CAPTURES && !capture_of(console, self) && !place; i++)
+        place = console->captures[i].open ? NULL : &console->captures[i];
+    if (place)
+        *place = (struct console_capture){.open = true,
+                                          .file = memfd_create("messages", MFD_CLOEXEC),
+                                          .owner = self,
+                                          .too = self};
     pthread_mutex_unlock(&console->lock);
-    return !taken;
+    return place;
 }
 
 void console_capture_too(struct console *console, pthread_t owner)
 {
     pthread_mutex_lock(&console->lock);
-    if (console->capture >= 0 && pthread_equal(console->capturing, owner))
-        console->capturing_too = pthread_self();
+    struct console_capture *capture = capture_of(console, owner);
+    if (capture)
+        capture->too = pthread_self();
     pthread_mutex_unlock(&console->lock);
 }
 
 char *console_captured(struct console *console)
 {
     pthread_mutex_lock(&console->lock);
-    int file = console->capture;
-    console->capture = -1;
+    struct console_capture *capture = capture_of(console, pthread_self());
+    int file = capture ? capture->file : -1;
+    if (capture)
+        capture->open = false;
     pthread_mutex_unlock(&console->lock);
     char *text = file < 0 ? NULL : file_contents(file);
     if (file >= 0)
@@ -105,10 +123,15 @@ char *console_captured(struct console *console)
 
 int console_capturing(struct console *console)
 {
+    pthread_t self = pthread_self();
+    int file = -1;
     pthread_mutex_lock(&console->lock);
-    bool own = console->capture >= 0 && (pthread_equal(console->capturing, pthread_self()) ||
-                                         pthread_equal(console->capturing_too, pthread_self()));
-    int file = own ? console->capture : -1;
+    for (int i = 0; i < CONSOLE_CAPTURES; i++) {
+        const struct console_capture *capture = &console->captures[i];
+        if (capture->open &&
+            (pthread_equal(capture->owner, self) || pthread_equal(capture->too, self)))
+            file = capture->file;
+    }
     pthread_mutex_unlock(&console->lock);
     return file;
 }
@@ -182,8 +205,8 @@ static void *watch(void *user)
 
 bool console_open(struct console *console)
 {
-    *console = (struct console){
-        .terminal = isatty(STDERR_FILENO), .quiet = getenv("DIPTYCH_QUIET") != NULL, .capture = -1};
+    *console = (struct console){.terminal = isatty(STDERR_FILENO),
+                                .quiet = getenv("DIPTYCH_QUIET") != NULL};
     console->log = (struct dt_log){.message = print_message, .user = console};
     pthread_mutex_init(&console->lock, NULL);
     pthread_mutex_init(&console->writing, NULL);

@@ -13,7 +13,7 @@
 /* Exit statuses that scripts rely on. `compare` gives EXIT_DIFFER. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8 };
+enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8, CONSOLE_CAPTURES = 2 };
 
 struct console {
     struct dt_log log;
@@ -29,8 +29,11 @@ struct console {
     struct timespec start; /* of the verb */
     char status[128];
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
-    int capture; /* memory file that takes what the capturing thread says; -1: none */
-    pthread_t capturing, capturing_too; /* the same where there is one */
+    struct console_capture {
+        bool open;
+        int file;             /* in memory; takes what these threads say; -1: out of memory */
+        pthread_t owner, too; /* the same where there is one */
+    } captures[CONSOLE_CAPTURES];
     /* each leads a process group, which a signal ends, too; 0: none */
     pid_t children[CONSOLE_CHILDREN];
     bool keeps; /* warnings and errors, for --json */
@@ -62,10 +65,11 @@ struct log_source {
 struct dt_log log_from(struct log_source *source);
 
 /* From here to console_captured, what this thread logs, and what tools that it runs write to stderr, is
- * kept and not shown; NULL then when out of memory, else to be freed. False where another thread does. */
+ * kept and not shown; NULL then when out of memory, else to be freed. Threads do so beside each other. False where
+ * as many as can do already, or this one. */
 bool console_capture(struct console *console);
 char *console_captured(struct console *console);
-/* What this thread logs goes the same way, while `owner` captures. One thread at a time. */
+/* What this thread logs goes the same way, while `owner` captures. One thread at a time beside each. */
 void console_capture_too(struct console *console, pthread_t owner);
 int console_capturing(
     struct console *console); /* the file, when it is this thread that does; or -1 */

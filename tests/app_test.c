@@ -2,6 +2,7 @@
  * live parameters, pictures, dumps. Expected values come from IEEE 754 and sRGB. */
 #include <fcntl.h>
 #include <math.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -13,6 +14,7 @@
 
 #include <cmocka.h>
 
+#include "app/console.h"
 #include "app/dump.h"
 #include "app/files.h"
 #include "app/options.h"
@@ -412,6 +414,53 @@ static void mips_hold_something_once_written(void **state)
     assert_int_equal(resource_mips(&info, 0, 2), 7);
 }
 
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+struct speaker {
+    struct console *console;
+    pthread_barrier_t *meeting;
+    const char *name;
+    bool captures;
+    char *text;
+};
+
+/* Between the two meetings both capture. */
+static void *speak(void *user)
+{
+    struct speaker *speaker = user;
+    speaker->captures = console_capture(speaker->console);
+    pthread_barrier_wait(speaker->meeting);
+    report_error(&speaker->console->log, "of %s", speaker->name);
+    pthread_barrier_wait(speaker->meeting);
+    speaker->text = console_captured(speaker->console);
+    return NULL;
+}
+
+static void threads_capture_beside_each_other(void **state)
+{
+    (void)state;
+    struct console console;
+    pthread_barrier_t meeting;
+    pthread_t thread;
+    struct speaker speakers[2] = {{&console, &meeting, "one", false, NULL},
+                                  {&console, &meeting, "two", false, NULL}};
+    assert_true(console_open(&console));
+    assert_int_equal(pthread_barrier_init(&meeting, NULL, 2), 0);
+    for (int round = 0; round < 2; round++) {
+        assert_int_equal(pthread_create(&thread, NULL, speak, &speakers[1]), 0);
+        speak(&speakers[0]);
+        pthread_join(thread, NULL);
+        for (int i = 0; i < 2; i++) {
+            assert_true(speakers[i].captures);
+            assert_non_null(speakers[i].text);
+            assert_string_equal(speakers[i].text, i ? "error: of two\n" : "error: of one\n");
+            free(speakers[i].text);
+        }
+    }
+    pthread_barrier_destroy(&meeting);
+    console_close(&console);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -430,6 +479,7 @@ int main(void)
         cmocka_unit_test(layers_make_a_sheet),
         cmocka_unit_test(dumps_replace_only_dumps),
         cmocka_unit_test(mips_hold_something_once_written),
+        cmocka_unit_test(threads_capture_beside_each_other),
     };
     return cmocka_run_group_tests_name("app", tests, NULL, NULL);
 }
