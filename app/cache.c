@@ -151,10 +151,12 @@ static bool request_key(const struct build_request *request, uint64_t *key,
 }
 
 /* What the generator was given, then the headers that the C compiler read. */
-static bool stamp_generated(FILE *files, const struct stamp_work *work, const struct dt_log *log)
+static bool stamp_generated(FILE *files, const struct compile_work *work, const struct dt_log *log)
 {
-    char *depfile = format_string("%s/gen.d", work->folder);
-    bool good = depfile && stamp_add(files, depfile, work, log);
+    const struct stamp_origin origin = {work->request->spec, work->request->templates};
+    char *depfile = format_string("%s/gen.d", work->stamp.folder);
+    bool good = depfile && stamp_add(files, depfile, &work->stamp, log) &&
+                stamp_add_absent(files, depfile, &origin, &work->stamp, log);
     free(depfile);
     return good;
 }
@@ -176,7 +178,7 @@ static bool build(struct cache_entry *entry, struct console *console, struct com
     char *name = find_name(temporary, &console->log);
     work->name = name;
     console_status(console, "compiling %s", name ? name : "");
-    bool good = stamp && name && stamp_generated(stamp, &work->stamp, &console->log) &&
+    bool good = stamp && name && stamp_generated(stamp, work, &console->log) &&
                 compile_pipeline(work, stamp, console);
     if (stamp && fclose(stamp) != 0)
         good = false;

@@ -1,5 +1,5 @@
 /* What stands in the cache and what it was made from; see stamp.h. A stamp is text: "name NAME",
- * "version HASH", then "HASH PATH" for every file. */
+ * "version HASH", then "HASH PATH" for every file, "absent PATH" for what another file stands in for. */
 #include "stamp.h"
 
 #include <errno.h>
@@ -107,6 +107,76 @@ bool stamp_add(FILE *files, const char *depfile, const struct stamp_work *work,
     return depfile_read(depfile, stamp_file, &stamping, log);
 }
 
+/* ---- Files that were not there --------------------------------------------------------------- */
+
+struct paths {
+    char **list;
+    size_t count;
+};
+
+static bool take_path(void *user, const char *file)
+{
+    struct paths *paths = user;
+    char **list = realloc(paths->list, (paths->count + 1) * sizeof *list);
+    if (!list)
+        return false;
+    paths->list = list;
+    char *path = realpath(file, NULL); /* stamp_add tells of those that cannot be read */
+    if (path)
+        list[paths->count++] = path;
+    return true;
+}
+
+static int folder_length(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? (int)(slash - path) : 0;
+}
+
+/* The file of that name in the folder of `beside`. One that has just come may have been missed. */
+static void add_absent(FILE *files, const char *beside, const char *name,
+                       const struct stamp_work *work)
+{
+    char *path = format_string("%.*s/%s", folder_length(beside), beside, name);
+    if (path && (access(path, F_OK) != 0 || is_newer(path, work->since)))
+        fprintf(files, "absent %s\n", path);
+    free(path);
+}
+
+/* Whether it is the first of its folder. */
+static bool is_first(const struct paths *paths, size_t index)
+{
+    int length = folder_length(paths->list[index]);
+    for (size_t i = 0; i < index; i++)
+        if (folder_length(paths->list[i]) == length &&
+            strncmp(paths->list[i], paths->list[index], (size_t)length) == 0)
+            return false;
+    return true;
+}
+
+bool stamp_add_absent(FILE *files, const char *depfile, const struct stamp_origin *origin,
+                      const struct stamp_work *work, const struct dt_log *log)
+{
+    struct paths paths = {0};
+    char *templates = realpath(origin->templates, NULL);
+    size_t length = templates ? strlen(templates) : 0;
+    bool good = templates && depfile_read(depfile, take_path, &paths, log);
+    for (size_t i = 0; good && i < paths.count; i++) {
+        const char *name = paths.list[i] + length + 1;
+        if (strncmp(paths.list[i], templates, length) != 0 || paths.list[i][length] != '/')
+            continue;
+        add_absent(files, origin->spec, name, work);
+        for (size_t k = 0; k < paths.count && strncmp(name, "glsl/", 5) == 0; k++)
+            if (is_first(&paths, k))
+                add_absent(files, paths.list[k], name + 5, work);
+    }
+    for (size_t i = 0; i < paths.count; i++)
+        free(paths.list[i]);
+    free(paths.list);
+    free(templates);
+    return good;
+}
+
 /* ---- Writing --------------------------------------------------------------------------------- */
 
 /* Removes what a process that was killed left half built, ours too should its number have come
@@ -175,7 +245,9 @@ static bool take_line(struct stamped *found, const char *folder, const char *lin
         found->name = strdup(line + 5);
     else if (strncmp(line, "version ", 8) == 0 && !found->folder)
         found->folder = format_string("%s/%s", folder, line + 8);
-    else if (fprintf(files, "%s\n", line) < 0 || !line_is_fresh(line))
+    else if (fprintf(files, "%s\n", line) < 0)
+        return false;
+    else if (strncmp(line, "absent ", 7) == 0 ? access(line + 7, F_OK) == 0 : !line_is_fresh(line))
         return false;
     return true;
 }

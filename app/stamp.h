@@ -1,5 +1,5 @@
 /* What stands in the cache: folders of versions, each beside a stamp that names the current one and
- * the hash of every file that it was made from. cache.c keeps pipelines so, compile.c objects. */
+ * the hash of every file that it was made from, and files that must not be there. cache.c keeps pipelines so, compile.c objects. */
 #ifndef DIPTYCH_STAMP_H
 #define DIPTYCH_STAMP_H
 
@@ -21,6 +21,17 @@ struct stamp_work {
 bool stamp_add(FILE *files, const char *depfile, const struct stamp_work *work,
                const struct dt_log *log);
 
+/* Where the generator looks for what the spec names: beside that or the including file, then below the
+ * templates. */
+struct stamp_origin {
+    const char *spec, *templates;
+};
+
+/* Adds "absent PATH" for each file that would have been taken in place of one of the rule's below the
+ * templates, had it been there. */
+bool stamp_add_absent(FILE *files, const char *depfile, const struct stamp_origin *origin,
+                      const struct stamp_work *work, const struct dt_log *log);
+
 /* Where in `folder` something is made before it is published; what a process that was killed left there
  * goes. free(). */
 char *stamp_temporary(const char *folder);
@@ -38,7 +49,7 @@ struct stamped {
     DIR *held;    /* it is not pruned until this is closed */
 };
 
-/* False when there is none in `folder`, or a file has changed since. */
+/* False when there is none in `folder`, or a file has changed or come since. */
 bool stamp_read(struct stamped *found, const char *folder);
 void stamped_free(struct stamped *found);
 

@@ -218,4 +218,20 @@ sed -i 's/bgr, count/rgb, count/' "$work/spec/mips_show.glsl"
 find "$work/project/build/cache" -name object.o -delete
 check "objects that are gone are made again" compiles "${sources[@]}"
 check "what is gone is made again" variant 3
+
+# A body of the templates, then one of that name beside the spec.
+rm "$work/project/templates"
+cp -r "$root/templates" "$work/project/"
+mv "$work/spec/mips_show.glsl" "$work/project/templates/"
+check "a body below the templates" "${own[@]}"
+mv "$work/own.png" "$work/below.png"
+sed 's/rgb, count/bgr, count/' "$work/project/templates/mips_show.glsl" >"$work/spec/mips_show.glsl"
+# shellcheck disable=SC2317
+other() { # picture than with that body
+    "${own[@]}" && ! cmp -s "$work/own.png" "$work/below.png"
+}
+check "one that comes beside the spec is taken, though what was made without it is kept" other
+rm "$work/spec/mips_show.glsl"
+check "... as long as it is there" "${own[@]}"
+check "... and no longer" cmp "$work/own.png" "$work/below.png"
 finish
