@@ -127,7 +127,15 @@ static void read_param(struct reader *reader, const struct named *named, struct 
     param->max = field_number(reader, &fields, "max", INFINITY);
     param->step = field_number(reader, &fields, "step", 0);
     param->live = field_bool(reader, &fields, "live", false);
-    param->uniform = !param->live && field_bool(reader, &fields, "uniform", false);
+    param->uniform = field_bool(reader, &fields, "uniform", false);
+    if (param->live && param->uniform) {
+        diag_error(
+            reader->diag, node_loc(reader, field_node(&fields, "uniform")),
+            "`%s` is live, and so in the uniform block anyway: leave out `uniform`, or `live` "
+            "if counts and sizes depend on it",
+            param->name);
+        param->uniform = false;
+    }
     int type = field_choice(reader, &fields, "type", -1);
     set_value(reader, param, field_node(&fields, "value"), type);
 }
