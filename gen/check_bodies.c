@@ -433,6 +433,9 @@ static bool in_expressions(const struct checker *c, const char *name)
         if (is_named(&metric->position, name) || is_named(&metric->normal, name))
             return true;
     }
+    for (const struct replaced *at = c->model->replaced; at; at = at->next)
+        if (text_mentions(at->text, name))
+            return true;
     return false;
 }
 

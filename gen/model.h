@@ -340,6 +340,12 @@ struct pipeline {
     uint32_t live_size, block_size; /* bytes of the live parameters, and with the uniform ones */
 };
 
+/* A value of the spec that --set took the place of. */
+struct replaced {
+    const char *text; /* as YAML */
+    struct replaced *next;
+};
+
 struct arena;
 struct model {
     struct arena *arena;
@@ -351,6 +357,7 @@ struct model {
     /* emit_glsl: source-string number of #line minus 1 -> file */
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
+    struct replaced *replaced; /* read: NULL without any; what they name counts as used */
 };
 
 #endif

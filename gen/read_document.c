@@ -201,6 +201,24 @@ static void forget_overrides(struct reader *reader, struct fy_node *node)
         }
 }
 
+/* Whoever sets a value for once need not hear that a name in the old one is not used. */
+static void remember_replaced(struct reader *reader, struct fy_node *old)
+{
+    struct model *model = reader->model;
+    if (!old || fy_node_get_type(old) == FYNT_MAPPING)
+        return;
+    char *text = fy_emit_node_to_string(old, FYECF_MODE_FLOW_ONELINE);
+    struct replaced *replaced = arena_alloc(model->arena, sizeof *replaced);
+    const char *kept = text ? arena_strndup(model->arena, text, strlen(text)) : NULL;
+    free(text);
+    if (!replaced || !kept) {
+        reader->out_of_memory = true;
+        return;
+    }
+    *replaced = (struct replaced){.text = kept, .next = model->replaced};
+    model->replaced = replaced;
+}
+
 static void replace_value(struct reader *reader, struct setting *setting, const struct key *key,
                           struct fy_node_pair *pair)
 {
@@ -221,6 +239,7 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
         return;
     reader->overrides[reader->override_count - 1].type = type;
     forget_overrides(reader, old);
+    remember_replaced(reader, old);
     if (fy_node_pair_set_value(pair, node))
         reader->out_of_memory = true;
 }

@@ -66,6 +66,11 @@ check "... names the --set" says "\`--set bussy=7\`: no \`bussy\` in \`params\`;
 check "--set of a wrong type points into the option" says "--set:1:6: error: \`busy\` is int" \
     "$gen" --check $spec --set busy=1.5
 check "--set adds a key" says "mip_filter" "$gen" --check $spec --set samplers.points.mip_filter=linear
+# shellcheck disable=SC2317
+is_silent() { # command...
+    ! "$@" 2>&1 >/dev/null | grep .
+}
+check "--set in place of a name: that counts as used" is_silent "$gen" --check templates/ssvp.yaml --set metrics.vpl_distance.position=0.5
 check "--set adds a contract, where there is none" "$gen" --check $spec --set 'contracts.other={rel: 1%}'
 check "--set of a contract for nothing" says "no buffer or image \`bussy\`" \
     "$gen" --check $spec --set contracts.bussy=exact
