@@ -27,6 +27,16 @@ void view_set_live(struct view *view, const struct dt_param *param, const double
     pipeline_set_live(&view->pipeline, param, text, &view->console->log);
 }
 
+/* By --set, so that it does not begin as in the spec. */
+static bool is_set(const struct options *options, const char *name)
+{
+    size_t length = strlen(name);
+    for (uint32_t i = 0; i < options->set_count; i++)
+        if (strncmp(options->sets[i], name, length) == 0 && options->sets[i][length] == '=')
+            return true;
+    return false;
+}
+
 /* What the user has changed stays so, where the new pipeline takes it. */
 static void keep_live(struct view *view, const struct pipeline *old)
 {
@@ -44,7 +54,8 @@ static void keep_live(struct view *view, const struct pipeline *old)
         bool fits = true;
         for (uint32_t k = 0; k < type_components(was->type); k++)
             fits = fits && value[k] >= is->min && value[k] <= is->max;
-        if (fits && memcmp(value, initial, type_components(was->type) * sizeof *value) != 0)
+        if (fits && (is_set(view->options, was->name) ||
+                     memcmp(value, initial, type_components(was->type) * sizeof *value) != 0))
             view_set_live(view, is, value);
     }
 }
@@ -155,9 +166,14 @@ static void read_outline(struct view *view)
 }
 
 /* One line, as a person who waits wants it. */
-static void tell_times(const struct view *view, double made_ms, double taken_ms)
+static void tell_times(const struct view *view, bool same, double made_ms, double taken_ms)
 {
     const struct pipeline *pipeline = &view->pipeline;
+    if (same) {
+        report_message(&view->console->log, DT_INFO, "reloaded in %.0f ms: it is the same pipeline",
+                       view->reload_ms);
+        return;
+    }
     report_message(&view->console->log, DT_INFO,
                    "reloaded in %.0f ms: made in %.0f (generator %.0f, C compiler %.0f), "
                    "device %.0f, first frame %.0f",
@@ -172,8 +188,9 @@ static bool take(struct view *view, struct reload_result *result)
         fputs(result->text, stderr); /* warnings */
     free(result->text);
     set_error(view, NULL);
-    if (result->pipeline.info == view->pipeline.info) { /* only its outline, or nothing */
-        pipeline_unload(&result->pipeline);             /* which is loaded twice */
+    bool same = result->pipeline.info == view->pipeline.info;
+    if (same) {                             /* only its outline, or nothing */
+        pipeline_unload(&result->pipeline); /* which is loaded twice */
         read_outline(view);
     } else if (!swap(view, &result->pipeline)) {
         return false;
@@ -182,7 +199,7 @@ static bool take(struct view *view, struct reload_result *result)
     double taken_ms = milliseconds_now() - start_ms;
     view->reload_ms = result->ms + taken_ms;
     if (!view->error)
-        tell_times(view, result->ms, taken_ms);
+        tell_times(view, same, result->ms, taken_ms);
     return true;
 }
 

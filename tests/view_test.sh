@@ -151,6 +151,7 @@ check "... with the reason" says "pass average"
 check "... from panels that tcc compiled" grep -F "_vk.c" tcc.calls
 cp spec.yaml "$spec"
 check "... and goes on when it is put right" see right.ppm as=moved.ppm
+check "... which made nothing" says "it is the same pipeline"
 
 xdotool search --name diptych windowsize --sync 400 120
 check "the window has another size" see resized.ppm size=400x120 shown halves
