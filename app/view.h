@@ -99,7 +99,8 @@ struct view {
     bool looking;
     uint32_t
         tapped; /* letters pressed since the last frame, also those that were let go, A the lowest bit */
-    float speed; /* scene radii per second */
+    unsigned commanded; /* letters pressed with Ctrl and not let go of yet */
+    float speed;        /* scene radii per second */
 };
 
 /* ---- view.c ---------------------------------------------------------------------------------- */

@@ -115,11 +115,15 @@ static void on_key(GLFWwindow *window, int key, int scancode, int action, int mo
 {
     (void)scancode;
     struct view *view = view_of(window);
+    unsigned letter = key >= GLFW_KEY_A && key <= GLFW_KEY_Z ? 1u << (key - GLFW_KEY_A) : 0;
+    if (action == GLFW_RELEASE)
+        view->commanded &= ~letter;
     if (action == GLFW_RELEASE || overlay_takes_keys(view->overlay))
         return;
-    if (action == GLFW_PRESS && key >= GLFW_KEY_A && key <= GLFW_KEY_Z &&
-        !(modifiers & GLFW_MOD_CONTROL))
-        view->tapped |= 1u << (key - GLFW_KEY_A);
+    if (action == GLFW_PRESS && modifiers & GLFW_MOD_CONTROL)
+        view->commanded |= letter;
+    else if (action == GLFW_PRESS)
+        view->tapped |= letter;
     press(view, key, modifiers);
 }
 
@@ -163,12 +167,11 @@ void view_input_open(struct view *view)
     glfwSetScrollCallback(view->window, on_scroll);
 }
 
-/* With Ctrl a letter is a command; one that was tapped was none. */
+/* With Ctrl a letter is a command, until it is let go of, also where Ctrl was before. */
 static bool is_held(const struct view *view, int key)
 {
-    bool control = glfwGetKey(view->window, GLFW_KEY_LEFT_CONTROL) ||
-                   glfwGetKey(view->window, GLFW_KEY_RIGHT_CONTROL);
-    return (glfwGetKey(view->window, key) && !control) || (view->tapped >> (key - GLFW_KEY_A) & 1);
+    unsigned letter = 1u << (key - GLFW_KEY_A);
+    return (glfwGetKey(view->window, key) && !(view->commanded & letter)) || view->tapped & letter;
 }
 
 static float held(const struct view *view, int forth, int back)

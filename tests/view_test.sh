@@ -119,6 +119,10 @@ check "the mouse turns the camera" see turned.ppm not=none.ppm shown halves
 xdotool key w ctrl+s
 check "Ctrl+S saves the camera" says "saved the camera"
 check "... which W has moved" see moved.ppm not=turned.ppm shown halves
+xdotool keydown ctrl keydown s keyup ctrl
+sleep 0.5
+xdotool keyup s
+check "... and S has not, though it is let go of after Ctrl" see still.ppm as=moved.ppm shown halves
 check "... and changes one line of the scene" [ "$(changed_lines "$root/scenes/cornell.yaml" "$scene" | wc -l)" = 1 ]
 check "... which another program sees as well" "$diptych" render "${small[@]}" --backend gl --set bounces=0 --size 240x180 -o saved.png
 xdotool key p
