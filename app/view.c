@@ -136,16 +136,26 @@ static bool after_pass(void *user, uint32_t pass)
     return view_take(watch->view, watch->side, pass);
 }
 
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    const struct watch *watch = user;
+    warm_meet(watch->view->warm, pass);
+    return DT_RUN;
+}
+
 static bool render_side(struct view *view, struct view_side *side, const struct dt_frame *frame)
 {
     struct watch watch = {view, side};
-    const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
     const struct dt_pipeline *info = view->pipeline.info;
     bool output = (int)view->resource == info->display_output; /* lives on after the frame */
+    bool takes = !output || view->shown_points, meets = view->warm && frame->index == 0;
+    const struct dt_observer observer = {.before_pass = meets ? before_pass : NULL,
+                                         .after_pass = takes ? after_pass : NULL,
+                                         .user = &watch};
     double start = milliseconds_now();
     view_forget(side);
     return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
-                                         output && !view->shown_points ? NULL : &observer) &&
+                                         takes || meets ? &observer : NULL) &&
            view_times_take(side, milliseconds_now() - start);
 }
 

@@ -27,6 +27,8 @@ struct warm {
     pthread_cond_t news;
     struct work next;
     bool taking, stop;
+    uint32_t at[2]; /* passes that it is at: the first, and the one behind the last */
+    bool met;       /* the caller has come to them */
     /* the thread's own */
     void *handle;
     struct work now;
@@ -73,6 +75,19 @@ static enum dt_action before_pass(void *user, uint32_t index)
     return DT_RUN;
 }
 
+/* False: what is left the caller has been at. */
+static bool set_place(struct warm *warm, uint32_t first, uint32_t last)
+{
+    pthread_mutex_lock(&warm->lock);
+    bool met = warm->met;
+    warm->met = false;
+    warm->at[0] = met ? 0 : first;
+    warm->at[1] = met ? 0 : last;
+    pthread_cond_broadcast(&warm->news);
+    pthread_mutex_unlock(&warm->lock);
+    return !met;
+}
+
 static void run_passes(struct warm *warm)
 {
     const struct dt_observer observer = {.before_pass = before_pass, .user = warm};
@@ -80,8 +95,10 @@ static void run_passes(struct warm *warm)
     for (warm->last = pipeline_of(warm)->pass_count; good && warm->last > 0;
          warm->last = warm->first) {
         warm->first = warm->last > PASSES_AT_ONCE ? warm->last - PASSES_AT_ONCE : 0;
-        good = warm->runtime->render(warm->handle, &warm->now.frame, warm->now.live, &observer);
+        good = set_place(warm, warm->first, warm->last) &&
+               warm->runtime->render(warm->handle, &warm->now.frame, warm->now.live, &observer);
     }
+    set_place(warm, 0, 0);
 }
 
 /* ---- The thread ------------------------------------------------------------------------------ */
@@ -177,6 +194,16 @@ void warm_begin(struct warm *warm, const struct dt_panel *panel, const struct dt
     free(warm->next.live);
     warm->next = work;
     pthread_cond_broadcast(&warm->news);
+    pthread_mutex_unlock(&warm->lock);
+}
+
+void warm_meet(struct warm *warm, uint32_t pass)
+{
+    pthread_mutex_lock(&warm->lock);
+    while (warm->at[0] <= pass && pass < warm->at[1]) {
+        warm->met = true;
+        pthread_cond_wait(&warm->news, &warm->lock);
+    }
     pthread_mutex_unlock(&warm->lock);
 }
 

@@ -19,6 +19,9 @@ struct warm *warm_start(const struct dt_runtime *runtime, const struct side *sid
  * frame are those of the caller's. */
 void warm_begin(struct warm *warm, const struct dt_panel *panel, const struct dt_frame *frame,
                 const void *live);
+/* Before the caller's first frame runs the pass: waits while the other device is at it, so that its shaders are
+ * compiled once. */
+void warm_meet(struct warm *warm, uint32_t pass);
 void warm_end(struct warm *warm); /* the first frame is done: no more of it */
 
 /* Waits until nothing is held of a panel but of the last one that was begun with. */

@@ -1,7 +1,9 @@
 /* Compiling ahead (app/warm.c) with a runtime that only takes notes: which passes run and when, what they
  * find in their buffers, and that panels are let go of. */
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +22,8 @@ static struct notes {
     uint32_t triangles, width;
     float live;
     struct warm *warm;
-    int end_after; /* passes; 0: run on */
+    int end_after;   /* passes; 0: run on */
+    atomic_int held; /* at this pass; 0: at none */
 } notes;
 
 static void wait_for(int passes)
@@ -84,6 +87,8 @@ static bool fake_render(void *runtime, const struct dt_frame *frame, const void 
             return false;
         if (action != DT_RUN)
             continue;
+        while (pass && atomic_load(&notes.held) == (int)pass)
+            usleep(1000);
         notes.ran[notes.ran_count++] = (int)pass;
         if (notes.ran_count == notes.end_after)
             warm_end(notes.warm);
@@ -147,13 +152,18 @@ static const float live[4] = {0.5f};
 static const struct side side = {.context = "window"};
 static const struct dt_scene scene = {.index_count = 3000};
 
-static struct warm *begin(int end_after)
+static struct warm *begin_with(struct notes begun)
 {
-    notes = (struct notes){.end_after = end_after};
+    notes = begun;
     notes.warm = warm_start(&runtime, &side, &scene);
     assert_non_null(notes.warm);
     warm_begin(notes.warm, &first, &frame, live);
     return notes.warm;
+}
+
+static struct warm *begin(int end_after)
+{
+    return begin_with((struct notes){.end_after = end_after});
 }
 
 /* ---- Tests ----------------------------------------------------------------------------------- */
@@ -195,6 +205,33 @@ static void the_end_is_heeded(void **state)
     assert_int_equal(notes.ran_count, 2);
 }
 
+/* The second device is held at a pass until the caller has come there, or nearly. */
+static void *let_on(void *user)
+{
+    (void)user;
+    usleep(50000);
+    atomic_store(&notes.held, 0);
+    return NULL;
+}
+
+static void the_caller_waits_where_they_meet(void **state)
+{
+    (void)state;
+    pthread_t other;
+    struct warm *warm = begin_with((struct notes){.held = 4}); /* of 2 to 5, which run first */
+    wait_for(2);
+    warm_meet(warm, 0);
+    warm_meet(warm, 1); /* not there */
+    assert_int_equal(notes.ran_count, 2);
+    assert_int_equal(pthread_create(&other, NULL, let_on, NULL), 0);
+    warm_meet(warm, 3);
+    assert_int_equal(notes.ran_count, 4);
+    pthread_join(other, NULL);
+    wait_for(5); /* in vain: the rest is the caller's */
+    assert_int_equal(notes.ran_count, 4);
+    warm_stop(warm);
+}
+
 static void panels_are_let_go(void **state)
 {
     (void)state;
@@ -216,6 +253,7 @@ int main(void)
         cmocka_unit_test(passes_run_from_the_last),
         cmocka_unit_test(what_decides_work_is_none),
         cmocka_unit_test(the_end_is_heeded),
+        cmocka_unit_test(the_caller_waits_where_they_meet),
         cmocka_unit_test(panels_are_let_go),
     };
     return cmocka_run_group_tests_name("warm", tests, NULL, NULL);
