@@ -39,7 +39,7 @@ static bool generate(const struct compile_work *work, struct console *console)
     char *tool = format_string("%s/diptych-gen", request->tools);
     char *depfile = format_string("%s/gen.d", work->stamp.folder);
     char *shaders = shader_cache(request, work->base);
-    char **argv = calloc(request->set_count * 2 + 11, sizeof *argv);
+    char **argv = calloc(request->set_count * 2 + 12, sizeof *argv);
     bool good = false;
     if (tool && depfile && shaders && argv) {
         size_t n = 0;
@@ -53,6 +53,8 @@ static bool generate(const struct compile_work *work, struct console *console)
         argv[n++] = shaders;
         argv[n++] = (char *)"--templates";
         argv[n++] = (char *)request->templates;
+        if (request->edited)
+            argv[n++] = (char *)"--edits";
         for (uint32_t i = 0; i < request->set_count; i++) {
             argv[n++] = (char *)"--set";
             argv[n++] = (char *)request->sets[i];
@@ -134,6 +136,7 @@ static bool request_key(const struct build_request *request, uint64_t *key,
     hash_string(key, request->templates);
     for (uint32_t i = 0; i < request->set_count; i++)
         hash_string(key, request->sets[i]);
+    hash_string(key, request->edited ? "edits" : "");
     hash_string(key, compiler_of(request));
     char *generator = format_string("%s/diptych-gen", request->tools);
     struct stat info; /* ten megabytes take longer to read than all the rest of what is cached */

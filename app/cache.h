@@ -17,7 +17,8 @@ struct build_request {
     const char **sets;      /* sorted */
     uint32_t set_count;
     struct tool_waiting *generator; /* prepared for this; NULL: none */
-    bool hurried;                   /* somebody waits for what an edit does */
+    bool edited;  /* it will be edited, so that little is to be compiled at an edit */
+    bool hurried; /* somebody waits for what an edit does */
 };
 
 /* What was found or built; strings are owned, free with cache_entry_free. */

@@ -275,14 +275,8 @@ static bool load_request(struct pipeline *pipeline, struct console *console,
     return load_with(pipeline, console, request) && set_live_ones(pipeline, options, &console->log);
 }
 
-bool pipeline_load(struct pipeline *pipeline, struct console *console,
-                   const struct options *options)
-{
-    return pipeline_load_prepared(pipeline, console, options, NULL);
-}
-
-bool pipeline_load_prepared(struct pipeline *pipeline, struct console *console,
-                            const struct options *options, struct tool_waiting *generator)
+static bool load(struct pipeline *pipeline, struct console *console, const struct options *options,
+                 bool edited, struct tool_waiting *generator)
 {
     *pipeline = (struct pipeline){0};
     char *tools = tools_folder(&console->log);
@@ -299,6 +293,7 @@ bool pipeline_load_prepared(struct pipeline *pipeline, struct console *console,
                                     .spec = spec,
                                     .sets = sets,
                                     .generator = generator,
+                                    .edited = edited,
                                     .hurried = generator};
     if (spec && (!templates || !sets))
         report_error(&console->log, "%s: cannot be read: %s",
@@ -313,4 +308,16 @@ bool pipeline_load_prepared(struct pipeline *pipeline, struct console *console,
     free(headers);
     free(tools);
     return good;
+}
+
+bool pipeline_load(struct pipeline *pipeline, struct console *console,
+                   const struct options *options)
+{
+    return load(pipeline, console, options, false, NULL);
+}
+
+bool pipeline_load_edited(struct pipeline *pipeline, struct console *console,
+                          const struct options *options, struct tool_waiting *generator)
+{
+    return load(pipeline, console, options, true, generator);
 }

@@ -32,9 +32,10 @@ char *pipeline_spec_path(const char *spec, const struct dt_log *log);
  * pipeline->live. On false the error is logged and nothing is left loaded. */
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options);
-/* The same, by a generator that was prepared for it, NULL: none. */
-bool pipeline_load_prepared(struct pipeline *pipeline, struct console *console,
-                            const struct options *options, struct tool_waiting *generator);
+/* The same for a pipeline that will be edited: less is compiled at every edit, and frames may take longer. By a
+ * generator that was prepared for it, in a hurry; NULL: none. */
+bool pipeline_load_edited(struct pipeline *pipeline, struct console *console,
+                          const struct options *options, struct tool_waiting *generator);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
 /* Writes one live parameter: VALUE is a number, true, false, or [a, b, ...]; checked against type

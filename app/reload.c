@@ -128,8 +128,8 @@ static void build(struct reload *reload, double start)
     struct reload_result result = {0};
     tell(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_load_prepared(&result.pipeline, reload->console, reload->options,
-                                       &reload->generator);
+    bool good = pipeline_load_edited(&result.pipeline, reload->console, reload->options,
+                                     &reload->generator);
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
     console_status(reload->console, "%s", "");

@@ -239,11 +239,12 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
         }
     }
     if (glsl_uses(glsl, "%s_quads", access_word(access))) {
+        uint32_t bytes =
+            buffer->block ? buffer->block : expr_value(buffer->count, 0, 0, 0) * buffer->stride;
         text_add(out, "layout(std140, ");
         glsl_binding(glsl, access->binding, out);
-        text_add(out, ") uniform %s_quads_block {\n    uvec4 %s_quads[%llu];\n};\n",
-                 access_word(access), access_word(access),
-                 (unsigned long long)expr_value(buffer->count, 0, 0, 0) * buffer->stride / 16);
+        text_add(out, ") uniform %s_quads_block {\n    uvec4 %s_quads[%u];\n};\n",
+                 access_word(access), access_word(access), bytes / 16);
     }
     if (!glsl_uses(glsl, "%s", access_word(access)))
         return;

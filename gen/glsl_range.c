@@ -342,16 +342,38 @@ static void add_elements(const struct loop *loop, uint32_t count, const char *ba
     }
 }
 
+/* However many there are: the text is the same for all counts. */
+static void add_counted(const struct loop *loop, struct text *out)
+{
+    const struct range *range = loop->range;
+    const char *name = range->name;
+    char index[96];
+    text_add(out, "    int %s_count = ", name);
+    expr_emit_glsl(range->count, out);
+    text_add(out, ";\n    for (int %s_index = 0; %s_index < %s_count; ++%s_index) {\n", name, name,
+             name, name);
+    snprintf(index, sizeof index, "%s_index", name);
+    add_element(loop, index, out);
+    add_body(loop, out);
+}
+
 static void add_loop(const struct glsl *glsl, const struct loop *loop, struct text *out)
 {
     const struct range *range = loop->range;
     uint32_t count = (uint32_t)range->count_value, chunk = chunk_of(range);
     uint32_t chunks = count ? count / chunk : 0, rest = count - chunks * chunk;
     char base[96], offset[96];
-    text_add(out, "{ /* range %s: %u of %s */\n", range->name, count, access_word(range->access));
+    if (range->counted)
+        text_add(out, "{ /* range %s of %s */\n", range->name, access_word(range->access));
+    else
+        text_add(out, "{ /* range %s: %u of %s */\n", range->name, count,
+                 access_word(range->access));
     if (!loop->copied)
         add_first(range, out);
-    if (chunks == 1) {
+    if (range->counted) {
+        add_counted(loop, out);
+        chunks = rest = 0;
+    } else if (chunks == 1) {
         add_late_copy(glsl, loop, chunk, "", out);
         add_elements(loop, chunk, "", out);
     } else if (chunks > 1) {

@@ -24,7 +24,7 @@ struct options {
         *variations, *seed, *memory;
     const char **sets;
     size_t set_count;
-    bool check, live, schema, reference, help, version;
+    bool check, live, edits, schema, reference, help, version;
     bool started; /* the GLSL compiler is, by whoever runs this */
 };
 
@@ -44,6 +44,10 @@ static const struct option_name option_names[] = {
     {"--json", "FILE", "also write what was generated, or the errors, as JSON"},
     {"--shader-cache", "FILE",
      "keep compiled shaders there: the next generation compiles only those that have changed"},
+    {"--edits", NULL,
+     "for whoever waits at edits: heed `edits` of ranges, so that less is compiled then, and "
+     "frames "
+     "may take longer"},
     {"--templates", "DIR",
      "folder with glsl/; default: templates here, else those that came with the program"},
     {"--variations", "N",
@@ -130,6 +134,8 @@ static void take_option(struct options *options, const char *name, const char *v
         options->check = true;
     else if (!strcmp(name, "--live"))
         options->live = true;
+    else if (!strcmp(name, "--edits"))
+        options->edits = true;
     else if (!strcmp(name, "--schema"))
         options->schema = true;
     else if (!strcmp(name, "--reference"))
@@ -359,6 +365,7 @@ static enum status generate(struct generation *g)
     if (!read_spec(&g->model, options->spec, options->sets, options->set_count, g->diag) ||
         !check_model(&g->model, g->model.templates_dir, g->diag) || diag_error_count(g->diag))
         return STATUS_WRONG_SPEC;
+    g->model.pipeline.for_edits = options->edits;
     layout_model(&g->model);
     if (!plan_model(&g->model, g->diag) || diag_error_count(g->diag))
         return STATUS_WRONG_SPEC;

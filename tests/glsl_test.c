@@ -506,6 +506,31 @@ static void test_range_shapes(void **state)
     }
 }
 
+/* The shader reads how many there are, so the number itself is nowhere in it. */
+static void test_counted_range(void **state)
+{
+    struct fixture *f = *state;
+    f->params[0].uniform = true;
+    f->params[0].offset = 4; /* behind the live one */
+    f->ranges[0].storage = STORAGE_BUFFER;
+    f->ranges[0].loop = LOOP_ROLL;
+    f->ranges[0].counted = true;
+    f->ranges[0].count = expression(f, "nearest + 2");
+    set_body(f, SHADE, "shade.glsl",
+             "void main() { for (Light2 v : subset) { result_store(ivec2(v.kind), vec4(0)); } }\n");
+    struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    assert_non_null(strstr(shader.glsl.data, "int subset_count = nearest + 2;"));
+    assert_non_null(strstr(shader.glsl.data, "subset_index < subset_count;"));
+    assert_int_equal(occurrences(shader.glsl.data, "result_store(ivec2(v.kind)"), 1);
+    char *text = strdup(shader.glsl.data);
+    shader_free(&shader);
+    f->ranges[0].count_value = 7;
+    shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    assert_string_equal(shader.glsl.data, text);
+    free(text);
+    shader_free(&shader);
+}
+
 /* A range that starts at what main() computes cannot be copied before. */
 static void test_copy_follows_its_first_element(void **state)
 {
@@ -696,6 +721,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_words_of_a_pass, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_map_of_a_sampler, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_counted_range, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_copy_follows_its_first_element, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_by_words, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_whole_element, set_up, tear_down),
