@@ -85,7 +85,7 @@ static void help(FILE *stream)
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         fprintf(stream, "  %-11s%s\n", verbs[i].name, verbs[i].summary);
     fprintf(stream,
-            "\ndiptych VERB --help lists the verb's options.\n\n"
+            "\ndiptych VERB --help lists the verb's options, diptych --version tells the version.\n\n"
             "Environment: DIPTYCH_SCENES, where meshes are found; CC, what compiles generated "
             "C;\nDIPTYCH_CACHE_MIB, most that compiled pipelines take on the disk (default: 512); "
             "DIPTYCH_QUIET, if\nset: warnings and errors only.\n");
@@ -164,6 +164,10 @@ static int run(struct console *console, int argc, char **argv)
     }
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
         help(stdout);
+        return EXIT_FINE;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("diptych " VERSION "\n"); /* as build.ninja has it */
         return EXIT_FINE;
     }
     if (strcmp(argv[1], "--describe") == 0) { /* for the manual page, and for the shell */

@@ -81,6 +81,8 @@ function man(    i, verb) {
 function completes(option, what) {
     if (option == "--backend" && what ~ /^(NAME|LIST)$/)
         return "words gl vk osmesa zink gl+glsl"
+    if (what == "NAME|both")
+        return "words gl vk both"
     if (what ~ /^[a-z0-9|]+$/) {
         gsub(/\|/, " ", what)
         return "words " what
@@ -136,7 +138,7 @@ function bash(    i, f, all) {
     for (i = 1; i <= verb_count; i++)
         all = all " " verbs[i]
     if (verb_count)
-        printf "    if [[ $COMP_CWORD = 1 ]]; then\n        mapfile -t COMPREPLY < <(compgen -W '%s --help' -- \"$word\")\n        return\n    fi\n",
+        printf "    if [[ $COMP_CWORD = 1 ]]; then\n        mapfile -t COMPREPLY < <(compgen -W '%s --help --version' -- \"$word\")\n        return\n    fi\n",
             substr(all, 2)
     print "    case ${COMP_WORDS[1]} in"
     for (i = verb_count ? 1 : 0; i <= verb_count; i++) {

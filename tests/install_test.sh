@@ -116,7 +116,7 @@ completed() { # word...: how bash would complete the last of them
 completes_all() { # every verb and every option that --help lists, and no other
     local verb verbs
     verbs=$("$installed/bin/diptych" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p' | sort)
-    diff <(echo "$verbs") <(completed diptych "" | grep -v -- --help) || return
+    diff <(echo "$verbs") <(completed diptych "" | grep -v -e --help -e --version) || return
     for verb in $verbs; do
         diff <(options_in_help "$installed/bin/diptych" "$verb") <(completed diptych "$verb" -) || return
     done
@@ -125,6 +125,7 @@ completes_all() { # every verb and every option that --help lists, and no other
 # shellcheck disable=SC2317
 completes_arguments() {
     [ "$(completed diptych render --context o)" = osmesa ] &&
+        [ "$(completed diptych view --backend bo)" = both ] &&
         [ "$(cd "$installed" && completed diptych render --scene sha)" = share ] &&
         [ "$(cd "$installed" && completed diptych-gen --templates inc)" = include ]
 }
@@ -145,7 +146,9 @@ check "manual pages have every option, and are well formed" manual_has_all
 # shellcheck disable=SC2317
 versions_agree() {
     for name in gl vk scene; do
-        [ "diptych-gen $(pkg-config --modversion "diptych-$name")" = "$("$installed/bin/diptych-gen" --version)" ] || return
+        for program in diptych diptych-gen; do
+            [ "$program $(pkg-config --modversion "diptych-$name")" = "$("$installed/bin/$program" --version)" ] || return
+        done
     done
 }
 check "all say the same version" versions_agree
