@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 enum severity { SEVERITY_ERROR, SEVERITY_WARNING, SEVERITY_NOTE };
 static const char *const severity_names[] = {"error", "warning", "note"};
@@ -66,14 +67,42 @@ static bool list_input(struct model *model, const char *path)
     return true;
 }
 
+/* Whether the first bytes name a folder that ".." behind it leaves for the one that it stands in: no link. */
+static bool is_plain_folder(const char *path, size_t length)
+{
+    char *folder = strndup(path, length);
+    struct stat status;
+    bool plain = folder && !lstat(folder, &status) && S_ISDIR(status.st_mode);
+    free(folder);
+    return plain;
+}
+
+const char *source_path(struct arena *arena, const char *path)
+{
+    char *out = arena_strndup(arena, path, strlen(path));
+    for (char *up = out ? strstr(out, "/../") : NULL; up;) {
+        char *name = up;
+        while (name > out && name[-1] != '/')
+            name--;
+        size_t length = (size_t)(up - name);
+        bool shorter =
+            length && strncmp(name, "..", length) != 0 && is_plain_folder(out, (size_t)(up - out));
+        if (shorter)
+            memmove(name, up + 4, strlen(up + 4) + 1);
+        up = strstr(shorter ? out : up + 1, "/../");
+    }
+    return out;
+}
+
 const struct source *source_read(struct model *model, const char *path)
 {
-    FILE *file = fopen(path, "rb");
+    const char *plain = source_path(model->arena, path);
+    FILE *file = plain ? fopen(plain, "rb") : NULL;
     if (!file)
         return NULL;
     struct source *source = arena_alloc(model->arena, sizeof *source);
     if (source) {
-        source->path = arena_strndup(model->arena, path, strlen(path));
+        source->path = plain;
         source->text = read_all(model->arena, file, &source->length);
     }
     fclose(file);

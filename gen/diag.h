@@ -23,6 +23,9 @@ struct source {
     const char *text;
     size_t length;
 };
+/* The path without "NAME/.." where that is no detour by a link: a file that several include has one name, and an
+ * error in it is told once. NULL when out of memory. */
+const char *source_path(struct arena *arena, const char *path);
 /* Reads a whole file into the arena and lists it in model->inputs; NULL (nothing reported) when it
  * cannot be read. */
 const struct source *source_read(struct model *model, const char *path);

@@ -76,14 +76,15 @@ const char *find_word(const char *text, const char *word)
 
 const struct source *glsl_source(struct model *model, const char *path, uint32_t *number)
 {
+    const char *plain = source_path(model->arena, path);
     uint32_t count = model->glsl_source_count;
-    for (uint32_t i = 0; i < count; i++)
-        if (!strcmp(model->glsl_sources[i]->path, path)) {
+    for (uint32_t i = 0; plain && i < count; i++)
+        if (!strcmp(model->glsl_sources[i]->path, plain)) {
             if (number)
                 *number = i + 1;
             return model->glsl_sources[i];
         }
-    const struct source *source = source_read(model, path);
+    const struct source *source = plain ? source_read(model, plain) : NULL;
     return source && glsl_source_add(model, source, number) ? source : NULL;
 }
 
