@@ -56,7 +56,10 @@ check "shading, rolled loops" shade rolled --set $ranges.first_range.loop=roll -
 check "shading, from storage buffers" shade buffer \
     --set $ranges.first_range.storage=buffer --set $ranges.second_range.storage=buffer
 check "shading, from a uniform block" shade uniform --set $ranges.second_range.storage=uniform
-for shape in gpu rolled buffer uniform; do
+check "shading, loops that read their counts" shade counted \
+    --set $ranges.first_range.storage=buffer --set $ranges.first_range.loop=roll \
+    --set $ranges.second_range.storage=uniform --set $ranges.second_range.loop=roll
+for shape in gpu rolled buffer uniform counted; do
     check "shading, $shape: the same bits" cmp "$work/planned" "$work/$shape"
 done
 finish
