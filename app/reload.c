@@ -1,6 +1,7 @@
 /* Reloads pipelines; see reload.h. Files are looked at every few milliseconds, by time and size:
  * there are some forty, and editors save in too many ways to be listened to. All files of their kinds
- * in the same folders are watched, so that one that a broken edit brought in is, too. */
+ * in the same folders are watched, so that one that a broken edit brought in is, too; and while it is broken, folders
+ * in these, where that one may have to be made. */
 #include "reload.h"
 
 #include <dirent.h>
@@ -16,6 +17,12 @@
 
 enum { LOOK_MS = 20, CALM_LOOKS = 50, MAX_FOLDERS = 64 };
 
+/* Changes when a file is saved, comes or goes. */
+struct sight {
+    uint64_t files;
+    uint64_t folders; /* in the watched ones, with what comes and goes there */
+};
+
 struct reload {
     struct console *console;
     const struct options *options;
@@ -28,6 +35,7 @@ struct reload {
     struct tool_waiting generator; /* for the next build */
     char *folders[MAX_FOLDERS];
     uint32_t folder_count;
+    bool broken; /* the last build failed */
 };
 
 /* ---- What is watched ------------------------------------------------------------------------- */
@@ -74,10 +82,13 @@ static bool is_source(const char *name)
     return false;
 }
 
-static void hash_entry(uint64_t *hash, int folder, const char *name)
+static void add_entry(struct sight *sight, int folder, const char *name)
 {
     struct stat info;
-    if (fstatat(folder, name, &info, 0) != 0)
+    if (name[0] == '.' || fstatat(folder, name, &info, 0) != 0)
+        return;
+    bool is_folder = S_ISDIR(info.st_mode);
+    if (!is_folder && !is_source(name))
         return;
     /* the order in which a folder lists its files says nothing: sums do not see it */
     uint64_t own = FILE_HASH_START;
@@ -85,23 +96,27 @@ static void hash_entry(uint64_t *hash, int folder, const char *name)
     hash_bytes(&own, &info.st_mtim, sizeof info.st_mtim);
     hash_bytes(&own, &info.st_size, sizeof info.st_size);
     hash_bytes(&own, &info.st_ino, sizeof info.st_ino);
-    *hash += own;
+    *(is_folder ? &sight->folders : &sight->files) += own;
 }
 
-/* Changes when a file is saved, comes or goes. */
-static uint64_t look(const struct reload *reload)
+static struct sight look(const struct reload *reload)
 {
-    uint64_t hash = 0;
+    struct sight sight = {0};
     for (uint32_t i = 0; i < reload->folder_count; i++) {
         DIR *listing = opendir(reload->folders[i]);
         for (struct dirent *entry = listing ? readdir(listing) : NULL; entry;
              entry = readdir(listing))
-            if (is_source(entry->d_name))
-                hash_entry(&hash, dirfd(listing), entry->d_name);
+            if (entry->d_type != DT_REG || is_source(entry->d_name))
+                add_entry(&sight, dirfd(listing), entry->d_name);
         if (listing)
             closedir(listing);
     }
-    return hash;
+    return sight;
+}
+
+static bool is_other(const struct reload *reload, struct sight seen, struct sight built)
+{
+    return seen.files != built.files || (reload->broken && seen.folders != built.folders);
 }
 
 /* ---- The thread ------------------------------------------------------------------------------ */
@@ -135,6 +150,7 @@ static void build(struct reload *reload, double start)
     console_status(reload->console, "%s", "");
     if (good)
         watch(reload, &result.pipeline); /* it may be made from files of more folders */
+    reload->broken = !good;
     tell(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
 }
 
@@ -160,20 +176,20 @@ static bool is_stopped(struct reload *reload)
 static void *run(void *user)
 {
     struct reload *reload = user;
-    uint64_t built = look(reload);
+    struct sight built = look(reload);
     uint32_t calm = 0;
     while (!is_stopped(reload)) {
         nanosleep(&(struct timespec){.tv_nsec = LOOK_MS * 1000000L}, NULL);
-        uint64_t seen = look(reload);
-        if (seen == built) {
+        struct sight seen = look(reload);
+        if (!is_other(reload, seen, built)) {
             if (++calm == CALM_LOOKS)
                 prepare(reload);
             continue;
         }
         calm = 0;
         double start = milliseconds_now();
-        for (uint64_t before = seen + 1; before != seen;) { /* until it is written to its end */
-            before = seen;
+        for (struct sight before = built; is_other(reload, seen, before);) {
+            before = seen; /* until it is written to its end */
             nanosleep(&(struct timespec){.tv_nsec = LOOK_MS * 1000000L}, NULL);
             seen = look(reload);
         }

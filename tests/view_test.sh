@@ -149,6 +149,13 @@ check "... and put right" see right.ppm as=moved.ppm
 check "... when another one waits" waits
 
 cp "$spec" spec.yaml
+sed -i 's|shader: shared/tonemap.glsl|shader: mine/tonemap.glsl|' "$spec"
+check "a body that is not there is told" says "cannot read the shader \`mine/tonemap.glsl\`"
+mkdir -p "$work/templates/mine"
+sed 's/display_store(p, vec4(/&0.75 * /' "$tonemap" >"$work/templates/mine/tonemap.glsl"
+check "... and taken when it comes, with the folder that it is in" see mine.ppm not=moved.ppm not=dark.ppm shown halves
+cp spec.yaml "$spec"
+check "... and put right" see right.ppm as=moved.ppm
 sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$spec" # good at the sizes that the generator tries, and new
 check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
 check "... with the reason" says "pass average"
