@@ -193,7 +193,7 @@ static void panel(struct overlay_model *model)
 }
 
 /* Along the bottom, in the font's fixed width, so that carets stand where they should. */
-static void error(const char *text)
+static void error(const char *title, const char *text)
 {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     const ImVec2 size = ImGui::CalcTextSize(text);
@@ -201,7 +201,7 @@ static void error(const char *text)
     ImGui::SetNextWindowPos(ImVec2(8, screen.y - height - 8));
     ImGui::SetNextWindowSize(ImVec2(screen.x - 16, height));
     ImGui::PushStyleColor(ImGuiCol_WindowBg, ImVec4(0.25f, 0.02f, 0.02f, 0.92f));
-    ImGui::Begin("reload failed; what was good before runs on", nullptr,
+    ImGui::Begin(title, nullptr,
                  ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                      ImGuiWindowFlags_HorizontalScrollbar);
     ImGui::TextUnformatted(text);
@@ -252,7 +252,7 @@ void overlay_build(struct overlay *overlay, struct overlay_model *model)
     if (!model->hidden)
         panel(model);
     if (model->error)
-        error(model->error);
+        error(model->error_title, model->error);
     ImGui::Render();
     take(overlay, ImGui::GetDrawData());
 }

@@ -38,6 +38,7 @@ struct overlay_model {
     const char *state;  /* paused, reloading, ...; "" or more */
     const char *points; /* those that are shown; "" or more */
     const char *error;  /* of a reload that failed; NULL: none */
+    const char *error_title;
     const char *const *sides;
     double frame_ms[OVERLAY_SIDES];
     uint32_t side_count;

@@ -65,6 +65,7 @@ struct view {
     bool gave_up;         /* paused since the device was lost once more: by a pass, it seems */
     bool noisy;           /* a side that is closed has heard validation messages */
     char *error;          /* of the last reload, NULL: it went well; owned */
+    bool outline_wrong;   /* that is the error, and the pipeline is the new one */
     uint32_t reloads;
     double reload_ms; /* of the last one, from the saved file to its first picture; NAN: none */
     double device_ms; /* of it, programs and memory; then comes the frame */

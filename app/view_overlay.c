@@ -164,18 +164,21 @@ static void describe(struct view *view, const struct texts *texts, struct overla
     const struct dt_pipeline *info = view->pipeline.info;
     const char *doc = info->resources[view->resource].doc;
     const char *names[OVERLAY_SIDES] = {NULL};
-    struct overlay_model model = {.hidden = view->overlay_hidden,
-                                  .title = texts->title,
-                                  .shown = texts->shown,
-                                  .doc = doc ? doc : "",
-                                  .state = texts->state,
-                                  .points = texts->points,
-                                  .error = view->error,
-                                  .sides = names,
-                                  .side_count = view->side_count,
-                                  .passes = passes,
-                                  .pass_count = info->pass_count,
-                                  .params = params};
+    struct overlay_model model = {
+        .hidden = view->overlay_hidden,
+        .title = texts->title,
+        .shown = texts->shown,
+        .doc = doc ? doc : "",
+        .state = texts->state,
+        .points = texts->points,
+        .error = view->error,
+        .error_title = view->outline_wrong ? "view.yaml is wrong; the pipeline runs"
+                                           : "reload failed; what was good before runs on",
+        .sides = names,
+        .side_count = view->side_count,
+        .passes = passes,
+        .pass_count = info->pass_count,
+        .params = params};
     for (uint32_t i = 0; i < view->side_count; i++) {
         const struct view_times *times = &view->side[i].times;
         names[i] = view->sides.list[i].label;

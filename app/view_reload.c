@@ -132,6 +132,7 @@ static bool swap(struct view *view, struct pipeline *next)
     keep_live(view, &old);
     bool good = start(view, shown, &offered);
     char *text = capture ? console_captured(view->console) : NULL;
+    view->outline_wrong = good && !offered;
     if (!good || !offered) {
         set_error(view, text ? text : strdup("the reason stands on the terminal\n"));
     } else {
@@ -157,6 +158,7 @@ static void read_outline(struct view *view)
     bool capture = console_capture(view->console);
     bool good = view_outline_read(view);
     char *text = capture ? console_captured(view->console) : NULL;
+    view->outline_wrong = !good;
     if (good)
         free(text);
     else
@@ -214,7 +216,7 @@ bool view_reload(struct view *view)
         view->reloading = false;
         return take(view, &result);
     case RELOAD_FAILED:
-        view->reloading = false;
+        view->reloading = view->outline_wrong = false;
         set_error(view, result.text ? result.text : strdup("out of memory\n"));
         return true;
     default:
