@@ -4,11 +4,12 @@
 # more clusters bring the picture nearer. Three frames, so that the clusters have settled. TAP. Long: more scenes.
 # shellcheck disable=SC2317 # functions are called through check
 . "$(dirname "$0")/tap.sh"
+compile_quickly
 size=160x90 samples=64 frames=3
 commented=$work/comments
 
-truth() { # file scene first last
-    "$diptych" reference --scene "$root/scenes/$2.yaml" --size "$size" --from-bounce "$3" --bounces "$4" \
+truth() { # file scene first last: traced once
+    [ -e "$work/$1" ] || "$diptych" reference --scene "$root/scenes/$2.yaml" --size "$size" --from-bounce "$3" --bounces "$4" \
         --quantity irradiance --spp "$samples" -o "$work/$1"
 }
 
@@ -20,8 +21,10 @@ ours() { # file scene sets...
 }
 
 measured() { # reference test key: mean_reference, mean_test, relative_mse of the linear pictures
-    "$diptych" metrics --reference "$work/$1" --test "$work/$2" --exposure 1 --json "$work/json" >/dev/null &&
-        python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["hdr"][sys.argv[2]])' "$work/json" "$3"
+    local told=$work/$1-$2.json
+    [ "$told" -nt "$work/$2" ] ||
+        "$diptych" metrics --reference "$work/$1" --test "$work/$2" --exposure 1 --json "$told" >/dev/null || return
+    python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["hdr"][sys.argv[2]])' "$told" "$3"
 }
 
 is() { # expression with numbers, for awk
@@ -76,19 +79,19 @@ size=64x36 samples=400
 scenes=(cornell)
 [ -z "${DIPTYCH_LONG:-}" ] || scenes+=(atrium)
 for scene in "${scenes[@]}"; do
-        prepare() {
-        truth truth.exr "$scene" 1 2 && ours one.exr "$scene" --set bounces=1 && ours two.exr "$scene" &&
+    prepare() {
+        truth "$scene.truth.exr" "$scene" 1 2 && ours one.exr "$scene" --set bounces=1 && ours two.exr "$scene" &&
             ours blind.exr "$scene" --set second_clusters=0 && ours few.exr "$scene" --set clusters=2 &&
             ours many.exr "$scene" --set clusters=32 &&
             ours eight.exr "$scene" --set clusters=32 --set second_divisor=64
     }
     check "$scene, traced and rendered" prepare
-    check "$scene: two bounces are nearer than one" nearer truth.exr two.exr one.exr
-    check "$scene: the second bounce with visibility is nearer than without" nearer truth.exr two.exr blind.exr
-    check "$scene: 8 clusters are nearer than 2" nearer truth.exr two.exr few.exr
-    check "$scene: 32 clusters are nearer than 2" nearer truth.exr many.exr few.exr
+    check "$scene: two bounces are nearer than one" nearer "$scene.truth.exr" two.exr one.exr
+    check "$scene: the second bounce with visibility is nearer than without" nearer "$scene.truth.exr" two.exr blind.exr
+    check "$scene: 8 clusters are nearer than 2" nearer "$scene.truth.exr" two.exr few.exr
+    check "$scene: 32 clusters are nearer than 2" nearer "$scene.truth.exr" many.exr few.exr
     [ "$scene" = cornell ] || continue # elsewhere eight maps of second-bounce visibility hide no more of 32 clusters' VPLs
-    check "$scene: 32 clusters are nearer when maps of second-bounce visibility grow with them" nearer truth.exr many.exr eight.exr
+    check "$scene: 32 clusters are nearer when maps of second-bounce visibility grow with them" nearer "$scene.truth.exr" many.exr eight.exr
 done
 
 # More clusters do not make it worse. The eyes of one pattern are luckier than another's, so a fifth more than the number of
@@ -97,14 +100,14 @@ patterns=1
 [ -z "${DIPTYCH_LONG:-}" ] || patterns=4
 average() { # scene clusters: the mean of the relative mean squared errors
     local frame
-    frames=$patterns ours "$2.%d.exr" "$1" --set "clusters=$2" --set reuse_pattern=0 || return
+    frames=$patterns ours "$1.$2.%d.exr" "$1" --set "clusters=$2" --set reuse_pattern=0 || return
     for ((frame = 0; frame < patterns; frame++)); do
-        measured truth.exr "$2.$frame.exr" relative_mse || return
+        measured "$1.truth.exr" "$1.$2.$frame.exr" relative_mse || return
     done | awk '{ sum += $1 } END { print sum / NR }'
 }
 grows() {
     local eight sixteen more
-    truth truth.exr "$1" 1 2 && eight=$(average "$1" 8) && sixteen=$(average "$1" 16) && more=$(average "$1" 32) &&
+    truth "$1.truth.exr" "$1" 1 2 && eight=$(average "$1" 8) && sixteen=$(average "$1" 16) && more=$(average "$1" 32) &&
         is "$sixteen < 1.2 * $eight && $more < 1.2 * $sixteen && $more < $eight"
 }
 for scene in cornell atrium; do
@@ -112,16 +115,18 @@ for scene in cornell atrium; do
 done
 
 # Instant Radiosity has no bias but what maps and half floats have: ten times the VPLs leave less than a third of the error.
+lights=passes.shade.ranges.all_lights # written out, 200 of them take longer to compile than to shine
 prepare() {
     local vpls
-    truth truth.exr cornell 1 1 || return
+    truth first.truth.exr cornell 1 1 || return
     for vpls in 20 200; do
-        ours "$vpls.exr" cornell --spec "$root/templates/instant_radiosity.yaml" --set "first_vpls=$vpls" || return
+        ours "$vpls.exr" cornell --spec "$root/templates/instant_radiosity.yaml" --set "first_vpls=$vpls" \
+            --set "$lights.loop=roll" --set "$lights.storage=buffer" || return
     done
 }
 falls() {
     local few many
-    few=$(measured truth.exr 20.exr relative_mse) && many=$(measured truth.exr 200.exr relative_mse) && is "$many < $few / 3"
+    few=$(measured first.truth.exr 20.exr relative_mse) && many=$(measured first.truth.exr 200.exr relative_mse) && is "$many < $few / 3"
 }
 check "instant radiosity, traced and rendered" prepare
 check "instant radiosity: the error falls with the number of VPLs" falls
