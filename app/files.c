@@ -90,8 +90,9 @@ static bool write_and_rename(const char *path, const struct stat *old, const voi
     char *temporary = format_string("%s.tmp-%d", place, (int)getpid());
     int descriptor =
         temporary ? open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
-    if (descriptor >= 0 && old)
-        fchmod(descriptor, old->st_mode & 0777);
+    if (descriptor >= 0 &&
+        old) /* refused where the file system knows no permissions: there are none to lose */
+        (void)fchmod(descriptor, old->st_mode & 0777);
     bool good =
         descriptor >= 0 && write_and_close(descriptor, data, size) && rename(temporary, place) == 0;
     int error = errno;

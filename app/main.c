@@ -84,11 +84,12 @@ static void help(FILE *stream)
                     "usage: diptych VERB [options]\n\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         fprintf(stream, "  %-11s%s\n", verbs[i].name, verbs[i].summary);
-    fprintf(stream,
-            "\ndiptych VERB --help lists the verb's options, diptych --version tells the version.\n\n"
-            "Environment: DIPTYCH_SCENES, where meshes are found; CC, what compiles generated "
-            "C;\nDIPTYCH_CACHE_MIB, most that compiled pipelines take on the disk (default: 512); "
-            "DIPTYCH_QUIET, if\nset: warnings and errors only.\n");
+    fprintf(
+        stream,
+        "\ndiptych VERB --help lists the verb's options, diptych --version tells the version.\n\n"
+        "Environment: DIPTYCH_SCENES, where meshes are found; CC, what compiles generated "
+        "C;\nDIPTYCH_CACHE_MIB, most that compiled pipelines take on the disk (default: 512); "
+        "DIPTYCH_QUIET, if\nset: warnings and errors only.\n");
 }
 
 static int unknown_verb(const struct console *console, const char *word)

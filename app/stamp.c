@@ -134,13 +134,15 @@ static int folder_length(const char *path)
 }
 
 /* The file of that name in the folder of `beside`. One that has just come may have been missed. */
-static void add_absent(FILE *files, const char *beside, const char *name,
+static bool add_absent(FILE *files, const char *beside, const char *name,
                        const struct stamp_work *work)
 {
     char *path = format_string("%.*s/%s", folder_length(beside), beside, name);
+    bool good = path;
     if (path && (access(path, F_OK) != 0 || is_newer(path, work->since)))
-        fprintf(files, "absent %s\n", path);
+        good = fprintf(files, "absent %s\n", path) >= 0;
     free(path);
+    return good;
 }
 
 /* Whether it is the first of its folder. */
@@ -165,10 +167,10 @@ bool stamp_add_absent(FILE *files, const char *depfile, const struct stamp_origi
         const char *name = paths.list[i] + length + 1;
         if (strncmp(paths.list[i], templates, length) != 0 || paths.list[i][length] != '/')
             continue;
-        add_absent(files, origin->spec, name, work);
-        for (size_t k = 0; k < paths.count && strncmp(name, "glsl/", 5) == 0; k++)
+        good = add_absent(files, origin->spec, name, work);
+        for (size_t k = 0; good && k < paths.count && strncmp(name, "glsl/", 5) == 0; k++)
             if (is_first(&paths, k))
-                add_absent(files, paths.list[k], name + 5, work);
+                good = add_absent(files, paths.list[k], name + 5, work);
     }
     for (size_t i = 0; i < paths.count; i++)
         free(paths.list[i]);

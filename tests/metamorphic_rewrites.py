@@ -565,7 +565,9 @@ def make_uniform(pipeline):
 # The same, the other way, for those that decide no count and no size.
 @rewrite("baked parameter made live", "ssvp")
 def make_live(pipeline):
-    pipeline.spec["params"]["kmeans_iterations"]["live"] = True
+    iterations = pipeline.spec["params"]["kmeans_iterations"]
+    del iterations["uniform"]   # of another kind, one cannot be both
+    iterations["live"] = True
 
 
 def place_ranges(pipeline, storage, loop):
