@@ -85,11 +85,6 @@ check "k-means ends by itself with every parameter at its max" \
     "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=2048 --set clusters=64 --set kmeans_iterations=32 \
     --set position_weight=0 --set rsm_size=64 --set paraboloid_size=16 --set second_vpls=64 "${rolled[@]}"
 
-# Normals with a component of -0.0 are all that some clusters add up.
-check "k-means keeps the sign of a zero where one driver unrolls its loops and the other does not" \
-    "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=26 --set clusters=64 --set kmeans_iterations=1 \
-    --set rsm_size=16 --set paraboloid_size=16 --set second_vpls=64 "${rolled[@]}"
-
 # ---- The generator ----------------------------------------------------------------------------------------------------
 
 draw() { # file seed
