@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -138,7 +139,7 @@ static bool fits(const struct dt_param *param, enum dt_type scalar, double value
         return value == floor(value) && value >= INT32_MIN && value <= INT32_MAX;
     if (scalar == DT_TYPE_UINT)
         return value == floor(value) && value >= 0 && value <= UINT32_MAX;
-    return scalar != DT_TYPE_BOOL || value == 0 || value == 1;
+    return scalar == DT_TYPE_BOOL ? value == 0 || value == 1 : fabs(value) <= FLT_MAX;
 }
 
 static void write_scalar(uint8_t *place, enum dt_type scalar, double value)

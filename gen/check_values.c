@@ -1,5 +1,6 @@
 /* Numbers: parameters within their ranges, constants without circles, sizes and counts at several
  * frame sizes, assertions. Called by check.c. */
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -149,6 +150,11 @@ static void check_param(struct checker *c, const struct param *param)
         if (param->value[i] > param->max) {
             diag_error(c->diag, param->value_loc, "`%s` is %.9g, above its max of %.9g",
                        param->name, param->value[i], param->max);
+            return;
+        }
+        if (fabs(param->value[i]) > FLT_MAX) { /* other types were checked when they were read */
+            diag_error(c->diag, param->value_loc, "`%s` is %.9g, and no float is larger than %.9g",
+                       param->name, param->value[i], FLT_MAX);
             return;
         }
     }

@@ -274,9 +274,10 @@ static void live_parameters_are_checked(void **state)
          .offset = 0,
          .min = -INFINITY,
          .max = INFINITY},
+        {.name = "far", .type = DT_TYPE_FLOAT, .offset = 0, .min = -INFINITY, .max = INFINITY},
     };
     static const struct dt_pipeline info = {
-        .name = "p", .params = params, .param_count = 3, .live_size = 16};
+        .name = "p", .params = params, .param_count = 4, .live_size = 16};
     uint32_t live[4] = {0};
     struct pipeline pipeline = {.info = &info, .live = live};
     struct ear ear;
@@ -292,7 +293,8 @@ static void live_parameters_are_checked(void **state)
         assert_false(pipeline_set_live(&pipeline, &params[0], wrong[i], &log));
     assert_false(pipeline_set_live(&pipeline, &params[1], "1", &log));
     assert_false(pipeline_set_live(&pipeline, &params[2], "2", &log));
-    assert_int_equal(ear.errors, (int)DT_ARRAY_COUNT(wrong) + 2);
+    assert_false(pipeline_set_live(&pipeline, &params[3], "-1e300", &log));
+    assert_int_equal(ear.errors, (int)DT_ARRAY_COUNT(wrong) + 3);
     assert_memory_equal(live, expected, sizeof live);
     assert_null(pipeline_param(&info, "absent"));
 }
