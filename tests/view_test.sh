@@ -190,6 +190,11 @@ for backend in gl vk; do
     xdotool key Escape
     check "$backend ends in silence" ends 0
 done
+# Some of its loops are written otherwise than those of render, for the sake of edits.
+open_window --backend gl --size 80x60 --frames 3 --screenshot all.png
+check "with all bounces, too" ends 0
+"$diptych" render "${small[@]}" --backend gl --size 80x60 --frames 3 -o rendered.png
+check "... it is what render makes" cmp all.png rendered.png
 LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x180 --set bounces=0 --frames 12 --screenshot lost.png
 check "surfaces that are lost, and swapchains out of date" ends 0
 check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
