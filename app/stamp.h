@@ -1,5 +1,6 @@
 /* What stands in the cache: folders of versions, each beside a stamp that names the current one and
- * the hash of every file that it was made from, and files that must not be there. cache.c keeps pipelines so, compile.c objects. */
+ * the hash of every file that it was made from, and files that must not be there. cache.c keeps pipelines
+ * so, compile.c objects. */
 #ifndef DIPTYCH_STAMP_H
 #define DIPTYCH_STAMP_H
 

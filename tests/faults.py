@@ -1,7 +1,7 @@
-"""Faults put in on purpose, and found: for every pass of both shipped pipelines, either backend and every
-kind, compare must name exactly the pass that has it, the resource and the frame. What was put in is told by
-the log, what was found by the last line; neither knows the other. TAP; called by fault_test.sh with the
-command, the project's folder and a folder to work in."""
+"""Faults put in on purpose, and found: for every pass of both shipped pipelines and either backend, one kind,
+another from pass to pass, or every kind with DIPTYCH_LONG set, compare must name exactly the pass that has it,
+the resource and the frame. What was put in is told by the log, what was found by the last line; neither knows
+the other. TAP; called by fault_test.sh with the command, the project's folder and a folder to work in."""
 
 import json
 import os
