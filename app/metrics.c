@@ -23,6 +23,7 @@ struct metrics {
     struct rgb_image mapped[2]; /* tone-mapped, linear, 0..1 */
     bool hdr;                   /* the files hold light rather than 8-bit codes */
     double exposure;
+    double pixels_per_degree;
     struct image_errors hdr_errors, ldr_errors;
     float *flip_map[2]; /* LDR, HDR */
     struct distribution flip[2];
@@ -77,8 +78,10 @@ static bool read_images(struct metrics *metrics)
 {
     const struct options *options = metrics->options;
     const struct dt_log *log = &metrics->console->log;
-    if (options->pixels_per_degree < 1 ||
-        options->pixels_per_degree > FLIP_MOST_PIXELS_PER_DEGREE) {
+    metrics->pixels_per_degree =
+        options->pixels_per_degree > 0 ? options->pixels_per_degree : FLIP_PIXELS_PER_DEGREE;
+    if (metrics->pixels_per_degree < 1 ||
+        metrics->pixels_per_degree > FLIP_MOST_PIXELS_PER_DEGREE) {
         report_error(log, "--pixels-per-degree: must be from 1 to %g", FLIP_MOST_PIXELS_PER_DEGREE);
         return false;
     }
@@ -143,7 +146,7 @@ static bool measure_flip(struct metrics *metrics, int which)
 {
     const struct rgb_image *images = which == HDR ? metrics->images : metrics->mapped;
     uint64_t count = (uint64_t)images[0].width * images[0].height;
-    double density = metrics->options->pixels_per_degree;
+    double density = metrics->pixels_per_degree;
     float *map = metrics->flip_map[which] = new_floats(count);
     if (!map)
         return false;
@@ -184,7 +187,7 @@ static bool measure(struct metrics *metrics)
     console_status(console, "Yee's metric");
     return image_compare_yee(mapped[0].width, mapped[0].height, mapped[REFERENCE].texels,
                              mapped[TEST].texels, yee_luminance,
-                             (float)(mapped[0].width / metrics->options->pixels_per_degree),
+                             (float)(mapped[0].width / metrics->pixels_per_degree),
                              &metrics->yee_failing, &console->log);
 }
 
@@ -269,7 +272,7 @@ static cJSON *metrics_json(const struct metrics *metrics)
     cJSON_AddNumberToObject(root, "width", metrics->images[0].width);
     cJSON_AddNumberToObject(root, "height", metrics->images[0].height);
     cJSON_AddNumberToObject(root, "exposure", metrics->exposure);
-    cJSON_AddNumberToObject(root, "pixels_per_degree", options->pixels_per_degree);
+    cJSON_AddNumberToObject(root, "pixels_per_degree", metrics->pixels_per_degree);
     cJSON *ldr = errors_json(&metrics->ldr_errors);
     cJSON_AddItemToObject(root, "ldr", ldr);
     cJSON_AddItemToObject(ldr, "flip", flip_json(&metrics->flip[LDR]));
@@ -311,7 +314,7 @@ static void print_table(const struct metrics *metrics)
     const struct rgb_image *image = &metrics->images[0];
     uint64_t count = (uint64_t)image->width * image->height;
     printf("%ux%u pixels, exposure %.6g, %.4g pixels per degree\n\n", image->width, image->height,
-           metrics->exposure, metrics->options->pixels_per_degree);
+           metrics->exposure, metrics->pixels_per_degree);
     printf("%-12s  %9s  %9s  %9s  %9s  %9s  %7s  %8s  %8s  %8s\n", "", "reference", "test",
            "mean abs", "RMSE", "rel. MSE", "PSNR", "FLIP", "FLIP p95", "FLIP max");
     if (metrics->hdr)

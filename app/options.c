@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "flip.h"
-
 enum option_kind {
     OPTION_FLAG,
     OPTION_STRING,
@@ -441,8 +439,7 @@ static void fill_in(struct options *options, const struct verb *verb)
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
                    const struct dt_log *log)
 {
-    *options = (struct options){
-        .bounces = "2", .from_bounce = "0", .seed = 1, .pixels_per_degree = FLIP_PIXELS_PER_DEGREE};
+    *options = (struct options){.bounces = "2", .from_bounce = "0", .seed = 1};
     for (int i = 0; i < argc; i++) {
         size_t length = argv[i][0] == '-' ? strcspn(argv[i], "=") : strlen(argv[i]);
         const struct option_row *alone = find_alone(options, verb, argv[i]);

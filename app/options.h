@@ -67,8 +67,8 @@ struct options {
     const char *reference; /* picture files; flicker: patterns of them */
     const char *test;
     const char *flip;
-    double exposure; /* factor; 0: of the reference's log-average luminance */
-    double pixels_per_degree;
+    double exposure;             /* factor; 0: of the reference's log-average luminance */
+    double pixels_per_degree;    /* metrics: 0: not given */
     uint32_t block;              /* flicker: 0: not given */
     struct text_list scene_list; /* sweep, report: these two in place of scene and size */
     struct text_list size_list;
