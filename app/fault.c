@@ -8,7 +8,7 @@
 
 #include "console.h"
 #include "files.h"
-#include "options.h"
+#include "names.h"
 #include "texels.h"
 
 static const char *const kind_names[] = {[FAULT_BIT] = "bit",

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "names.h"
 #include "options.h"
 #include "outcome.h"
 

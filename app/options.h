@@ -122,7 +122,4 @@ void options_describe(const struct verb *verb);
 /* Reads WIDTHxHEIGHT as --size has it; logs the error. */
 bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);
 
-/* Of names[0..count), the one that `word` is most likely a slip of, or NULL. */
-const char *closest_name(const char *word, const char *const *names, uint32_t count);
-
 #endif

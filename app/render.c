@@ -7,6 +7,7 @@
 #include "dump.h"
 #include "files.h"
 #include "identity.h"
+#include "names.h"
 #include "numbered.h"
 #include "options.h"
 #include "picture.h"

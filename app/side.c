@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "names.h"
 
 static const struct {
     const char *name, *backend, *context;

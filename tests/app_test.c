@@ -17,6 +17,7 @@
 #include "app/console.h"
 #include "app/dump.h"
 #include "app/files.h"
+#include "app/names.h"
 #include "app/options.h"
 #include "app/picture.h"
 #include "app/pipeline.h"
