@@ -231,16 +231,6 @@ static bool write_blocks(const struct writing *writing)
                         evidence->pipeline->info->live_size);
 }
 
-size_t evidence_texel_bytes(const struct dt_scene *scene)
-{
-    size_t size = 0;
-    for (uint32_t mip = 0; mip < scene->texture_mips; mip++) {
-        size_t width = scene->texture_width >> mip, height = scene->texture_height >> mip;
-        size += (width ? width : 1) * (height ? height : 1) * scene->texture_layers * 4;
-    }
-    return size;
-}
-
 static bool write_scene(const struct writing *writing)
 {
     const struct dt_scene *scene = &writing->evidence->scene->data;
@@ -261,7 +251,7 @@ static bool write_scene(const struct writing *writing)
                         scene->index_count * sizeof *scene->indices) &&
            folder_write(folder, "scene/materials.raw", scene->materials,
                         scene->material_count * sizeof *scene->materials) &&
-           folder_write(folder, "scene/texels.raw", scene->texels, evidence_texel_bytes(scene));
+           folder_write(folder, "scene/texels.raw", scene->texels, scene_texel_bytes(scene));
 }
 
 /* ---- Words ----------------------------------------------------------------------------------- */

@@ -39,9 +39,6 @@ bool evidence_can_write(struct console *console, const char *place);
 /* Writes the folder whole or not at all; logs its error. */
 bool evidence_write(const struct evidence *evidence, const char *place);
 
-/* Bytes of all layers and mips of a scene's texture. */
-size_t evidence_texel_bytes(const struct dt_scene *scene);
-
 /* An evidence folder in memory; everything is owned but the console. */
 struct evidence_case {
     struct console *console;

@@ -261,7 +261,7 @@ static bool read_scene(struct evidence_case *evidence)
                                           scene->material_count * sizeof *scene->materials)
                            : NULL;
     scene->texels = scene->materials
-                        ? read_exactly(evidence, "scene/texels.raw", evidence_texel_bytes(scene))
+                        ? read_exactly(evidence, "scene/texels.raw", scene_texel_bytes(scene))
                         : NULL;
     return scene->texels;
 }

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "evidence.h"
 #include "files.h"
 #include "scenes/motion.h"
 #include "texels.h"
@@ -87,7 +86,7 @@ static void hash_scene_data(char text[HASH_TEXT], const struct identity *identit
     hash_bytes(&hash, data->vertices, data->vertex_count * sizeof *data->vertices);
     hash_bytes(&hash, data->indices, data->index_count * sizeof *data->indices);
     hash_bytes(&hash, data->materials, data->material_count * sizeof *data->materials);
-    hash_bytes(&hash, data->texels, evidence_texel_bytes(data));
+    hash_bytes(&hash, data->texels, scene_texel_bytes(data));
     snprintf(text, HASH_TEXT, "%016" PRIx64, hash);
 }
 

@@ -129,13 +129,10 @@ static uint64_t scene_hash(const struct reference *reference)
 {
     const struct dt_scene *data = &reference->scene.data;
     uint64_t hash = FILE_HASH_START;
-    size_t size = data->texture_width, texels = 0;
-    for (uint32_t mip = 0; mip < data->texture_mips; mip++, size /= 2)
-        texels += size * size * data->texture_layers;
     hash_bytes(&hash, data->vertices, data->vertex_count * sizeof *data->vertices);
     hash_bytes(&hash, data->indices, data->index_count * sizeof *data->indices);
     hash_bytes(&hash, data->materials, data->material_count * sizeof *data->materials);
-    hash_bytes(&hash, data->texels, texels * 4);
+    hash_bytes(&hash, data->texels, scene_texel_bytes(data));
     hash_bytes(&hash, &reference->frame, sizeof reference->frame);
     return hash;
 }

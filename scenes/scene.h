@@ -51,6 +51,9 @@ bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
 bool scene_load_motion(struct scene *scene, const char *path, const struct dt_log *log);
 void scene_free(struct scene *scene); /* takes a zeroed or failed scene */
 
+/* Bytes of data->texels: all layers and mips of the texture. */
+size_t scene_texel_bytes(const struct dt_scene *data);
+
 /* Fills everything in *frame that depends on the scene and the aspect ratio; width, height and
  * index stay 0. */
 void scene_frame(const struct scene *scene, uint32_t width, uint32_t height,

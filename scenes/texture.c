@@ -2,6 +2,7 @@
  * Called by scene.c. */
 #include "image.h"
 #include "mesh.h"
+#include "scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -195,4 +196,14 @@ bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
     free(has_holes);
     free(srgb);
     return ok;
+}
+
+size_t scene_texel_bytes(const struct dt_scene *data)
+{
+    size_t size = 0;
+    for (uint32_t mip = 0; mip < data->texture_mips; mip++) {
+        size_t width = data->texture_width >> mip, height = data->texture_height >> mip;
+        size += (width ? width : 1) * (height ? height : 1) * data->texture_layers * 4;
+    }
+    return size;
 }
