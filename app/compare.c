@@ -401,7 +401,9 @@ static bool check_dump(struct compare *compare)
     const struct options *options = &compare->options;
     const struct dt_log *log = &compare->console->log;
     const cJSON *manifest = compare->dump.manifest;
-    const struct identity identity = {.pipeline = &compare->pipeline,
+    const struct identity identity = {.pipeline = compare->pipeline.info,
+                                      .live = compare->pipeline.live,
+                                      .generated = compare->pipeline.generated,
                                       .scene = &compare->scene,
                                       .scene_path = options->scene,
                                       .size = {options->size[0], options->size[1]},
@@ -409,7 +411,8 @@ static bool check_dump(struct compare *compare)
     compare->dump.pipeline = compare->pipeline.info;
     memcpy(compare->dump.size, options->size, sizeof compare->dump.size);
     return identity_check(manifest, options->against, &identity, log) &&
-           identity_take_live(manifest, options->against, options, &compare->pipeline, log);
+           identity_take_live(manifest, options->against, options, compare->pipeline.info,
+                              compare->pipeline.live, log);
 }
 
 static bool load(struct compare *compare)

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "live.h"
 #include "scenes/motion.h"
 #include "texels.h"
 
@@ -43,7 +44,7 @@ static bool hash_c(uint64_t *hash, const char *path, const struct dt_log *log)
 }
 
 /* All that the pipeline does: what both panels call, and the GLSL that OpenGL's shaders hold as text. */
-static bool hash_code(char text[HASH_TEXT], const struct pipeline *pipeline,
+static bool hash_code(char text[HASH_TEXT], const struct identity *identity,
                       const struct dt_log *log)
 {
     static const char *const files[] = {"gl", "gl_shaders", "vk"};
@@ -51,7 +52,7 @@ static bool hash_code(char text[HASH_TEXT], const struct pipeline *pipeline,
     bool good = true;
     for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++) {
         char *path =
-            format_string("%s/%s_%s.c", pipeline->generated, pipeline->info->name, files[i]);
+            format_string("%s/%s_%s.c", identity->generated, identity->pipeline->name, files[i]);
         good = path && hash_c(&hash, path, log);
         free(path);
     }
@@ -112,14 +113,14 @@ static cJSON *live_value(const struct dt_param *param, const void *live)
     return value;
 }
 
-static cJSON *live_values(const struct pipeline *pipeline)
+static cJSON *live_values(const struct identity *identity)
 {
-    const struct dt_pipeline *info = pipeline->info;
+    const struct dt_pipeline *info = identity->pipeline;
     cJSON *values = cJSON_CreateObject();
     for (uint32_t i = 0; i < info->param_count; i++) {
         if (info->params[i].live)
             cJSON_AddItemToObject(values, info->params[i].name,
-                                  live_value(&info->params[i], pipeline->live));
+                                  live_value(&info->params[i], identity->live));
     }
     return values;
 }
@@ -127,15 +128,14 @@ static cJSON *live_values(const struct pipeline *pipeline)
 bool identity_add(cJSON *manifest, const struct identity *identity, const struct dt_log *log)
 {
     char code[HASH_TEXT], scene_file[HASH_TEXT], scene_data[HASH_TEXT];
-    if (!hash_code(code, identity->pipeline, log) ||
-        !hash_scene_file(scene_file, identity->scene, log))
+    if (!hash_code(code, identity, log) || !hash_scene_file(scene_file, identity->scene, log))
         return false;
     hash_scene_data(scene_data, identity);
     cJSON_AddStringToObject(manifest, "backend", identity->backend);
     cJSON_AddStringToObject(manifest, "device", identity->device);
-    cJSON_AddStringToObject(manifest, "pipeline", identity->pipeline->info->name);
+    cJSON_AddStringToObject(manifest, "pipeline", identity->pipeline->name);
     cJSON_AddStringToObject(manifest, "code", code);
-    cJSON_AddItemToObject(manifest, "live", live_values(identity->pipeline));
+    cJSON_AddItemToObject(manifest, "live", live_values(identity));
     cJSON_AddStringToObject(manifest, "scene", identity->scene_path);
     cJSON_AddStringToObject(manifest, "scene_file", scene_file);
     cJSON_AddStringToObject(manifest, "scene_data", scene_data);
@@ -211,11 +211,11 @@ static const char *find_set(const struct options *options, const char *name)
 }
 
 static bool take_live(const cJSON *values, const char *folder, const struct options *options,
-                      struct pipeline *pipeline, const struct dt_param *param,
+                      const struct dt_pipeline *pipeline, void *live, const struct dt_param *param,
                       const struct dt_log *log)
 {
     char *wanted = cJSON_PrintUnformatted(cJSON_GetObjectItem(values, param->name));
-    cJSON *own = live_value(param, pipeline->live);
+    cJSON *own = live_value(param, live);
     const char *set = find_set(options, param->name);
     bool good = false;
     if (!wanted)
@@ -224,19 +224,19 @@ static bool take_live(const cJSON *values, const char *folder, const struct opti
     else if (set && !cJSON_Compare(own, cJSON_GetObjectItem(values, param->name), true))
         report_error(log, "--set %s=%s: %s was made with %s", param->name, set, folder, wanted);
     else
-        good = pipeline_set_live(pipeline, param, wanted, log);
+        good = live_set(pipeline, live, param, wanted, log);
     cJSON_Delete(own);
     cJSON_free(wanted);
     return good;
 }
 
 bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
-                        struct pipeline *pipeline, const struct dt_log *log)
+                        const struct dt_pipeline *pipeline, void *live, const struct dt_log *log)
 {
     const cJSON *values = cJSON_GetObjectItem(manifest, "live");
-    for (uint32_t i = 0; i < pipeline->info->param_count; i++) {
-        const struct dt_param *param = &pipeline->info->params[i];
-        if (param->live && !take_live(values, folder, options, pipeline, param, log))
+    for (uint32_t i = 0; i < pipeline->param_count; i++) {
+        const struct dt_param *param = &pipeline->params[i];
+        if (param->live && !take_live(values, folder, options, pipeline, live, param, log))
             return false;
     }
     return true;
@@ -248,10 +248,10 @@ static bool check_code(const cJSON *manifest, const char *folder, const struct i
                        const struct dt_log *log)
 {
     char code[HASH_TEXT];
-    const char *own = identity->pipeline->info->name;
+    const char *own = identity->pipeline->name;
     const char *name = find_text(manifest, folder, "pipeline", log);
     const char *wanted = name ? find_text(manifest, folder, "code", log) : NULL;
-    if (!wanted || !hash_code(code, identity->pipeline, log))
+    if (!wanted || !hash_code(code, identity, log))
         return false;
     if (strcmp(name, own) != 0)
         report_error(log, "--against %s: holds the pipeline %s, this is %s; name its --spec",

@@ -7,12 +7,13 @@
 #include <cjson/cJSON.h>
 
 #include "options.h"
-#include "pipeline.h"
 #include "scenes/scene.h"
 
 struct identity {
     const char *backend, *device; /* that made it; told, not checked */
-    const struct pipeline *pipeline;
+    const struct dt_pipeline *pipeline;
+    const void *live;      /* its live parameters */
+    const char *generated; /* folder of its generated code */
     const struct scene *scene;
     const char *scene_path; /* as --scene names it */
     uint32_t size[2];       /* of the frame */
@@ -24,11 +25,11 @@ struct identity {
 bool identity_add(cJSON *manifest, const struct identity *identity, const struct dt_log *log);
 
 /* Takes size, frame and live parameters from a manifest: what the options give must be the same, the
- * rest takes the manifest's values, the live ones in pipeline->live. `folder` is named in errors. */
+ * rest takes the manifest's values, the live ones in the block `live`. `folder` is named in errors. */
 bool identity_take_frame(const cJSON *manifest, const char *folder, struct options *options,
                          const struct dt_log *log);
 bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
-                        struct pipeline *pipeline, const struct dt_log *log);
+                        const struct dt_pipeline *pipeline, void *live, const struct dt_log *log);
 
 /* Whether the code and the scene are the manifest's; the error says what is not. Another mesh or
  * other mathematics of the machine's library are but a warning. */

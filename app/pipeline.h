@@ -38,14 +38,4 @@ bool pipeline_load_edited(struct pipeline *pipeline, struct console *console,
                           const struct options *options, struct tool_waiting *generator);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
-/* Writes one live parameter: VALUE is a number, true, false, or [a, b, ...]; checked against type
- * and range. */
-bool pipeline_set_live(struct pipeline *pipeline, const struct dt_param *param, const char *value,
-                       const struct dt_log *log);
-/* The values that it has now; type_components of them, at most four. */
-void pipeline_get_live(const struct pipeline *pipeline, const struct dt_param *param,
-                       double values[4]);
-const struct dt_param *pipeline_param(const struct dt_pipeline *info,
-                                      const char *name); /* or NULL */
-
 #endif

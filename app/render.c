@@ -290,7 +290,9 @@ static bool identify(struct render *render)
     const struct session *session = &render->session;
     const struct identity identity = {.backend = render->side.label,
                                       .device = session->runtime->device_name(session->handle),
-                                      .pipeline = &render->pipeline,
+                                      .pipeline = render->pipeline.info,
+                                      .live = render->pipeline.live,
+                                      .generated = render->pipeline.generated,
                                       .scene = &render->scene,
                                       .scene_path = options->scene,
                                       .size = {options->size[0], options->size[1]},

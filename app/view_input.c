@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "camera.h"
+#include "live.h"
 #include "texels.h"
 
 static struct view *view_of(GLFWwindow *window)
@@ -42,7 +43,7 @@ static void set_digit(struct view *view, int digit)
     const struct dt_param *param = view->digits;
     char text[2] = {(char)('0' + digit), 0};
     if (param && type_components(param->type) == 1 && digit >= param->min && digit <= param->max)
-        pipeline_set_live(&view->pipeline, param, text, &view->console->log);
+        live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
 }
 
 static void press(struct view *view, int key, int modifiers)

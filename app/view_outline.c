@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "live.h"
 #include "scenes/reader.h"
 
 /* NULL where the key is not there, or holds something else. */
@@ -144,7 +145,7 @@ static void read_outline(struct reader *reader, struct fy_node *root, void *user
     reader_mapping(reader, root, first ? fy_node_pair_key(first) : root, "the outline", keys,
                    DT_ARRAY_COUNT(keys));
     const char *digits = text_of(&keys[0]);
-    view->digits = digits ? pipeline_param(view->pipeline.info, digits) : NULL;
+    view->digits = digits ? live_param(view->pipeline.info, digits) : NULL;
     if (digits && !(view->digits && view->digits->live))
         reader_report(reader, keys[0].node, "%s has no live parameter `%s`",
                       view->pipeline.info->name, digits);

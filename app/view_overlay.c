@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "files.h"
+#include "live.h"
 #include "spread.h"
 #include "texels.h"
 
@@ -126,7 +127,7 @@ static uint32_t fill_params(const struct view *view, struct overlay_param *param
                                       .min = param->min,
                                       .max = param->max,
                                       .step = param->step};
-        pipeline_get_live(&view->pipeline, param, out->value);
+        live_get(view->pipeline.live, param, out->value);
         for (uint32_t k = 0; k < out->count; k++) /* as the live block rounds it */
             out->initial[k] = out->is_whole ? param->value[k] : (double)(float)param->value[k];
     }
@@ -138,7 +139,7 @@ static void take_params(struct view *view, const struct overlay_param *params, u
     for (uint32_t i = 0; i < count; i++) {
         if (!params[i].changed)
             continue;
-        view_set_live(view, pipeline_param(view->pipeline.info, params[i].name), params[i].value);
+        view_set_live(view, live_param(view->pipeline.info, params[i].name), params[i].value);
         view->step = true;
     }
 }

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "live.h"
 #include "texels.h"
 
 const struct dt_panel *view_panel_of(const struct view_side *side, const struct pipeline *pipeline)
@@ -24,7 +25,7 @@ void view_set_live(struct view *view, const struct dt_param *param, const double
     if (used + 2 > sizeof text)
         return;
     memcpy(text + used, "]", 2);
-    pipeline_set_live(&view->pipeline, param, text, &view->console->log);
+    live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
 }
 
 /* By --set, so that it does not begin as in the spec. */
@@ -42,15 +43,13 @@ static void keep_live(struct view *view, const struct pipeline *old)
 {
     for (uint32_t i = 0; i < old->info->param_count; i++) {
         const struct dt_param *was = &old->info->params[i];
-        const struct dt_param *is = pipeline_param(view->pipeline.info, was->name);
+        const struct dt_param *is = live_param(view->pipeline.info, was->name);
         double value[4], initial[4];
-        struct pipeline untouched = *old;
-        untouched.live = (void *)old->info->live_defaults;
         if (!was->live || type_components(was->type) > 4 || !is || !is->live ||
             is->type != was->type)
             continue;
-        pipeline_get_live(old, was, value);
-        pipeline_get_live(&untouched, was, initial);
+        live_get(old->live, was, value);
+        live_get(old->info->live_defaults, was, initial);
         bool fits = true;
         for (uint32_t k = 0; k < type_components(was->type); k++)
             fits = fits && value[k] >= is->min && value[k] <= is->max;

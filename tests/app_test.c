@@ -17,10 +17,10 @@
 #include "app/console.h"
 #include "app/dump.h"
 #include "app/files.h"
+#include "app/live.h"
 #include "app/names.h"
 #include "app/options.h"
 #include "app/picture.h"
-#include "app/pipeline.h"
 #include "app/texels.h"
 
 /* ---- What was said --------------------------------------------------------------------------- */
@@ -280,24 +280,23 @@ static void live_parameters_are_checked(void **state)
     static const struct dt_pipeline info = {
         .name = "p", .params = params, .param_count = 4, .live_size = 16};
     uint32_t live[4] = {0};
-    struct pipeline pipeline = {.info = &info, .live = live};
     struct ear ear;
     const struct dt_log log = log_to(&ear);
-    assert_true(pipeline_set_live(&pipeline, pipeline_param(&info, "bounces"), "2", &log));
-    assert_true(pipeline_set_live(&pipeline, pipeline_param(&info, "tint"), "[0.5, -1]", &log));
-    assert_true(pipeline_set_live(&pipeline, pipeline_param(&info, "on"), "true", &log));
+    assert_true(live_set(&info, live, live_param(&info, "bounces"), "2", &log));
+    assert_true(live_set(&info, live, live_param(&info, "tint"), "[0.5, -1]", &log));
+    assert_true(live_set(&info, live, live_param(&info, "on"), "true", &log));
     const uint32_t expected[4] = {1, 2, 0x3f000000, 0xbf800000};
     assert_memory_equal(live, expected, sizeof live);
     static const char *const wrong[] = {"3",  "1.5", "-1", "",    "x",
                                         "2x", "nan", "[1", "1,2", "[1, 2]"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(wrong); i++)
-        assert_false(pipeline_set_live(&pipeline, &params[0], wrong[i], &log));
-    assert_false(pipeline_set_live(&pipeline, &params[1], "1", &log));
-    assert_false(pipeline_set_live(&pipeline, &params[2], "2", &log));
-    assert_false(pipeline_set_live(&pipeline, &params[3], "-1e300", &log));
+        assert_false(live_set(&info, live, &params[0], wrong[i], &log));
+    assert_false(live_set(&info, live, &params[1], "1", &log));
+    assert_false(live_set(&info, live, &params[2], "2", &log));
+    assert_false(live_set(&info, live, &params[3], "-1e300", &log));
     assert_int_equal(ear.errors, (int)DT_ARRAY_COUNT(wrong) + 3);
     assert_memory_equal(live, expected, sizeof live);
-    assert_null(pipeline_param(&info, "absent"));
+    assert_null(live_param(&info, "absent"));
 }
 
 /* ---- Pictures -------------------------------------------------------------------------------- */

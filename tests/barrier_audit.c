@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "app/console.h"
+#include "app/live.h"
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "hazard.h"
@@ -284,9 +285,10 @@ static bool set_live(const char *live)
     if (!live)
         return true;
     snprintf(name, sizeof name, "%.*s", (int)strcspn(live, "="), live);
-    param = pipeline_param(audit.pipeline.info, name);
+    param = live_param(audit.pipeline.info, name);
     if (param && param->live && strchr(live, '='))
-        return pipeline_set_live(&audit.pipeline, param, strchr(live, '=') + 1, &audit.console.log);
+        return live_set(audit.pipeline.info, audit.pipeline.live, param, strchr(live, '=') + 1,
+                        &audit.console.log);
     printf("--live %s: no live parameter of that name\n", live);
     return false;
 }
