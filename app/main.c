@@ -4,10 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "files.h"
-#include "names.h"
-#include "options.h"
-#include "outcome.h"
+#include "base/files.h"
+#include "base/names.h"
+#include "base/options.h"
+#include "base/outcome.h"
 
 static const struct verb verbs[] = {
     {"render", VERB_RENDER, "render a scene with one backend into a picture",
@@ -39,7 +39,8 @@ static const struct verb verbs[] = {
     {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
      "Only where both frames show the same surface, found by casting rays, and beside what the\n"
      "reference changes there: flicker is the mean difference of both changes. Percentages are of\n"
-     "the reference's mean, or without one, of the pictures' own; app/change.h has the formulas.\n"
+     "the reference's mean, or without one, of the pictures' own.\n"
+     "app/truth/change.h has the formulas.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_flicker, EXIT_FAILED},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",

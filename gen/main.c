@@ -600,7 +600,7 @@ static char *read_input(size_t *size)
     return bytes;
 }
 
-/* --wait: for programs that will want a generation soon (app/tool.h). Prepares the GLSL compiler, which is
+/* --wait: for programs that will want a generation soon (app/base/tool.h). Prepares the GLSL compiler, which is
  * most of the work of a small edit, and takes its words from the standard input, each ended by a zero
  * byte; none: it was not wanted after all. */
 static enum status wait_and_run(void)

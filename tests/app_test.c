@@ -14,14 +14,14 @@
 
 #include <cmocka.h>
 
-#include "app/console.h"
-#include "app/dump.h"
-#include "app/files.h"
-#include "app/live.h"
-#include "app/names.h"
-#include "app/options.h"
-#include "app/picture.h"
-#include "app/texels.h"
+#include "app/base/console.h"
+#include "app/base/files.h"
+#include "app/base/live.h"
+#include "app/base/names.h"
+#include "app/base/options.h"
+#include "app/base/texels.h"
+#include "app/result/dump.h"
+#include "app/result/picture.h"
 
 /* ---- What was said --------------------------------------------------------------------------- */
 

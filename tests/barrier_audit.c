@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/console.h"
-#include "app/live.h"
-#include "app/options.h"
-#include "app/pipeline.h"
+#include "app/base/console.h"
+#include "app/base/live.h"
+#include "app/base/options.h"
+#include "app/build/pipeline.h"
 #include "hazard.h"
 #include "runtime_vk/internal.h"
 #include "tape.h"

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "app/allocations.h"
-#include "app/spread.h"
+#include "app/base/spread.h"
+#include "app/run/allocations.h"
 
 /* ---- Order statistics ------------------------------------------------------------------------ */
 

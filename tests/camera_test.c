@@ -12,8 +12,8 @@
 #include <cmocka.h>
 #include <libfyaml.h>
 
-#include "app/camera.h"
-#include "app/files.h"
+#include "app/base/files.h"
+#include "app/view/camera.h"
 
 static const struct scene_camera ahead = {{1, 2, 3}, {1, 2, -1}, {0, 1, 0}, 0.7f};
 

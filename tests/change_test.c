@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "app/change.h"
+#include "app/truth/change.h"
 #include "scenes/scene.h"
 
 enum { WIDTH = 40, HEIGHT = 24, PIXELS = WIDTH * HEIGHT };

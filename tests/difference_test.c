@@ -12,7 +12,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "app/difference.h"
+#include "app/result/difference.h"
 
 static const char *const labels[2] = {"gl", "vk"};
 

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "app/fault.h"
+#include "app/run/fault.h"
 
 /* ---- A pipeline of one pass that writes one resource of each sort ---------------------------- */
 

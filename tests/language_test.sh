@@ -28,7 +28,7 @@ if $python -c 'import jsonschema, yaml' 2>/dev/null; then
         scenes/{scene,motion}.schema.json -- scenes/{scene,motion,camera_light}.c
     for outline in report view; do
         check "... that of $outline's outlines, too" $python tests/language.py keys \
-            templates/$outline.schema.json -- app/${outline}_outline.c
+            templates/$outline.schema.json -- "app/$outline/${outline}_outline.c"
     done
     check "keys and examples of the reference fit the schema" \
         $python tests/language.py reference "$work/schema.json" "$work/LANGUAGE.md"

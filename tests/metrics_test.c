@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "app/image_metrics.h"
+#include "app/truth/image_metrics.h"
 #include "scenes/image.h"
 
 enum { WIDTH = 29, HEIGHT = 23, PIXELS = WIDTH * HEIGHT };

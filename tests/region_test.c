@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "app/region.h"
+#include "app/result/region.h"
 
 enum { WIDTH = 7, HEIGHT = 5, LAYERS = 3, TEXELS = WIDTH * HEIGHT * LAYERS };
 

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "app/files.h"
-#include "app/strip.h"
+#include "app/base/files.h"
+#include "app/result/strip.h"
 #include "scenes/image.h"
 
 enum { SEPARATOR = 4, READABLE = 256 };

@@ -1,9 +1,9 @@
 /* The path tracer against what is known without one: nets, closed forms of radiometry, rates of
  * convergence, invariances. Scenes are made here, triangle by triangle. */
-#include "app/film.h"
-#include "app/rays.h"
-#include "app/sequence.h"
-#include "app/tracer.h"
+#include "app/truth/film.h"
+#include "app/truth/rays.h"
+#include "app/truth/sequence.h"
+#include "app/truth/tracer.h"
 #include "scenes/scene.h"
 
 #include <setjmp.h>

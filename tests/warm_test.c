@@ -1,4 +1,4 @@
-/* Compiling ahead (app/warm.c) with a runtime that only takes notes: which passes run and when, what they
+/* Compiling ahead (app/view/warm.c) with a runtime that only takes notes: which passes run and when, what they
  * find in their buffers, and that panels are let go of. */
 #include <pthread.h>
 #include <setjmp.h>
@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "app/warm.h"
+#include "app/view/warm.h"
 
 enum { PASSES = 6, ARGUMENTS = 3, MOST = 64 };
 

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "app/blame.h"
+#include "app/compare/blame.h"
 #include "runtime_gl/runtime.h"
 #include "runtime_vk/runtime.h"
 

@@ -1,0 +1,125 @@
+/* The options of all verbs in one table, and the one parser that reads it. Called by main, which
+ * hands the result to the verb. */
+#ifndef DIPTYCH_OPTIONS_H
+#define DIPTYCH_OPTIONS_H
+
+#include "base/console.h"
+
+/* A verb's bit in the option table. */
+enum verb_id {
+    VERB_RENDER = 1,
+    VERB_COMPARE = 2,
+    VERB_REPLAY = 4,
+    VERB_SWEEP = 8,
+    VERB_REFERENCE = 16,
+    VERB_METRICS = 32,
+    VERB_BENCH = 64,
+    VERB_REPORT = 128,
+    VERB_VIEW = 256,
+    VERB_FLICKER = 512
+};
+
+/* The values of an option that may be repeated. */
+struct text_list {
+    const char **items;
+    uint32_t count;
+};
+
+/* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at
+ * the default. Strings point into argv. */
+struct options {
+    const char *scene;
+    const char *motion;  /* file; NULL: nothing moves */
+    const char *backend; /* see side.h */
+    const char *output;
+    const char *spec;      /* NULL: the project's own */
+    const char *templates; /* folder of the GLSL library; NULL: the project's */
+    const char **sets;
+    uint32_t set_count;  /* NAME=VALUE each */
+    uint32_t size[2];    /* this and frames: 0 with --against where not given */
+    uint32_t frames;     /* 0 with --motion where not given: all of it */
+    uint32_t frame;      /* reference: of the motion */
+    const char *against; /* folder of a dump */
+    const char *dump;
+    const char *timings;
+    const char *show;
+    const char *scenes; /* NULL: DIPTYCH_SCENES or none */
+    const char *device;
+    const char *context;
+    const char *json;
+    const char *pictures;
+    uint32_t drop_barrier, drop_dependency; /* of Vulkan's frame, counted from 1; 0: none */
+    const char *fault;
+    const char *bisect; /* folder to write */
+    const char *folder; /* of an earlier bisect */
+    uint32_t poison;    /* render: a byte, 0: none */
+    uint32_t spp;       /* reference: 0: not given */
+    uint32_t seed;
+    uint32_t threads; /* 0: one per processor */
+    const char *noise;
+    const char *bounces;
+    const char *from_bounce;
+    const char *quantity; /* these three as their rows list them, or NULL */
+    const char *filter;
+    const char *sampler;
+    const char *checkpoint;
+    bool emission;
+    const char *reference; /* picture files; flicker: patterns of them */
+    const char *test;
+    const char *flip;
+    double exposure;             /* factor; 0: of the reference's log-average luminance */
+    double pixels_per_degree;    /* metrics: 0: not given */
+    uint32_t block;              /* flicker: 0: not given */
+    struct text_list scene_list; /* sweep, report: these two in place of scene and size */
+    struct text_list size_list;
+    struct text_list grid;
+    const char *verb;
+    const char *measure;                       /* sweep: of agree,time,error,own; NULL: agree */
+    const char *x;                             /* sweep: path of a grid; NULL: the first */
+    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, view, too */
+    uint32_t warmup;
+    bool slurm, collect;
+    const char *screenshot; /* view */
+    const char *outline;    /* report: of what to show; NULL: the spec's */
+    bool glsl;
+    bool debug;
+    bool help;
+};
+
+/* Most that an option gives; a size is that of one side. */
+enum { OPTIONS_MAX_FRAMES = 1000000, OPTIONS_MAX_SIZE = 65536 };
+
+struct verb {
+    const char *name;
+    enum verb_id id;
+    const char *summary; /* one line */
+    const char *details; /* for --help: what it writes, what it exits with */
+    int (*run)(struct console *console, const struct options *options);
+    int failed; /* exit status when it could not do what it was asked for */
+};
+
+int verb_render(struct console *console, const struct options *options);
+int verb_compare(struct console *console, const struct options *options);
+int verb_replay(struct console *console, const struct options *options);
+int verb_reference(struct console *console, const struct options *options);
+int verb_metrics(struct console *console, const struct options *options);
+int verb_flicker(struct console *console, const struct options *options);
+int verb_bench(struct console *console, const struct options *options);
+int verb_report(struct console *console, const struct options *options);
+int verb_view(struct console *console, const struct options *options);
+int verb_sweep(struct console *console, const struct options *options);
+
+/* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
+ * way. */
+bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
+                   const struct dt_log *log);
+void options_free(struct options *options);
+void options_help(const struct verb *verb); /* on stdout */
+/* The same for app/manual.awk: a line "verb", name, summary, details, then one "option", name, argument,
+ * required or "", help for each, with tabs between and "\\n" for newlines. */
+void options_describe(const struct verb *verb);
+
+/* Reads WIDTHxHEIGHT as --size has it; logs the error. */
+bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);
+
+#endif

@@ -1,0 +1,259 @@
+/* Types and formats as tables; see texels.h. */
+#include "base/texels.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+
+static const struct {
+    const char *name;
+    uint32_t components;
+    enum dt_type scalar;
+} types[DT_TYPE_COUNT] = {
+    [DT_TYPE_FLOAT] = {"float", 1, DT_TYPE_FLOAT}, [DT_TYPE_VEC2] = {"vec2", 2, DT_TYPE_FLOAT},
+    [DT_TYPE_VEC3] = {"vec3", 3, DT_TYPE_FLOAT},   [DT_TYPE_VEC4] = {"vec4", 4, DT_TYPE_FLOAT},
+    [DT_TYPE_INT] = {"int", 1, DT_TYPE_INT},       [DT_TYPE_IVEC2] = {"ivec2", 2, DT_TYPE_INT},
+    [DT_TYPE_IVEC3] = {"ivec3", 3, DT_TYPE_INT},   [DT_TYPE_IVEC4] = {"ivec4", 4, DT_TYPE_INT},
+    [DT_TYPE_UINT] = {"uint", 1, DT_TYPE_UINT},    [DT_TYPE_UVEC2] = {"uvec2", 2, DT_TYPE_UINT},
+    [DT_TYPE_UVEC3] = {"uvec3", 3, DT_TYPE_UINT},  [DT_TYPE_UVEC4] = {"uvec4", 4, DT_TYPE_UINT},
+    [DT_TYPE_BOOL] = {"bool", 1, DT_TYPE_BOOL},    [DT_TYPE_MAT4] = {"mat4", 16, DT_TYPE_FLOAT},
+};
+
+static const struct {
+    const char *name;
+    uint32_t channels;
+    enum number_kind kind;
+} formats[DT_FORMAT_COUNT] = {
+    [DT_FORMAT_R8] = {"r8", 1, NUMBER_UNORM8},
+    [DT_FORMAT_RG8] = {"rg8", 2, NUMBER_UNORM8},
+    [DT_FORMAT_RGBA8] = {"rgba8", 4, NUMBER_UNORM8},
+    [DT_FORMAT_RGBA8_SRGB] = {"rgba8_srgb", 4, NUMBER_UNORM8},
+    [DT_FORMAT_R16F] = {"r16f", 1, NUMBER_HALF},
+    [DT_FORMAT_RG16F] = {"rg16f", 2, NUMBER_HALF},
+    [DT_FORMAT_RGBA16F] = {"rgba16f", 4, NUMBER_HALF},
+    [DT_FORMAT_R32F] = {"r32f", 1, NUMBER_FLOAT},
+    [DT_FORMAT_RG32F] = {"rg32f", 2, NUMBER_FLOAT},
+    [DT_FORMAT_RGBA32F] = {"rgba32f", 4, NUMBER_FLOAT},
+    [DT_FORMAT_R32UI] = {"r32ui", 1, NUMBER_UINT},
+    [DT_FORMAT_RG32UI] = {"rg32ui", 2, NUMBER_UINT},
+    [DT_FORMAT_RGBA32UI] = {"rgba32ui", 4, NUMBER_UINT},
+    [DT_FORMAT_R32I] = {"r32i", 1, NUMBER_INT},
+    [DT_FORMAT_D32F] = {"d32f", 1, NUMBER_FLOAT},
+};
+
+const char *type_name(enum dt_type type)
+{
+    return types[type].name;
+}
+
+uint32_t type_components(enum dt_type type)
+{
+    return types[type].components;
+}
+
+enum dt_type type_scalar(enum dt_type type)
+{
+    return types[type].scalar;
+}
+
+const char *format_name(enum dt_format format)
+{
+    return formats[format].name;
+}
+
+uint32_t format_channels(enum dt_format format)
+{
+    return formats[format].channels;
+}
+
+enum number_kind format_number(enum dt_format format)
+{
+    return formats[format].kind;
+}
+
+uint32_t format_size(enum dt_format format)
+{
+    return formats[format].channels * number_size(formats[format].kind);
+}
+
+uint32_t number_size(enum number_kind kind)
+{
+    return kind == NUMBER_UNORM8 ? 1 : kind == NUMBER_HALF ? 2 : 4;
+}
+
+uint32_t number_bits(enum number_kind kind, const uint8_t *place)
+{
+    uint32_t bits = 0;
+    memcpy(&bits, place, number_size(kind)); /* little-endian, as all of diptych's machines are */
+    return bits;
+}
+
+static double half_value(uint32_t bits)
+{
+    uint32_t exponent = bits >> 10 & 31;
+    double fraction = bits & 1023;
+    double size = exponent == 0   ? ldexp(fraction, -24)
+                  : exponent < 31 ? ldexp(fraction + 1024, (int)exponent - 25)
+                  : fraction == 0 ? INFINITY
+                                  : NAN;
+    return bits & 0x8000 ? -size : size;
+}
+
+double number_value(enum number_kind kind, const uint8_t *place)
+{
+    uint32_t bits = number_bits(kind, place);
+    float number;
+    memcpy(&number, &bits, sizeof number);
+    switch (kind) {
+    case NUMBER_UNORM8:
+        return bits / 255.0;
+    case NUMBER_HALF:
+        return half_value(bits);
+    case NUMBER_FLOAT:
+        return (double)number;
+    case NUMBER_UINT:
+        return bits;
+    case NUMBER_INT:
+        return (int32_t)bits;
+    }
+    return 0;
+}
+
+uint32_t resource_stride(const struct dt_resource *resource)
+{
+    return resource->kind == DT_BUFFER ? resource->stride : format_size(resource->format);
+}
+
+void resource_extent(const struct dt_resource *resource, const uint32_t size[2], uint32_t mip,
+                     uint32_t extent[3])
+{
+    memset(extent, 0, 3 * sizeof *extent);
+    resource->extent(size[0], size[1], extent);
+    for (int axis = 0; axis < 2 && resource->kind == DT_IMAGE; axis++)
+        extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
+}
+
+uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3])
+{
+    return resource->kind == DT_BUFFER ? extent[0] : (uint64_t)extent[0] * extent[1] * extent[2];
+}
+
+static enum number_kind type_number(enum dt_type type)
+{
+    enum dt_type scalar = type_scalar(type);
+    return scalar == DT_TYPE_FLOAT ? NUMBER_FLOAT
+           : scalar == DT_TYPE_INT ? NUMBER_INT
+                                   : NUMBER_UINT;
+}
+
+static void name_component(struct component *component, const struct dt_field *field, uint32_t item,
+                           uint32_t index)
+{
+    char place[16] = "";
+    char part[16] = "";
+    if (field->array_count)
+        snprintf(place, sizeof place, "[%u]", item);
+    if (field->type == DT_TYPE_MAT4)
+        snprintf(part, sizeof part, "[%u].%c", index / 4, "xyzw"[index % 4]);
+    else if (type_components(field->type) > 1)
+        snprintf(part, sizeof part, "%s%c", field->name[0] ? "." : "", "xyzw"[index]);
+    snprintf(component->name, sizeof component->name, "%.39s%s%s", field->name, place, part);
+}
+
+static uint32_t field_components(const struct dt_field *field, struct component *list)
+{
+    uint32_t items = field->array_count ? field->array_count : 1;
+    uint32_t each = type_components(field->type);
+    for (uint32_t item = 0; list && item < items; item++) {
+        for (uint32_t i = 0; i < each; i++) {
+            struct component *component = &list[item * each + i];
+            component->kind = type_number(field->type);
+            component->offset = field->offset + item * field->array_stride + i * 4;
+            name_component(component, field, item, i);
+        }
+    }
+    return items * each;
+}
+
+static uint32_t buffer_components(const struct dt_resource *resource, struct component *list)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < resource->field_count; i++)
+        count += field_components(&resource->fields[i], list ? list + count : NULL);
+    return count;
+}
+
+static uint32_t image_components(const struct dt_resource *resource, struct component *list)
+{
+    uint32_t channels = format_channels(resource->format);
+    enum number_kind kind = format_number(resource->format);
+    for (uint32_t i = 0; list && i < channels; i++) {
+        list[i] = (struct component){.kind = kind, .offset = i * number_size(kind)};
+        list[i].name[0] = resource->format == DT_FORMAT_D32F ? 'd' : "rgba"[i];
+    }
+    return channels;
+}
+
+uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+{
+    const struct dt_resource *what = &pipeline->resources[resource];
+    uint32_t all = what->kind == DT_IMAGE ? (1u << what->mips) - 1 : 1;
+    uint32_t mask = what->history ? all : 0;
+    for (uint32_t i = 0; i < pass; i++) {
+        const struct dt_pass *writer = &pipeline->passes[i];
+        for (uint32_t j = 0; j < writer->write_count; j++)
+            if (writer->writes[j] == resource)
+                mask |= 1u << (writer->write_mips ? writer->write_mips[j] : 0);
+    }
+    return mask;
+}
+
+char *element_place(const struct dt_resource *resource, const uint32_t extent[3], uint64_t element)
+{
+    if (resource->kind == DT_BUFFER)
+        return format_string("[%llu]", (unsigned long long)element);
+    uint64_t width = extent[0];
+    uint64_t area = width * extent[1];
+    unsigned long long x = element % width, y = element % area / width, layer = element / area;
+    return resource->layered ? format_string("(%llu, %llu, layer %llu)", x, y, layer)
+                             : format_string("(%llu, %llu)", x, y);
+}
+
+uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+{
+    return resource_mips_before(pipeline, pass + 1, resource);
+}
+
+uint32_t resource_components(const struct dt_resource *resource, struct component **list)
+{
+    bool buffer = resource->kind == DT_BUFFER;
+    uint32_t count = buffer ? buffer_components(resource, NULL) : image_components(resource, NULL);
+    *list = calloc(count ? count : 1, sizeof **list);
+    if (!*list)
+        return 0;
+    return buffer ? buffer_components(resource, *list) : image_components(resource, *list);
+}
+
+bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes)
+{
+    struct component *list = NULL;
+    uint32_t stride = resource_stride(resource);
+    uint32_t count = resource_components(resource, &list);
+    uint8_t *kept = calloc(stride, 1); /* 0xff where a number lies */
+    uint32_t numbers = 0;
+    for (uint32_t i = 0; i < count && kept; i++) {
+        memset(kept + list[i].offset, 0xff, number_size(list[i].kind));
+        numbers += number_size(list[i].kind);
+    }
+    for (size_t at = 0; kept && numbers < stride && at + stride <= bytes->size; at += stride) {
+        for (uint32_t i = 0; i < stride; i++)
+            bytes->data[at + i] &= kept[i];
+    }
+    bool good = count && kept;
+    free(kept);
+    free(list);
+    return good;
+}

@@ -1,0 +1,372 @@
+/* Child processes; see tool.h. */
+#include "base/tool.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/files.h"
+#include "base/place.h"
+
+extern char **environ;
+
+/* Its input is the file `input`, -1: ours. Its output goes to the file `output`, -1: nowhere; its
+ * messages to `errors`, -1: to stderr. The child leads a process group, so that console_wait can end it
+ * with all its own children; signals are unblocked in it. Returns 0 or an errno. */
+static int start(pid_t *child, char *const argv[], int input, int output, int errors)
+{
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    if (input >= 0)
+        posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+    if (output >= 0)
+        posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
+    else
+        posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    if (errors >= 0)
+        posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
+    int error = posix_spawnp(child, argv[0], &actions, &attributes, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
+    return error;
+}
+
+/* What the child said goes where this process's own messages go, and is kept for --json: a message for
+ * each place that it names, or all of it as the reason why it failed. */
+static void tell_errors(int file, bool failed, struct console *console)
+{
+    char *text = file_contents(file);
+    int captured = console_capturing(console);
+    bool placed = captured >= 0; /* who captures keeps it in his own way */
+    struct place place;
+    for (char *line = placed ? NULL : text, *end; line && *line; line = end) {
+        end = line + strcspn(line, "\n");
+        char last = *end;
+        *end = 0;
+        if (place_read(line, &place)) {
+            console_keep(console, DT_ERROR, line);
+            placed = true;
+        }
+        *end = last;
+        end += last == '\n';
+    }
+    if (text && *text) {
+        if (captured >= 0)
+            dprintf(captured, "%s", text);
+        else
+            fputs(text, stderr);
+        text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
+        if (!placed && failed)
+            console_keep(console, DT_ERROR, text);
+    }
+    free(text);
+    close(file);
+}
+
+struct running {
+    pid_t child;
+    int kept; /* file with what it says; -1: that went to stderr or is captured */
+};
+
+/* What becomes of its messages. */
+enum messages {
+    MESSAGES_KEPT,  /* for --json, where that is given */
+    MESSAGES_SHOWN, /* at once: they are its progress, too */
+    MESSAGES_APART, /* told when it is done, so that they do not get between what others say */
+};
+
+static bool begin(struct running *running, const struct tool *tool, char *const argv[], int output,
+                  enum messages messages, struct console *console)
+{
+    int captured = console_capturing(console);
+    bool keep =
+        messages == MESSAGES_APART || (messages == MESSAGES_KEPT && captured < 0 && console->keeps);
+    *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
+    int error =
+        start(&running->child, argv, -1, output, running->kept >= 0 ? running->kept : captured);
+    if (!error) {
+        console_adopt(console, running->child);
+        return true;
+    }
+    if (running->kept >= 0)
+        close(running->kept);
+    report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
+                 tool->hint);
+    return false;
+}
+
+/* Waits for it and tells what it said; the status as console_wait gives it. */
+static int finish(const struct running *running, const struct tool *tool, struct console *console)
+{
+    int status = console_wait(console, running->child);
+    int error = errno;
+    if (running->kept >= 0 && tool->optional && status != 0)
+        close(running->kept);
+    else if (running->kept >= 0)
+        tell_errors(running->kept, status != 0, console);
+    errno = error;
+    return status;
+}
+
+static bool judge(int status, const struct tool *tool, const char *name, const struct dt_log *log)
+{
+    if (status < 0) {
+        report_error(log, "%s: cannot be waited for: %s", name, strerror(errno));
+        return false;
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
+        return true;
+    if (tool->optional)
+        return false;
+    if (WIFSIGNALED(status))
+        report_error(log, "%s was ended by signal %d", tool->what, WTERMSIG(status));
+    else if (!tool->explains)
+        report_error(log, "%s failed with exit status %d; its messages stand above", tool->what,
+                     WEXITSTATUS(status));
+    return false;
+}
+
+static bool run(const struct tool *tool, char *const argv[], int output, enum messages messages,
+                struct console *console)
+{
+    struct running running;
+    return begin(&running, tool, argv, output, messages, console) &&
+           judge(finish(&running, tool, console), tool, argv[0], &console->log);
+}
+
+bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
+{
+    return run(tool, argv, output, output == STDERR_FILENO ? MESSAGES_SHOWN : MESSAGES_KEPT,
+               console);
+}
+
+/* A pipe's end, and who wants its lines. */
+struct line_reader {
+    FILE *in;
+    void (*take)(void *user, const char *line);
+    void *user;
+};
+
+static void *read_lines(void *user)
+{
+    const struct line_reader *reader = user;
+    char *line = NULL;
+    size_t size = 0;
+    ssize_t length;
+    while ((length = getline(&line, &size, reader->in)) > 0) {
+        line[length - (line[length - 1] == '\n')] = 0;
+        reader->take(reader->user, line);
+    }
+    free(line);
+    return NULL;
+}
+
+bool tool_lines(const struct tool *tool, char *const argv[],
+                void (*take)(void *user, const char *line), void *user, struct console *console)
+{
+    int ends[2] = {-1, -1};
+    struct line_reader reader = {.take = take, .user = user};
+    pthread_t thread;
+    if (pipe2(ends, O_CLOEXEC) == 0)
+        reader.in = fdopen(ends[0], "r");
+    bool reads = reader.in && pthread_create(&thread, NULL, read_lines, &reader) == 0;
+    if (!reads)
+        report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
+    bool good = reads && run(tool, argv, ends[1], MESSAGES_SHOWN, console);
+    if (ends[1] >= 0)
+        close(ends[1]); /* the end of the lines, once all that the tool started are gone */
+    if (reads)
+        pthread_join(thread, NULL);
+    if (reader.in)
+        fclose(reader.in);
+    else if (ends[0] >= 0)
+        close(ends[0]);
+    return good;
+}
+
+/* ---- Ahead of the work ----------------------------------------------------------------------- */
+
+void tool_prepare(struct tool_waiting *waiting, const char *path, struct console *console)
+{
+    char *argv[] = {(char *)path, (char *)"--wait", NULL};
+    int ends[2] = {-1, -1};
+    *waiting = (struct tool_waiting){.messages = memfd_create("errors", MFD_CLOEXEC), .input = -1};
+    if (waiting->messages >= 0 && stat(path, &waiting->program) == 0 &&
+        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) == 0 &&
+        start(&waiting->child, argv, ends[0], -1, waiting->messages) == 0) {
+        console_adopt(console, waiting->child);
+        waiting->input = ends[1];
+    } else {
+        waiting->child = 0;
+        if (ends[1] >= 0)
+            close(ends[1]);
+        if (waiting->messages >= 0)
+            close(waiting->messages);
+    }
+    if (ends[0] >= 0)
+        close(ends[0]);
+}
+
+static bool send_word(int socket, const char *word)
+{
+    size_t left = strlen(word) + 1;
+    while (left) {
+        ssize_t sent = send(socket, word, left, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR)
+            return false;
+        word += sent > 0 ? sent : 0;
+        left -= sent > 0 ? (size_t)sent : 0;
+    }
+    return true;
+}
+
+/* Whether it has all its words. */
+static bool send_words(const struct tool_waiting *waiting, char *const argv[])
+{
+    struct stat now;
+    bool good = stat(argv[0], &now) == 0 && now.st_ino == waiting->program.st_ino &&
+                now.st_size == waiting->program.st_size &&
+                now.st_mtim.tv_sec == waiting->program.st_mtim.tv_sec &&
+                now.st_mtim.tv_nsec == waiting->program.st_mtim.tv_nsec;
+    for (size_t i = 1; good && argv[i]; i++)
+        good = send_word(waiting->input, argv[i]);
+    return good;
+}
+
+void tool_dismiss(struct tool_waiting *waiting, struct console *console)
+{
+    if (!waiting->child)
+        return;
+    kill(waiting->child, SIGKILL);
+    close(waiting->input);
+    console_wait(console, waiting->child);
+    close(waiting->messages);
+    waiting->child = 0;
+}
+
+bool tool_run_waiting(struct tool_waiting *waiting, const struct tool *tool, char *const argv[],
+                      struct console *console)
+{
+    if (!waiting || !waiting->child)
+        return tool_run(tool, argv, -1, console);
+    if (!send_words(waiting, argv)) {
+        tool_dismiss(waiting, console);
+        return tool_run(tool, argv, -1, console);
+    }
+    close(waiting->input);
+    const struct running running = {waiting->child, waiting->messages};
+    waiting->child = 0;
+    return judge(finish(&running, tool, console), tool, argv[0], &console->log);
+}
+
+bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t count,
+                  struct console *console)
+{
+    struct running running[CONSOLE_CHILDREN];
+    uint32_t started = 0;
+    int status = 0; /* of the first that fails */
+    while (started < count &&
+           begin(&running[started], tool, argvs[started], -1, MESSAGES_APART, console))
+        started++;
+    for (uint32_t i = 0; i < started; i++) {
+        int own = finish(&running[i], tool, console);
+        status = status ? status : own;
+    }
+    return judge(status, tool, argvs[0][0], &console->log) && started == count;
+}
+
+char *tool_read(const struct tool *tool, char *const argv[], struct console *console)
+{
+    int file = memfd_create("output", MFD_CLOEXEC);
+    char *text = NULL;
+    bool ran = file >= 0 && tool_run(tool, argv, file, console);
+    if (ran)
+        text = file_contents(file);
+    if (file < 0 || (ran && !text))
+        report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
+    if (file >= 0)
+        close(file);
+    return text;
+}
+
+bool tool_is_there(const char *name)
+{
+    bool found = false;
+    const char *path = getenv("PATH");
+    for (const char *at = path ? path : ""; *at && !found; at += *at == ':') {
+        int length = (int)strcspn(at, ":");
+        char *file = format_string("%.*s/%s", length, at, name);
+        found = file && access(file, X_OK) == 0;
+        free(file);
+        at += length;
+    }
+    return found;
+}
+
+char *tools_folder(const struct dt_log *log)
+{
+    char *path = realpath("/proc/self/exe", NULL);
+    char *slash = path ? strrchr(path, '/') : NULL;
+    if (!slash || slash == path) {
+        report_error(log, "the executable's own folder cannot be found: %s", strerror(errno));
+        free(path);
+        return NULL;
+    }
+    *slash = 0;
+    return path;
+}
+
+/* A folder by its path in the project and where it was installed, both from beside the tools. */
+static char *brought_along(const char *in_project, const char *installed, const struct dt_log *log)
+{
+    char *path = tools_folder(log);
+    if (!path)
+        return NULL;
+    const char *below = tools_installed(path) ? installed : in_project;
+    char *slash = strrchr(path, '/');
+    *(slash == path ? slash + 1 : slash) = 0;
+    char *folder = format_string("%s%s", path, below);
+    if (!folder)
+        report_error(log, "out of memory");
+    free(path);
+    return folder;
+}
+
+bool tools_installed(const char *tools)
+{
+    char *templates = format_string("%s/../share/diptych/templates/glsl", tools);
+    bool installed = templates && access(templates, R_OK) == 0;
+    free(templates);
+    return installed;
+}
+
+char *templates_folder(const struct dt_log *log)
+{
+    return brought_along("/templates", "/share/diptych/templates", log);
+}
+
+char *headers_folder(const struct dt_log *log)
+{
+    return brought_along("/templates/c", "/include/diptych", log);
+}
+
+char *runtimes_folder(const struct dt_log *log)
+{
+    return brought_along("", "/include/diptych", log);
+}

@@ -1,0 +1,203 @@
+/* Runs a frame again, pass by pass on the first side's inputs, and judges; see blame.h. */
+#include "compare/blame.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- The second run -------------------------------------------------------------------------- */
+
+static bool advance(struct source sources[2], struct worker_place place)
+{
+    return source_resume(&sources[0]) && source_resume(&sources[1]) &&
+           source_reach(&sources[0], place) && source_reach(&sources[1], place);
+}
+
+static bool hand_over(struct source sources[2], const struct row *row,
+                      const struct replay_viewer *viewer)
+{
+    struct dt_bytes bytes;
+    return source_ask(&sources[0], row) && source_take(&sources[0], row, &bytes) &&
+           (!viewer->input || viewer->input(viewer->user, row, &bytes)) &&
+           worker_write(&sources[1].worker, row->resource, row->mip, &bytes);
+}
+
+static bool show_output(const struct rows *rows, struct source sources[2], uint32_t index,
+                        const struct replay_viewer *viewer)
+{
+    const struct row *row = &rows->outputs.list[index];
+    struct dt_bytes copies[2];
+    return source_ask(&sources[0], row) && source_ask(&sources[1], row) &&
+           source_take(&sources[0], row, &copies[0]) && source_take(&sources[1], row, &copies[1]) &&
+           (!viewer->output || viewer->output(viewer->user, index, copies));
+}
+
+static bool replay_pass(const struct replay *replay, struct source sources[2], uint32_t pass,
+                        const struct replay_viewer *viewer)
+{
+    const struct rows *rows = replay->rows;
+    const uint32_t *inputs = rows->inputs.first, *outputs = rows->outputs.first;
+    console_status(replay->console, "frame %u again, pass %s on equal inputs", replay->frame + 1,
+                   rows->pipeline->passes[pass].name);
+    if (!advance(sources, (struct worker_place){WORKER_BEFORE_PASS, replay->frame, pass}))
+        return false;
+    for (uint32_t i = inputs[pass]; i < inputs[pass + 1]; i++) {
+        if (!hand_over(sources, &rows->inputs.list[i], viewer))
+            return false;
+    }
+    if (!advance(sources, (struct worker_place){WORKER_AFTER_PASS, replay->frame, pass}))
+        return false;
+    for (uint32_t i = outputs[pass]; i < outputs[pass + 1]; i++) {
+        if (!show_output(rows, sources, i, viewer))
+            return false;
+    }
+    return true;
+}
+
+/* The second side needs no earlier frames: what a frame finds of them is among the inputs. */
+static bool start(const struct replay *replay, struct source sources[2])
+{
+    for (int i = 0; i < 2; i++) {
+        struct worker_info info = replay->workers[i];
+        info.frames = replay->frame + 1;
+        info.first_observed = replay->frame;
+        info.stops_before = replay->rows->pipeline->pass_count;
+        info.quiet = true;
+        if (i == 1)
+            info.session.first_frame = replay->frame;
+        if (!source_start(&sources[i], &info, i == 0 ? replay->dump : NULL))
+            return false;
+    }
+    const struct worker_place ready = {.stop = WORKER_READY, .frame = 0};
+    return source_reach(&sources[0], ready) && source_reach(&sources[1], ready);
+}
+
+bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
+{
+    struct source sources[2] = {0};
+    bool good = start(replay, sources);
+    for (uint32_t pass = 0; pass < replay->rows->pipeline->pass_count && good; pass++)
+        good = replay_pass(replay, sources, pass, viewer);
+    good = good && advance(sources, (struct worker_place){WORKER_FRAME_DONE, replay->frame, 0}) &&
+           advance(sources, (struct worker_place){WORKER_FINISHED, replay->frame + 1, 0});
+    source_close(&sources[0]);
+    source_close(&sources[1]);
+    return good;
+}
+
+/* ---- Fingerprints ---------------------------------------------------------------------------- */
+
+bool fingerprint(const struct dt_resource *resource, struct dt_bytes *bytes, uint64_t *hash)
+{
+    enum { LANES = 4 }; /* their multiplications overlap */
+    uint64_t lanes[LANES] = {1, 2, 3, 4}, words[LANES];
+    if (!resource_clear_padding(resource, bytes))
+        return false;
+    for (size_t at = 0; at < bytes->size; at += sizeof words) {
+        size_t left = bytes->size - at;
+        if (left < sizeof words)
+            memset(words, 0, sizeof words);
+        memcpy(words, bytes->data + at, left < sizeof words ? left : sizeof words);
+        for (int i = 0; i < LANES; i++) {
+            lanes[i] = (lanes[i] ^ words[i]) * UINT64_C(0x9e3779b97f4a7c15);
+            lanes[i] ^= lanes[i] >> 32;
+        }
+    }
+    *hash = bytes->size;
+    for (int i = 0; i < LANES; i++)
+        *hash = (*hash ^ lanes[i]) * UINT64_C(0x100000001b3);
+    return true;
+}
+
+/* ---- Judging --------------------------------------------------------------------------------- */
+
+struct judge {
+    struct blame *blame;
+    const struct replay *replay;
+    const struct first_run *first;
+    bool repeated;    /* the first side's second run was like its first so far */
+    uint32_t strayed; /* the first row that was not */
+};
+
+static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
+{
+    struct judge *judge = user;
+    const struct rows *rows = judge->replay->rows;
+    const struct dt_resource *resource =
+        &rows->pipeline->resources[rows->outputs.list[index].resource];
+    struct dt_bytes bytes = copies[0];
+    uint64_t hash = 0;
+    if (!difference_add(&judge->blame->own[index], resource, judge->replay->frame, copies) ||
+        !fingerprint(resource, &bytes, &hash)) {
+        report_error(&judge->replay->console->log, "out of memory");
+        return false;
+    }
+    if (judge->repeated && hash != judge->first->fingerprints[index]) {
+        judge->repeated = false;
+        judge->strayed = index;
+    }
+    return true;
+}
+
+static void find_inherited(struct blame *blame, const struct rows *rows,
+                           const struct first_run *first)
+{
+    for (uint32_t i = 0; i < rows->inputs.count; i++) {
+        const struct row *input = &rows->inputs.list[i];
+        uint32_t index;
+        bool differs = rows_origin(rows, input, &index) ? first->outputs_differ[index]
+                                                        : first->history_differs[index];
+        blame->inputs_differ[input->pass] |= differs;
+    }
+}
+
+static void judge_all(const struct judge *judge)
+{
+    struct blame *blame = judge->blame;
+    const struct replay *replay = judge->replay;
+    const struct row_list *outputs = &replay->rows->outputs;
+    blame->row = judge->first->broken_row;
+    if (!judge->repeated) {
+        blame->outcome = BLAME_NOT_REPEATABLE;
+        blame->side = replay->workers[0].session.side;
+        blame->row = judge->strayed;
+        return;
+    }
+    for (uint32_t i = 0; i < outputs->count; i++) {
+        if (difference_verdict(&blame->own[i]) == VERDICT_DIFFERS) {
+            blame->outcome = BLAME_GUILTY;
+            blame->row = i;
+            return;
+        }
+    }
+    blame->outcome = judge->first->early ? BLAME_EARLIER : BLAME_INHERITED;
+    if (!judge->first->early && !blame->inputs_differ[outputs->list[blame->row].pass]) {
+        blame->outcome = BLAME_NOT_REPEATABLE;
+        blame->side = replay->workers[1].session.side;
+    }
+}
+
+bool blame_find(struct blame *blame, const struct replay *replay, const struct first_run *first)
+{
+    const struct rows *rows = replay->rows;
+    struct judge judge = {.blame = blame, .replay = replay, .first = first, .repeated = true};
+    const struct replay_viewer viewer = {.output = weigh, .user = &judge};
+    *blame = (struct blame){.frame = replay->frame};
+    blame->inputs_differ = calloc(rows->pipeline->pass_count, sizeof *blame->inputs_differ);
+    blame->own = calloc(rows->outputs.count, sizeof *blame->own);
+    if (!blame->inputs_differ || !blame->own) {
+        report_error(&replay->console->log, "out of memory");
+        return false;
+    }
+    find_inherited(blame, rows, first);
+    if (!replay_run(replay, &viewer))
+        return false;
+    judge_all(&judge);
+    return true;
+}
+
+void blame_free(struct blame *blame)
+{
+    free(blame->inputs_differ);
+    free(blame->own);
+    *blame = (struct blame){0};
+}

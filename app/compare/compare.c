@@ -1,0 +1,469 @@
+/* `diptych compare`: the first side against each of the others, every resource compared after every
+ * pass. The sides walk through the passes side by side, and no more than one resource of each is in
+ * memory. */
+#include "compare/compare.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "compare/bisect.h"
+#include "result/identity.h"
+
+enum { COULD_NOT_RUN = 2 };
+
+/* Resources without history are filled with these before the first frame, so that what no pass has
+ * written differs in every pair. */
+enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
+
+/* A dump has one frame, the last. */
+static uint32_t first_frame(const struct compare *compare)
+{
+    return compare->options.against ? compare->options.frames - 1 : 0;
+}
+
+/* ---- One row --------------------------------------------------------------------------------- */
+
+static bool is_worse(const struct difference *a, const struct difference *b)
+{
+    if (difference_verdict(a) != difference_verdict(b))
+        return difference_verdict(a) > difference_verdict(b);
+    if (a->beyond != b->beyond)
+        return a->beyond > b->beyond;
+    if (a->differing != b->differing)
+        return a->differing > b->differing;
+    return a->worst.valid && (!b->worst.valid || a->worst.error > b->worst.error);
+}
+
+/* All sides' copies of one row at the present stop: what each pair finds lies in pair->found. */
+static bool compare_copies(struct compare *compare, const struct row *row, uint32_t frame,
+                           uint64_t *hash)
+{
+    const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
+    struct dt_bytes copies[2];
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_ask(&compare->sources[i], row))
+            return false;
+    }
+    if (!source_take(&compare->sources[0], row, &copies[0]))
+        return false;
+    bool good = fingerprint(resource, &copies[0], hash);
+    for (uint32_t i = 0; i < compare->pair_count && good; i++) {
+        struct pair *pair = &compare->pairs[i];
+        pair->found = (struct difference){0};
+        if (!source_take(&compare->sources[i + 1], row, &copies[1]))
+            return false;
+        good = difference_add(&pair->found, resource, frame, copies);
+    }
+    if (!good)
+        report_error(&compare->console->log, "out of memory");
+    return good;
+}
+
+static bool bits_differ(const struct difference *found)
+{
+    return found->differing || found->size_differs;
+}
+
+/* What later frames look like is of no use for the blame. */
+static bool wants_frame(const struct pair *pair, uint32_t frame)
+{
+    return !pair->broken || pair->broken_frame == frame;
+}
+
+/* The margins by which the flips that were just found had been decided. */
+static bool add_margins(struct compare *compare, uint32_t index, const struct row *row)
+{
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const struct dt_resource *resource = &info->resources[row->resource];
+    const struct row margin = {.pass = row->pass, .resource = resource->contract.margin_resource};
+    struct source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
+    struct dt_bytes copies[2];
+    if (!difference_needs_margins(&compare->pairs[index].found, resource))
+        return true;
+    for (int i = 0; i < 2; i++) {
+        if (!source_ask(sources[i], &margin) || !source_take(sources[i], &margin, &copies[i]))
+            return false;
+    }
+    difference_add_margins(&compare->pairs[index].found, resource,
+                           &info->resources[margin.resource], copies);
+    return true;
+}
+
+/* Whether what was just found is worse than in all frames before. */
+static bool is_kept(const struct pair *pair, uint32_t index)
+{
+    const struct difference *before = &pair->results[index].difference;
+    return !before->elements || is_worse(&pair->found, before);
+}
+
+static void keep_result(struct pair *pair, uint32_t index, uint32_t frame)
+{
+    struct result *result = &pair->results[index];
+    enum verdict verdict = difference_verdict(&pair->found);
+    result->frames_differing += verdict != VERDICT_EQUAL;
+    if (is_kept(pair, index)) {
+        result->difference = pair->found;
+        result->frame = frame;
+    }
+    if (!pair->broken && verdict == VERDICT_DIFFERS) {
+        pair->broken = true;
+        pair->broken_frame = frame;
+        pair->broken_row = index;
+    }
+}
+
+static bool compare_output(struct compare *compare, uint32_t index, uint32_t frame)
+{
+    const struct row *row = &compare->rows.outputs.list[index];
+    uint64_t hash = 0;
+    if (!compare_copies(compare, row, frame, &hash))
+        return false;
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        if (!add_margins(compare, i, row) ||
+            (is_kept(pair, index) && !compare_add_picture(compare, i, index)))
+            return false;
+        keep_result(pair, index, frame);
+        compare->compared += pair->found.elements;
+        if (wants_frame(pair, frame)) {
+            pair->outputs_differ[index] = bits_differ(&pair->found);
+            pair->fingerprints[index] = hash;
+        }
+    }
+    return true;
+}
+
+/* What later frames find was compared in the frames before them. */
+static void keep_history(struct pair *pair, uint32_t index, uint32_t frame)
+{
+    pair->history[index].difference = pair->found;
+    pair->history[index].frame = frame;
+    if (!pair->broken && difference_verdict(&pair->found) == VERDICT_DIFFERS) {
+        pair->broken = pair->broken_early = true;
+        pair->broken_frame = frame;
+        pair->broken_row = index;
+    }
+}
+
+/* What the frame finds of earlier ones. */
+static bool compare_history(struct compare *compare, uint32_t frame)
+{
+    for (uint32_t i = 0; i < compare->rows.history.count; i++) {
+        uint64_t hash;
+        if (!compare_copies(compare, &compare->rows.history.list[i], frame, &hash))
+            return false;
+        for (uint32_t k = 0; k < compare->pair_count; k++) {
+            struct pair *pair = &compare->pairs[k];
+            if (wants_frame(pair, frame))
+                pair->history_differs[i] = bits_differ(&pair->found);
+            if (frame == first_frame(compare))
+                keep_history(pair, i, frame);
+        }
+    }
+    return true;
+}
+
+/* ---- The walk -------------------------------------------------------------------------------- */
+
+static bool advance(struct compare *compare, struct worker_place place)
+{
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_resume(&compare->sources[i]))
+            return false;
+    }
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_reach(&compare->sources[i], place))
+            return false;
+    }
+    return true;
+}
+
+static bool run_frame(struct compare *compare, uint32_t frame)
+{
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const uint32_t *first = compare->rows.outputs.first;
+    if (compare->rows.history.count &&
+        (!advance(compare, (struct worker_place){WORKER_BEFORE_PASS, frame, 0}) ||
+         !compare_history(compare, frame)))
+        return false;
+    for (uint32_t pass = 0; pass < info->pass_count; pass++) {
+        console_status(compare->console, "frame %u of %u, pass %s", frame + 1,
+                       compare->options.frames, info->passes[pass].name);
+        if (!advance(compare, (struct worker_place){WORKER_AFTER_PASS, frame, pass}))
+            return false;
+        for (uint32_t i = first[pass]; i < first[pass + 1]; i++) {
+            if (!compare_output(compare, i, frame))
+                return false;
+        }
+    }
+    return advance(compare, (struct worker_place){WORKER_FRAME_DONE, frame, 0});
+}
+
+static struct dump_reader *dump_of(struct compare *compare, uint32_t side)
+{
+    return compare->sides.list[side].folder ? &compare->dump : NULL;
+}
+
+static struct worker_info describe_worker(struct compare *compare, uint32_t index)
+{
+    struct worker_info info = {.session = {.side = &compare->sides.list[index],
+                                           .console = compare->console,
+                                           .options = &compare->options,
+                                           .pipeline = &compare->pipeline,
+                                           .scene = &compare->scene,
+                                           .poison = index ? POISON_OTHERS : POISON_FIRST},
+                               .frames = compare->options.frames,
+                               .first_observed = first_frame(compare),
+                               .stops_before = compare->rows.history.count > 0};
+    if (index == compare->faulty)
+        info.session.fault = compare->fault;
+    return info;
+}
+
+static bool start_all(struct compare *compare)
+{
+    console_status(compare->console, "opening the devices and creating the programs");
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        const struct worker_info info = describe_worker(compare, i);
+        if (!source_start(&compare->sources[i], &info, dump_of(compare, i)))
+            return false;
+    }
+    for (uint32_t i = 0; i < compare->sides.count; i++) {
+        if (!source_reach(&compare->sources[i], (struct worker_place){.stop = WORKER_READY}))
+            return false;
+        compare->devices[i] = strdup(source_device(&compare->sources[i]));
+    }
+    return true;
+}
+
+static bool run_all(struct compare *compare)
+{
+    uint32_t frames = compare->options.frames;
+    bool good = start_all(compare);
+    for (uint32_t frame = first_frame(compare); frame < frames && good; frame++)
+        good = run_frame(compare, frame);
+    good =
+        good && advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
+    for (uint32_t i = 0; i < compare->sides.count; i++)
+        source_close(&compare->sources[i]);
+    return good;
+}
+
+const struct row *broken_row(const struct compare *compare, const struct pair *pair)
+{
+    const struct rows *rows = &compare->rows;
+    return &(pair->broken_early ? &rows->history : &rows->outputs)->list[pair->broken_row];
+}
+
+/* Only pairs that differ are run again. */
+static bool find_blame(struct compare *compare)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        const struct replay replay = {
+            .console = compare->console,
+            .rows = &compare->rows,
+            .workers = {describe_worker(compare, 0), describe_worker(compare, i + 1)},
+            .dump = dump_of(compare, 0),
+            .frame = pair->broken_frame};
+        const struct first_run first = {.broken_row = pair->broken_row,
+                                        .early = pair->broken_early,
+                                        .outputs_differ = pair->outputs_differ,
+                                        .history_differs = pair->history_differs,
+                                        .fingerprints = pair->fingerprints};
+        if (pair->broken && !blame_find(&pair->blame, &replay, &first))
+            return false;
+    }
+    return true;
+}
+
+/* --bisect: of the first pair with a guilty pass. */
+static bool keep_evidence(struct compare *compare)
+{
+    const char *folder = compare->options.bisect;
+    for (uint32_t i = 0; i < compare->pair_count && folder; i++) {
+        const struct blame *blame = &compare->pairs[i].blame;
+        const struct replay replay = {
+            .console = compare->console,
+            .rows = &compare->rows,
+            .workers = {describe_worker(compare, 0), describe_worker(compare, i + 1)},
+            .dump = dump_of(compare, 0),
+            .frame = blame->frame};
+        const char *const devices[2] = {compare->devices[0], compare->devices[i + 1]};
+        if (blame->outcome != BLAME_GUILTY)
+            continue;
+        compare->bisected = &compare->pairs[i];
+        compare->region = bisect(&replay, blame->row, devices, folder, &compare->found);
+        return compare->region;
+    }
+    if (folder)
+        report_message(&compare->console->log, DT_INFO,
+                       "--bisect %s: no pass is guilty, nothing was written", folder);
+    return true;
+}
+
+/* ---- The verb -------------------------------------------------------------------------------- */
+
+static bool allocate_pair(struct compare *compare, uint32_t index)
+{
+    const struct rows *rows = &compare->rows;
+    struct pair *pair = &compare->pairs[index];
+    pair->sides[0] = &compare->sides.list[0];
+    pair->sides[1] = &compare->sides.list[index + 1];
+    pair->results = calloc(rows->outputs.count, sizeof *pair->results);
+    pair->history = calloc(rows->history.count + 1, sizeof *pair->history);
+    pair->outputs_differ = calloc(rows->outputs.count, sizeof *pair->outputs_differ);
+    pair->history_differs = calloc(rows->history.count + 1, sizeof *pair->history_differs);
+    pair->fingerprints = calloc(rows->outputs.count, sizeof *pair->fingerprints);
+    return pair->results && pair->history && pair->outputs_differ && pair->history_differs &&
+           pair->fingerprints;
+}
+
+static bool allocate(struct compare *compare)
+{
+    uint32_t sides = compare->sides.count;
+    compare->pair_count = sides - 1;
+    compare->sources = calloc(sides, sizeof *compare->sources);
+    compare->devices = calloc(sides, sizeof *compare->devices);
+    compare->pairs = calloc(compare->pair_count, sizeof *compare->pairs);
+    bool good = compare->sources && compare->devices && compare->pairs;
+    for (uint32_t i = 0; i < compare->pair_count && good; i++)
+        good = allocate_pair(compare, i);
+    if (!good)
+        report_error(&compare->console->log, "out of memory");
+    return good;
+}
+
+static void release(struct compare *compare)
+{
+    for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        blame_free(&pair->blame);
+        for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
+            free(pair->results[k].picture);
+        free(pair->results);
+        free(pair->history);
+        free(pair->outputs_differ);
+        free(pair->history_differs);
+        free(pair->fingerprints);
+    }
+    for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
+        free(compare->devices[i]);
+    free(compare->region);
+    free(compare->pairs);
+    free(compare->devices);
+    free(compare->sources);
+    dump_reader_close(&compare->dump);
+    rows_free(&compare->rows);
+    scene_free(&compare->scene);
+    pipeline_unload(&compare->pipeline);
+    sides_free(&compare->sides);
+}
+
+static bool find_fault(struct compare *compare)
+{
+    const char **labels = calloc(compare->sides.count, sizeof *labels);
+    if (!labels) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < compare->sides.count; i++)
+        labels[i] = compare->sides.list[i].label;
+    bool good =
+        fault_parse(&compare->fault, &compare->faulty, compare->options.fault,
+                    compare->pipeline.info, labels, compare->sides.count, &compare->console->log);
+    free(labels);
+    return good;
+}
+
+/* A comparison of nothing would agree, whatever is wrong. */
+static bool compares_something(const struct compare *compare, uint64_t count, const char *what)
+{
+    if (!count)
+        report_error(&compare->console->log, "%s: %s, there is nothing to compare",
+                     compare->pipeline.info->name, what);
+    return count;
+}
+
+/* Before anything is loaded: size and frame are the dump's. */
+static bool open_dump(struct compare *compare)
+{
+    const char *folder = compare->options.against;
+    const struct dt_log *log = &compare->console->log;
+    return dump_reader_open(&compare->dump, folder, log) &&
+           identity_take_frame(compare->dump.manifest, folder, &compare->options, log);
+}
+
+/* That it is a dump of this very pipeline and scene, with these parameters. */
+static bool check_dump(struct compare *compare)
+{
+    const struct options *options = &compare->options;
+    const struct dt_log *log = &compare->console->log;
+    const cJSON *manifest = compare->dump.manifest;
+    const struct identity identity = {.pipeline = compare->pipeline.info,
+                                      .live = compare->pipeline.live,
+                                      .generated = compare->pipeline.generated,
+                                      .scene = &compare->scene,
+                                      .scene_path = options->scene,
+                                      .size = {options->size[0], options->size[1]},
+                                      .frame = options->frames - 1};
+    compare->dump.pipeline = compare->pipeline.info;
+    memcpy(compare->dump.size, options->size, sizeof compare->dump.size);
+    return identity_check(manifest, options->against, &identity, log) &&
+           identity_take_live(manifest, options->against, options, compare->pipeline.info,
+                              compare->pipeline.live, log);
+}
+
+static bool load(struct compare *compare)
+{
+    struct console *console = compare->console;
+    const struct options *options = &compare->options;
+    if (options->against && !open_dump(compare))
+        return false;
+    if (options->bisect && !evidence_can_write(console, options->bisect))
+        return false;
+    if (!pipeline_load(&compare->pipeline, console, options) ||
+        !rows_make(&compare->rows, compare->pipeline.info, &console->log))
+        return false;
+    if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
+        (options->fault && !find_fault(compare)))
+        return false;
+    if (!session_load_scene(&compare->scene, console, options))
+        return false;
+    compare->options.frames = session_frames(options, &compare->scene);
+    return !options->against || check_dump(compare);
+}
+
+static bool run(struct compare *compare)
+{
+    struct console *console = compare->console;
+    const struct options *options = &compare->options;
+    if (!sides_read(&compare->sides, options, &console->log))
+        return false;
+    if (options->pictures && !file_make_folders(options->pictures, &console->log))
+        return false;
+    if (!load(compare) || !allocate(compare))
+        return false;
+    compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
+                        compares_something(compare, compare->compared, "all resources are empty");
+    return compare->complete && find_blame(compare) && keep_evidence(compare) &&
+           atomic_load(&console->errors) == 0;
+}
+
+int verb_compare(struct console *console, const struct options *options)
+{
+    struct compare compare = {.console = console, .options = *options};
+    bool differ = false;
+    bool good = run(&compare);
+    /* what was found out before something went wrong is worth knowing, too */
+    if (compare.complete && options->json)
+        console->result = compare_json(&compare);
+    console_status(console, "%s", "");
+    if (compare.complete)
+        compare_print(&compare);
+    for (uint32_t i = 0; i < compare.pair_count; i++)
+        differ |= compare.pairs && compare.pairs[i].broken;
+    release(&compare);
+    return !good ? COULD_NOT_RUN : differ ? EXIT_DIFFER : EXIT_FINE;
+}

@@ -1,0 +1,152 @@
+/* What `compare` tells with --json; see compare.h. */
+#include <cjson/cJSON.h>
+
+#include "compare/compare.h"
+
+/* Without a pass: what a frame found of earlier ones. */
+static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass)
+{
+    const struct dt_resource *resource = &info->resources[row->resource];
+    if (pass)
+        cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
+    else
+        cJSON_AddNullToObject(root, "pass");
+    cJSON_AddStringToObject(root, "resource", resource->name);
+    if (resource->mips > 1)
+        cJSON_AddNumberToObject(root, "mip", row->mip);
+}
+
+static cJSON *picture_json(const struct dt_resource *resource, const struct result *result)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "file", result->picture);
+    if (resource->layered)
+        cJSON_AddNumberToObject(root, "layer", result->strip.layer);
+    if (result->strip.amplification > 0)
+        cJSON_AddNumberToObject(root, "amplification", result->strip.amplification);
+    return root;
+}
+
+static cJSON *result_json(const struct compare *compare, const struct pair *pair,
+                          const struct row *row, const struct result *result, bool pass)
+{
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const struct dt_resource *resource = &info->resources[row->resource];
+    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
+    cJSON *root = cJSON_CreateObject();
+    add_place(root, info, row, pass);
+    cJSON_AddNumberToObject(root, "frame", result->frame);
+    difference_json(root, &result->difference, resource, labels);
+    if (!pass)
+        return root;
+    cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
+    if (result->picture)
+        cJSON_AddItemToObject(root, "picture", picture_json(resource, result));
+    if (pair->blame.outcome == BLAME_NOT_RUN)
+        return root;
+    bool differ = pair->blame.inputs_differ[row->pass];
+    cJSON_AddStringToObject(root, "inputs", differ ? "differ" : "equal");
+    difference_json(cJSON_AddObjectToObject(root, "own_error"),
+                    &pair->blame.own[result - pair->results], resource, labels);
+    return root;
+}
+
+/* Adds where in the frames something is, or null without a row. */
+static cJSON *add_event(cJSON *root, const char *name, const struct compare *compare,
+                        const struct row *row, bool pass, uint32_t frame)
+{
+    if (!row) {
+        cJSON_AddNullToObject(root, name);
+        return NULL;
+    }
+    cJSON *event = cJSON_AddObjectToObject(root, name);
+    add_place(event, compare->pipeline.info, row, pass);
+    cJSON_AddNumberToObject(event, "frame", frame);
+    return event;
+}
+
+static void add_pair(cJSON *root, const struct compare *compare, const struct pair *pair)
+{
+    cJSON *sides = cJSON_AddArrayToObject(root, "sides");
+    for (int i = 0; i < 2; i++)
+        cJSON_AddItemToArray(sides, cJSON_CreateString(pair->sides[i]->label));
+    const struct rows *rows = &compare->rows;
+    cJSON *history = cJSON_AddArrayToObject(root, "history");
+    for (uint32_t i = 0; i < rows->history.count; i++)
+        cJSON_AddItemToArray(
+            history, result_json(compare, pair, &rows->history.list[i], &pair->history[i], false));
+    cJSON *results = cJSON_AddArrayToObject(root, "results");
+    for (uint32_t i = 0; i < rows->outputs.count; i++)
+        cJSON_AddItemToArray(
+            results, result_json(compare, pair, &rows->outputs.list[i], &pair->results[i], true));
+}
+
+static void add_corner(cJSON *region, const char *name, const uint32_t corner[3], int axes)
+{
+    cJSON *item = cJSON_AddArrayToObject(region, name);
+    for (int i = 0; i < axes; i++)
+        cJSON_AddItemToArray(item, cJSON_CreateNumber(corner[i]));
+}
+
+/* What --bisect kept: axes are x, y and, where there are layers, the layer; or the index. */
+static void add_region(cJSON *event, const struct compare *compare, const struct row *guilty)
+{
+    const struct dt_resource *resource = &compare->pipeline.info->resources[guilty->resource];
+    int axes = resource->kind == DT_BUFFER ? 1 : resource->layered ? 3 : 2;
+    cJSON *item = cJSON_AddObjectToObject(event, "region");
+    cJSON_AddNumberToObject(item, "failing", (double)compare->found.failing);
+    add_corner(item, "low", compare->found.low, axes);
+    add_corner(item, "high", compare->found.high, axes);
+    add_corner(item, "smallest", compare->found.smallest, axes);
+    cJSON_AddStringToObject(event, "case", compare->options.bisect);
+}
+
+static void add_outcome(cJSON *root, const struct compare *compare, const struct pair *pair)
+{
+    const struct blame *blame = &pair->blame;
+    const struct row *outputs = compare->rows.outputs.list;
+    const struct row *broken = pair->broken ? broken_row(compare, pair) : NULL;
+    const struct row *guilty = blame->outcome == BLAME_GUILTY ? &outputs[blame->row] : NULL;
+    const struct row *strayed =
+        blame->outcome == BLAME_NOT_REPEATABLE ? &outputs[blame->row] : NULL;
+    cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
+    cJSON *event = add_event(root, "guilty", compare, guilty, true, blame->frame);
+    const char *shader = guilty ? compare->pipeline.info->passes[guilty->pass].shader : NULL;
+    if (shader)
+        cJSON_AddStringToObject(event, "shader", shader);
+    if (guilty && compare->region && pair == compare->bisected)
+        add_region(event, compare, guilty);
+    event = add_event(root, "not_repeatable", compare, strayed, true, blame->frame);
+    if (strayed)
+        cJSON_AddStringToObject(event, "side", blame->side->label);
+}
+
+/* One pair lies in the root itself; of several each lies in "pairs", and the root tells the outcome
+ * of the first that differs. */
+cJSON *compare_json(const struct compare *compare)
+{
+    const struct pair *told = &compare->pairs[0];
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "pipeline", compare->pipeline.info->name);
+    cJSON_AddStringToObject(root, "scene", compare->options.scene);
+    cJSON_AddNumberToObject(root, "width", compare->options.size[0]);
+    cJSON_AddNumberToObject(root, "height", compare->options.size[1]);
+    cJSON_AddNumberToObject(root, "frames", compare->options.frames);
+    cJSON *devices = cJSON_AddObjectToObject(root, "devices");
+    for (uint32_t i = 0; i < compare->sides.count; i++)
+        cJSON_AddStringToObject(devices, compare->sides.list[i].label, compare->devices[i]);
+    if (compare->pair_count == 1)
+        add_pair(root, compare, told);
+    cJSON *pairs = compare->pair_count > 1 ? cJSON_AddArrayToObject(root, "pairs") : NULL;
+    for (uint32_t i = 0; pairs && i < compare->pair_count; i++) {
+        const struct pair *pair = &compare->pairs[i];
+        cJSON *item = cJSON_CreateObject();
+        add_pair(item, compare, pair);
+        add_outcome(item, compare, pair);
+        cJSON_AddItemToArray(pairs, item);
+        told = pair->broken && !told->broken ? pair : told;
+    }
+    add_outcome(root, compare, told);
+    return root;
+}

@@ -1,0 +1,473 @@
+/* Writes evidence folders; see evidence.h. What is in one:
+ *   manifest.json               everything else by name, for programs
+ *   README.txt, reproduce.sh    for people
+ *   templates/, spec/           the spec with its GLSL bodies and library, as they were
+ *   generated/gl, generated/vk  what became of the pass's body
+ *   inputs/                     what the pass found, the same for both sides
+ *   expected/, actual/          what the first and the second side left
+ *   frame.raw, live.raw         the uniform blocks
+ *   scene/                      for a pass that uses the scene */
+#include "compare/evidence.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include <cjson/cJSON.h>
+
+#include "base/files.h"
+#include "base/folder.h"
+#include "build/stamp.h"
+#include "result/dump.h"
+
+#define OPTION "--bisect"
+
+struct writing {
+    const struct evidence *evidence;
+    struct folder folder;
+    const struct dt_log *log;
+    cJSON *manifest;
+    char *spec_root; /* common folder of all that the spec is made of outside the templates */
+    char *spec_name; /* of the spec, in the folder */
+};
+
+static const struct row *guilty_row(const struct evidence *evidence)
+{
+    return &evidence->rows->outputs.list[evidence->guilty];
+}
+
+static const struct dt_pass *guilty_pass(const struct evidence *evidence)
+{
+    return &evidence->pipeline->info->passes[guilty_row(evidence)->pass];
+}
+
+static bool out_of_memory(const struct writing *writing)
+{
+    report_error(writing->log, "out of memory");
+    return false;
+}
+
+/* ---- The spec and what it is made of --------------------------------------------------------- */
+
+/* Takes "." and ".." out of an absolute path, by its letters alone: the copies are plain folders, so
+ * this is how the generator will find them. */
+static char *plain_path(const char *path)
+{
+    char *plain = calloc(strlen(path) + 2, 1);
+    size_t length = 0;
+    for (const char *at = path; plain && *at;) {
+        size_t part = strcspn(at, "/");
+        if (part == 2 && strncmp(at, "..", 2) == 0) {
+            while (length && plain[--length] != '/')
+                continue;
+            plain[length] = 0;
+        } else if (part && !(part == 1 && *at == '.')) {
+            plain[length++] = '/';
+            memcpy(plain + length, at, part);
+            length += part;
+        }
+        at += part + (at[part] == '/');
+    }
+    return plain;
+}
+
+/* What follows `folder` and its slash, or NULL when the path does not lead into it. */
+static const char *within(const char *path, const char *folder)
+{
+    size_t length = strlen(folder);
+    return strncmp(path, folder, length) == 0 && path[length] == '/' ? path + length + 1 : NULL;
+}
+
+/* Shortens the spec's root until this file lies in it. */
+static bool widen_root(void *user, const char *file)
+{
+    struct writing *writing = user;
+    char *path = plain_path(file);
+    if (!path)
+        return out_of_memory(writing);
+    while (!within(path, writing->evidence->pipeline->templates) &&
+           !within(path, writing->spec_root) && writing->spec_root[0])
+        *strrchr(writing->spec_root, '/') = 0;
+    free(path);
+    return true;
+}
+
+/* Where a file of the spec goes: templates/... or spec/.... */
+static char *copied_name(const struct writing *writing, const char *file)
+{
+    char *path = plain_path(file);
+    const char *shared = path ? within(path, writing->evidence->pipeline->templates) : NULL;
+    const char *own = path ? within(path, writing->spec_root) : NULL;
+    char *name =
+        shared ? format_string("templates/%s", shared) : format_string("spec/%s", own ? own : "");
+    free(path);
+    return name;
+}
+
+static bool copy_as(const struct writing *writing, const char *file, const char *name)
+{
+    size_t size;
+    char *text = file_read(file, &size, writing->log);
+    bool good = text && folder_write(&writing->folder, name, text, size);
+    free(text);
+    return good;
+}
+
+static bool copy_file(void *user, const char *file)
+{
+    const struct writing *writing = user;
+    char *name = copied_name(writing, file);
+    bool good = name ? copy_as(writing, file, name) : out_of_memory(writing);
+    free(name);
+    return good;
+}
+
+static bool copy_spec(struct writing *writing)
+{
+    const struct pipeline *pipeline = writing->evidence->pipeline;
+    char *depfile = format_string("%s/gen.d", pipeline->generated);
+    writing->spec_root = strdup(pipeline->spec);
+    bool good = depfile && writing->spec_root;
+    if (!good)
+        out_of_memory(writing);
+    if (good)
+        *strrchr(writing->spec_root, '/') = 0;
+    good = good && depfile_read(depfile, widen_root, writing, writing->log) &&
+           depfile_read(depfile, copy_file, writing, writing->log);
+    if (good)
+        writing->spec_name = copied_name(writing, pipeline->spec);
+    free(depfile);
+    return good && writing->spec_name;
+}
+
+static bool copy_generated(const struct writing *writing)
+{
+    static const char *const backends[] = {"gl", "vk"}, *const stages[] = {"comp", "vert", "frag"};
+    const char *pass = guilty_pass(writing->evidence)->name;
+    bool good = true;
+    for (int i = 0; i < 6 && good; i++) {
+        char *file = format_string("%s/%s/%s.%s", writing->evidence->pipeline->generated,
+                                   backends[i / 3], pass, stages[i % 3]);
+        char *name = format_string("generated/%s/%s.%s", backends[i / 3], pass, stages[i % 3]);
+        good = file && name ? !file_exists(file) || copy_as(writing, file, name)
+                            : out_of_memory(writing);
+        free(name);
+        free(file);
+    }
+    return good;
+}
+
+/* ---- Bytes ----------------------------------------------------------------------------------- */
+
+static char *raw_name(const char *folder, const struct dt_resource *resource, uint32_t mip)
+{
+    return mip ? format_string("%s/%s.mip%u.raw", folder, resource->name, mip)
+               : format_string("%s/%s.raw", folder, resource->name);
+}
+
+/* Writes one mip of a resource and names the file in its entry. */
+static bool write_row(const struct writing *writing, const char *folder, const struct row *row,
+                      const struct dt_bytes *bytes, cJSON *entry, const char *key)
+{
+    const struct dt_resource *resource =
+        &writing->evidence->pipeline->info->resources[row->resource];
+    char *name = raw_name(folder, resource, row->mip);
+    bool good = name && cJSON_AddStringToObject(entry, key, name);
+    good = good ? folder_write(&writing->folder, name, bytes->data, bytes->size)
+                : out_of_memory(writing);
+    free(name);
+    return good;
+}
+
+static cJSON *add_row(const struct writing *writing, cJSON *list, const struct row *row,
+                      const struct dt_bytes *bytes)
+{
+    cJSON *entry = cJSON_CreateObject();
+    dump_describe(entry, &writing->evidence->pipeline->info->resources[row->resource], row->mip,
+                  bytes->extent);
+    cJSON_AddItemToArray(list, entry);
+    return entry;
+}
+
+static bool write_rows(const struct writing *writing)
+{
+    const struct evidence *evidence = writing->evidence;
+    const struct row_list *inputs = &evidence->rows->inputs, *outputs = &evidence->rows->outputs;
+    uint32_t pass = guilty_row(evidence)->pass;
+    cJSON *list = cJSON_AddArrayToObject(writing->manifest, "inputs");
+    bool good = true;
+    for (uint32_t i = inputs->first[pass]; i < inputs->first[pass + 1] && good; i++) {
+        const struct dt_bytes *bytes = &evidence->inputs[i - inputs->first[pass]];
+        cJSON *entry = add_row(writing, list, &inputs->list[i], bytes);
+        good = write_row(writing, "inputs", &inputs->list[i], bytes, entry, "file");
+    }
+    list = cJSON_AddArrayToObject(writing->manifest, "outputs");
+    for (uint32_t i = outputs->first[pass]; i < outputs->first[pass + 1] && good; i++) {
+        static const char *const folders[] = {"expected", "actual"};
+        uint32_t place = i - outputs->first[pass];
+        cJSON *entry = add_row(writing, list, &outputs->list[i], &evidence->outputs[0][place]);
+        for (int side = 0; side < 2 && good; side++)
+            good = write_row(writing, folders[side], &outputs->list[i],
+                             &evidence->outputs[side][place], entry, folders[side]);
+    }
+    return good;
+}
+
+static bool write_blocks(const struct writing *writing)
+{
+    const struct evidence *evidence = writing->evidence;
+    const uint32_t *size = evidence->options->size;
+    struct dt_frame frame;
+    memset(&frame, 0, sizeof frame);
+    scene_frame_at(evidence->scene, evidence->frame, size[0], size[1], &frame);
+    frame.width = size[0];
+    frame.height = size[1];
+    frame.index = evidence->frame;
+    cJSON_AddStringToObject(writing->manifest, "frame_block", "frame.raw");
+    cJSON_AddStringToObject(writing->manifest, "live_block", "live.raw");
+    return folder_write(&writing->folder, "frame.raw", &frame, sizeof frame) &&
+           folder_write(&writing->folder, "live.raw", evidence->pipeline->live,
+                        evidence->pipeline->info->live_size);
+}
+
+static bool write_scene(const struct writing *writing)
+{
+    const struct dt_scene *scene = &writing->evidence->scene->data;
+    if (!guilty_pass(writing->evidence)->uses_scene)
+        return cJSON_AddNullToObject(writing->manifest, "scene");
+    cJSON *entry = cJSON_AddObjectToObject(writing->manifest, "scene");
+    cJSON_AddNumberToObject(entry, "vertices", scene->vertex_count);
+    cJSON_AddNumberToObject(entry, "indices", scene->index_count);
+    cJSON_AddNumberToObject(entry, "materials", scene->material_count);
+    cJSON_AddNumberToObject(entry, "texture_width", scene->texture_width);
+    cJSON_AddNumberToObject(entry, "texture_height", scene->texture_height);
+    cJSON_AddNumberToObject(entry, "texture_layers", scene->texture_layers);
+    cJSON_AddNumberToObject(entry, "texture_mips", scene->texture_mips);
+    const struct folder *folder = &writing->folder;
+    return folder_write(folder, "scene/vertices.raw", scene->vertices,
+                        scene->vertex_count * sizeof *scene->vertices) &&
+           folder_write(folder, "scene/indices.raw", scene->indices,
+                        scene->index_count * sizeof *scene->indices) &&
+           folder_write(folder, "scene/materials.raw", scene->materials,
+                        scene->material_count * sizeof *scene->materials) &&
+           folder_write(folder, "scene/texels.raw", scene->texels, scene_texel_bytes(scene));
+}
+
+/* ---- Words ----------------------------------------------------------------------------------- */
+
+static bool write_text(const struct writing *writing, const char *name, char *text)
+{
+    bool good =
+        text ? folder_write(&writing->folder, name, text, strlen(text)) : out_of_memory(writing);
+    free(text);
+    return good;
+}
+
+/* The name of the pass's body in the folder: the file that the spec names, or NULL. */
+struct body_search {
+    const struct writing *writing;
+    char *name;
+};
+
+static bool find_body(void *user, const char *file)
+{
+    struct body_search *search = user;
+    const char *shader = guilty_pass(search->writing->evidence)->shader;
+    size_t length = strlen(file), tail = strlen(shader);
+    if (!search->name && length > tail && file[length - tail - 1] == '/' &&
+        strcmp(file + length - tail, shader) == 0)
+        search->name = copied_name(search->writing, file);
+    return true;
+}
+
+static char *body_name(const struct writing *writing)
+{
+    struct body_search search = {.writing = writing};
+    char *depfile = format_string("%s/gen.d", writing->evidence->pipeline->generated);
+    if (depfile)
+        depfile_read(depfile, find_body, &search, writing->log);
+    free(depfile);
+    return search.name;
+}
+
+/* How long the label of a side is as --backend takes it: "#2" tells repeated sides apart. */
+static int label_length(const struct side *side)
+{
+    return (int)strcspn(side->label, "#");
+}
+
+/* A fault that was put in on purpose is no property of the pass: it has to be put in again. Returns
+ * what stands behind the side in it, with the colon, or NULL where it is none of this side's. */
+static const char *fault_of(const struct evidence *evidence, const struct side *side)
+{
+    const char *fault = evidence->options->fault;
+    size_t length = strlen(side->label);
+    return fault && strncmp(fault, side->label, length) == 0 && fault[length] == ':'
+               ? fault + length
+               : NULL;
+}
+
+/* The replay's command line, without the command. */
+static char *replay_words(const struct evidence *evidence, const struct side *side)
+{
+    int length = label_length(side);
+    const char *fault = fault_of(evidence, side);
+    return fault ? format_string("replay . --backend '%.*s' --fault '%.*s%s'", length, side->label,
+                                 length, side->label, fault)
+                 : format_string("replay . --backend '%.*s'", length, side->label);
+}
+
+static bool write_readme(const struct writing *writing)
+{
+    const struct evidence *evidence = writing->evidence;
+    const struct row *row = guilty_row(evidence);
+    const struct dt_pipeline *info = evidence->pipeline->info;
+    const char *pass = guilty_pass(evidence)->name;
+    char *body = body_name(writing);
+    char *region = region_describe(&evidence->region, &info->resources[row->resource]);
+    char *words = replay_words(evidence, evidence->sides[1]);
+    char *text = format_string(
+        "Pass %s of the pipeline %s, alone.\n\n"
+        "In frame %u of %ux%u, %s and %s were given the same inputs and left different content:\n\n"
+        "    %s: %s\n\n"
+        "    expected/  what %s left: %s\n"
+        "    actual/    what %s left: %s\n\n"
+        "Where to look:\n\n"
+        "    %s  the body of the pass, as it was\n"
+        "    generated/gl/%s.*  what OpenGL was given\n"
+        "    generated/vk/%s.*  what Vulkan was given\n\n"
+        "To run it again, with any backend and without anything outside this folder:\n\n"
+        "    diptych %s\n\n"
+        "or ./reproduce.sh for both sides. Bodies may be changed here: the next replay takes "
+        "them.\n"
+        "inputs/, expected/ and actual/ hold raw little-endian numbers, which manifest.json\n"
+        "describes in the words of a dump.\n",
+        pass, info->name, evidence->frame, evidence->options->size[0], evidence->options->size[1],
+        evidence->sides[0]->label, evidence->sides[1]->label, row->name, region ? region : "",
+        evidence->sides[0]->label, evidence->devices[0], evidence->sides[1]->label,
+        evidence->devices[1], body ? body : writing->spec_name, pass, pass, words ? words : "");
+    free(words);
+    free(region);
+    free(body);
+    return write_text(writing, "README.txt", text);
+}
+
+/* Adds the lines that replay one side; of a dump there is nothing to replay. The text is freed. */
+static char *add_side(const struct evidence *evidence, char *text, const struct side *side)
+{
+    char *words = replay_words(evidence, side);
+    char *longer = !text || !words ? NULL
+                   : side->folder  ? strdup(text)
+                                   : format_string("%secho '== %s'\n\"$diptych\" %s\n", text,
+                                                   side->label, words);
+    free(words);
+    free(text);
+    return longer;
+}
+
+static bool write_script(const struct writing *writing)
+{
+    const struct evidence *evidence = writing->evidence;
+    char *text = format_string(
+        "#!/bin/sh\n"
+        "# Runs pass %s alone on both sides: %s left what is in expected/, and %s what is in\n"
+        "# actual/. DIPTYCH names the command.\n"
+        "cd \"$(dirname \"$0\")\" || exit 2\n"
+        "diptych=${DIPTYCH:-diptych}\n"
+        "command -v \"$diptych\" >/dev/null || {\n"
+        "    echo \"$0: no command $diptych; name it: DIPTYCH=.../build/diptych $0\" >&2\n"
+        "    exit 2\n"
+        "}\n",
+        guilty_pass(evidence)->name, evidence->sides[0]->label, evidence->sides[1]->label);
+    for (int side = 0; side < 2; side++)
+        text = add_side(evidence, text, evidence->sides[side]);
+    bool good = write_text(writing, "reproduce.sh", text);
+    char *path = format_string("%s/reproduce.sh", writing->folder.temporary);
+    good = good && path && chmod(path, 0777) == 0;
+    free(path);
+    return good;
+}
+
+static cJSON *number_list(const uint32_t *numbers, uint32_t count)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (uint32_t i = 0; i < count; i++)
+        cJSON_AddItemToArray(list, cJSON_CreateNumber(numbers[i]));
+    return list;
+}
+
+static void add_region(const struct writing *writing)
+{
+    const struct evidence *evidence = writing->evidence;
+    const struct region *region = &evidence->region;
+    const struct dt_resource *resource =
+        &evidence->pipeline->info->resources[guilty_row(evidence)->resource];
+    uint32_t axes = resource->kind == DT_BUFFER ? 1 : 3;
+    cJSON *entry = cJSON_AddObjectToObject(writing->manifest, "failing");
+    cJSON_AddNumberToObject(entry, "elements", (double)region->failing);
+    cJSON_AddItemToObject(entry, "low", number_list(region->low, axes));
+    cJSON_AddItemToObject(entry, "high", number_list(region->high, axes));
+    cJSON_AddItemToObject(entry, "smallest", number_list(region->smallest, axes));
+}
+
+static bool write_manifest(const struct writing *writing)
+{
+    static const char *const keys[] = {"expected", "actual"};
+    const struct evidence *evidence = writing->evidence;
+    const struct options *options = evidence->options;
+    cJSON *manifest = writing->manifest;
+    cJSON_AddStringToObject(manifest, "spec", writing->spec_name);
+    cJSON_AddStringToObject(manifest, "templates", "templates");
+    cJSON *sets = cJSON_AddArrayToObject(manifest, "set");
+    for (uint32_t i = 0; i < options->set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
+    for (int side = 0; side < 2; side++) {
+        cJSON *entry = cJSON_AddObjectToObject(manifest, keys[side]);
+        cJSON_AddStringToObject(entry, "side", evidence->sides[side]->label);
+        cJSON_AddStringToObject(entry, "device", evidence->devices[side]);
+    }
+    if (options->fault)
+        cJSON_AddStringToObject(manifest, "fault", options->fault);
+    add_region(writing);
+    return write_text(writing, "manifest.json", cJSON_Print(manifest));
+}
+
+static void begin_manifest(const struct writing *writing)
+{
+    const struct evidence *evidence = writing->evidence;
+    const struct row *row = guilty_row(evidence);
+    const struct dt_pass *pass = guilty_pass(evidence);
+    cJSON *manifest = writing->manifest;
+    cJSON_AddNumberToObject(manifest, EVIDENCE_MARK, EVIDENCE_VERSION);
+    cJSON_AddStringToObject(manifest, "pipeline", evidence->pipeline->info->name);
+    cJSON_AddStringToObject(manifest, "pass", pass->name);
+    cJSON_AddStringToObject(manifest, "shader", pass->shader);
+    cJSON_AddStringToObject(manifest, "resource",
+                            evidence->pipeline->info->resources[row->resource].name);
+    cJSON_AddNumberToObject(manifest, "mip", row->mip);
+    cJSON_AddNumberToObject(manifest, "frame", evidence->frame);
+    cJSON_AddNumberToObject(manifest, "width", evidence->options->size[0]);
+    cJSON_AddNumberToObject(manifest, "height", evidence->options->size[1]);
+}
+
+bool evidence_can_write(struct console *console, const char *place)
+{
+    return folder_can_write(console, OPTION, place, EVIDENCE_MARK);
+}
+
+bool evidence_write(const struct evidence *evidence, const char *place)
+{
+    struct writing writing = {
+        .evidence = evidence, .log = &evidence->console->log, .manifest = cJSON_CreateObject()};
+    begin_manifest(&writing);
+    bool good = folder_begin(&writing.folder, evidence->console, OPTION, place, EVIDENCE_MARK) &&
+                copy_spec(&writing) && copy_generated(&writing) && write_rows(&writing) &&
+                write_blocks(&writing) && write_scene(&writing) && write_readme(&writing) &&
+                write_script(&writing) && write_manifest(&writing);
+    good = folder_end(&writing.folder, good) && good;
+    cJSON_Delete(writing.manifest);
+    free(writing.spec_name);
+    free(writing.spec_root);
+    return good;
+}

@@ -1,0 +1,308 @@
+/* Reads evidence folders; see evidence.h. Whatever is not as the manifest and the pipeline say is an
+ * error that names the file: nobody should chase a difference that a damaged copy has made. */
+#include <stdlib.h>
+#include <string.h>
+
+#include <cjson/cJSON.h>
+
+#include "base/files.h"
+#include "base/texels.h"
+#include "compare/evidence.h"
+
+static const struct dt_log *log_of(const struct evidence_case *evidence)
+{
+    return &evidence->console->log;
+}
+
+static bool out_of_memory(const struct evidence_case *evidence)
+{
+    report_error(log_of(evidence), "out of memory");
+    return false;
+}
+
+static bool manifest_error(const struct evidence_case *evidence, const char *key)
+{
+    report_error(log_of(evidence),
+                 "%s/manifest.json: \"%s\" is missing or wrong: the folder is damaged",
+                 evidence->folder, key);
+    return false;
+}
+
+/* ---- The manifest ---------------------------------------------------------------------------- */
+
+static const char *read_string(const struct evidence_case *evidence, const cJSON *object,
+                               const char *key)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(object, key));
+    if (!text)
+        manifest_error(evidence, key);
+    return text;
+}
+
+static bool read_number(const struct evidence_case *evidence, const cJSON *object, const char *key,
+                        uint32_t *number)
+{
+    const cJSON *item = cJSON_GetObjectItem(object, key);
+    double value = cJSON_IsNumber(item) ? cJSON_GetNumberValue(item) : -1;
+    if (!(value >= 0 && value <= UINT32_MAX))
+        return manifest_error(evidence, key);
+    *number = (uint32_t)value;
+    return true;
+}
+
+static bool read_manifest(struct evidence_case *evidence)
+{
+    char *path = format_string("%s/manifest.json", evidence->folder);
+    size_t size;
+    uint32_t version;
+    char *text = path ? file_read(path, &size, log_of(evidence)) : NULL;
+    bool good = text;
+    evidence->manifest = text ? cJSON_Parse(text) : NULL;
+    if (text && !cJSON_HasObjectItem(evidence->manifest, EVIDENCE_MARK)) {
+        report_error(log_of(evidence),
+                     "%s: was not written by compare --bisect; a replay needs that", path);
+        good = false;
+    }
+    good = good && read_number(evidence, evidence->manifest, EVIDENCE_MARK, &version);
+    if (good && version != EVIDENCE_VERSION) {
+        report_error(log_of(evidence), "%s: has version %u, and this diptych reads version %d",
+                     path, version, EVIDENCE_VERSION);
+        good = false;
+    }
+    free(text);
+    free(path);
+    return good;
+}
+
+/* ---- The pipeline ---------------------------------------------------------------------------- */
+
+static char *path_within(const struct evidence_case *evidence, const char *name)
+{
+    char *path = format_string("%s/%s", evidence->folder, name);
+    if (!path)
+        out_of_memory(evidence);
+    return path;
+}
+
+static bool read_options(struct evidence_case *evidence)
+{
+    const cJSON *sets = cJSON_GetObjectItem(evidence->manifest, "set");
+    struct options *options = &evidence->options;
+    const char *spec = read_string(evidence, evidence->manifest, "spec");
+    const char *templates = spec ? read_string(evidence, evidence->manifest, "templates") : NULL;
+    if (!templates || !read_number(evidence, evidence->manifest, "width", &options->size[0]) ||
+        !read_number(evidence, evidence->manifest, "height", &options->size[1]))
+        return false;
+    int count = cJSON_GetArraySize(sets);
+    options->sets = calloc((size_t)count + 1, sizeof *options->sets);
+    for (int i = 0; i < count && options->sets; i++) {
+        const char *set = cJSON_GetStringValue(cJSON_GetArrayItem(sets, i));
+        if (!set || !strchr(set, '='))
+            return manifest_error(evidence, "set");
+        options->sets[options->set_count++] = set;
+    }
+    evidence->spec = path_within(evidence, spec);
+    evidence->templates = path_within(evidence, templates);
+    options->spec = evidence->spec;
+    options->templates = evidence->templates;
+    return options->sets && options->spec && options->templates;
+}
+
+static bool find_pass(struct evidence_case *evidence)
+{
+    const struct dt_pipeline *info = evidence->pipeline.info;
+    const char *name = read_string(evidence, evidence->manifest, "pass");
+    for (uint32_t i = 0; name && i < info->pass_count; i++) {
+        if (strcmp(info->passes[i].name, name) == 0) {
+            evidence->pass = i;
+            return true;
+        }
+    }
+    if (name)
+        report_error(log_of(evidence), "%s: has no pass %s", evidence->spec, name);
+    return false;
+}
+
+/* ---- Bytes ----------------------------------------------------------------------------------- */
+
+/* A file of exactly that size. */
+static void *read_exactly(const struct evidence_case *evidence, const char *name, size_t size)
+{
+    size_t found;
+    char *path = path_within(evidence, name);
+    void *data = path ? file_read(path, &found, log_of(evidence)) : NULL;
+    if (data && found != size) {
+        report_error(log_of(evidence),
+                     "%s: holds %zu bytes where %zu are due: the folder is damaged", path, found,
+                     size);
+        free(data);
+        data = NULL;
+    }
+    free(path);
+    return data;
+}
+
+static bool read_block(const struct evidence_case *evidence, const char *key, void *block,
+                       size_t size)
+{
+    const char *name = read_string(evidence, evidence->manifest, key);
+    void *data = name ? read_exactly(evidence, name, size) : NULL;
+    if (data)
+        memcpy(block, data, size);
+    free(data);
+    return data;
+}
+
+/* The entry of a row in the manifest's list, or NULL with an error. */
+static const cJSON *find_entry(const struct evidence_case *evidence, const char *list,
+                               const struct row *row)
+{
+    const char *name = evidence->pipeline.info->resources[row->resource].name;
+    const cJSON *entry = NULL;
+    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(evidence->manifest, list))
+    {
+        const char *resource = cJSON_GetStringValue(cJSON_GetObjectItem(entry, "resource"));
+        const cJSON *mip = cJSON_GetObjectItem(entry, "mip");
+        if (resource && strcmp(resource, name) == 0 &&
+            (mip ? cJSON_GetNumberValue(mip) : 0) == row->mip)
+            return entry;
+    }
+    report_error(log_of(evidence), "%s/manifest.json: lists no %s under \"%s\", and the pass %s it",
+                 evidence->folder, row->name, list, list[0] == 'i' ? "finds" : "writes");
+    return NULL;
+}
+
+static bool read_row(const struct evidence_case *evidence, const cJSON *entry, const char *key,
+                     const struct row *row, struct dt_bytes *bytes)
+{
+    const struct dt_resource *resource = &evidence->pipeline.info->resources[row->resource];
+    const char *name = read_string(evidence, entry, key);
+    if (!name)
+        return false;
+    resource_extent(resource, evidence->options.size, row->mip, bytes->extent);
+    bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
+    bytes->data = read_exactly(evidence, name, bytes->size);
+    return bytes->data;
+}
+
+static bool read_rows(struct evidence_case *evidence)
+{
+    static const char *const keys[] = {"expected", "actual"};
+    const struct row_list *inputs = &evidence->rows.inputs, *outputs = &evidence->rows.outputs;
+    uint32_t pass = evidence->pass;
+    uint32_t input_count = inputs->first[pass + 1] - inputs->first[pass];
+    uint32_t output_count = outputs->first[pass + 1] - outputs->first[pass];
+    evidence->inputs = calloc(input_count + 1, sizeof *evidence->inputs);
+    evidence->outputs[0] = calloc(output_count + 1, sizeof *evidence->outputs[0]);
+    evidence->outputs[1] = calloc(output_count + 1, sizeof *evidence->outputs[1]);
+    if (!evidence->inputs || !evidence->outputs[0] || !evidence->outputs[1])
+        return out_of_memory(evidence);
+    for (uint32_t i = 0; i < input_count; i++) {
+        const struct row *row = &inputs->list[inputs->first[pass] + i];
+        const cJSON *entry = find_entry(evidence, "inputs", row);
+        if (!entry || !read_row(evidence, entry, "file", row, &evidence->inputs[i]))
+            return false;
+    }
+    for (uint32_t i = 0; i < output_count; i++) {
+        const struct row *row = &outputs->list[outputs->first[pass] + i];
+        const cJSON *entry = find_entry(evidence, "outputs", row);
+        for (int side = 0; side < 2; side++) {
+            if (!entry || !read_row(evidence, entry, keys[side], row, &evidence->outputs[side][i]))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* ---- The scene ------------------------------------------------------------------------------- */
+
+/* One triangle of no area: what a runtime takes where nobody looks. */
+static bool make_scene(struct evidence_case *evidence)
+{
+    struct dt_vertex *vertices = calloc(1, sizeof *vertices);
+    uint32_t *indices = calloc(3, sizeof *indices);
+    struct dt_material *materials = calloc(1, sizeof *materials);
+    uint8_t *texels = calloc(4, 1);
+    evidence->scene.data = (struct dt_scene){.vertices = vertices,
+                                             .vertex_count = 1,
+                                             .indices = indices,
+                                             .index_count = 3,
+                                             .materials = materials,
+                                             .material_count = 1,
+                                             .texels = texels,
+                                             .texture_width = 1,
+                                             .texture_height = 1,
+                                             .texture_layers = 1,
+                                             .texture_mips = 1};
+    return (vertices && indices && materials && texels) || out_of_memory(evidence);
+}
+
+static bool read_scene(struct evidence_case *evidence)
+{
+    const cJSON *entry = cJSON_GetObjectItem(evidence->manifest, "scene");
+    struct dt_scene *scene = &evidence->scene.data;
+    if (!evidence->pipeline.info->passes[evidence->pass].uses_scene)
+        return make_scene(evidence);
+    if (!read_number(evidence, entry, "vertices", &scene->vertex_count) ||
+        !read_number(evidence, entry, "indices", &scene->index_count) ||
+        !read_number(evidence, entry, "materials", &scene->material_count) ||
+        !read_number(evidence, entry, "texture_width", &scene->texture_width) ||
+        !read_number(evidence, entry, "texture_height", &scene->texture_height) ||
+        !read_number(evidence, entry, "texture_layers", &scene->texture_layers) ||
+        !read_number(evidence, entry, "texture_mips", &scene->texture_mips))
+        return false;
+    scene->vertices =
+        read_exactly(evidence, "scene/vertices.raw", scene->vertex_count * sizeof *scene->vertices);
+    scene->indices = scene->vertices ? read_exactly(evidence, "scene/indices.raw",
+                                                    scene->index_count * sizeof *scene->indices)
+                                     : NULL;
+    scene->materials = scene->indices
+                           ? read_exactly(evidence, "scene/materials.raw",
+                                          scene->material_count * sizeof *scene->materials)
+                           : NULL;
+    scene->texels = scene->materials
+                        ? read_exactly(evidence, "scene/texels.raw", scene_texel_bytes(scene))
+                        : NULL;
+    return scene->texels;
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+bool evidence_read(struct evidence_case *evidence, struct console *console,
+                   const struct options *options)
+{
+    *evidence =
+        (struct evidence_case){.console = console, .folder = options->folder, .options = *options};
+    evidence->options.sets = NULL;
+    evidence->options.set_count = 0;
+    if (!read_manifest(evidence) || !read_options(evidence))
+        return false;
+    struct pipeline *pipeline = &evidence->pipeline;
+    return pipeline_load(pipeline, console, &evidence->options) && find_pass(evidence) &&
+           rows_make(&evidence->rows, pipeline->info, log_of(evidence)) &&
+           read_block(evidence, "live_block", pipeline->live, pipeline->info->live_size) &&
+           read_block(evidence, "frame_block", &evidence->frame, sizeof evidence->frame) &&
+           read_scene(evidence) && read_rows(evidence);
+}
+
+static void free_rows(struct dt_bytes *bytes, const struct row_list *list, uint32_t pass)
+{
+    for (uint32_t i = 0; bytes && i < list->first[pass + 1] - list->first[pass]; i++)
+        free(bytes[i].data);
+    free(bytes);
+}
+
+void evidence_free(struct evidence_case *evidence)
+{
+    free_rows(evidence->inputs, &evidence->rows.inputs, evidence->pass);
+    free_rows(evidence->outputs[0], &evidence->rows.outputs, evidence->pass);
+    free_rows(evidence->outputs[1], &evidence->rows.outputs, evidence->pass);
+    scene_free(&evidence->scene);
+    rows_free(&evidence->rows);
+    pipeline_unload(&evidence->pipeline);
+    free(evidence->options.sets);
+    free(evidence->templates);
+    free(evidence->spec);
+    cJSON_Delete(evidence->manifest);
+    *evidence = (struct evidence_case){0};
+}

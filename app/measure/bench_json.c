@@ -1,0 +1,123 @@
+/* What `bench` measured, as JSON; see bench.h. */
+#include <cjson/cJSON.h>
+#include <math.h>
+
+#include "measure/bench.h"
+
+static void add_number(cJSON *parent, const char *name, double value)
+{
+    if (isnan(value))
+        cJSON_AddNullToObject(parent, name);
+    else
+        cJSON_AddNumberToObject(parent, name, value);
+}
+
+/* {"median", "p5", "p95", "count"}, or null without a value. */
+static void add_spread(cJSON *parent, const char *name, struct spread spread)
+{
+    if (!spread.count) {
+        cJSON_AddNullToObject(parent, name);
+        return;
+    }
+    cJSON *item = cJSON_AddObjectToObject(parent, name);
+    add_number(item, "median", spread.median);
+    add_number(item, "p5", spread.p5);
+    add_number(item, "p95", spread.p95);
+    cJSON_AddNumberToObject(item, "count", spread.count);
+}
+
+/* Times the plain C's time: of medians, and frame by frame. */
+static void add_limit_ratio(cJSON *item, const struct bench *bench, const struct bench_side *side,
+                            uint32_t pass)
+{
+    const struct limit_pass *limit = bench_limit(bench, pass);
+    double ratio = NAN;
+    struct spread spread = {0};
+    if (limit)
+        spread = bench_limit_ratio(bench, side, limit, &ratio);
+    add_number(item, "limit_ratio", ratio);
+    add_spread(item, "limit_ratios", spread);
+}
+
+static cJSON *side_json(const struct bench *bench, const struct bench_side *side)
+{
+    const struct lane *whole = &side->whole;
+    cJSON *item = cJSON_CreateObject();
+    cJSON_AddStringToObject(item, "side", side->side->label);
+    cJSON_AddStringToObject(item, "device", whole->worker.device);
+    add_spread(item, "frame_ms", spread_of(whole->frame_ms, whole->taken, 1));
+    add_spread(item, "timed_frame_ms", spread_of(side->passes.frame_ms, side->passes.taken, 1));
+    add_spread(item, "record_ms", spread_of(whole->record_ms, whole->taken, 1));
+    cJSON *allocations = cJSON_AddObjectToObject(item, "allocations");
+    add_spread(allocations, "own", spread_of(whole->own_allocations, whole->taken, 1));
+    add_spread(allocations, "all", spread_of(whole->all_allocations, whole->taken, 1));
+    const struct ceiling ceiling = bench_ceiling(bench, side);
+    cJSON *machine = cJSON_AddObjectToObject(item, "machine");
+    add_number(machine, "gb_s", ceiling.bytes_per_ms * 1e-6);
+    add_number(machine, "gflop_s", ceiling.flops_per_ms * 1e-6);
+    cJSON *passes = cJSON_AddArrayToObject(item, "passes");
+    for (uint32_t i = 0; i < bench->subject.pipeline.info->pass_count; i++) {
+        cJSON *pass = cJSON_CreateObject();
+        cJSON_AddStringToObject(pass, "pass", bench->subject.pipeline.info->passes[i].name);
+        struct spread ms = bench_pass_ms(&side->passes, i);
+        struct work work = bench_work(bench, &bench->subject, i);
+        add_spread(pass, "ms", ms);
+        add_number(pass, "gb_s", (work.read + work.written) / ms.median * 1e-6);
+        add_number(pass, "gflop_s", work.flops / ms.median * 1e-6);
+        add_number(pass, "floor_ms", bench_floor_ms(&work, &ceiling));
+        add_limit_ratio(pass, bench, side, i);
+        cJSON_AddItemToArray(passes, pass);
+    }
+    return item;
+}
+
+static void add_limit(cJSON *item, const struct bench *bench, uint32_t pass)
+{
+    const struct limit_pass *limit = bench_limit(bench, pass);
+    if (!limit) {
+        cJSON_AddNullToObject(item, "limit");
+        return;
+    }
+    cJSON *json = cJSON_AddObjectToObject(item, "limit");
+    cJSON_AddStringToObject(json, "file", bench->subject.pipeline.info->passes[pass].limit);
+    add_spread(json, "ms", spread_of(limit->ms, bench->frames, 1));
+    cJSON_AddNumberToObject(json, "relative", limit->tolerance->relative);
+    cJSON_AddNumberToObject(json, "outliers", limit->outliers);
+    cJSON_AddNumberToObject(json, "outliers_allowed", limit->tolerance->outliers);
+}
+
+static void add_work(cJSON *root, const struct bench *bench)
+{
+    cJSON *passes = cJSON_AddArrayToObject(root, "passes");
+    for (uint32_t i = 0; i < bench->subject.pipeline.info->pass_count; i++) {
+        struct work work = bench_work(bench, &bench->subject, i);
+        cJSON *pass = cJSON_CreateObject();
+        cJSON_AddStringToObject(pass, "pass", bench->subject.pipeline.info->passes[i].name);
+        cJSON_AddNumberToObject(pass, "bytes_read", work.read);
+        cJSON_AddNumberToObject(pass, "bytes_written", work.written);
+        cJSON_AddNumberToObject(pass, "flops", work.flops);
+        add_limit(pass, bench, i);
+        cJSON_AddItemToArray(passes, pass);
+    }
+}
+
+cJSON *bench_json(const struct bench *bench)
+{
+    const struct options *options = bench->options;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "pipeline", bench->subject.pipeline.info->name);
+    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON *sets = cJSON_AddArrayToObject(root, "sets");
+    for (uint32_t i = 0; i < options->set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
+    cJSON_AddNumberToObject(root, "width", options->size[0]);
+    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    cJSON_AddNumberToObject(root, "frames", bench->frames);
+    cJSON_AddNumberToObject(root, "warmup", bench->warmup);
+    add_number(root, "memcpy_gb_s", bench_copy_bytes_per_ms(bench) * 1e-6);
+    add_work(root, bench);
+    cJSON *sides = cJSON_AddArrayToObject(root, "sides");
+    for (uint32_t i = 0; i < bench->sides.count; i++)
+        cJSON_AddItemToArray(sides, side_json(bench, &bench->list[i]));
+    return root;
+}

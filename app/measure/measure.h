@@ -1,0 +1,101 @@
+/* A grid of measurements: at each of its points, a scene with some values set, how long every pass takes and how far the
+ * picture is from the path-traced one. Plans the steps, reads what they left, and writes it as CSV, a row for each point and
+ * backend. Called by sweep_grid.c and by report*.c, which have no other way to measure. */
+#ifndef DIPTYCH_MEASURE_H
+#define DIPTYCH_MEASURE_H
+
+#include "measure/steps.h"
+
+enum {
+    MEASURE_AGREE = 1, /* whether all backends have the same bits, by compare */
+    MEASURE_TIME = 2,  /* of all backends, turn by turn, by bench */
+    MEASURE_ERROR = 4, /* of the picture against the reference, by render and metrics */
+    MEASURE_OWN = 8    /* and against that of another point, the last of a row */
+};
+
+struct grid_point {
+    const struct step_scene *scene;
+    uint32_t size[2];
+    char *name;    /* of its files in the scene's folder */
+    char **values; /* one for each column of the grid */
+    cJSON *sets;   /* PATH=VALUE, those and others */
+    unsigned measures;
+    const struct grid_point
+        *last;       /* MEASURE_OWN: the point that it is held against; itself: nothing to do */
+    char *reference; /* MEASURE_ERROR: file of the reference's step */
+};
+
+struct grid {
+    struct steps *steps;
+    const char *const *columns;
+    uint32_t column_count;
+    struct grid_point *points; /* in the order of their rows */
+    uint32_t count;
+    unsigned measures; /* of any point */
+    uint32_t pictured; /* so many sides, the first ones, have their pictures measured */
+    uint32_t frames;   /* pictures are of the last of so many; 0: 1 */
+    const char *show;  /* image that they are of; NULL: the spec's own */
+    int part_time, part_error, part_agree; /* of the steps */
+    char **passes;                         /* that any run has told times of, in their order */
+    uint32_t pass_count;
+};
+
+/* Makes room for so many points, zeroed. False when out of memory, logged. grid_free either way. */
+bool grid_begin(struct grid *grid, struct steps *steps, uint32_t count);
+/* A name for the files of a point: `before`, and COLUMN_VALUE of each column; free(). */
+char *grid_name(const struct grid *grid, const struct grid_point *point, const char *before);
+
+/* The path-traced picture of a scene, SCENE/NAME.exr, and the step SCENE/NAME.json. */
+struct reference {
+    const struct step_scene *scene;
+    const uint32_t *size;
+    const char *name;
+    const char *bounces, *from_bounce, *quantity; /* as `reference` takes them; NULL: its default */
+    int part;
+};
+bool measure_add_reference(struct steps *steps, const struct reference *reference);
+/* A linear picture of one side; `file` is taken over. */
+struct rendering {
+    const struct step_scene *scene;
+    const uint32_t *size;
+    const cJSON *sets;
+    const char *side, *show;
+    uint32_t frames;
+    int part;
+};
+bool measure_add_render(struct steps *steps, const struct rendering *rendering, char *file);
+/* How far the picture of one step is from that of another: a reference's, whose step is its JSON, or a rendering's. `maps`: a
+ * folder for error maps, or NULL. `file` is taken over. */
+bool measure_add_metrics(struct steps *steps, int part, const char *picture, const char *against,
+                         const char *maps, char *file);
+bool measure_add_comparison(struct steps *steps, const struct rendering *rendering, char *file);
+
+/* Adds the steps of points first to end - 1; their last points, if others, among them. */
+bool grid_plan(struct grid *grid, uint32_t first, uint32_t end);
+
+/* ---- measure_rows.c: what has been measured -------------------------------------------------- */
+
+/* Names of files, as the steps have them; free(). */
+char *grid_bench_file(const struct grid_point *point);
+char *grid_compare_file(const struct grid_point *point);
+char *grid_picture_file(const struct grid *grid, const struct grid_point *point, uint32_t side);
+char *grid_error_file(const struct grid *grid, const struct grid_point *point, uint32_t side);
+char *grid_own_file(const struct grid *grid, const struct grid_point *point, uint32_t side);
+
+/* A number by the name of its column, such as frame_ms or relative_mse; NAN where there is none. */
+double grid_number(const struct grid *grid, const struct grid_point *point, uint32_t side,
+                   const char *column);
+/* Of a pass: "median", "p5" or "p95", milliseconds. */
+double grid_pass_ms(const struct grid *grid, const struct grid_point *point, uint32_t side,
+                    const char *pass, const char *of);
+/* Why a row is not whole; NULL when it is; free(). */
+char *grid_reason(const struct grid *grid, const struct grid_point *point, uint32_t side);
+
+/* After the steps were run: which passes there are. Logs when out of memory. */
+bool grid_read(struct grid *grid);
+/* README has the columns. */
+bool grid_write_csv(const struct grid *grid, const char *path);
+cJSON *grid_json(const struct grid *grid);
+void grid_free(struct grid *grid);
+
+#endif

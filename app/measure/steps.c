@@ -1,0 +1,321 @@
+/* Prepares and plans a folder of measurements; see steps.h. */
+#include "measure/steps.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "base/quote.h"
+#include "base/tool.h"
+#include "build/pipeline.h"
+#include "scenes/scene.h"
+
+const char *step_text(const cJSON *object, const char *name)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
+    return text ? text : "";
+}
+
+bool step_is_name(const char *text)
+{
+    return *text && text[0] != '.' && !strpbrk(text, "/\n|");
+}
+
+/* ---- Preparing ------------------------------------------------------------------------------- */
+
+static bool find_scenes_folder(struct steps *steps)
+{
+    const char *given = steps->options->scenes ? steps->options->scenes : getenv("DIPTYCH_SCENES");
+    if (!given || !*given)
+        return true;
+    steps->scenes_folder = realpath(given, NULL);
+    if (!steps->scenes_folder)
+        report_error(&steps->console->log, "--scenes %s: %s", given, strerror(errno));
+    return steps->scenes_folder;
+}
+
+bool steps_begin(struct steps *steps, const char *verb, struct console *console,
+                 const struct options *options)
+{
+    const struct dt_log *log = &console->log;
+    *steps = (struct steps){.verb = verb, .console = console, .options = options};
+    steps->results = cJSON_CreateObject();
+    steps->spec = pipeline_spec_path(options->spec, log);
+    if (!steps->spec || !sides_read_each(&steps->sides, options, log) || !find_scenes_folder(steps))
+        return false;
+    char *tools = tools_folder(log);
+    steps->program = tools ? format_string("%s/diptych", tools) : NULL;
+    free(tools);
+    return steps->program;
+}
+
+static bool is_taken(const struct steps *steps, const char *name)
+{
+    for (uint32_t i = 0; i < steps->scene_count; i++) {
+        if (strcmp(steps->scenes[i].name, name) == 0)
+            return true;
+    }
+    return strcmp(name, "plots") == 0;
+}
+
+static bool add_scene(struct steps *steps, const char *path)
+{
+    const struct dt_log *log = &steps->console->log;
+    struct step_scene *scene = &steps->scenes[steps->scene_count];
+    scene->path = realpath(path, NULL);
+    const char *slash = scene->path ? strrchr(scene->path, '/') : NULL;
+    if (!slash) {
+        report_error(log, "%s: cannot be read: %s", path, strerror(errno));
+        return false;
+    }
+    const char *dot = strrchr(slash, '.');
+    scene->name =
+        dot > slash + 1 ? strndup(slash + 1, (size_t)(dot - slash) - 1) : strdup(slash + 1);
+    if (!scene->name || !step_is_name(scene->name) || is_taken(steps, scene->name)) {
+        report_error(log, "%s: the %s cannot have a folder \"%s\" for it; rename the file",
+                     scene->path, steps->verb, scene->name ? scene->name : "");
+        free(scene->name);
+        free(scene->path);
+        return false;
+    }
+    steps->scene_count++;
+    if (!scene_find_mesh(scene->path, steps->scenes_folder, &scene->mesh, log))
+        return false;
+    if (!scene->mesh)
+        report_message(log, DT_WARNING,
+                       "%s is left out, its mesh is not here; --scenes or DIPTYCH_SCENES names the "
+                       "folder that holds it",
+                       scene->path);
+    return true;
+}
+
+bool steps_find_scenes(struct steps *steps, const char *const *paths, uint32_t count)
+{
+    const struct dt_log *log = &steps->console->log;
+    uint32_t here = 0;
+    bool good = true;
+    steps->scenes = calloc(count + 1, sizeof *steps->scenes);
+    if (!steps->scenes) {
+        report_error(log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < count && good; i++)
+        good = add_scene(steps, paths[i]);
+    for (uint32_t i = 0; i < steps->scene_count; i++)
+        here += steps->scenes[i].mesh != NULL;
+    if (good && !here)
+        report_error(log, "no scene is left for the %s; name one by --scene FILE", steps->verb);
+    return good && here;
+}
+
+bool steps_check_spec(struct steps *steps)
+{
+    static const struct tool generator = {
+        .what = "checking the spec", .hint = "build the project with ninja", .explains = true};
+    const struct options *options = steps->options;
+    struct console *console = steps->console;
+    char *tools = tools_folder(&console->log), *found = templates_folder(&console->log);
+    char *program = format_string("%s/diptych-gen", tools ? tools : "");
+    char *templates = format_string("--templates=%s", found ? found : "");
+    char **argv = calloc((size_t)options->set_count * 2 + 5, sizeof *argv);
+    char *text = NULL;
+    if (tools && found && program && templates && argv) {
+        char *first[] = {program, templates, (char *)"--variations=0", steps->spec};
+        memcpy(argv, first, sizeof first);
+        for (uint32_t i = 0; i < options->set_count; i++) {
+            argv[4 + 2 * i] = (char *)"--set";
+            argv[5 + 2 * i] = (char *)options->sets[i];
+        }
+        text = tool_read(&generator, argv, console);
+    }
+    cJSON *answer = text ? cJSON_Parse(text) : NULL;
+    steps->spec_files = cJSON_DetachItemFromObject(answer, "inputs");
+    if (text && !steps->spec_files)
+        report_error(&console->log, "the generator's answer cannot be read");
+    cJSON_Delete(answer);
+    free(text);
+    free(argv);
+    free(templates);
+    free(program);
+    free(found);
+    free(tools);
+    return steps->spec_files;
+}
+
+/* Whether the folder's `commands` are those of the same verb; see write_commands in steps_run.c. */
+static bool is_own(const struct steps *steps, const char *path)
+{
+    char *commands = format_string("%s/commands", path);
+    char *mark = format_string("# diptych %s:", steps->verb);
+    size_t size;
+    char *text = commands && mark && file_exists(commands)
+                     ? file_read(commands, &size, &steps->console->log)
+                     : NULL;
+    bool own = text && strncmp(text, mark, strlen(mark)) == 0;
+    free(text);
+    free(mark);
+    free(commands);
+    return own;
+}
+
+bool steps_make_folder(struct steps *steps)
+{
+    const struct dt_log *log = &steps->console->log;
+    const char *path = steps->options->output;
+    DIR *listing = opendir(path);
+    int entries = 0;
+    while (listing && readdir(listing))
+        entries++;
+    if (listing)
+        closedir(listing);
+    if (entries > 2 && !is_own(steps, path)) {
+        report_error(log, "%s: holds files, but no %s; give another folder", path,
+                     strcmp(steps->verb, "report") == 0 ? "report" : "sweep that measures");
+        return false;
+    }
+    if (!file_make_folders(path, log))
+        return false;
+    steps->folder = realpath(path, NULL);
+    if (steps->folder && !strpbrk(steps->folder, "\n|"))
+        return true;
+    report_error(log, "%s: a path with a line break or a | cannot stand in a ninja file", path);
+    return false;
+}
+
+void steps_free(struct steps *steps)
+{
+    for (uint32_t i = 0; i < steps->count; i++) {
+        free(steps->list[i].file);
+        free(steps->list[i].command);
+        free(steps->list[i].motion);
+    }
+    for (uint32_t i = 0; i < steps->scene_count; i++) {
+        free(steps->scenes[i].path);
+        free(steps->scenes[i].name);
+        free(steps->scenes[i].mesh);
+    }
+    free(steps->list);
+    free(steps->scenes);
+    cJSON_Delete(steps->results);
+    cJSON_Delete(steps->spec_files);
+    sides_free(&steps->sides);
+    free(steps->scenes_folder);
+    free(steps->spec);
+    free(steps->program);
+    free(steps->folder);
+}
+
+/* ---- Commands -------------------------------------------------------------------------------- */
+
+bool command_begin(struct command *command, const struct steps *steps, const char *verb)
+{
+    *command = (struct command){.steps = steps, .verb = verb};
+    command->out = open_memstream(&command->text, &command->size);
+    if (!command->out)
+        return false;
+    quote_word(command->out, steps->program);
+    fprintf(command->out, " %s", verb);
+    return true;
+}
+
+void command_file(struct command *command, const char *option, const char *file)
+{
+    char *path = file ? format_string("%s/%s", command->steps->folder, file) : NULL;
+    quote_option(command->out, option, path ? path : "");
+    free(path);
+}
+
+void command_scene(struct command *command, const struct step_scene *scene)
+{
+    quote_option(command->out, "--scene", scene->path);
+    if (command->steps->scenes_folder)
+        quote_option(command->out, "--scenes", command->steps->scenes_folder);
+}
+
+void command_size(struct command *command, const uint32_t size[2])
+{
+    fprintf(command->out, " --size %ux%u", size[0], size[1]);
+}
+
+void command_spec(struct command *command, const cJSON *sets)
+{
+    const struct steps *steps = command->steps;
+    const cJSON *set;
+    quote_option(command->out, "--spec", steps->spec);
+    cJSON_ArrayForEach(set, sets) quote_option(command->out, "--set", set->valuestring);
+    for (uint32_t i = 0; i < steps->options->set_count; i++)
+        quote_option(command->out, "--set", steps->options->sets[i]);
+}
+
+void command_backends(struct command *command)
+{
+    if (command->steps->options->backend)
+        quote_option(command->out, "--backend", command->steps->options->backend);
+}
+
+void command_quality(struct command *command)
+{
+    const struct options *options = command->steps->options;
+    if (options->spp)
+        fprintf(command->out, " --spp %u", options->spp);
+    if (options->noise)
+        quote_option(command->out, "--noise", options->noise);
+}
+
+void command_frames(struct command *command)
+{
+    const struct options *options = command->steps->options;
+    if (options->run_frames)
+        fprintf(command->out, " --frames %u", options->run_frames);
+    if (options->warmup)
+        fprintf(command->out, " --warmup %u", options->warmup);
+}
+
+/* ---- The list -------------------------------------------------------------------------------- */
+
+const struct step *steps_find(const struct steps *steps, const char *file)
+{
+    for (uint32_t i = 0; i < steps->count; i++) {
+        if (strcmp(steps->list[i].file, file) == 0)
+            return &steps->list[i];
+    }
+    return NULL;
+}
+
+bool steps_add(struct steps *steps, const struct step *step, struct command *command)
+{
+    const struct dt_log *log = &steps->console->log;
+    bool good = step->file && command->out && fclose(command->out) == 0 && command->text;
+    bool twice = good && steps_find(steps, step->file);
+    bool broken = good && strchr(command->text, '\n');
+    struct step *grown =
+        good && !twice && !broken ? realloc(steps->list, (steps->count + 1) * sizeof *grown) : NULL;
+    if (grown) {
+        steps->list = grown;
+        grown[steps->count] = *step;
+        grown[steps->count].verb = command->verb;
+        grown[steps->count++].command = command->text;
+        return true;
+    }
+    if (twice)
+        report_error(log,
+                     "two steps would write %s; give pictures and values names of their own, other "
+                     "than \"reference\"",
+                     step->file);
+    else if (broken)
+        report_error(log,
+                     "%s: a line break cannot stand in a ninja file; leave it out of the value",
+                     command->text);
+    else
+        report_error(log, "out of memory");
+    free(command->text);
+    free(step->file);
+    return false;
+}
+
+const char *steps_last(const struct steps *steps)
+{
+    return steps->list[steps->count - 1].file;
+}

@@ -1,0 +1,318 @@
+/* Runs the steps of a folder by ninja, tells how far it is and how long it may take, and finds what the steps left; see
+ * steps.h. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "base/quote.h"
+#include "base/tool.h"
+#include "measure/steps.h"
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/* A step whose command fails leaves no file, not even that of an earlier time; what it told of its errors is kept
+ * beside it. */
+static void write_rules(FILE *out, const struct steps *steps)
+{
+    const cJSON *item;
+    fprintf(out,
+            "# One edge per step of the %s; the command that made this file goes on where it was "
+            "left.\n"
+            "rule step\n"
+            "  command = rm -f $out $out.failed && { { $line; } >$out.txt || { status=$$?; "
+            "[ ! -e $out ] || mv $out $out.failed; exit $$status; }; }\n"
+            "  description = step $what\n"
+            "  pool = console\n\n"
+            "build program: phony ",
+            steps->verb);
+    quote_path(out, steps->program);
+    fputs("\nbuild spec: phony program", out);
+    cJSON_ArrayForEach(item, steps->spec_files)
+    {
+        fputc(' ', out);
+        quote_path(out, item->valuestring);
+    }
+    fputc('\n', out);
+}
+
+static void write_edge(FILE *out, const struct step *step)
+{
+    fputs("\nbuild ", out);
+    quote_path(out, step->file);
+    fprintf(out, ": step | %s ", step->traced ? "program" : "spec");
+    quote_path(out, step->scene->path);
+    fputc(' ', out);
+    quote_path(out, step->scene->mesh);
+    if (step->motion) {
+        fputc(' ', out);
+        quote_path(out, step->motion);
+    }
+    for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs) && step->needs[i]; i++) {
+        fputc(' ', out);
+        quote_path(out, step->needs[i]);
+    }
+    fputs("\n  what = ", out);
+    quote_value(out, step->file);
+    fputs("\n  line = ", out);
+    quote_value(out, step->command);
+    fputc('\n', out);
+}
+
+static void write_ninja(FILE *out, const struct steps *steps)
+{
+    write_rules(out, steps);
+    for (uint32_t i = 0; i < steps->count; i++)
+        write_edge(out, &steps->list[i]);
+}
+
+static void write_commands(FILE *out, const struct steps *steps)
+{
+    fprintf(out, "# diptych %s: the commands of its steps\n", steps->verb);
+    for (uint32_t i = 0; i < steps->count; i++)
+        fprintf(out, "%s\n", steps->list[i].command);
+}
+
+static bool write_file(const struct steps *steps, const char *name,
+                       void (*write)(FILE *, const struct steps *))
+{
+    const struct dt_log *log = &steps->console->log;
+    char *path = format_string("%s/%s", steps->folder, name);
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        write(draft.out, steps);
+    bool good = file_draft_end(&draft, path, log);
+    free(path);
+    return good;
+}
+
+/* The commands do not make the folders of what they write. */
+static bool make_folders(const struct steps *steps)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < steps->count && good; i++) {
+        const char *file = steps->list[i].file;
+        char *folder =
+            format_string("%s/%.*s", steps->folder, (int)(strrchr(file, '/') - file), file);
+        good = folder && file_make_folders(folder, &steps->console->log);
+        free(folder);
+    }
+    return good;
+}
+
+/* ---- Progress -------------------------------------------------------------------------------- */
+
+/* What ninja has told; one of each per step. */
+struct progress {
+    const struct steps *steps;
+    bool *waits;     /* it is to be done, and has not begun */
+    double *seconds; /* that it took; 0: it is not over, or was before */
+    uint32_t total, begun;
+    const struct step *at; /* that runs, or NULL */
+    struct timespec since;
+    bool planning; /* ninja tells what it would do */
+    bool skips;    /* the next line, the command of a step that failed */
+};
+
+/* Stands before a step's file in what ninja says. */
+static const char mark[] = "step ";
+
+/* Seconds from here to the end, when steps go on to take as long as those of their kind did, or where there was
+ * none, as any. NAN before the first is over. */
+static double seconds_left(const struct progress *progress)
+{
+    const struct steps *steps = progress->steps;
+    double left = 0;
+    for (uint32_t i = 0; i < steps->count; i++) {
+        double sums[2] = {0}, counts[2] = {0}; /* of any verb, of its own */
+        for (uint32_t j = 0; j < steps->count && progress->waits[i]; j++) {
+            bool alike = steps->list[i].part == steps->list[j].part &&
+                         strcmp(steps->list[i].verb, steps->list[j].verb) == 0;
+            for (int own = 0; own <= alike && progress->seconds[j] > 0; own++) {
+                sums[own] += progress->seconds[j];
+                counts[own] += 1;
+            }
+        }
+        if (progress->waits[i])
+            left += counts[1] > 0 ? sums[1] / counts[1] : sums[0] / counts[0];
+    }
+    return left;
+}
+
+static void tell_step(struct progress *progress, const struct step *step)
+{
+    struct timespec now;
+    char left[32] = "";
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (progress->at)
+        progress->seconds[progress->at - progress->steps->list] =
+            (double)(now.tv_sec - progress->since.tv_sec) +
+            1e-9 * (double)(now.tv_nsec - progress->since.tv_nsec);
+    double seconds = seconds_left(progress);
+    progress->waits[step - progress->steps->list] = false;
+    progress->at = step;
+    progress->since = now;
+    if (!isnan(seconds))
+        console_duration(seconds, left, sizeof left);
+    fprintf(stderr, "[%u/%u] %s%s%s%s\n", ++progress->begun, progress->total, step->file,
+            *left ? ", about " : "", *left ? left : "", *left ? " left" : "");
+}
+
+static void take_line(void *user, const char *line)
+{
+    struct progress *progress = user;
+    bool skipped = progress->skips;
+    const struct step *step = strncmp(line, mark, strlen(mark)) == 0
+                                  ? steps_find(progress->steps, line + strlen(mark))
+                                  : NULL;
+    progress->skips = strncmp(line, "FAILED: ", 8) == 0;
+    if (step && progress->planning) {
+        progress->waits[step - progress->steps->list] = true;
+        progress->total++;
+    } else if (step) {
+        tell_step(progress, step);
+    } else if (!progress->planning && !progress->skips && !skipped &&
+               strncmp(line, "ninja: Entering", 15) != 0) {
+        fprintf(stderr, "%s\n", line);
+    }
+}
+
+bool steps_run(struct steps *steps)
+{
+    static const struct tool ninja = {
+        .what = "ninja", .hint = "install the package ninja-build", .explains = true};
+    char *argv[] = {(char *)"ninja", (char *)"-C", steps->folder, (char *)"-k", (char *)"0",
+                    (char *)"-j",    (char *)"1",  (char *)"-n",  NULL};
+    struct console *console = steps->console;
+    struct progress progress = {.steps = steps,
+                                .planning = true,
+                                .waits = calloc(steps->count + 1, sizeof *progress.waits),
+                                .seconds = calloc(steps->count + 1, sizeof *progress.seconds)};
+    unsigned errors = atomic_load(&console->errors);
+    bool good = progress.waits && progress.seconds && setenv("NINJA_STATUS", "", 1) == 0 &&
+                /* what every one of them would say again */
+                setenv("DIPTYCH_QUIET", "1", 1) == 0;
+    if (!good)
+        report_error(&console->log, "out of memory");
+    console_hold(console);
+    good = good && make_folders(steps) && write_file(steps, "build.ninja", write_ninja) &&
+           write_file(steps, "commands", write_commands);
+    console_release(console);
+    if (good && tool_lines(&ninja, argv, take_line, &progress, console)) {
+        progress.planning = false;
+        argv[DT_ARRAY_COUNT(argv) - 2] = NULL;
+        tool_lines(&ninja, argv, take_line, &progress, console);
+    }
+    free(progress.seconds);
+    free(progress.waits);
+    return good && atomic_load(&console->errors) == errors;
+}
+
+/* ---- Results --------------------------------------------------------------------------------- */
+
+/* A step that failed leaves no file; one that waits for it was not run, whatever lies there. */
+bool steps_is_done(const struct steps *steps, const struct step *step)
+{
+    char *path = format_string("%s/%s", steps->folder, step->file);
+    bool done = path && file_exists(path);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs) && step->needs[i] && done; i++)
+        done = steps_is_done(steps, steps_find(steps, step->needs[i]));
+    free(path);
+    return done;
+}
+
+/* Those that wait for another step are only counted: it is that one's fault. */
+uint32_t steps_count_failures(const struct steps *steps)
+{
+    uint32_t failures = 0;
+    for (uint32_t i = 0; i < steps->count; i++) {
+        const struct step *step = &steps->list[i];
+        bool waits = false;
+        if (steps_is_done(steps, step))
+            continue;
+        failures++;
+        for (size_t j = 0; j < DT_ARRAY_COUNT(step->needs) && step->needs[j]; j++)
+            waits |= !steps_is_done(steps, steps_find(steps, step->needs[j]));
+        char *reason = waits || steps->options->collect ? NULL : steps_reason(steps, step->file);
+        if (reason)
+            report_error(&steps->console->log, "%s; there is no result of: %s", reason,
+                         step->command);
+        free(reason);
+    }
+    if (failures && steps->options->collect)
+        report_message(&steps->console->log, DT_INFO, "%u of %u steps have no result yet", failures,
+                       steps->count);
+    return failures;
+}
+
+/* The first error in a file of --json; NULL where there is none. */
+static char *read_reason(const struct steps *steps, const char *file, const char *ending)
+{
+    char *path = format_string("%s/%s%s", steps->folder, file, ending), *reason = NULL;
+    size_t size;
+    char *text = path && file_exists(path) ? file_read(path, &size, &steps->console->log) : NULL;
+    cJSON *root = text ? cJSON_Parse(text) : NULL;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(root, "errors"))
+    {
+        if (!reason && strcmp(step_text(item, "severity"), "error") == 0)
+            reason = strdup(step_text(item, "message"));
+    }
+    cJSON_Delete(root);
+    free(text);
+    free(path);
+    return reason;
+}
+
+char *steps_reason(const struct steps *steps, const char *file)
+{
+    const struct step *step = steps_find(steps, file);
+    char *reason = NULL;
+    if (!step || steps_is_done(steps, step))
+        return NULL;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs) && step->needs[i] && !reason; i++)
+        reason = steps_reason(steps, step->needs[i]);
+    if (!reason)
+        reason = read_reason(steps, file, ".failed");
+    if (!reason) /* of a command whose file is a picture */
+        reason = read_reason(steps, file, ".json");
+    if (!reason) {
+        char *said = format_string("%s/%s.txt", steps->folder, file);
+        reason = said && file_exists(said)
+                     ? format_string("%s: was not made, see %s.txt", file, file)
+                     : format_string("%s: has not been made yet", file);
+        free(said);
+    }
+    return reason;
+}
+
+const cJSON *steps_result(struct steps *steps, const char *file)
+{
+    const cJSON *known = cJSON_GetObjectItemCaseSensitive(steps->results, file);
+    if (known)
+        return cJSON_IsNull(known) ? NULL : known;
+    const struct step *step = steps_find(steps, file);
+    char *path = format_string("%s/%s", steps->folder, file);
+    size_t size;
+    char *text = step && path && steps_is_done(steps, step)
+                     ? file_read(path, &size, &steps->console->log)
+                     : NULL;
+    cJSON *result = text ? cJSON_Parse(text) : NULL;
+    cJSON_AddItemToObject(steps->results, file, result ? result : cJSON_CreateNull());
+    free(text);
+    free(path);
+    return result;
+}
+
+double steps_number(struct steps *steps, const char *file, const char *path)
+{
+    const cJSON *at = steps_result(steps, file);
+    char name[64];
+    for (; at && *path; path += *path == '.') {
+        size_t length = strcspn(path, ".");
+        snprintf(name, sizeof name, "%.*s", (int)length, path);
+        at = cJSON_GetObjectItemCaseSensitive(at, name);
+        path += length;
+    }
+    return at && cJSON_IsNumber(at) ? at->valuedouble : NAN;
+}

@@ -1,0 +1,188 @@
+/* `diptych sweep`: one verb over many variations of a spec, scenes and sizes. It writes a folder whose ninja file
+ * has an edge per run, starts ninja there, and sums up. What is over stays over: the same command goes on
+ * where the last one was interrupted. With --measure it is sweep_grid.c's. */
+#include "measure/sweep.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/files.h"
+#include "base/tool.h"
+
+enum { COULD_NOT_RUN = 2 };
+
+const char *sweep_text(const cJSON *object, const char *name)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
+    return text ? text : "";
+}
+
+uint32_t sweep_number(const cJSON *object, const char *name)
+{
+    const cJSON *item = cJSON_GetObjectItem(object, name);
+    return cJSON_IsNumber(item) && item->valuedouble > 0 ? (uint32_t)item->valuedouble : 0;
+}
+
+/* ---- The folder ------------------------------------------------------------------------------ */
+
+static bool is_empty(const char *folder)
+{
+    DIR *listing = opendir(folder);
+    bool empty = true;
+    for (struct dirent *entry = listing ? readdir(listing) : NULL; entry && empty;
+         entry = readdir(listing))
+        empty = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0;
+    if (listing)
+        closedir(listing);
+    return empty;
+}
+
+/* The sweep that the folder holds; NULL, with *good telling whether that is fine. */
+static cJSON *read_sweep(const char *folder, bool wanted, bool *good, const struct dt_log *log)
+{
+    char *path = format_string("%s/sweep.json", folder);
+    size_t size;
+    cJSON *sweep = NULL;
+    *good = path;
+    if (path && (wanted || file_exists(path))) {
+        char *text = file_read(path, &size, log);
+        sweep = text ? cJSON_Parse(text) : NULL;
+        *good = cJSON_IsArray(cJSON_GetObjectItem(sweep, "runs"));
+        if (text && !*good)
+            report_error(log, "%s: is not what diptych sweep writes", path);
+        free(text);
+    } else if (path && !is_empty(folder)) {
+        report_error(log, "%s: holds files, but no sweep; give another folder", folder);
+        *good = false;
+    }
+    free(path);
+    return sweep;
+}
+
+/* Whether the sweep in the folder is the one that is asked for; logs in what they differ. */
+static bool is_same_sweep(const cJSON *former, const cJSON *wanted, const char *folder,
+                          const struct dt_log *log)
+{
+    const cJSON *old = cJSON_GetObjectItem(former, "options"), *item;
+    if (cJSON_Compare(old, wanted, true))
+        return true;
+    const char *name = cJSON_HasObjectItem(old, "random") ? "random" : "grid";
+    cJSON_ArrayForEach(item, wanted)
+    {
+        if (!cJSON_Compare(item, cJSON_GetObjectItem(old, item->string), true)) {
+            name = item->string;
+            break;
+        }
+    }
+    char *was = cJSON_PrintUnformatted(cJSON_GetObjectItem(old, name));
+    report_error(log, "%s: holds another sweep, with --%s %s; give another folder, or remove it",
+                 folder, name, was ? was : "not given");
+    cJSON_free(was);
+    return false;
+}
+
+/* ---- The verb -------------------------------------------------------------------------------- */
+
+static bool run_ninja(struct console *console, const char *folder, uint32_t jobs)
+{
+    static const struct tool ninja = {
+        .what = "ninja", .hint = "install the package ninja-build", .explains = true};
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    char *number = format_string("%ld", jobs ? (long)jobs : processors > 0 ? processors : 1);
+    char *argv[] = {(char *)"ninja", (char *)"-C", (char *)folder, (char *)"-k",
+                    (char *)"0",     (char *)"-j", number,         NULL};
+    unsigned errors = atomic_load(&console->errors);
+    if (number)
+        tool_run(&ninja, argv, STDERR_FILENO, console); /* what failed is in the results */
+    free(number);
+    return number && atomic_load(&console->errors) == errors;
+}
+
+static void tell_redrawn(const struct console *console, const cJSON *sweep, const char *folder)
+{
+    int redrawn = cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "redrawn"));
+    if (redrawn)
+        report_message(
+            &console->log, DT_INFO,
+            "%d draws were no valid spec or too large, and were drawn again; %s/sweep.json "
+            "lists them",
+            redrawn, folder);
+}
+
+/* Plans a sweep, or takes up the one in the folder. NULL, logged. */
+static cJSON *make_sweep(struct console *console, const struct options *options)
+{
+    const struct dt_log *log = &console->log;
+    bool good = false;
+    cJSON *wanted = sweep_options(options, log);
+    cJSON *former = wanted ? read_sweep(options->output, false, &good, log) : NULL;
+    if (former && good && is_same_sweep(former, wanted, options->output, log)) {
+        cJSON_Delete(wanted);
+        return former;
+    }
+    cJSON *sweep = wanted && good && !former ? cJSON_CreateObject() : NULL;
+    if (sweep) {
+        cJSON_AddItemToObject(sweep, "options", wanted);
+        good = sweep_plan(sweep, console);
+    } else {
+        cJSON_Delete(wanted);
+    }
+    cJSON_Delete(former);
+    if (sweep && good)
+        return sweep;
+    cJSON_Delete(sweep);
+    return NULL;
+}
+
+static char *make_folder(const char *path, const struct dt_log *log)
+{
+    char *real = file_make_folders(path, log) ? realpath(path, NULL) : NULL;
+    if (real && strchr(real, '\n')) {
+        report_error(log, "%s: a path with a line break cannot stand in a ninja file", real);
+        free(real);
+        return NULL;
+    }
+    return real;
+}
+
+static int run_sweep(struct console *console, const struct options *options, cJSON *sweep)
+{
+    const struct dt_log *log = &console->log;
+    char *folder = make_folder(options->output, log);
+    int status = COULD_NOT_RUN;
+    bool good = folder && sweep_add_commands(sweep, folder, log);
+    console_hold(console);
+    good = good && sweep_write(sweep, folder, options->slurm, log);
+    console_release(console);
+    if (good)
+        tell_redrawn(console, sweep, folder);
+    if (good && options->slurm) {
+        printf("%s: `sh submit.sh` there hands the runs to Slurm\n", folder);
+        status = EXIT_FINE;
+    } else if (good && run_ninja(console, folder, options->jobs)) {
+        status = sweep_summarise(console, sweep, folder);
+    }
+    free(folder);
+    return status;
+}
+
+int verb_sweep(struct console *console, const struct options *options)
+{
+    bool good = true, measures = false;
+    if (!sweep_measures(options, &measures, &console->log))
+        return COULD_NOT_RUN;
+    if (measures)
+        return sweep_measure(console, options);
+    cJSON *sweep = options->collect ? read_sweep(options->output, true, &good, &console->log)
+                                    : make_sweep(console, options);
+    int status = COULD_NOT_RUN;
+    if (sweep && good)
+        status = options->collect ? sweep_summarise(console, sweep, options->output)
+                                  : run_sweep(console, options, sweep);
+    cJSON_Delete(sweep);
+    return status;
+}

@@ -1,0 +1,50 @@
+/* What the files of `diptych sweep` share. Internal to sweep*.c.
+ *
+ * --measure with more than agree is sweep_grid.c's, whose folder is steps.h's. All else:
+ *
+ * A sweep is a JSON object, the same in memory and in DIR/sweep.json:
+ *   "options"  what makes the sweep; another sweep in the same folder is refused by them
+ *   "inputs"   absolute paths that every run depends on
+ *   "runs"     objects: "scene", "width", "height", "frames", "sets", "exact", "command"; run N is number
+ *              N - 1 of the list; "exact" false: the run's spec promises no equal bits
+ *   "redrawn"  draws of the generator that were no valid spec, with the reason
+ * and in DIR/runs, once run N is over: N.txt, what it said; N.json, what the verb wrote; N.result, its exit
+ * status and milliseconds. */
+#ifndef DIPTYCH_SWEEP_H
+#define DIPTYCH_SWEEP_H
+
+#include <cjson/cJSON.h>
+
+#include "base/console.h"
+#include "base/options.h"
+
+/* sweep.c: members that are there. */
+const char *sweep_text(const cJSON *object, const char *name);
+uint32_t sweep_number(const cJSON *object, const char *name);
+
+/* sweep_plan.c: the member "options"; NULL, logged. */
+cJSON *sweep_options(const struct options *options, const struct dt_log *log);
+/* Adds "inputs", "runs" and "redrawn" to a sweep that has its options; logs the error. */
+bool sweep_plan(cJSON *sweep, struct console *console);
+
+/* Of a row of --grid, PATH=V1,V2,...: whether it is one, logged; how many values it has; one of them as PATH=V, free(). */
+bool sweep_check_row(const char *row, const struct dt_log *log);
+uint32_t sweep_row_width(const char *row);
+char *sweep_row_value(const char *row, uint32_t index);
+
+/* sweep_grid.c: whether --measure wants more than to see the backends agree; false when it is wrong, logged. */
+bool sweep_measures(const struct options *options, bool *wanted, const struct dt_log *log);
+/* Such a sweep, whose folder has nothing of the above. Returns the exit status of the verb. */
+int sweep_measure(struct console *console, const struct options *options);
+
+/* sweep_files.c: gives every run its command, a line for /bin/sh that can be pasted anywhere. */
+bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *log);
+/* Writes sweep.json, commands, run.sh, build.ninja and, with `slurm`, the scripts of a job array into
+ * the folder, an absolute path. */
+bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struct dt_log *log);
+
+/* sweep_summary.c: reads the results, writes summary.json and summary.csv, prints the table. Returns the exit
+ * status of the verb. */
+int sweep_summarise(struct console *console, const cJSON *sweep, const char *folder);
+
+#endif

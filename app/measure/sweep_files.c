@@ -1,0 +1,238 @@
+/* The files of a sweep: its list of commands, the ninja file with an edge per run, the scripts of a Slurm job
+ * array over the same runs, and the small script that all of them start a run with. Called by
+ * sweep.c. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "base/quote.h"
+#include "measure/sweep.h"
+
+/* As many tasks as a Slurm array has at most by default (MaxArraySize less one); a task does every run
+ * that is that far from its first. */
+enum { MOST_TASKS = 1000 };
+
+/* ---- Commands -------------------------------------------------------------------------------- */
+
+static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const char *folder,
+                        int number)
+{
+    static const char *const texts[] = {"backend", "scenes", "device", "context", "fault"};
+    static const char *const flags[] = {"glsl", "debug"};
+    const cJSON *options = cJSON_GetObjectItem(sweep, "options"), *set;
+    quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
+    fprintf(out, " %s", sweep_text(options, "verb"));
+    quote_option(out, "--scene", sweep_text(run, "scene"));
+    quote_option(out, "--spec", sweep_text(options, "spec"));
+    fprintf(out, " --size %ux%u --frames %u", sweep_number(run, "width"),
+            sweep_number(run, "height"), sweep_number(run, "frames"));
+    for (size_t i = 0; i < DT_ARRAY_COUNT(texts); i++) {
+        const cJSON *item = cJSON_GetObjectItem(options, texts[i]);
+        if (item)
+            fprintf(out, " --%s ", texts[i]);
+        if (item)
+            quote_word(out, item->valuestring);
+    }
+    for (size_t i = 0; i < DT_ARRAY_COUNT(flags); i++) {
+        if (cJSON_IsTrue(cJSON_GetObjectItem(options, flags[i])))
+            fprintf(out, " --%s", flags[i]);
+    }
+    cJSON_ArrayForEach(set, cJSON_GetObjectItem(run, "sets"))
+        quote_option(out, "--set", set->valuestring);
+    char *json = format_string("%s/runs/%d.json", folder, number);
+    if (json)
+        quote_option(out, "--json", json);
+    free(json);
+}
+
+bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *log)
+{
+    int number = 0;
+    cJSON *run;
+    cJSON_ArrayForEach(run, cJSON_GetObjectItem(sweep, "runs"))
+    {
+        char *command = NULL;
+        size_t size;
+        FILE *out = open_memstream(&command, &size);
+        if (out)
+            put_command(out, sweep, run, folder, ++number);
+        bool good = out && fclose(out) == 0;
+        cJSON_DeleteItemFromObject(run, "command"); /* of a folder that was elsewhere then */
+        if (good)
+            cJSON_AddStringToObject(run, "command", command);
+        free(command);
+        if (!good) {
+            report_error(log, "out of memory");
+            return false;
+        }
+    }
+    return true;
+}
+
+/* ---- The files' contents --------------------------------------------------------------------- */
+
+/* A run that differs has its verdict and is done; one that could not run fails its edge, and is tried
+ * again; an interrupt ends the script, too, which then leaves no result. */
+static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
+{
+    (void)sweep;
+    (void)folder;
+    fputs("#!/bin/sh\n"
+          "# sh run.sh NUMBER COMMAND...: one run of the sweep. Leaves what it says in\n"
+          "# runs/NUMBER.txt, its exit status and milliseconds in runs/NUMBER.result.\n"
+          "cd \"$(dirname \"$0\")\" || exit 2\n"
+          "number=$1\n"
+          "shift\n"
+          "begin=$(date +%s%N)\n"
+          "\"$@\" >\"runs/$number.txt\" 2>&1 </dev/null\n"
+          "status=$?\n"
+          "echo \"$status $((($(date +%s%N) - begin) / 1000000))\" >\"runs/$number.part\"\n"
+          "mv \"runs/$number.part\" \"runs/$number.result\"\n"
+          "[ $status -le 1 ] || exit $status\n",
+          out);
+}
+
+static void write_commands(FILE *out, const cJSON *sweep, const char *folder)
+{
+    const cJSON *run;
+    (void)folder;
+    cJSON_ArrayForEach(run, cJSON_GetObjectItem(sweep, "runs"))
+        fprintf(out, "%s\n", sweep_text(run, "command"));
+}
+
+static void write_ninja(FILE *out, const cJSON *sweep, const char *folder)
+{
+    const cJSON *item;
+    int number = 0;
+    (void)folder;
+    fputs("# One edge per run; `ninja -k 0` here goes on where it was left.\n"
+          "rule run\n"
+          "  command = sh run.sh $number $command_line\n"
+          "  description = run $number: $what\n\n"
+          "build inputs: phony",
+          out);
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "inputs"))
+    {
+        fputc(' ', out);
+        quote_path(out, item->valuestring);
+    }
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "runs"))
+    {
+        const char *scene = strrchr(sweep_text(item, "scene"), '/');
+        fprintf(out, "\nbuild runs/%d.result: run | inputs\n  number = %d\n  what = ", number + 1,
+                number + 1);
+        quote_value(out, scene ? scene + 1 : "");
+        fprintf(out, " %ux%u\n  command_line = ", sweep_number(item, "width"),
+                sweep_number(item, "height"));
+        quote_value(out, sweep_text(item, "command"));
+        fputc('\n', out);
+        number++;
+    }
+}
+
+/* ---- Slurm ----------------------------------------------------------------------------------- */
+
+static int task_count(const cJSON *sweep)
+{
+    int runs = cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "runs"));
+    return runs < MOST_TASKS ? runs : MOST_TASKS;
+}
+
+static void write_array(FILE *out, const cJSON *sweep, const char *folder)
+{
+    fprintf(out,
+            "#!/bin/sh\n"
+            "#SBATCH --job-name=diptych-sweep\n"
+            "#SBATCH --array=1-%d\n"
+            "# Submitted by submit.sh: a job array over the runs that have no result yet.\n"
+            "cd ",
+            task_count(sweep));
+    quote_word(out, folder);
+    fprintf(out,
+            " || exit 2\n"
+            "number=$SLURM_ARRAY_TASK_ID\n"
+            "status=0\n"
+            "while [ \"$number\" -le %d ]; do\n"
+            "    command=$(sed -n \"${number}p\" commands)\n"
+            "    grep -qs '^[01] ' \"runs/$number.result\" || eval \"sh run.sh $number $command\" "
+            "|| status=1\n"
+            "    number=$((number + %d))\n"
+            "done\n"
+            "exit $status\n",
+            cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "runs")), task_count(sweep));
+}
+
+static void write_collect(FILE *out, const cJSON *sweep, const char *folder)
+{
+    fputs("#!/bin/sh\n"
+          "#SBATCH --job-name=diptych-collect\n"
+          "# Submitted by submit.sh behind the array: the summary of all runs.\n",
+          out);
+    quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
+    fputs(" sweep --collect", out);
+    quote_option(out, "-o", folder);
+    fputc('\n', out);
+}
+
+static void write_submit(FILE *out, const cJSON *sweep, const char *folder)
+{
+    (void)sweep;
+    fputs("#!/bin/sh\n"
+          "# Hands the sweep to Slurm; arguments go to both calls of sbatch, such as\n"
+          "# --partition=NAME. The table ends up in collect.txt.\n"
+          "cd ",
+          out);
+    quote_word(out, folder);
+    fputs(" || exit 2\n"
+          "array=$(sbatch --parsable --output=runs/slurm-%a.txt \"$@\" array.sh) || exit\n"
+          "sbatch --dependency=\"afterany:${array%%;*}\" --output=collect.txt \"$@\" collect.sh\n",
+          out);
+}
+
+/* ---- Writing --------------------------------------------------------------------------------- */
+
+static void write_manifest(FILE *out, const cJSON *sweep, const char *folder)
+{
+    char *text = cJSON_Print(sweep);
+    (void)folder;
+    if (text)
+        fprintf(out, "%s\n", text);
+    cJSON_free(text);
+}
+
+typedef void content_writer(FILE *out, const cJSON *sweep, const char *folder);
+
+static bool write_content(const cJSON *sweep, const char *folder, const char *name,
+                          content_writer *writer, const struct dt_log *log)
+{
+    char *path = format_string("%s/%s", folder, name);
+    struct file_draft draft;
+    if (file_draft_begin(&draft, log))
+        writer(draft.out, sweep, folder);
+    bool good = file_draft_end(&draft, path, log);
+    free(path);
+    return good;
+}
+
+bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struct dt_log *log)
+{
+    static const struct {
+        const char *name;
+        content_writer *writer;
+        bool slurm;
+    } files[] = {
+        {"commands", write_commands, false},   {"run.sh", write_runner, false},
+        {"build.ninja", write_ninja, false},   {"array.sh", write_array, true},
+        {"collect.sh", write_collect, true},   {"submit.sh", write_submit, true},
+        {"sweep.json", write_manifest, false}, /* last: with it the folder is a sweep's */
+    };
+    char *runs = format_string("%s/runs", folder);
+    bool good = runs && file_make_folders(runs, log);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++) {
+        if (slurm || !files[i].slurm)
+            good = write_content(sweep, folder, files[i].name, files[i].writer, log);
+    }
+    free(runs);
+    return good;
+}

@@ -1,0 +1,457 @@
+/* `diptych sweep --measure`: times and errors over a grid of values, scenes, sizes and backends, as CSV and plots. The work
+ * is measure.h's; here stand the points, the plots and the table. Called by sweep.c. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "measure/measure.h"
+#include "measure/plot.h"
+#include "measure/sweep.h"
+
+enum { COULD_NOT_RUN = 2, MOST_POINTS = 100000, LINE_HEIGHT = 18 };
+
+/* One value list of --grid. */
+struct axis {
+    char *path;
+    char **values;
+    uint32_t count;
+    uint32_t stride; /* points from one value to the next */
+};
+
+struct measured_sweep {
+    struct steps steps;
+    struct grid grid;
+    struct axis *axes;
+    uint32_t axis_count;
+    const char **columns;
+    uint32_t combinations; /* of values: points of one scene and size */
+    uint32_t x;            /* axis of the plots */
+    unsigned measures;
+};
+
+/* ---- Options --------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    unsigned measure;
+} measure_names[] = {{"agree", MEASURE_AGREE},
+                     {"time", MEASURE_TIME},
+                     {"error", MEASURE_ERROR},
+                     {"own", MEASURE_OWN}};
+
+static unsigned read_measure(const char *text, size_t length)
+{
+    for (size_t i = 0; i < DT_ARRAY_COUNT(measure_names); i++) {
+        if (strlen(measure_names[i].name) == length &&
+            strncmp(text, measure_names[i].name, length) == 0)
+            return measure_names[i].measure;
+    }
+    return 0;
+}
+
+static bool read_measures(unsigned *measures, const char *list, const struct dt_log *log)
+{
+    *measures = 0;
+    for (const char *at = list; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL) {
+        unsigned measure = read_measure(at, strcspn(at, ","));
+        *measures |= measure;
+        if (measure)
+            continue;
+        report_error(log, "--measure %s: must be some of agree,time,error,own", list);
+        return false;
+    }
+    return true;
+}
+
+bool sweep_measures(const struct options *options, bool *wanted, const struct dt_log *log)
+{
+    unsigned measures = MEASURE_AGREE;
+    bool good = !options->measure || read_measures(&measures, options->measure, log);
+    *wanted = good && measures != MEASURE_AGREE;
+    return good;
+}
+
+static bool check_options(const struct measured_sweep *sweep, const struct options *options,
+                          const struct dt_log *log)
+{
+    unsigned errors = MEASURE_ERROR | MEASURE_OWN;
+    const char *wrong =
+        options->random || options->memory ? "--random goes with --measure agree alone"
+        : options->slurm                   ? "--slurm goes with --measure agree alone"
+        : options->jobs > 1
+            ? "--jobs goes with --measure agree alone: what is measured runs one at a time"
+        : options->device || options->context || options->glsl || options->debug || options->fault
+            ? "--device, --context, --glsl, --debug and --fault go with --measure agree alone; "
+              "--backend takes gl+glsl, osmesa, zink and vk@DEVICE"
+        : !options->scene_list.count                   ? "give at least one --scene FILE"
+        : options->show && !(sweep->measures & errors) ? "--show goes with --measure error or own"
+        : options->warmup && !(sweep->measures & MEASURE_TIME) ? "--warmup goes with --measure time"
+                                                               : NULL;
+    if (wrong)
+        report_error(log, "sweep: %s; see diptych sweep --help", wrong);
+    return !wrong;
+}
+
+/* ---- Axes ------------------------------------------------------------------------------------ */
+
+static bool read_axis(struct axis *axis, const char *row, const struct dt_log *log)
+{
+    if (!sweep_check_row(row, log))
+        return false;
+    axis->count = sweep_row_width(row);
+    axis->path = strndup(row, strcspn(row, "="));
+    axis->values = calloc(axis->count, sizeof *axis->values);
+    bool good = axis->path && axis->values;
+    for (uint32_t i = 0; i < axis->count && good; i++) {
+        char *set = sweep_row_value(row, i);
+        axis->values[i] = set ? strdup(strchr(set, '=') + 1) : NULL;
+        good = axis->values[i];
+        free(set);
+    }
+    if (!good)
+        report_error(log, "out of memory");
+    return good;
+}
+
+static bool find_x(struct measured_sweep *sweep, const char *name, const struct dt_log *log)
+{
+    for (uint32_t i = 0; i < sweep->axis_count; i++) {
+        if (!name || strcmp(sweep->axes[i].path, name) == 0) {
+            sweep->x = i;
+            return true;
+        }
+    }
+    if (name)
+        report_error(log, "--x %s: must be the path of a --grid", name);
+    return !name;
+}
+
+/* The last axis turns fastest. */
+static bool read_axes(struct measured_sweep *sweep, const struct options *options,
+                      const struct dt_log *log)
+{
+    const struct text_list *rows = &options->grid;
+    uint64_t combinations = 1;
+    bool good = true;
+    sweep->axes = calloc(rows->count + 1, sizeof *sweep->axes);
+    sweep->columns = calloc(rows->count + 1, sizeof *sweep->columns);
+    if (!sweep->axes || !sweep->columns) {
+        report_error(log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < rows->count && good; i++) {
+        sweep->axis_count = i + 1;
+        good = read_axis(&sweep->axes[i], rows->items[i], log);
+        sweep->columns[i] = sweep->axes[i].path;
+    }
+    for (uint32_t i = sweep->axis_count; i-- > 0 && good && combinations <= MOST_POINTS;) {
+        sweep->axes[i].stride = (uint32_t)combinations;
+        combinations *= sweep->axes[i].count;
+    }
+    uint32_t sizes = options->size_list.count ? options->size_list.count : 1;
+    if (good && combinations * sizes * options->scene_list.count > MOST_POINTS) {
+        report_error(log, "the grid has more than %d points; give fewer values", MOST_POINTS);
+        return false;
+    }
+    sweep->combinations = (uint32_t)combinations;
+    return good && find_x(sweep, options->x, log);
+}
+
+static uint32_t value_index(const struct axis *axis, uint32_t combination)
+{
+    return combination / axis->stride % axis->count;
+}
+
+/* ---- Points ---------------------------------------------------------------------------------- */
+
+static bool fill_point(struct measured_sweep *sweep, struct grid_point *point, uint32_t combination)
+{
+    char *size = format_string("%ux%u", point->size[0], point->size[1]);
+    point->values = calloc(sweep->axis_count + 1, sizeof *point->values);
+    point->sets = cJSON_CreateArray();
+    point->measures = sweep->measures;
+    point->reference =
+        size ? format_string("%s/reference_%s.json", point->scene->name, size) : NULL;
+    bool good = size && point->values && point->sets && point->reference;
+    for (uint32_t i = 0; i < sweep->axis_count && good; i++) {
+        const struct axis *axis = &sweep->axes[i];
+        point->values[i] = strdup(axis->values[value_index(axis, combination)]);
+        char *set = format_string("%s=%s", axis->path, point->values[i] ? point->values[i] : "");
+        cJSON_AddItemToArray(point->sets, cJSON_CreateString(set ? set : ""));
+        good = point->values[i] && set;
+        free(set);
+    }
+    point->name = good ? grid_name(&sweep->grid, point, size) : NULL;
+    if (sweep->axis_count) {
+        const struct axis *x = &sweep->axes[sweep->x];
+        point->last = point + (size_t)(x->count - 1 - value_index(x, combination)) * x->stride;
+    } else {
+        point->last = point;
+    }
+    free(size);
+    return good && point->name;
+}
+
+static bool plan_scene(struct measured_sweep *sweep, const struct step_scene *scene,
+                       const uint32_t size[2], uint32_t first)
+{
+    const struct options *options = sweep->steps.options;
+    const struct dt_log *log = &sweep->steps.console->log;
+    char *name = format_string("reference_%ux%u", size[0], size[1]);
+    bool good = name;
+    for (uint32_t i = 0; i < sweep->combinations && good; i++) {
+        struct grid_point *point = &sweep->grid.points[first + i];
+        point->scene = scene;
+        memcpy(point->size, size, sizeof point->size);
+        good = fill_point(sweep, point, i);
+    }
+    if (!good)
+        report_error(log, "out of memory");
+    const struct reference reference = {.scene = scene,
+                                        .size = size,
+                                        .name = name,
+                                        .bounces = options->bounces,
+                                        .from_bounce = options->from_bounce,
+                                        .quantity = options->quantity};
+    good =
+        good &&
+        (!(sweep->measures & MEASURE_ERROR) || measure_add_reference(&sweep->steps, &reference)) &&
+        grid_plan(&sweep->grid, first, first + sweep->combinations);
+    free(name);
+    return good;
+}
+
+static bool plan(struct measured_sweep *sweep)
+{
+    struct steps *steps = &sweep->steps;
+    const struct options *options = steps->options;
+    const struct dt_log *log = &steps->console->log;
+    static const char *default_size = "1920x1080";
+    const struct text_list one = {&default_size, 1},
+                           *sizes = options->size_list.count ? &options->size_list : &one;
+    uint32_t here = 0, first = 0, size[2];
+    for (uint32_t i = 0; i < steps->scene_count; i++)
+        here += steps->scenes[i].mesh != NULL;
+    sweep->grid = (struct grid){.columns = sweep->columns,
+                                .column_count = sweep->axis_count,
+                                .pictured = steps->sides.count,
+                                .frames = options->run_frames,
+                                .show = options->show};
+    if (!(sweep->measures & (MEASURE_ERROR | MEASURE_OWN)))
+        sweep->grid.pictured = 0;
+    bool good = grid_begin(&sweep->grid, steps, here * sizes->count * sweep->combinations);
+    for (uint32_t i = 0; i < steps->scene_count && good; i++) {
+        for (uint32_t j = 0; j < sizes->count && steps->scenes[i].mesh && good; j++) {
+            good = option_size(sizes->items[j], size, log) &&
+                   plan_scene(sweep, &steps->scenes[i], size, first);
+            first += sweep->combinations;
+        }
+    }
+    return good;
+}
+
+/* ---- Plots ----------------------------------------------------------------------------------- */
+
+static const struct plotted {
+    const char *column, *low, *high; /* the last two: of a bar, or NULL */
+    const char *label;
+} plotted[] = {
+    {"frame_ms", "frame_ms_p5", "frame_ms_p95", "milliseconds per frame"},
+    {"relative_mse", NULL, NULL, "relative MSE against the reference"},
+    {"flip", NULL, NULL, "FLIP against the reference"},
+    {"own_relative_mse", NULL, NULL, "relative MSE against the last value"},
+};
+
+/* Scene, size, backend and the values of the other axes, as far as there are several. */
+static char *line_title(const struct measured_sweep *sweep, const struct grid_point *point,
+                        uint32_t side)
+{
+    const struct steps *steps = &sweep->steps;
+    char *title = NULL;
+    size_t size;
+    FILE *out = open_memstream(&title, &size);
+    if (!out)
+        return NULL;
+    fprintf(out, "%s, ", point->scene->name);
+    if (steps->options->size_list.count > 1)
+        fprintf(out, "%ux%u, ", point->size[0], point->size[1]);
+    for (uint32_t i = 0; i < sweep->axis_count; i++) {
+        if (i != sweep->x && sweep->axes[i].count > 1)
+            fprintf(out, "%s %s, ", sweep->axes[i].path, point->values[i]);
+    }
+    fputs(steps->sides.list[side].label, out);
+    fclose(out);
+    return title;
+}
+
+/* Along the x axis from a point that has its first value. */
+static void put_line(struct plot *plot, const struct measured_sweep *sweep, uint32_t first,
+                     uint32_t side, const struct plotted *what)
+{
+    const struct axis *x = &sweep->axes[sweep->x];
+    uint32_t sides = sweep->steps.sides.count;
+    char *title = line_title(sweep, &sweep->grid.points[first], side);
+    uint32_t combination = plot->line_count / sides;
+    plot_line(plot, title ? title : "", combination % PLOT_COLOURS + 1, side % 5 + 1, what->low);
+    for (uint32_t i = 0; i < x->count; i++) {
+        const struct grid_point *point = &sweep->grid.points[first + (size_t)i * x->stride];
+        plot_point(plot, plot_x(plot, i), grid_number(&sweep->grid, point, side, what->column),
+                   what->low ? grid_number(&sweep->grid, point, side, what->low) : NAN,
+                   what->high ? grid_number(&sweep->grid, point, side, what->high) : NAN);
+    }
+    free(title);
+}
+
+static bool draw_plot(struct measured_sweep *sweep, const struct plotted *what)
+{
+    struct console *console = sweep->steps.console;
+    const struct axis *x = &sweep->axes[sweep->x];
+    uint32_t sides = sweep->steps.sides.count, lines = sweep->grid.count / x->count * sides;
+    struct plot plot = {.x_label = x->path,
+                        .y_label = what->label,
+                        .values = (const char *const *)x->values,
+                        .value_count = x->count,
+                        .beside = true};
+    if (lines * LINE_HEIGHT + 60 > PLOT_HEIGHT)
+        plot.height = (int)(lines * LINE_HEIGHT + 60);
+    bool good = plot_begin(&plot, &console->log);
+    for (uint32_t i = 0; i < sweep->grid.count && good; i++) {
+        if (value_index(x, i % sweep->combinations) != 0)
+            continue;
+        for (uint32_t side = 0; side < sides; side++)
+            put_line(&plot, sweep, i, side, what);
+    }
+    good = good && plot_draw(&plot, console, sweep->steps.folder, what->column);
+    plot_free(&plot);
+    return good;
+}
+
+/* ---- The table ------------------------------------------------------------------------------- */
+
+static const char *const table_columns[] = {"frame_ms", "relative_mse", "flip", "own_relative_mse"};
+
+static bool has_column(const struct measured_sweep *sweep, size_t column)
+{
+    static const unsigned measures[] = {MEASURE_TIME, MEASURE_ERROR, MEASURE_ERROR, MEASURE_OWN};
+    return sweep->measures & measures[column];
+}
+
+static void print_row(const struct measured_sweep *sweep, const struct grid_point *point,
+                      uint32_t side, const char *reason)
+{
+    char size[32];
+    snprintf(size, sizeof size, "%ux%u", point->size[0], point->size[1]);
+    printf("%-14s %-8s %9s", point->scene->name, sweep->steps.sides.list[side].label, size);
+    for (uint32_t i = 0; i < sweep->axis_count; i++)
+        printf("  %*s", (int)strlen(sweep->axes[i].path), point->values[i]);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(table_columns); i++) {
+        double value = grid_number(&sweep->grid, point, side, table_columns[i]);
+        if (has_column(sweep, i) && isnan(value))
+            printf("  %16s", "-");
+        else if (has_column(sweep, i))
+            printf("  %16.5g", value);
+    }
+    printf("%s%s\n", reason ? "  " : "", reason ? reason : "");
+}
+
+/* Prints the rows; counts those that are not whole. */
+static uint32_t print_table(const struct measured_sweep *sweep)
+{
+    uint32_t failed = 0, rows = 0;
+    printf("%-14s %-8s %9s", "scene", "backend", "size");
+    for (uint32_t i = 0; i < sweep->axis_count; i++)
+        printf("  %s", sweep->axes[i].path);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(table_columns); i++) {
+        if (has_column(sweep, i))
+            printf("  %16s", table_columns[i]);
+    }
+    printf("\n");
+    for (uint32_t i = 0; i < sweep->grid.count; i++) {
+        for (uint32_t side = 0; side < sweep->steps.sides.count; side++, rows++) {
+            char *reason = grid_reason(&sweep->grid, &sweep->grid.points[i], side);
+            failed += reason != NULL;
+            print_row(sweep, &sweep->grid.points[i], side, reason);
+            free(reason);
+        }
+    }
+    printf("\n%u rows in %s/rows.csv: %u done, %u failed\n", rows, sweep->steps.folder,
+           rows - failed, failed);
+    return failed;
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+static cJSON *sweep_json(const struct measured_sweep *sweep, uint32_t failed)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "spec", sweep->steps.spec);
+    cJSON_AddStringToObject(root, "folder", sweep->steps.folder);
+    cJSON_AddStringToObject(root, "csv", "rows.csv");
+    cJSON_AddNumberToObject(root, "failed", failed);
+    cJSON_AddItemToObject(root, "rows", grid_json(&sweep->grid));
+    return root;
+}
+
+static bool any_differs(const cJSON *rows)
+{
+    const cJSON *row;
+    bool differs = false;
+    cJSON_ArrayForEach(row, rows) differs |= strcmp(step_text(row, "agree"), "no") == 0;
+    return differs;
+}
+
+/* Rows, plots and table of what there is. */
+static int summarise(struct measured_sweep *sweep)
+{
+    struct console *console = sweep->steps.console;
+    char *csv = format_string("%s/rows.csv", sweep->steps.folder);
+    bool good = grid_read(&sweep->grid);
+    console_hold(console);
+    good = good && csv && grid_write_csv(&sweep->grid, csv);
+    console_release(console);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(plotted) && good && sweep->axis_count; i++)
+        good = draw_plot(sweep, &plotted[i]);
+    free(csv);
+    if (!good)
+        return COULD_NOT_RUN;
+    uint32_t failed = print_table(sweep);
+    console->result = sweep_json(sweep, failed);
+    if (failed)
+        return COULD_NOT_RUN;
+    return any_differs(cJSON_GetObjectItem(console->result, "rows")) ? EXIT_DIFFER : EXIT_FINE;
+}
+
+static void sweep_free(struct measured_sweep *sweep)
+{
+    for (uint32_t i = 0; i < sweep->axis_count; i++) {
+        for (uint32_t j = 0; j < sweep->axes[i].count && sweep->axes[i].values; j++)
+            free(sweep->axes[i].values[j]);
+        free(sweep->axes[i].values);
+        free(sweep->axes[i].path);
+    }
+    grid_free(&sweep->grid);
+    steps_free(&sweep->steps);
+    free(sweep->columns);
+    free(sweep->axes);
+}
+
+int sweep_measure(struct console *console, const struct options *options)
+{
+    const struct dt_log *log = &console->log;
+    struct measured_sweep sweep = {0};
+    struct steps *steps = &sweep.steps;
+    int status = COULD_NOT_RUN;
+    bool good = read_measures(&sweep.measures, options->measure, log) &&
+                check_options(&sweep, options, log) && read_axes(&sweep, options, log) &&
+                steps_begin(steps, "sweep", console, options) &&
+                steps_find_scenes(steps, options->scene_list.items, options->scene_list.count) &&
+                plot_has_gnuplot(console) && steps_check_spec(steps) && steps_make_folder(steps) &&
+                plan(&sweep);
+    if (good && (options->collect || steps_run(steps))) {
+        status = summarise(&sweep);
+        steps_count_failures(steps);
+    }
+    sweep_free(&sweep);
+    return status;
+}

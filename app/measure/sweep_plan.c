@@ -1,0 +1,326 @@
+/* Which runs a sweep has: random variations of a spec, asked of the generator, or a grid over values. Called by
+ * sweep.c. */
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "base/tool.h"
+#include "build/pipeline.h"
+#include "measure/sweep.h"
+
+enum { MOST_RUNS = 100000, DEFAULT_MEMORY = 64 };
+
+/* ---- Options --------------------------------------------------------------------------------- */
+
+static void add_texts(cJSON *object, const char *name, const struct text_list *list)
+{
+    cJSON *array = cJSON_AddArrayToObject(object, name);
+    for (uint32_t i = 0; i < list->count; i++)
+        cJSON_AddItemToArray(array, cJSON_CreateString(list->items[i]));
+}
+
+static void add_text(cJSON *object, const char *name, const char *text)
+{
+    if (text)
+        cJSON_AddStringToObject(object, name, text);
+}
+
+/* Adds the absolute path, since the runs start elsewhere. */
+static bool add_path(cJSON *array, const char *path, const struct dt_log *log)
+{
+    char *real = realpath(path, NULL);
+    if (!real)
+        report_error(log, "%s: cannot be read: %s", path, strerror(errno));
+    else if (strpbrk(real, "\n|"))
+        report_error(log, "%s: a path with a line break or a | cannot stand in a ninja file", real);
+    else
+        cJSON_AddItemToArray(array, cJSON_CreateString(real));
+    bool good = real && !strpbrk(real, "\n|");
+    free(real);
+    return good;
+}
+
+static void add_runs_wanted(cJSON *root, const struct options *options)
+{
+    static const char *default_size = "64x64";
+    const struct text_list one_size = {&default_size, 1};
+    if (options->random) {
+        cJSON_AddNumberToObject(root, "random", options->random);
+        cJSON_AddNumberToObject(root, "seed", options->seed ? options->seed : 1);
+        cJSON_AddNumberToObject(root, "memory", options->memory ? options->memory : DEFAULT_MEMORY);
+        add_texts(root, "size", &options->size_list);
+    } else {
+        add_texts(root, "grid", &options->grid);
+        add_texts(root, "size", options->size_list.count ? &options->size_list : &one_size);
+    }
+    cJSON_AddNumberToObject(root, "frames", options->run_frames);
+}
+
+bool sweep_check_row(const char *row, const struct dt_log *log)
+{
+    const char *equals = strchr(row, '=');
+    bool good = equals && equals > row && equals[1];
+    if (!good)
+        report_error(log, "--grid %s: must be PATH=V1,V2,..., like clusters=4,8", row);
+    return good;
+}
+
+static bool check_wanted(const struct options *options, const struct dt_log *log)
+{
+    const char *wrong = !options->random == !options->grid.count
+                            ? "give --random N or --grid PATH=V1,V2,..."
+                        : !options->scene_list.count          ? "give at least one --scene FILE"
+                        : options->memory && !options->random ? "--memory goes with --random"
+                                                              : NULL;
+    if (wrong)
+        report_error(log, "sweep: %s; see diptych sweep --help", wrong);
+    for (uint32_t i = 0; i < options->grid.count && !wrong; i++) {
+        wrong = sweep_check_row(options->grid.items[i], log) ? NULL : "grid";
+    }
+    uint32_t size[2];
+    for (uint32_t i = 0; i < options->size_list.count && !wrong; i++)
+        wrong = option_size(options->size_list.items[i], size, log) ? NULL : "size";
+    return !wrong;
+}
+
+/* What changes a run or its verdict, under the names of the command line. */
+cJSON *sweep_options(const struct options *options, const struct dt_log *log)
+{
+    if (!check_wanted(options, log))
+        return NULL;
+    char *spec = pipeline_spec_path(options->spec, log);
+    char *folder = options->scenes ? realpath(options->scenes, NULL) : NULL;
+    cJSON *root = cJSON_CreateObject();
+    bool good = spec;
+    add_text(root, "verb", options->verb ? options->verb : "compare");
+    add_text(root, "spec", spec);
+    cJSON *scenes = cJSON_AddArrayToObject(root, "scene");
+    for (uint32_t i = 0; i < options->scene_list.count; i++)
+        good = good && add_path(scenes, options->scene_list.items[i], log);
+    if (options->scenes && !folder) {
+        report_error(log, "--scenes %s: %s", options->scenes, strerror(errno));
+        good = false;
+    }
+    add_texts(root, "set", &(struct text_list){options->sets, options->set_count});
+    add_runs_wanted(root, options);
+    add_text(root, "scenes", folder);
+    add_text(root, "backend", options->backend);
+    add_text(root, "device", options->device);
+    add_text(root, "context", options->context);
+    add_text(root, "fault", options->fault);
+    cJSON_AddBoolToObject(root, "glsl", options->glsl);
+    cJSON_AddBoolToObject(root, "debug", options->debug);
+    free(folder);
+    free(spec);
+    if (good)
+        return root;
+    cJSON_Delete(root);
+    return NULL;
+}
+
+/* ---- The generator --------------------------------------------------------------------------- */
+
+/* The generator's list of variations, none of them when the sweep is a grid, and of the files that the
+ * spec is made of; NULL, logged. */
+static cJSON *ask_generator(struct console *console, const cJSON *options)
+{
+    static const struct tool generator = {
+        .what = "varying the spec", .hint = "build the project with ninja", .explains = true};
+    const cJSON *sets = cJSON_GetObjectItem(options, "set"), *set;
+    bool random = cJSON_HasObjectItem(options, "random");
+    char *folder = tools_folder(&console->log), *templates = templates_folder(&console->log);
+    char *parts[] = {
+        format_string("%s/diptych-gen", folder ? folder : ""),
+        format_string("--templates=%s", templates ? templates : ""),
+        format_string("--variations=%u", random ? sweep_number(options, "random") : 0),
+        format_string("--seed=%u", random ? sweep_number(options, "seed") : 1),
+        format_string("--memory=%u", random ? sweep_number(options, "memory") : DEFAULT_MEMORY)};
+    char **argv = calloc((size_t)cJSON_GetArraySize(sets) * 2 + 7, sizeof *argv);
+    size_t n = 0;
+    bool good = folder && templates && argv;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(parts) && good; i++) {
+        good = parts[i];
+        argv[n++] = parts[i];
+    }
+    if (good)
+        argv[n++] = (char *)sweep_text(options, "spec");
+    for (set = sets->child; set && good; set = set->next) {
+        argv[n++] = (char *)"--set";
+        argv[n++] = set->valuestring;
+    }
+    char *text = good ? tool_read(&generator, argv, console) : NULL;
+    cJSON *answer = text ? cJSON_Parse(text) : NULL;
+    if (!good || (text && !answer))
+        report_error(&console->log, "the generator's variations cannot be read");
+    free(text);
+    free(argv);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
+        free(parts[i]);
+    free(templates);
+    free(folder);
+    return answer;
+}
+
+/* ---- Runs ------------------------------------------------------------------------------------ */
+
+static void add_run(cJSON *runs, const char *scene, const uint32_t size[2], uint32_t frames,
+                    bool exact, cJSON *sets)
+{
+    cJSON *run = cJSON_CreateObject();
+    cJSON_AddStringToObject(run, "scene", scene);
+    cJSON_AddNumberToObject(run, "width", size[0]);
+    cJSON_AddNumberToObject(run, "height", size[1]);
+    cJSON_AddNumberToObject(run, "frames", frames);
+    cJSON_AddBoolToObject(run, "exact", exact);
+    cJSON_AddItemToObject(run, "sets", sets);
+    cJSON_AddItemToArray(runs, run);
+}
+
+/* The sets of the command line stand behind those of the run, and win. */
+static void append_texts(cJSON *array, const cJSON *more)
+{
+    for (const cJSON *item = more->child; item; item = item->next)
+        cJSON_AddItemToArray(array, cJSON_CreateString(item->valuestring));
+}
+
+/* Scenes and the sizes of the command line, which stand in place of those that were drawn, take turns from
+ * draw to draw: an exact run and its fast twin have the same. */
+static bool add_random_runs(cJSON *runs, const cJSON *options, const cJSON *variations,
+                            const struct dt_log *log)
+{
+    const cJSON *scenes = cJSON_GetObjectItem(options, "scene");
+    const cJSON *sizes = cJSON_GetObjectItem(options, "size");
+    int scene_count = cJSON_GetArraySize(scenes), size_count = cJSON_GetArraySize(sizes);
+    for (const cJSON *item = variations->child; item; item = item->next) {
+        uint32_t size[2] = {sweep_number(item, "width"), sweep_number(item, "height")};
+        uint32_t frames = sweep_number(options, "frames");
+        int turn = (int)sweep_number(item, "draw");
+        const cJSON *scene = cJSON_GetArrayItem(scenes, turn % scene_count);
+        if (size_count &&
+            !option_size(cJSON_GetArrayItem(sizes, turn % size_count)->valuestring, size, log))
+            return false;
+        cJSON *sets = cJSON_Duplicate(cJSON_GetObjectItem(item, "sets"), true);
+        append_texts(sets, cJSON_GetObjectItem(options, "set"));
+        add_run(runs, scene->valuestring, size, frames ? frames : sweep_number(item, "frames"),
+                cJSON_IsTrue(cJSON_GetObjectItem(item, "exact")), sets);
+    }
+    return true;
+}
+
+/* The length of the first value of a list like 1,[2,3],4: up to a comma outside brackets. */
+static size_t value_length(const char *text)
+{
+    int depth = 0;
+    size_t length = 0;
+    for (; text[length] && (text[length] != ',' || depth > 0); length++)
+        depth += (text[length] == '[' || text[length] == '{') -
+                 (text[length] == ']' || text[length] == '}');
+    return length;
+}
+
+/* Value number `index` of a row PATH=V1,V2,... as PATH=V; free(). */
+char *sweep_row_value(const char *row, uint32_t index)
+{
+    const char *value = strchr(row, '=') + 1;
+    for (; index > 0; index--)
+        value += value_length(value) + 1;
+    return format_string("%.*s%.*s", (int)(strchr(row, '=') + 1 - row), row,
+                         (int)value_length(value), value);
+}
+
+/* How many values a row has: at least one. */
+uint32_t sweep_row_width(const char *row)
+{
+    uint32_t count = 1;
+    const char *value = strchr(row, '=') + 1;
+    while (value[value_length(value)]) {
+        value += value_length(value) + 1;
+        count++;
+    }
+    return count;
+}
+
+/* The values that point `index` of the grid takes; the last row turns fastest. */
+static cJSON *grid_sets(const cJSON *grid, uint32_t index)
+{
+    cJSON *sets = cJSON_CreateArray();
+    for (int i = cJSON_GetArraySize(grid) - 1; i >= 0; i--) {
+        const char *row = cJSON_GetArrayItem(grid, i)->valuestring;
+        uint32_t width = sweep_row_width(row);
+        char *set = sweep_row_value(row, index % width);
+        cJSON_InsertItemInArray(sets, 0, cJSON_CreateString(set ? set : row));
+        free(set);
+        index /= width;
+    }
+    return sets;
+}
+
+static bool add_grid_runs(cJSON *runs, const cJSON *options, const struct dt_log *log)
+{
+    const cJSON *grid = cJSON_GetObjectItem(options, "grid"), *scene, *size;
+    const cJSON *sizes = cJSON_GetObjectItem(options, "size");
+    uint32_t frames = sweep_number(options, "frames");
+    uint64_t points = 1, turns = (uint64_t)cJSON_GetArraySize(sizes);
+    turns *= (uint64_t)cJSON_GetArraySize(cJSON_GetObjectItem(options, "scene"));
+    for (const cJSON *row = grid->child; row && points <= MOST_RUNS; row = row->next)
+        points *= sweep_row_width(row->valuestring);
+    if (points * turns > MOST_RUNS) {
+        report_error(log, "the grid has more than %d runs; give fewer values", MOST_RUNS);
+        return false;
+    }
+    cJSON_ArrayForEach(scene, cJSON_GetObjectItem(options, "scene")) cJSON_ArrayForEach(size, sizes)
+    {
+        uint32_t sides[2];
+        if (!option_size(size->valuestring, sides, log))
+            return false;
+        for (uint32_t i = 0; i < points; i++) {
+            cJSON *sets = grid_sets(grid, i);
+            append_texts(sets, cJSON_GetObjectItem(options, "set"));
+            add_run(runs, scene->valuestring, sides, frames ? frames : 1, true, sets);
+        }
+    }
+    return true;
+}
+
+/* ---- All of it ------------------------------------------------------------------------------- */
+
+/* The spec, its bodies, the scenes, and the executables: when one of them changes, a run is done again. */
+static bool add_inputs(cJSON *sweep, const cJSON *answer, const struct dt_log *log)
+{
+    const cJSON *item, *options = cJSON_GetObjectItem(sweep, "options");
+    cJSON *inputs = cJSON_AddArrayToObject(sweep, "inputs");
+    char *folder = tools_folder(log);
+    char *tools[] = {format_string("%s/diptych", folder ? folder : ""),
+                     format_string("%s/diptych-gen", folder ? folder : "")};
+    bool good = folder && tools[0] && tools[1] && add_path(inputs, tools[0], log) &&
+                add_path(inputs, tools[1], log);
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(answer, "inputs")) good =
+        good && add_path(inputs, item->valuestring, log);
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(options, "scene")) good =
+        good && add_path(inputs, item->valuestring, log);
+    free(tools[0]);
+    free(tools[1]);
+    free(folder);
+    return good;
+}
+
+bool sweep_plan(cJSON *sweep, struct console *console)
+{
+    const struct dt_log *log = &console->log;
+    const cJSON *options = cJSON_GetObjectItem(sweep, "options");
+    console_status(console, "drawing variations");
+    cJSON *answer = ask_generator(console, options);
+    console_status(console, "%s", "");
+    bool good = answer && add_inputs(sweep, answer, log);
+    cJSON *runs = cJSON_AddArrayToObject(sweep, "runs");
+    if (good && cJSON_HasObjectItem(options, "random"))
+        good = add_random_runs(runs, options, cJSON_GetObjectItem(answer, "variations"), log);
+    else if (good)
+        good = add_grid_runs(runs, options, log);
+    if (good)
+        cJSON_AddItemToObject(sweep, "redrawn", cJSON_DetachItemFromObject(answer, "redrawn"));
+    cJSON_Delete(answer);
+    return good;
+}

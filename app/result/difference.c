@@ -1,0 +1,255 @@
+/* Measures differences; see difference.h. Nearly all copies are equal, so that is found out first and
+ * fast. */
+#include "result/difference.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The numbers of an element, and whether nothing but numbers of one kind lies in the resource. */
+struct numbers {
+    struct component *components;
+    uint32_t count, stride;
+    bool packed;
+};
+
+static bool numbers_of(struct numbers *numbers, const struct dt_resource *resource)
+{
+    numbers->count = resource_components(resource, &numbers->components);
+    numbers->stride = resource_stride(resource);
+    numbers->packed = numbers->count > 0;
+    if (!numbers->count)
+        return false;
+    enum number_kind kind = numbers->components[0].kind;
+    for (uint32_t i = 0; i < numbers->count; i++)
+        numbers->packed &= numbers->components[i].kind == kind;
+    numbers->packed &= numbers->count * number_size(kind) == numbers->stride;
+    return true;
+}
+
+static bool is_float(enum number_kind kind)
+{
+    return kind == NUMBER_FLOAT || kind == NUMBER_HALF;
+}
+
+/* NaN or Inf: all bits of the exponent. */
+static bool not_finite(enum number_kind kind, uint32_t bits)
+{
+    if (kind == NUMBER_FLOAT)
+        return (bits & 0x7f800000) == 0x7f800000;
+    return kind == NUMBER_HALF && (bits & 0x7c00) == 0x7c00;
+}
+
+/* Whether any of the numbers is NaN or Inf, 8 bytes at a time: the exponent plus one in its last
+ * place carries into the sign's bit only when all bits of the exponent are set. */
+static bool any_not_finite(enum number_kind kind, const uint8_t *data, size_t size)
+{
+    bool half = kind == NUMBER_HALF;
+    const uint64_t exponent = half ? UINT64_C(0x7c007c007c007c00) : UINT64_C(0x7f8000007f800000);
+    const uint64_t one = half ? UINT64_C(0x0400040004000400) : UINT64_C(0x0080000000800000);
+    const uint64_t carry = half ? UINT64_C(0x8000800080008000) : UINT64_C(0x8000000080000000);
+    uint64_t found = 0, word = 0;
+    if (!is_float(kind))
+        return false;
+    for (; size >= sizeof word; size -= sizeof word, data += sizeof word) {
+        memcpy(&word, data, sizeof word);
+        found |= (word & exponent) + one;
+    }
+    word = 0;
+    memcpy(&word, data, size);
+    found |= (word & exponent) + one;
+    return found & carry;
+}
+
+/* ---- One number ------------------------------------------------------------------------------ */
+
+/* Floats in order of value become integers in order: neighbours are 1 apart, -0 and +0 are the
+ * same. */
+static double ordered(enum number_kind kind, uint32_t bits)
+{
+    uint32_t sign = kind == NUMBER_HALF ? 0x8000u : 0x80000000u;
+    return bits & sign ? -(double)(bits & ~sign) : (double)bits;
+}
+
+static double measure(enum dt_contract_kind contract, enum number_kind kind, const uint32_t bits[2],
+                      const double values[2])
+{
+    if (not_finite(kind, bits[0]) || not_finite(kind, bits[1]))
+        return INFINITY;
+    double apart = fabs(values[0] - values[1]);
+    double size = fmax(fabs(values[0]), fabs(values[1]));
+    double codes = fabs((double)bits[0] - (double)bits[1]);
+    if (kind == NUMBER_UNORM8) /* rounded once, so that 5 codes are no more than 5/255 */
+        apart = codes / 255;
+    switch (contract) {
+    case DT_CONTRACT_ULP:
+        if (is_float(kind))
+            return fabs(ordered(kind, bits[0]) - ordered(kind, bits[1]));
+        return kind == NUMBER_UNORM8 ? codes : apart;
+    case DT_CONTRACT_REL:
+        return size > 0 ? apart / size : 0;
+    case DT_CONTRACT_FLIPS: /* labels have no distance: the first is the worst */
+        return 1;
+    case DT_CONTRACT_EXACT:
+    case DT_CONTRACT_ABS:
+    case DT_CONTRACT_IMAGE:
+        break;
+    }
+    return apart;
+}
+
+/* Whether a number that differs is beyond the tolerance of one number; how many elements may be is
+ * another question. */
+static bool is_beyond(const struct dt_contract *contract, double error)
+{
+    switch (contract->kind) {
+    case DT_CONTRACT_EXACT:
+    case DT_CONTRACT_FLIPS:
+        return true;
+    case DT_CONTRACT_ULP:
+    case DT_CONTRACT_ABS:
+    case DT_CONTRACT_REL:
+    case DT_CONTRACT_IMAGE:
+        break;
+    }
+    return !(error <= contract->tolerance);
+}
+
+/* How many elements of a frame may be beyond the tolerance. A share of 29 % of 100 is 29, whatever
+ * the last bit of 0.29 is. */
+static uint64_t allowed(const struct dt_contract *contract, uint64_t elements)
+{
+    if (contract->kind == DT_CONTRACT_IMAGE)
+        return (uint64_t)(contract->outliers * (double)elements + 1e-6);
+    return contract->kind == DT_CONTRACT_FLIPS ? (uint64_t)contract->tolerance : 0;
+}
+
+/* ---- One frame ------------------------------------------------------------------------------- */
+
+struct frame {
+    const struct dt_contract *contract;
+    const struct numbers *numbers;
+    const struct dt_bytes *copies;
+    uint32_t index;
+    uint64_t beyond, not_finite;
+};
+
+static void keep_flip(struct difference *difference, const struct number_pair *pair)
+{
+    if (difference->flip_count < MOST_FLIPS)
+        difference->flips[difference->flip_count++] = (struct flip){.pair = *pair};
+}
+
+static void add_element(struct difference *difference, struct frame *frame, uint64_t element)
+{
+    bool differs = false, beyond = false;
+    for (uint32_t c = 0; c < frame->numbers->count; c++) {
+        const struct component *component = &frame->numbers->components[c];
+        size_t at = element * frame->numbers->stride + component->offset;
+        struct number_pair pair = {.valid = true, .frame = frame->index, .element = element};
+        bool odd = false;
+        for (int i = 0; i < 2; i++) {
+            pair.bits[i] = number_bits(component->kind, frame->copies[i].data + at);
+            odd |= not_finite(component->kind, pair.bits[i]);
+        }
+        if (pair.bits[0] == pair.bits[1] && !odd)
+            continue;
+        for (int i = 0; i < 2; i++)
+            pair.values[i] = number_value(component->kind, frame->copies[i].data + at);
+        pair.component = *component;
+        pair.error = measure(frame->contract->kind, component->kind, pair.bits, pair.values);
+        if (frame->contract->kind == DT_CONTRACT_FLIPS && !differs)
+            keep_flip(difference, &pair);
+        if (!difference->worst.valid || pair.error > difference->worst.error)
+            difference->worst = pair;
+        frame->not_finite += odd;
+        differs |= pair.bits[0] != pair.bits[1];
+        beyond |= odd || is_beyond(frame->contract, pair.error);
+    }
+    difference->differing += differs;
+    frame->beyond += beyond;
+}
+
+static void add_elements(struct difference *difference, struct frame *frame)
+{
+    const struct numbers *numbers = frame->numbers;
+    const uint8_t *const data[2] = {frame->copies[0].data, frame->copies[1].data};
+    size_t stride = numbers->stride, size = difference->elements * stride;
+    enum number_kind kind = numbers->components[0].kind;
+    bool equal = memcmp(data[0], data[1], size) == 0;
+    bool finite = numbers->packed && !any_not_finite(kind, data[0], size) &&
+                  (equal || !any_not_finite(kind, data[1], size));
+    if (finite && equal)
+        return;
+    for (uint64_t i = 0; i < difference->elements; i++)
+        if (!finite || memcmp(data[0] + i * stride, data[1] + i * stride, stride) != 0)
+            add_element(difference, frame, i);
+}
+
+bool difference_add(struct difference *difference, const struct dt_resource *resource,
+                    uint32_t frame, const struct dt_bytes copies[2])
+{
+    struct numbers numbers;
+    if (!numbers_of(&numbers, resource)) {
+        free(numbers.components);
+        return false;
+    }
+    const uint32_t *extent = copies[0].extent;
+    bool buffer = resource->kind == DT_BUFFER;
+    difference->elements = buffer ? extent[0] : (uint64_t)extent[0] * extent[1] * extent[2];
+    memcpy(difference->extent, extent, sizeof difference->extent);
+    if (copies[0].size != copies[1].size ||
+        copies[0].size < difference->elements * numbers.stride ||
+        memcmp(extent, copies[1].extent, (buffer ? 1 : 3) * sizeof *extent) != 0)
+        difference->size_differs = true;
+    struct frame now = {
+        .contract = &resource->contract, .numbers = &numbers, .copies = copies, .index = frame};
+    if (!difference->size_differs)
+        add_elements(difference, &now);
+    difference->beyond += now.beyond;
+    difference->not_finite += now.not_finite;
+    difference->broken |= difference->size_differs || now.not_finite ||
+                          now.beyond > allowed(&resource->contract, difference->elements);
+    free(numbers.components);
+    return true;
+}
+
+/* ---- Margins and verdict --------------------------------------------------------------------- */
+
+bool difference_needs_margins(const struct difference *difference,
+                              const struct dt_resource *resource)
+{
+    return resource->contract.kind == DT_CONTRACT_FLIPS && resource->contract.margin_field >= 0 &&
+           difference->flip_count > 0 && !difference->flips[difference->flip_count - 1].has_margins;
+}
+
+void difference_add_margins(struct difference *difference, const struct dt_resource *resource,
+                            const struct dt_resource *margin, const struct dt_bytes margins[2])
+{
+    uint32_t offset = margin->fields[resource->contract.margin_field].offset;
+    uint32_t frame =
+        difference->flip_count ? difference->flips[difference->flip_count - 1].pair.frame : 0;
+    for (uint32_t i = 0; i < difference->flip_count; i++) {
+        struct flip *flip = &difference->flips[i];
+        size_t at = flip->pair.element * margin->stride + offset;
+        bool there = at + sizeof(float) <= margins[0].size && at + sizeof(float) <= margins[1].size;
+        if (flip->pair.frame != frame || flip->has_margins || !there)
+            continue;
+        flip->has_margins = true;
+        for (int k = 0; k < 2; k++)
+            flip->margin_bits[k] = number_bits(NUMBER_FLOAT, margins[k].data + at);
+    }
+}
+
+enum verdict difference_verdict(const struct difference *difference)
+{
+    if (difference->broken)
+        return VERDICT_DIFFERS;
+    return difference->differing ? VERDICT_WITHIN : VERDICT_EQUAL;
+}
+
+const char *verdict_name(enum verdict verdict)
+{
+    static const char *const names[] = {"equal", "within", "DIFFERS"};
+    return names[verdict];
+}

@@ -1,0 +1,94 @@
+/* How far two copies of one resource are apart, under its contract, and how that is told: in words
+ * and in JSON. Called by compare. */
+#ifndef DIPTYCH_DIFFERENCE_H
+#define DIPTYCH_DIFFERENCE_H
+
+#include "base/texels.h"
+#include "diptych.h"
+
+struct cJSON;
+
+enum verdict {
+    VERDICT_EQUAL,   /* bit for bit, and finite */
+    VERDICT_WITHIN,  /* apart, but within the contract's tolerance */
+    VERDICT_DIFFERS, /* beyond the contract, or NaN or Inf */
+};
+
+/* One number of one element, in both copies. */
+struct number_pair {
+    bool valid;
+    uint32_t frame;
+    uint64_t element;
+    struct component component;
+    uint32_t bits[2];
+    double values[2];
+    /* in the contract's own measure: ulp, relative, else absolute; 1 for a flip; INFINITY where NaN or
+     * Inf make it meaningless */
+    double error;
+};
+
+/* An element of discrete data with another value; the first of its numbers that differs. */
+struct flip {
+    struct number_pair pair;
+    bool has_margins;
+    uint32_t margin_bits[2]; /* float */
+};
+
+enum { MOST_FLIPS = 16 }; /* that are kept; all are counted */
+
+/* Of one resource after one pass, over all frames compared so far. Zero-initialise; holds no
+ * memory. */
+struct difference {
+    uint64_t elements;   /* or texels, in one frame */
+    uint64_t differing;  /* with at least one differing number */
+    uint64_t beyond;     /* with at least one number beyond the tolerance; flips: all that differ */
+    uint64_t not_finite; /* numbers that are NaN or Inf in either copy */
+    bool size_differs;   /* the copies have different sizes: nothing else was compared */
+    bool broken;         /* in some frame, more was beyond than the contract allows */
+    uint32_t extent[3];
+    struct number_pair worst; /* the largest error; the first NaN or Inf is the largest of all */
+    struct flip flips[MOST_FLIPS];
+    uint32_t flip_count;
+};
+
+/* Adds one frame's copies. Only declared fields count: padding is nobody's. NaN and Inf never pass,
+ * not even with equal bits. False when out of memory. */
+bool difference_add(struct difference *difference, const struct dt_resource *resource,
+                    uint32_t frame, const struct dt_bytes copies[2]);
+
+/* Whether difference_add has just kept flips whose contract names margins: then both copies of
+ * contract.margin_resource, as they are after the same pass, go to difference_add_margins. */
+bool difference_needs_margins(const struct difference *difference,
+                              const struct dt_resource *resource);
+/* `margin` is the resource that contract.margin_resource names. A flip beyond its end stays without
+ * margins. */
+void difference_add_margins(struct difference *difference, const struct dt_resource *resource,
+                            const struct dt_resource *margin, const struct dt_bytes margins[2]);
+
+enum verdict difference_verdict(const struct difference *difference);
+const char *verdict_name(enum verdict verdict); /* "equal", "within", "DIFFERS" */
+
+/* ---- What is told (difference_report.c). `labels` name the two copies, like "gl" and "vk". --- */
+
+/* Strings are malloc'ed, NULL when out of memory. */
+
+/* One line: how large the worst error is, where, and both values, decimal (the shortest that reads
+ * back) and hexadecimal: "1 ulp at [3].flux.y, frame 0: gl 0.5 (0x3f000000), vk ...". "-" for equal
+ * copies; tells of differing sizes, and of numbers that are not finite. */
+char *difference_describe_worst(const struct difference *difference,
+                                const struct dt_resource *resource, const char *const labels[2]);
+
+/* One line per flip, indented by two spaces, each with its end of line: the element, both values and
+ * both margins; closes with how many more there are. Empty without the contract `flips`. */
+char *difference_list_flips(const struct difference *difference, const struct dt_resource *resource,
+                            const char *const labels[2]);
+
+/* `exact`, `ulp 4`, `image 0.0196, outliers 0.1 %`, `flips 1`: what was held to. */
+char *contract_describe(const struct dt_contract *contract);
+
+/* Adds to an object: contract, elements, differing, beyond, not_finite, size_differs, verdict, worst,
+ * and with the contract `flips` the list of them. */
+void difference_json(struct cJSON *root, const struct difference *difference,
+                     const struct dt_resource *resource, const char *const labels[2]);
+
+#endif

@@ -1,0 +1,154 @@
+/* Dumps read back; see dump_reader.h. A dump may come from anywhere: nothing in it is believed
+ * before it was compared with the pipeline. */
+#include "result/dump_reader.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/console.h"
+#include "base/files.h"
+#include "base/texels.h"
+#include "result/dump.h"
+
+static const char *text_of(const cJSON *object, const char *key)
+{
+    return cJSON_GetStringValue(cJSON_GetObjectItem(object, key));
+}
+
+static cJSON *read_manifest(const char *folder, const struct dt_log *log)
+{
+    size_t size;
+    char *path = format_string("%s/manifest.json", folder);
+    char *text = path ? file_read(path, &size, log) : NULL;
+    cJSON *manifest = text ? cJSON_ParseWithLength(text, size) : NULL;
+    if (text && !cJSON_IsArray(cJSON_GetObjectItem(manifest, "entries"))) {
+        report_error(log, "%s: is no manifest of a dump; render --dump makes one", path);
+        cJSON_Delete(manifest);
+        manifest = NULL;
+    }
+    free(text);
+    free(path);
+    return manifest;
+}
+
+bool dump_reader_open(struct dump_reader *reader, const char *folder, const struct dt_log *log)
+{
+    *reader = (struct dump_reader){.folder = folder, .log = log};
+    reader->manifest = read_manifest(folder, log);
+    if (!reader->manifest)
+        return false;
+    const char *device = text_of(reader->manifest, "device");
+    const char *backend = text_of(reader->manifest, "backend");
+    reader->device = format_string("%s, by %s, in %s", device ? device : "an unknown device",
+                                   backend ? backend : "an unknown backend", folder);
+    if (!reader->device)
+        report_error(log, "out of memory");
+    return reader->device;
+}
+
+void dump_reader_close(struct dump_reader *reader)
+{
+    cJSON_Delete(reader->manifest);
+    free(reader->device);
+    free(reader->data);
+    *reader = (struct dump_reader){0};
+}
+
+/* ---- Finding --------------------------------------------------------------------------------- */
+
+static bool is_entry_of(const cJSON *entry, const struct dt_resource *resource, uint32_t mip)
+{
+    const char *name = text_of(entry, "resource");
+    const cJSON *number = cJSON_GetObjectItem(entry, "mip");
+    return name && strcmp(name, resource->name) == 0 &&
+           (cJSON_IsNumber(number) ? cJSON_GetNumberValue(number) : 0) == mip;
+}
+
+/* In entries[]: what the pass left there; or NULL. */
+static const cJSON *find_after(const struct dump_reader *reader, uint32_t pass,
+                               const struct row *row)
+{
+    const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
+    const cJSON *entry;
+    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(reader->manifest, "entries"))
+    {
+        const char *name = text_of(entry, "pass");
+        if (name && strcmp(name, reader->pipeline->passes[pass].name) == 0 &&
+            is_entry_of(entry, resource, row->mip))
+            return entry;
+    }
+    return NULL;
+}
+
+/* What the last earlier pass left there, or else earlier frames; or NULL. */
+static const cJSON *find_before(const struct dump_reader *reader, const struct row *row)
+{
+    const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
+    const cJSON *entry = NULL;
+    for (uint32_t pass = row->pass; pass-- > 0 && !entry;)
+        entry = find_after(reader, pass, row);
+    if (entry)
+        return entry;
+    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(reader->manifest, "history"))
+    {
+        if (is_entry_of(entry, resource, row->mip))
+            return entry;
+    }
+    return NULL;
+}
+
+/* ---- Reading --------------------------------------------------------------------------------- */
+
+/* Whether the entry says of its file what the pipeline says of the resource. */
+static bool check_entry(const struct dump_reader *reader, const cJSON *entry, const struct row *row,
+                        const uint32_t extent[3])
+{
+    cJSON *expected = cJSON_CreateObject();
+    const cJSON *item;
+    const char *wrong = NULL;
+    dump_describe(expected, &reader->pipeline->resources[row->resource], row->mip, extent);
+    cJSON_ArrayForEach(item, expected)
+    {
+        if (!wrong && !cJSON_Compare(item, cJSON_GetObjectItem(entry, item->string), true))
+            wrong = item->string;
+    }
+    if (wrong)
+        report_error(reader->log,
+                     "%s/manifest.json: \"%s\" of %s after pass %s is not the pipeline's",
+                     reader->folder, wrong, row->name, reader->pipeline->passes[row->pass].name);
+    cJSON_Delete(expected);
+    return !wrong;
+}
+
+static bool read_file(struct dump_reader *reader, const char *name, struct dt_bytes *bytes)
+{
+    size_t size = 0;
+    char *path = format_string("%s/%s", reader->folder, name);
+    free(reader->data);
+    reader->data = path ? (uint8_t *)file_read(path, &size, reader->log) : NULL;
+    bool good = reader->data && size == bytes->size;
+    if (reader->data && !good)
+        report_error(reader->log, "%s: has %zu bytes where %zu are due: the dump is damaged", path,
+                     size, bytes->size);
+    free(path);
+    bytes->data = reader->data;
+    return good;
+}
+
+bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
+                      struct dt_bytes *bytes)
+{
+    const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
+    const cJSON *entry = before ? find_before(reader, row) : find_after(reader, row->pass, row);
+    const char *name = text_of(entry, "file");
+    *bytes = (struct dt_bytes){0};
+    resource_extent(resource, reader->size, row->mip, bytes->extent);
+    bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
+    if (!name || strchr(name, '/')) {
+        report_error(reader->log, "%s/manifest.json: names no file for %s %s pass %s",
+                     reader->folder, row->name, before ? "before" : "after",
+                     reader->pipeline->passes[row->pass].name);
+        return false;
+    }
+    return check_entry(reader, entry, row, bytes->extent) && read_file(reader, name, bytes);
+}

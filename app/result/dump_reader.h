@@ -1,0 +1,31 @@
+/* Reads what render --dump wrote, here or on another machine, as one side of a comparison. Called by
+ * compare --against. */
+#ifndef DIPTYCH_DUMP_READER_H
+#define DIPTYCH_DUMP_READER_H
+
+#include <cjson/cJSON.h>
+
+#include "result/rows.h"
+
+struct dump_reader {
+    const char *folder; /* borrowed */
+    const struct dt_log *log;
+    cJSON *manifest;
+    char *device; /* who made it, in words */
+    /* set by the caller once they are known */
+    const struct dt_pipeline *pipeline;
+    uint32_t size[2]; /* of the frame */
+    uint8_t *data;    /* of the last row that was read */
+};
+
+/* Reads the manifest only. On false the error is logged; dump_reader_close either way. `log` must
+ * outlive it. */
+bool dump_reader_open(struct dump_reader *reader, const char *folder, const struct dt_log *log);
+
+/* The content of a row after its pass, or before it. The bytes stay the reader's, valid until its
+ * next call. Whatever is not as the pipeline has it is an error. */
+bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
+                      struct dt_bytes *bytes);
+void dump_reader_close(struct dump_reader *reader); /* takes a zeroed one */
+
+#endif

@@ -1,0 +1,39 @@
+/* What must be the same on two machines before their results can be held against each other: the
+ * pipeline's generated code, its live parameters, the scene, the frame's size and index. Written
+ * into the manifest of a dump, checked by compare --against. */
+#ifndef DIPTYCH_IDENTITY_H
+#define DIPTYCH_IDENTITY_H
+
+#include <cjson/cJSON.h>
+
+#include "base/options.h"
+#include "scenes/scene.h"
+
+struct identity {
+    const char *backend, *device; /* that made it; told, not checked */
+    const struct dt_pipeline *pipeline;
+    const void *live;      /* its live parameters */
+    const char *generated; /* folder of its generated code */
+    const struct scene *scene;
+    const char *scene_path; /* as --scene names it */
+    uint32_t size[2];       /* of the frame */
+    uint32_t frame;
+};
+
+/* Adds backend, device, pipeline, code, live, scene, scene_file, scene_data, width, height and frame. False with the
+ * error logged when something cannot be read. */
+bool identity_add(cJSON *manifest, const struct identity *identity, const struct dt_log *log);
+
+/* Takes size, frame and live parameters from a manifest: what the options give must be the same, the
+ * rest takes the manifest's values, the live ones in the block `live`. `folder` is named in errors. */
+bool identity_take_frame(const cJSON *manifest, const char *folder, struct options *options,
+                         const struct dt_log *log);
+bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
+                        const struct dt_pipeline *pipeline, void *live, const struct dt_log *log);
+
+/* Whether the code and the scene are the manifest's; the error says what is not. Another mesh or
+ * other mathematics of the machine's library are but a warning. */
+bool identity_check(const cJSON *manifest, const char *folder, const struct identity *identity,
+                    const struct dt_log *log);
+
+#endif

@@ -1,0 +1,185 @@
+/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom: rows
+ * are flipped here, and nowhere else. */
+#include "result/picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/console.h"
+#include "base/texels.h"
+
+/* Where the texels of a layered image come to stand: as square a sheet of layers as can be. */
+struct sheet {
+    uint32_t width, height, columns;
+};
+
+static struct sheet plan_sheet(const uint32_t extent[3])
+{
+    uint32_t columns = (uint32_t)ceil(sqrt((double)extent[2]));
+    columns = columns ? columns : 1;
+    uint32_t rows = (extent[2] + columns - 1) / columns;
+    return (struct sheet){
+        .width = columns * extent[0], .height = rows * extent[1], .columns = columns};
+}
+
+static bool check_image(const struct dt_resource *resource, const struct dt_bytes *bytes,
+                        const struct dt_log *log)
+{
+    if (resource->kind != DT_IMAGE) {
+        report_error(log, "%s is a buffer; a picture can only be made of an image", resource->name);
+        return false;
+    }
+    size_t texels = (size_t)bytes->extent[0] * bytes->extent[1] * bytes->extent[2];
+    if (!texels || bytes->size < texels * format_size(resource->format)) {
+        report_error(log, "%s: %zu bytes were read back, too few for %ux%u texels in %u layers",
+                     resource->name, bytes->size, bytes->extent[0], bytes->extent[1],
+                     bytes->extent[2]);
+        return false;
+    }
+    return true;
+}
+
+/* One texel as three numbers; one channel is grey, two leave blue at zero. */
+static void fetch(const struct dt_resource *resource, const uint8_t *texel, float color[3])
+{
+    enum number_kind kind = format_number(resource->format);
+    uint32_t channels = format_channels(resource->format);
+    for (uint32_t c = 0; c < 3; c++)
+        color[c] = c < channels ? (float)number_value(kind, texel + c * number_size(kind)) : 0;
+    if (channels == 1)
+        color[1] = color[2] = color[0];
+}
+
+bool picture_linear(struct picture *picture, const struct dt_resource *resource,
+                    const struct dt_bytes *bytes, const struct dt_log *log)
+{
+    *picture = (struct picture){0};
+    if (!check_image(resource, bytes, log))
+        return false;
+    const uint32_t *extent = bytes->extent;
+    struct sheet sheet = plan_sheet(extent);
+    picture->width = sheet.width;
+    picture->height = sheet.height;
+    picture->linear = calloc((size_t)sheet.width * sheet.height * 3, sizeof *picture->linear);
+    if (!picture->linear) {
+        report_error(log, "%s: out of memory for a picture of %ux%u", resource->name, sheet.width,
+                     sheet.height);
+        return false;
+    }
+    uint32_t texel_size = format_size(resource->format);
+    const uint8_t *texel = bytes->data;
+    for (uint32_t layer = 0; layer < extent[2]; layer++) {
+        uint32_t left = layer % sheet.columns * extent[0];
+        uint32_t top = layer / sheet.columns * extent[1];
+        for (uint32_t y = 0; y < extent[1]; y++) {
+            size_t row = top + (extent[1] - 1 - y);
+            float *out = picture->linear + (row * sheet.width + left) * 3;
+            for (uint32_t x = 0; x < extent[0]; x++, texel += texel_size, out += 3)
+                fetch(resource, texel, out);
+        }
+    }
+    return true;
+}
+
+/* ---- From numbers to codes ------------------------------------------------------------------- */
+
+struct range {
+    float least, most;
+};
+
+/* Of all finite numbers; a cleared depth of 1 does not count. */
+static struct range find_range(const float *numbers, size_t count, bool depth)
+{
+    struct range range = {INFINITY, -INFINITY};
+    for (size_t i = 0; i < count; i++) {
+        if (!isfinite(numbers[i]) || (depth && numbers[i] >= 1))
+            continue;
+        range.least = fminf(range.least, numbers[i]);
+        range.most = fmaxf(range.most, numbers[i]);
+    }
+    return range;
+}
+
+static float srgb_encode(float linear)
+{
+    return linear <= 0.0031308f ? linear * 12.92f : 1.055f * powf(linear, 1 / 2.4f) - 0.055f;
+}
+
+static float map_number(const struct dt_resource *resource, struct range range, float value)
+{
+    if (format_number(resource->format) == NUMBER_UNORM8)
+        return value;
+    if (resource->format == DT_FORMAT_D32F)
+        return range.most > range.least ? (value - range.least) / (range.most - range.least)
+                                        : value;
+    if (range.least < 0) {
+        float scale = fmaxf(1, fmaxf(-range.least, range.most));
+        return value / scale * 0.5f + 0.5f;
+    }
+    return srgb_encode(range.most > 1 ? value / (1 + value) : value);
+}
+
+/* Hues by the golden ratio, the most even way to go round a circle with any number of steps; light
+ * and dark in turn, from step to step of another length. */
+void picture_label(int64_t label, uint8_t codes[3])
+{
+    if (label < 0) {
+        memset(codes, 64, 3);
+        return;
+    }
+    double hue = fmod((double)label * 0.6180339887498949, 1) * 6;
+    double light = label % 3 == 1 ? 150 : 255, dark = label % 5 == 4 ? 90 : 30;
+    for (int c = 0; c < 3; c++) {
+        double away = fabs(fmod(hue - 2 * c + 9, 6) - 3); /* from the channel's own hue, 0 to 3 */
+        double share = fmin(fmax(2 - away, 0), 1);
+        codes[c] = (uint8_t)(dark + (light - dark) * share);
+    }
+}
+
+static void encode(const struct dt_resource *resource, struct range range, const float color[3],
+                   uint8_t codes[3])
+{
+    static const uint8_t magenta[3] = {255, 0, 255};
+    if (!isfinite(color[0]) || !isfinite(color[1]) || !isfinite(color[2])) {
+        memcpy(codes, magenta, sizeof magenta);
+        return;
+    }
+    for (int c = 0; c < 3; c++) {
+        float value = map_number(resource, range, color[c]);
+        codes[c] = (uint8_t)lrintf(fminf(fmaxf(value, 0), 1) * 255);
+    }
+}
+
+bool picture_codes(struct picture *picture, const struct dt_resource *resource,
+                   const struct dt_bytes *bytes, const struct dt_log *log)
+{
+    if (!picture_linear(picture, resource, bytes, log))
+        return false;
+    size_t count = (size_t)picture->width * picture->height;
+    picture->codes = malloc(count * 3);
+    if (!picture->codes) {
+        report_error(log, "%s: out of memory for a picture", resource->name);
+        picture_free(picture);
+        return false;
+    }
+    enum number_kind kind = format_number(resource->format);
+    bool labels = kind == NUMBER_UINT || kind == NUMBER_INT;
+    struct range range = find_range(picture->linear, count * 3, resource->format == DT_FORMAT_D32F);
+    for (size_t i = 0; i < count; i++) {
+        if (labels)
+            picture_label((int64_t)picture->linear[i * 3], picture->codes + i * 3);
+        else
+            encode(resource, range, picture->linear + i * 3, picture->codes + i * 3);
+    }
+    free(picture->linear);
+    picture->linear = NULL;
+    return true;
+}
+
+void picture_free(struct picture *picture)
+{
+    free(picture->codes);
+    free(picture->linear);
+    *picture = (struct picture){0};
+}

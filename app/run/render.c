@@ -1,0 +1,402 @@
+/* `diptych render`: one scene, one backend, one picture; on request a dump and timings. */
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "base/files.h"
+#include "base/names.h"
+#include "base/numbered.h"
+#include "base/options.h"
+#include "base/texels.h"
+#include "result/dump.h"
+#include "result/identity.h"
+#include "result/picture.h"
+#include "run/session.h"
+#include "run/timings.h"
+#include "scenes/image.h"
+
+struct render {
+    struct console *console;
+    struct options options; /* with the frames of the motion */
+    struct side side;
+    struct pipeline pipeline;
+    struct scene scene;
+    struct session session;
+    struct fault fault;
+    struct timings timings; /* of frames without an observer, when there are any */
+    struct dump dump;
+    bool exr;
+    bool numbered;       /* the picture is one of every frame */
+    bool last;           /* the frame that runs is the last */
+    uint32_t shown;      /* resource that becomes the picture */
+    uint32_t shown_pass; /* the last that writes it: resources may share memory, so it is read then;
+                            pass_count without a picture */
+    struct dt_bytes picture; /* its bytes */
+    pthread_t images;        /* loads what writes it, meanwhile */
+    bool loads_images;
+};
+
+static bool ends_with(const char *text, const char *tail)
+{
+    size_t length = strlen(text);
+    size_t size = strlen(tail);
+    return length >= size && strcasecmp(text + length - size, tail) == 0;
+}
+
+static bool check_output(struct render *render)
+{
+    const char *path = render->options.output;
+    if (!path) {
+        if (!render->options.show && (render->options.dump || render->options.timings))
+            return true;
+        report_error(&render->console->log, "-o FILE is missing: where the picture goes");
+        return false;
+    }
+    bool good = true;
+    render->exr = ends_with(path, ".exr");
+    render->numbered = is_numbered(path, "-o", &good, &render->console->log);
+    if (!render->exr && !ends_with(path, ".png")) {
+        report_error(&render->console->log,
+                     "-o %s: must end in .exr (linear) or .png (tone-mapped)", path);
+        return false;
+    }
+    if (good && render->numbered && render->options.timings) {
+        report_error(&render->console->log,
+                     "--timings: to look at every frame would slow them down; time them without -o "
+                     "%s",
+                     path);
+        return false;
+    }
+    return good;
+}
+
+static bool check_poison(const struct render *render)
+{
+    if (render->options.poison <= UINT8_MAX)
+        return true;
+    report_error(&render->console->log, "--poison %u: must be a byte, from 1 to %d",
+                 render->options.poison, UINT8_MAX);
+    return false;
+}
+
+static bool check_drop(const struct render *render)
+{
+    const struct options *options = &render->options;
+    if (strcmp(render->side.backend, "vk") == 0 ||
+        !(options->drop_barrier || options->drop_dependency))
+        return true;
+    report_error(&render->console->log, "%s: only Vulkan has barriers to drop; use --backend vk",
+                 options->drop_barrier ? "--drop-barrier" : "--drop-dependency");
+    return false;
+}
+
+static bool read_side(struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct dt_log *log = &render->console->log;
+    return side_read(&render->side, options->backend, options, log) &&
+           sides_heed(&render->side, 1, options, log);
+}
+
+static bool find_shown_by_name(struct render *render)
+{
+    const struct dt_pipeline *info = render->pipeline.info;
+    const struct dt_log *log = &render->console->log;
+    const char *wanted = render->options.show;
+    const char **names = calloc(info->resource_count + 1, sizeof *names);
+    for (uint32_t i = 0; i < info->resource_count; i++) {
+        if (strcmp(info->resources[i].name, wanted) == 0) {
+            render->shown = i;
+            free(names);
+            return true;
+        }
+        if (names)
+            names[i] = info->resources[i].name;
+    }
+    const char *hint = names ? closest_name(wanted, names, info->resource_count) : NULL;
+    if (hint)
+        report_error(log, "--show %s: %s has no such resource; did you mean \"%s\"?", wanted,
+                     info->name, hint);
+    else
+        report_error(log, "--show %s: %s has no such resource", wanted, info->name);
+    free(names);
+    return false;
+}
+
+static bool find_shown(struct render *render)
+{
+    const struct dt_pipeline *info = render->pipeline.info;
+    const struct dt_log *log = &render->console->log;
+    int output = render->exr ? info->linear_output : info->display_output;
+    render->shown_pass = info->pass_count;
+    if (!render->options.output)
+        return true;
+    if (render->options.show) {
+        if (!find_shown_by_name(render))
+            return false;
+    } else if (output < 0) {
+        report_error(log, "%s names no %s output; pick a resource with --show", info->name,
+                     render->exr ? "linear" : "display");
+        return false;
+    } else {
+        render->shown = (uint32_t)output;
+    }
+    const struct dt_resource *resource = &info->resources[render->shown];
+    if (resource->kind != DT_IMAGE) {
+        report_error(
+            log, "%s is a buffer; a picture can only be made of an image (--dump writes buffers)",
+            resource->name);
+        return false;
+    }
+    for (uint32_t i = info->pass_count; i-- > 0;) {
+        for (uint32_t j = 0; j < info->passes[i].write_count; j++) {
+            if (info->passes[i].writes[j] == render->shown &&
+                (resource_mips(info, i, render->shown) & 1)) {
+                render->shown_pass = i;
+                return true;
+            }
+        }
+    }
+    report_error(log, "%s%s is written by no pass of %s", resource->mips > 1 ? "mip 0 of " : "",
+                 resource->name, info->name);
+    return false;
+}
+
+/* Reads one mip of what the pass wrote, to be dumped, shown or both. */
+static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32_t mip)
+{
+    const struct session *session = &render->session;
+    bool show = mip == 0 && resource == render->shown && pass == render->shown_pass;
+    bool dumped = render->dump.entries && render->last;
+    if (!show && !dumped)
+        return true;
+    struct dt_bytes bytes = {0};
+    bool good = session->runtime->read(session->handle, resource, mip, &bytes);
+    if (good && dumped)
+        good = dump_add(&render->dump, pass, resource, mip, &bytes);
+    if (good && show) {
+        free(render->picture.data);
+        render->picture = bytes;
+        bytes.data = NULL;
+    }
+    free(bytes.data);
+    return good;
+}
+
+/* Of the last frame only: what it finds of earlier ones is dumped, too. */
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    struct render *render = user;
+    const struct dt_pipeline *info = render->pipeline.info;
+    for (uint32_t i = 0; i < info->resource_count && pass == 0; i++) {
+        uint32_t mips = resource_mips_before(info, 0, i);
+        for (uint32_t mip = 0; mips >> mip; mip++)
+            if ((mips >> mip & 1) && !take(render, DUMP_HISTORY, i, mip))
+                return DT_STOP;
+    }
+    return DT_RUN;
+}
+
+/* In the last frame, or in all that are shown: reads what is dumped and what is shown. */
+static bool after_pass(void *user, uint32_t pass)
+{
+    struct render *render = user;
+    const struct dt_pass *info = &render->pipeline.info->passes[pass];
+    console_status(render->console, "%s: pass %s", render->side.label, info->name);
+    for (uint32_t i = 0; i < info->write_count; i++) {
+        uint32_t mips = resource_mips(render->pipeline.info, pass, info->writes[i]);
+        for (uint32_t mip = 0; mips >> mip; mip++)
+            if ((mips >> mip & 1) && !take(render, pass, info->writes[i], mip))
+                return false;
+    }
+    return true;
+}
+
+static bool write_picture(const struct render *render, const char *path)
+{
+    const struct dt_resource *resource = &render->pipeline.info->resources[render->shown];
+    const struct dt_log *log = &render->console->log;
+    struct picture picture = {0};
+    console_status(render->console, "writing %s", path);
+    bool good = render->exr ? picture_linear(&picture, resource, &render->picture, log)
+                            : picture_codes(&picture, resource, &render->picture, log);
+    if (good) {
+        console_hold(render->console);
+        good = render->exr
+                   ? image_write_exr(path, picture.width, picture.height, 3, picture.linear, log)
+                   : image_write_png(path, picture.width, picture.height, 3, picture.codes, log);
+        console_release(render->console);
+    }
+    picture_free(&picture);
+    return good;
+}
+
+/* The picture of one frame; the next one's takes its place. */
+static bool write_numbered(struct render *render, uint32_t frame)
+{
+    char *path = numbered_path(render->options.output, frame);
+    if (!path)
+        report_error(&render->console->log, "out of memory");
+    bool good = path && (!render->picture.data || write_picture(render, path));
+    free(path);
+    return good;
+}
+
+static bool run_frames(struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct dt_observer observer = {
+        .before_pass = before_pass, .after_pass = after_pass, .user = render};
+    /* Looking at the passes makes each of them wait for all before it, which hides a dropped barrier: a
+     * frame that nobody looks at comes first. */
+    if ((options->drop_barrier || options->drop_dependency) &&
+        !session_frame(&render->session, NULL))
+        return false;
+    for (uint32_t i = 0; i < options->frames; i++) {
+        bool looks = render->numbered || i + 1 == options->frames;
+        double start = milliseconds_now();
+        render->last = i + 1 == options->frames;
+        if (!session_frame(&render->session, looks ? &observer : NULL) ||
+            (render->numbered && !write_numbered(render, i)))
+            return false;
+        /* the observer makes every pass wait, so the last frame is timed only when it is the first,
+         * too */
+        if (options->timings && (!render->last || i == 0) &&
+            !timings_take(&render->timings, &render->session, milliseconds_now() - start))
+            return false;
+    }
+    if (!session_is_silent(&render->session))
+        return false;
+    if (render->picture.data || !options->output)
+        return true;
+    report_error(&render->console->log, "the runtime finished the frame without reporting pass %s",
+                 render->pipeline.info->passes[render->shown_pass].name);
+    return false;
+}
+
+static bool find_fault(struct render *render)
+{
+    uint32_t side;
+    return !render->options.fault ||
+           fault_parse(&render->fault, &side, render->options.fault, render->pipeline.info,
+                       (const char *const *)&render->side.label, 1, &render->console->log);
+}
+
+/* The dump's manifest tells what it is of. */
+static bool identify(struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct session *session = &render->session;
+    const struct identity identity = {.backend = render->side.label,
+                                      .device = session->runtime->device_name(session->handle),
+                                      .pipeline = render->pipeline.info,
+                                      .live = render->pipeline.live,
+                                      .generated = render->pipeline.generated,
+                                      .scene = &render->scene,
+                                      .scene_path = options->scene,
+                                      .size = {options->size[0], options->size[1]},
+                                      .frame = options->frames - 1};
+    return identity_add(render->dump.manifest, &identity, &render->console->log);
+}
+
+static bool can_write_picture(const struct render *render)
+{
+    const char *path = render->options.output;
+    char *first = path && render->numbered ? numbered_path(path, 0) : NULL;
+    bool good = !path || file_can_write(first ? first : path, &render->console->log);
+    free(first);
+    return good;
+}
+
+static void *load_images(void *unused)
+{
+    (void)unused;
+    image_load();
+    return NULL;
+}
+
+static bool prepare(struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct dt_log *log = &render->console->log;
+    if (!can_write_picture(render) || (options->timings && !file_can_write(options->timings, log)))
+        return false;
+    render->loads_images =
+        options->output && pthread_create(&render->images, NULL, load_images, NULL) == 0;
+    if (!pipeline_load(&render->pipeline, render->console, options))
+        return false;
+    if (!find_shown(render) || !find_fault(render) ||
+        !session_load_scene(&render->scene, render->console, options))
+        return false;
+    render->options.frames = session_frames(options, &render->scene);
+    if (options->timings &&
+        !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
+        return false;
+    if (options->dump &&
+        !dump_begin(&render->dump, render->console, render->pipeline.info, options->dump))
+        return false;
+    const struct session_info info = {.side = &render->side,
+                                      .fault = render->fault,
+                                      .console = render->console,
+                                      .options = options,
+                                      .pipeline = &render->pipeline,
+                                      .scene = &render->scene,
+                                      .timing = options->timings,
+                                      .poison = (int)options->poison};
+    return session_open(&render->session, &info) && (!options->dump || identify(render)) &&
+           session_prepare(&render->session);
+}
+
+static cJSON *render_json(const struct render *render)
+{
+    const struct options *options = &render->options;
+    const struct session *session = &render->session;
+    const struct dt_pipeline *info = render->pipeline.info;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "pipeline", info->name);
+    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON_AddStringToObject(root, "backend", render->side.label);
+    cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
+    cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
+    cJSON_AddNumberToObject(root, "width", options->size[0]);
+    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    cJSON_AddNumberToObject(root, "frames", options->frames);
+    if (options->output) {
+        cJSON_AddStringToObject(root, "output", options->output);
+        cJSON_AddStringToObject(root, "resource", info->resources[render->shown].name);
+    }
+    if (options->dump)
+        cJSON_AddStringToObject(root, "dump", options->dump);
+    if (options->timings)
+        cJSON_AddStringToObject(root, "timings", options->timings);
+    return root;
+}
+
+int verb_render(struct console *console, const struct options *options)
+{
+    struct render render = {.console = console, .options = *options};
+    if (!read_side(&render) || !check_output(&render) || !check_poison(&render) ||
+        !check_drop(&render)) {
+        side_free(&render.side);
+        return EXIT_USAGE;
+    }
+    bool good = prepare(&render) && run_frames(&render);
+    if (good && options->timings)
+        good = timings_write(&render.timings, &render.session, options->timings);
+    console->result = good ? render_json(&render) : NULL;
+    session_close(&render.session);
+    good = good && atomic_load(&console->errors) ==
+                       0; /* messages while the device was torn down count, too */
+    if (render.loads_images)
+        pthread_join(render.images, NULL);
+    if (good && options->output && !render.numbered)
+        good = write_picture(&render, options->output);
+    good = dump_end(&render.dump, good) && good;
+    free(render.picture.data);
+    timings_free(&render.timings);
+    scene_free(&render.scene);
+    side_free(&render.side);
+    pipeline_unload(&render.pipeline);
+    return good ? EXIT_FINE : EXIT_FAILED;
+}

@@ -1,0 +1,109 @@
+/* Drives one runtime through its verbs; see session.h. */
+#include "run/session.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "runtime_gl/runtime.h"
+#include "runtime_vk/runtime.h"
+#include "scenes/motion.h"
+
+static const struct dt_runtime *find_runtime(const char *backend)
+{
+    return strcmp(backend, runtime_gl.name) == 0 ? &runtime_gl : &runtime_vk;
+}
+
+bool session_open(struct session *session, const struct session_info *info)
+{
+    const struct options *options = info->options;
+    const struct side *side = info->side;
+    *session = (struct session){
+        .info = *info, .runtime = find_runtime(side->backend), .frame = info->first_frame};
+    session->source = (struct log_source){.log = &info->console->log, .name = side->label};
+    session->log = info->name_in_log ? log_from(&session->source) : info->console->log;
+    console_status(info->console, "%s: opening the device", side->label);
+    session->handle = session->runtime->open(&(struct dt_runtime_options){
+        .log = session->log,
+        .device = side->device,
+        .context = side->context,
+        .debug = options->debug,
+        .glsl = side->glsl,
+        .timing = info->timing,
+        .poison = info->poison,
+        .drop_barrier = options->drop_barrier,
+        .drop_dependency = options->drop_dependency,
+    });
+    return session->handle;
+}
+
+bool session_prepare(struct session *session)
+{
+    const struct session_info *info = &session->info;
+    const struct dt_panel *panel =
+        session->runtime == &runtime_gl ? info->pipeline->gl : info->pipeline->vk;
+    const uint32_t *size = info->options->size;
+    console_status(info->console, "%s: uploading the scene", info->side->label);
+    if (!session->runtime->set_scene(session->handle, &info->scene->data))
+        return false;
+    console_status(info->console, "%s: creating the programs", info->side->label);
+    return session->runtime->create(session->handle, panel) &&
+           session->runtime->resize(session->handle, size[0], size[1]);
+}
+
+bool session_frame(struct session *session, const struct dt_observer *observer)
+{
+    const struct session_info *info = &session->info;
+    struct dt_frame frame;
+    memset(&frame, 0, sizeof frame);
+    scene_frame_at(info->scene, session->frame, info->options->size[0], info->options->size[1],
+                   &frame);
+    frame.index = session->frame++;
+    if (info->frame_block)
+        frame = *info->frame_block;
+    struct fault_run fault = {.fault = &info->fault,
+                              .runtime = session->runtime,
+                              .handle = session->handle,
+                              .pipeline = info->pipeline->info,
+                              .log = &session->log,
+                              .observer = observer,
+                              .size = {info->options->size[0], info->options->size[1]},
+                              .frame = frame.index};
+    const struct dt_observer spoiling = fault_observer(&fault);
+    if (info->fault.kind != FAULT_NONE)
+        observer = &spoiling;
+    console_status(info->console, "%s: frame %u of %u", info->side->label, session->frame,
+                   info->options->frames);
+    return session->runtime->render(session->handle, &frame, info->pipeline->live, observer);
+}
+
+bool session_is_silent(const struct session *session)
+{
+    uint32_t count = session->runtime->messages(session->handle);
+    if (count)
+        report_error(&session->log,
+                     "%u debug or validation messages, see above: the run does not count", count);
+    return count == 0;
+}
+
+void session_close(struct session *session)
+{
+    if (session->runtime)
+        session->runtime->close(session->handle);
+    session->handle = NULL;
+}
+
+bool session_load_scene(struct scene *scene, struct console *console, const struct options *options)
+{
+    const char *folder = options->scenes ? options->scenes : getenv("DIPTYCH_SCENES");
+    console_status(console, "loading %s", options->scene);
+    *scene = (struct scene){0};
+    return scene_load(scene, options->scene, folder, &console->log) &&
+           (!options->motion || scene_load_motion(scene, options->motion, &console->log));
+}
+
+uint32_t session_frames(const struct options *options, const struct scene *scene)
+{
+    if (options->frames)
+        return options->frames;
+    return scene->motion ? motion_frames(scene->motion) : 1;
+}

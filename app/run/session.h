@@ -1,0 +1,54 @@
+/* One backend at work on one pipeline and one scene: open, upload, create, resize, frames, close.
+ * Called by the verbs; a session is used from one thread. */
+#ifndef DIPTYCH_SESSION_H
+#define DIPTYCH_SESSION_H
+
+#include "base/console.h"
+#include "base/options.h"
+#include "build/pipeline.h"
+#include "run/fault.h"
+#include "run/side.h"
+#include "scenes/scene.h"
+
+struct session_info {
+    const struct side *side; /* a live one */
+    struct console *console;
+    const struct options *options;
+    const struct pipeline *pipeline;
+    const struct scene *scene;
+    bool timing;
+    int poison;           /* see struct dt_runtime_options */
+    bool name_in_log;     /* put the side's label before its messages */
+    uint32_t first_frame; /* index of the first frame to run, mostly 0 */
+    struct fault fault;
+    const struct dt_frame *frame_block; /* NULL: as the scene and the frame's number make it */
+};
+
+struct session {
+    struct session_info info;
+    const struct dt_runtime *runtime;
+    void *handle;
+    struct log_source source;
+    struct dt_log log;
+    uint32_t frame; /* index of the next one */
+};
+
+/* session_open only makes the context or device; session_prepare takes it to where the first frame
+ * can run. On false the error is logged; close it in any case. */
+bool session_open(struct session *session, const struct session_info *info);
+bool session_prepare(struct session *session);
+
+/* Runs the next frame. The observer may be NULL. */
+bool session_frame(struct session *session, const struct dt_observer *observer);
+
+/* False, with an error, when the runtime has seen messages from a validation layer or KHR_debug. */
+bool session_is_silent(const struct session *session);
+void session_close(struct session *session); /* takes a zeroed one */
+
+/* The scene of --scene, looked up with --scenes or DIPTYCH_SCENES, with the motion of --motion. */
+bool session_load_scene(struct scene *scene, struct console *console,
+                        const struct options *options);
+/* What --frames asks for, of this scene. */
+uint32_t session_frames(const struct options *options, const struct scene *scene);
+
+#endif

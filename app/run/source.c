@@ -1,0 +1,54 @@
+/* Sides at work; see source.h. */
+#include "run/source.h"
+
+bool source_start(struct source *source, const struct worker_info *info, struct dump_reader *dump)
+{
+    *source = (struct source){.side = info->session.side, .dump = dump};
+    return dump || worker_start(&source->worker, info);
+}
+
+bool source_resume(struct source *source)
+{
+    return source->dump || worker_resume(&source->worker, DT_RUN);
+}
+
+bool source_reach(struct source *source, struct worker_place place)
+{
+    struct worker_place found;
+    source->place = place;
+    if (source->dump)
+        return true;
+    if (!worker_wait(&source->worker, &found))
+        return false;
+    if (found.stop == place.stop && found.frame == place.frame && found.pass == place.pass)
+        return true;
+    const struct session_info *session = &source->worker.info.session;
+    const struct dt_pipeline *pipeline = session->pipeline->info;
+    report_error(
+        &session->console->log, "%s: the runtime left out pass %s of frame %u", source->side->label,
+        place.pass < pipeline->pass_count ? pipeline->passes[place.pass].name : "", place.frame);
+    return false;
+}
+
+bool source_ask(struct source *source, const struct row *row)
+{
+    return source->dump || worker_ask(&source->worker, row->resource, row->mip);
+}
+
+bool source_take(struct source *source, const struct row *row, struct dt_bytes *bytes)
+{
+    if (source->dump)
+        return dump_reader_read(source->dump, row, source->place.stop == WORKER_BEFORE_PASS, bytes);
+    return worker_take(&source->worker, bytes);
+}
+
+const char *source_device(const struct source *source)
+{
+    return source->dump ? source->dump->device : source->worker.device;
+}
+
+void source_close(struct source *source)
+{
+    worker_close(&source->worker);
+    *source = (struct source){0};
+}

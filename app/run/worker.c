@@ -1,0 +1,522 @@
+/* Worker processes; see worker.h. Parent and child send each other struct messages over a socket
+ * pair, bytes of resources lie in a shared mapping. The child serves commands while it stands at a
+ * stop, the parent hands on what the child says while it waits for an answer. */
+#include "run/worker.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/files.h"
+#include "base/texels.h"
+#include "run/timings.h"
+
+enum message_kind {
+    /* from the child */
+    SAY,      /* code: enum dt_level; text */
+    DEVICE,   /* text: its name */
+    STOP,     /* code: enum worker_stop; frame, pass */
+    BYTES,    /* good; size, extent of what lies in the shared memory */
+    WRITTEN,  /* good */
+    MEASURED, /* good; frame_ms, record_ms, allocations; pass_ms lie in the shared memory */
+    /* from the parent */
+    RESUME, /* code: enum dt_action */
+    READ,   /* resource, mip */
+    WRITE,  /* resource, mip; size, extent */
+    MEASURE,
+    END
+};
+
+struct message {
+    enum message_kind kind;
+    int code;
+    bool good;
+    uint32_t frame, pass, resource, mip;
+    uint32_t extent[3];
+    uint64_t size;
+    double frame_ms, record_ms;
+    struct allocations allocations;
+    uint64_t text; /* bytes of text that follow */
+};
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+static bool send_all(int socket, const void *data, size_t size)
+{
+    const char *at = data;
+    while (size) {
+        ssize_t sent = send(socket, at, size, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR)
+            return false;
+        at += sent > 0 ? sent : 0;
+        size -= sent > 0 ? (size_t)sent : 0;
+    }
+    return true;
+}
+
+static bool receive_all(int socket, void *data, size_t size)
+{
+    char *at = data;
+    while (size) {
+        ssize_t got = recv(socket, at, size, 0);
+        if (got == 0 || (got < 0 && errno != EINTR))
+            return false;
+        at += got > 0 ? got : 0;
+        size -= got > 0 ? (size_t)got : 0;
+    }
+    return true;
+}
+
+static bool send_text(int socket, struct message message, const char *text)
+{
+    message.text = strlen(text);
+    return send_all(socket, &message, sizeof message) && send_all(socket, text, message.text);
+}
+
+/* ---- The child ------------------------------------------------------------------------------- */
+
+struct child {
+    const struct worker_info *info;
+    struct session session;
+    int socket;
+    uint8_t *shared;
+    size_t capacity;
+    uint32_t frame;
+    double frame_ms; /* of the last frame without a stop inside */
+    struct allocations allocations;
+    bool ended; /* by the parent's command */
+};
+
+/* Nothing can be told to a parent that is gone, and nobody needs the rest. */
+static void tell(const struct child *child, const struct message *message)
+{
+    if (!send_all(child->socket, message, sizeof *message))
+        _exit(EXIT_FAILED);
+}
+
+static void say(void *user, enum dt_level level, const char *text)
+{
+    const struct child *child = user;
+    if (!send_text(child->socket, (struct message){.kind = SAY, .code = (int)level}, text))
+        _exit(EXIT_FAILED);
+}
+
+static void serve_read(struct child *child, const struct message *command)
+{
+    struct dt_bytes bytes = {0};
+    struct message answer = {.kind = BYTES};
+    answer.good = child->session.runtime->read(child->session.handle, command->resource,
+                                               command->mip, &bytes);
+    if (answer.good && bytes.size > child->capacity) {
+        report_error(&child->session.log, "%s: %zu bytes, where its extent says at most %zu",
+                     child->info->session.pipeline->info->resources[command->resource].name,
+                     bytes.size, child->capacity);
+        answer.good = false;
+    }
+    if (answer.good) {
+        memcpy(child->shared, bytes.data, bytes.size);
+        memcpy(answer.extent, bytes.extent, sizeof answer.extent);
+        answer.size = bytes.size;
+    }
+    free(bytes.data);
+    tell(child, &answer);
+}
+
+static void serve_write(struct child *child, const struct message *command)
+{
+    const struct session *session = &child->session;
+    struct dt_bytes bytes = {.data = child->shared, .size = command->size};
+    memcpy(bytes.extent, command->extent, sizeof bytes.extent);
+    tell(child, &(struct message){.kind = WRITTEN,
+                                  .good = session->runtime->write(
+                                      session->handle, command->resource, command->mip, &bytes)});
+}
+
+static void serve_measure(const struct child *child)
+{
+    const struct session *session = &child->session;
+    struct message answer = {.kind = MEASURED,
+                             .frame_ms = child->frame_ms,
+                             .record_ms = session->runtime->record_ms(session->handle),
+                             .allocations = child->allocations};
+    answer.good = !session->info.timing ||
+                  session->runtime->timings(session->handle, (double *)(void *)child->shared);
+    tell(child, &answer);
+}
+
+/* Tells the parent where we are and serves it until it lets us go. */
+static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32_t pass)
+{
+    struct message message = {.kind = STOP, .code = (int)stop, .frame = child->frame, .pass = pass};
+    tell(child, &message);
+    for (;;) {
+        if (!receive_all(child->socket, &message, sizeof message))
+            _exit(EXIT_FAILED);
+        switch (message.kind) {
+        case READ:
+            serve_read(child, &message);
+            break;
+        case WRITE:
+            serve_write(child, &message);
+            break;
+        case MEASURE:
+            serve_measure(child);
+            break;
+        case RESUME:
+            return (enum dt_action)message.code;
+        default:
+            child->ended = true;
+            return DT_STOP;
+        }
+    }
+}
+
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    struct child *child = user;
+    return pass < child->info->stops_before ? stop_at(child, WORKER_BEFORE_PASS, pass) : DT_RUN;
+}
+
+static bool after_pass(void *user, uint32_t pass)
+{
+    return stop_at(user, WORKER_AFTER_PASS, pass) != DT_STOP;
+}
+
+static bool measured_frame(struct child *child)
+{
+    const struct pipeline *pipeline = child->info->session.pipeline;
+    allocations_begin(pipeline->info);
+    double start = milliseconds_now();
+    bool good = session_frame(&child->session, NULL);
+    child->frame_ms = milliseconds_now() - start;
+    child->allocations = allocations_end();
+    return good;
+}
+
+static bool run_frames(struct child *child)
+{
+    const struct worker_info *info = child->info;
+    const struct dt_observer observer = {
+        .before_pass = before_pass, .after_pass = after_pass, .user = child};
+    for (child->frame = info->session.first_frame; child->frame < info->frames; child->frame++) {
+        bool observed = child->frame >= info->first_observed;
+        if (observed ? !session_frame(&child->session, &observer) : !measured_frame(child))
+            return false;
+        if ((observed || info->stops_after_frames) &&
+            stop_at(child, WORKER_FRAME_DONE, 0) == DT_STOP)
+            return false;
+    }
+    return session_is_silent(&child->session);
+}
+
+static bool run_session(struct child *child)
+{
+    struct session *session = &child->session;
+    if (!session_open(session, &child->info->session))
+        return false;
+    if (!send_text(child->socket, (struct message){.kind = DEVICE},
+                   session->runtime->device_name(session->handle)))
+        return false;
+    return session_prepare(session) && stop_at(child, WORKER_READY, 0) != DT_STOP &&
+           run_frames(child) && stop_at(child, WORKER_FINISHED, 0) != DT_STOP;
+}
+
+/* Ends without the parent's exit handlers, which are not ours to run. */
+static _Noreturn void be_child(const struct worker *worker, int socket)
+{
+    struct child child = {.info = &worker->info,
+                          .socket = socket,
+                          .shared = worker->shared,
+                          .capacity = worker->capacity};
+    worker->info.session.console->log = (struct dt_log){.message = say, .user = &child};
+    bool good = run_session(&child);
+    session_close(&child.session);
+    _exit(good || child.ended ? EXIT_FINE : EXIT_FAILED);
+}
+
+/* ---- What the parent says about a child ------------------------------------------------------ */
+
+static const struct dt_log *log_of(const struct worker *worker)
+{
+    return &worker->info.session.console->log;
+}
+
+static const char *label_of(const struct worker *worker)
+{
+    return worker->info.session.side->label;
+}
+
+/* What a running worker does, in words: "in pass shade of frame 0". free(). */
+static char *describe_run(const struct worker *worker)
+{
+    const struct worker_info *info = &worker->info;
+    const struct dt_pipeline *pipeline = info->session.pipeline->info;
+    struct worker_place at = worker->place;
+    if (!worker->device)
+        return strdup("while it opened the device");
+    if (at.stop == WORKER_FINISHED)
+        return strdup("while it closed the device");
+    if (!worker->running && at.stop == WORKER_READY)
+        return strdup("while it created the programs");
+    if (!worker->running)
+        return format_string("while resources were read or written in frame %u", at.frame);
+    switch (at.stop) {
+    case WORKER_READY:
+        at.frame = info->session.first_frame;
+        if (at.frame < info->first_observed)
+            return format_string("before frame %u", info->first_observed);
+        at.pass = 0;
+        break;
+    case WORKER_FRAME_DONE:
+        at.frame++;
+        at.pass = 0;
+        break;
+    case WORKER_AFTER_PASS:
+        at.pass++;
+        break;
+    case WORKER_BEFORE_PASS:
+    case WORKER_FINISHED:
+        break;
+    }
+    if (at.frame >= info->frames)
+        return strdup("after the last frame");
+    if (at.pass >= pipeline->pass_count)
+        return format_string("at the end of frame %u", at.frame);
+    return format_string("in pass %s of frame %u", pipeline->passes[at.pass].name, at.frame);
+}
+
+static bool is_crash(int signal)
+{
+    return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS || signal == SIGFPE ||
+           signal == SIGILL || signal == SIGTRAP || signal == SIGSYS;
+}
+
+/* The child's end of the socket is closed: it is dead or dying. */
+static void report_end(struct worker *worker)
+{
+    int status = 0;
+    while (waitpid(worker->process, &status, 0) < 0 && errno == EINTR)
+        continue;
+    worker->process = 0;
+    char *where = describe_run(worker);
+    if (WIFSIGNALED(status))
+        report_error(log_of(worker), "%s: the %s (SIG%s) %s", label_of(worker),
+                     is_crash(WTERMSIG(status)) ? "driver crashed" : "process was ended",
+                     sigabbrev_np(WTERMSIG(status)), where ? where : "");
+    else if (!worker->spoke)
+        report_error(log_of(worker), "%s: the process ended by itself, with exit status %d, %s",
+                     label_of(worker), WEXITSTATUS(status), where ? where : "");
+    free(where);
+}
+
+/* ---- The parent's verbs ---------------------------------------------------------------------- */
+
+static bool command(struct worker *worker, const struct message *message)
+{
+    if (worker->process && send_all(worker->socket, message, sizeof *message))
+        return true;
+    if (worker->process)
+        report_end(worker);
+    return false;
+}
+
+static bool receive_text(const struct worker *worker, const struct message *message, char **text)
+{
+    *text = malloc(message->text + 1);
+    if (!*text) {
+        report_error(log_of(worker), "out of memory");
+        return false;
+    }
+    (*text)[message->text] = 0;
+    return receive_all(worker->socket, *text, message->text);
+}
+
+/* The next message that is an answer; hands on what comes before it. False at the child's end,
+ * silently. */
+static bool receive_answer(struct worker *worker, struct message *message)
+{
+    const struct dt_log *log = log_of(worker);
+    for (;;) {
+        char *text = NULL;
+        if (!receive_all(worker->socket, message, sizeof *message))
+            return false;
+        if (message->kind != SAY && message->kind != DEVICE)
+            return true;
+        if (!receive_text(worker, message, &text)) {
+            free(text);
+            return false;
+        }
+        if (message->kind == DEVICE) {
+            worker->device = text;
+            continue;
+        }
+        worker->spoke |= message->code == DT_ERROR;
+        if (!worker->info.quiet || message->code >= DT_WARNING)
+            log->message(log->user, (enum dt_level)message->code, text);
+        free(text);
+    }
+}
+
+static bool answer(struct worker *worker, struct message *message)
+{
+    if (receive_answer(worker, message))
+        return true;
+    report_end(worker);
+    return false;
+}
+
+/* Bytes to share with the process: the largest resource, or the times of all passes. */
+static size_t largest_exchange(const struct dt_pipeline *pipeline, const uint32_t size[2])
+{
+    size_t largest = (pipeline->pass_count + 1) * sizeof(double);
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        const struct dt_resource *resource = &pipeline->resources[i];
+        uint32_t extent[3] = {1, 1, 1};
+        resource->extent(size[0], size[1], extent);
+        size_t bytes = (size_t)extent[0] * resource_stride(resource);
+        if (resource->kind == DT_IMAGE)
+            bytes *= (size_t)extent[1] * extent[2];
+        largest = bytes > largest ? bytes : largest;
+    }
+    return largest;
+}
+
+static bool share_memory(struct worker *worker)
+{
+    const struct session_info *session = &worker->info.session;
+    worker->capacity = largest_exchange(session->pipeline->info, session->options->size);
+    worker->shared = mmap(NULL, worker->capacity, PROT_READ | PROT_WRITE,
+                          MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (worker->shared != MAP_FAILED)
+        return true;
+    worker->shared = NULL;
+    report_error(log_of(worker), "%s: %zu bytes cannot be shared with its process: %s",
+                 label_of(worker), worker->capacity, strerror(errno));
+    return false;
+}
+
+bool worker_start(struct worker *worker, const struct worker_info *info)
+{
+    int sockets[2];
+    *worker = (struct worker){.info = *info, .socket = -1};
+    worker->info.session.name_in_log = true;
+    if (!share_memory(worker))
+        return false;
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0) {
+        report_error(log_of(worker), "%s: no socket for its process: %s", label_of(worker),
+                     strerror(errno));
+        return false;
+    }
+    worker->socket = sockets[0];
+    pid_t child = console_fork(info->session.console);
+    if (child == 0) {
+        close(sockets[0]);
+        be_child(worker, sockets[1]);
+    }
+    close(sockets[1]);
+    if (child < 0)
+        report_error(log_of(worker), "%s: its process cannot be started: %s", label_of(worker),
+                     strerror(errno));
+    worker->process = child > 0 ? child : 0;
+    return child > 0;
+}
+
+bool worker_wait(struct worker *worker, struct worker_place *place)
+{
+    struct message message;
+    if (!answer(worker, &message))
+        return false;
+    worker->place = (struct worker_place){
+        .stop = (enum worker_stop)message.code, .frame = message.frame, .pass = message.pass};
+    worker->running = false;
+    *place = worker->place;
+    return true;
+}
+
+bool worker_resume(struct worker *worker, enum dt_action action)
+{
+    if (!command(worker, &(struct message){.kind = RESUME, .code = (int)action}))
+        return false;
+    worker->running = true;
+    return true;
+}
+
+bool worker_ask(struct worker *worker, uint32_t resource, uint32_t mip)
+{
+    return command(worker, &(struct message){.kind = READ, .resource = resource, .mip = mip});
+}
+
+bool worker_take(struct worker *worker, struct dt_bytes *bytes)
+{
+    struct message message;
+    *bytes = (struct dt_bytes){0};
+    if (!answer(worker, &message) || !message.good)
+        return false;
+    *bytes = (struct dt_bytes){.data = worker->shared, .size = message.size};
+    memcpy(bytes->extent, message.extent, sizeof bytes->extent);
+    return true;
+}
+
+bool worker_read(struct worker *worker, uint32_t resource, uint32_t mip, struct dt_bytes *bytes)
+{
+    return worker_ask(worker, resource, mip) && worker_take(worker, bytes);
+}
+
+bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
+                  const struct dt_bytes *bytes)
+{
+    struct message message = {.kind = WRITE, .resource = resource, .mip = mip, .size = bytes->size};
+    if (bytes->size > worker->capacity) {
+        report_error(
+            log_of(worker), "%s: %s: %zu bytes to write, where its extent says at most %zu",
+            label_of(worker), worker->info.session.pipeline->info->resources[resource].name,
+            bytes->size, worker->capacity);
+        return false;
+    }
+    memmove(worker->shared, bytes->data, bytes->size);
+    memcpy(message.extent, bytes->extent, sizeof message.extent);
+    return command(worker, &message) && answer(worker, &message) && message.good;
+}
+
+bool worker_measure(struct worker *worker, struct worker_measure *measure)
+{
+    struct message message;
+    *measure = (struct worker_measure){0};
+    if (!command(worker, &(struct message){.kind = MEASURE}) || !answer(worker, &message) ||
+        !message.good)
+        return false;
+    *measure = (struct worker_measure){.frame_ms = message.frame_ms,
+                                       .record_ms = message.record_ms,
+                                       .allocations = message.allocations};
+    if (worker->info.session.timing)
+        measure->pass_ms = (const double *)(const void *)worker->shared;
+    return true;
+}
+
+void worker_close(struct worker *worker)
+{
+    struct message message;
+    bool finished = worker->process && worker->place.stop == WORKER_FINISHED && !worker->running;
+    if (finished && command(worker, &(struct message){.kind = END})) {
+        while (receive_answer(worker, &message))
+            continue;
+        worker->spoke = true; /* or its end would be news */
+        report_end(worker);
+    }
+    if (worker->process) {
+        kill(worker->process, SIGKILL);
+        while (waitpid(worker->process, NULL, 0) < 0 && errno == EINTR)
+            continue;
+    }
+    if (worker->shared) {
+        munmap(worker->shared, worker->capacity);
+        close(worker->socket);
+    }
+    free(worker->device);
+    *worker = (struct worker){0};
+}

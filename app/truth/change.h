@@ -1,0 +1,71 @@
+/* How much pictures of the same surfaces change from one frame to the next, while camera and light
+ * move. Called by flicker.
+ *
+ * Be E(t, p) what pixel p shows in frame t, of irradiance in W/m2 per channel, and x(t, p) the point
+ * of the scene at its centre. The pixel of frame t + 1 is compared where that point was seen before:
+ *
+ *   D(p) = E(t + 1, p) - E(t, q),   q = project(t, x(t + 1, p)),   E(t, q) bilinear
+ *
+ * A pixel next to q counts as another surface, and p is left out, where it lies outside the picture,
+ * shows the background, turns its normal away by more than an angle whose cosine is 0.9, or lies off
+ * the tangent plane of x(t + 1, p) by more than 0.005 of the depth of it. That leaves out what came
+ * into view, and the edges; light that moves over a surface is compared.
+ *
+ *   change    = mean over p and channels of |D(p)|              W/m2 per frame
+ *   flicker   = mean over p and channels of |D(p) - D'(p)|      W/m2 per frame
+ *
+ * with D' of the reference: what the pictures change beyond, short of, or elsewhere than the truth
+ * does. With blocks, D and D' are first averaged over the compared pixels of every square of
+ * `block` x `block` pixels, and the mean is over these, each weighted by its number of pixels: noise of
+ * the reference, which is another in every pixel, becomes `block` times smaller, and what wanders over
+ * whole surfaces stays. */
+#ifndef DIPTYCH_CHANGE_H
+#define DIPTYCH_CHANGE_H
+
+#include <stddef.h>
+
+#include "truth/flip.h"
+
+/* What a pixel's centre sees. */
+struct seen_point {
+    float position[3];
+    float depth;     /* along the view; 0: background */
+    float normal[3]; /* unit, as interpolated */
+    float plane[3];  /* unit, of the triangle */
+};
+
+/* What a frame sees, row 0 at the top. Borrowed. */
+struct seen {
+    uint32_t width, height;
+    const struct seen_point *points;
+    float view_projection[4][4]; /* clip space as in struct dt_view */
+};
+
+/* Pixels of a frame, and how they are weighted to give what a point had there; 0 taps: it was not
+ * seen. The weights' sum is 1. */
+struct taps {
+    uint32_t count;
+    size_t pixel[4];
+    float weight[4];
+};
+struct taps change_reproject(const struct seen *before, const struct seen_point *point);
+
+/* From one frame to the next, see above; also sums over many of them. */
+struct change {
+    uint64_t surfaces; /* pixels that show one */
+    uint64_t
+        compared; /* of these, whose point was seen before, with finite values; 0: all below is 0 */
+    double mean, mean_reference; /* of these, in the later frame, W/m2 */
+    double change, change_reference, flicker;
+};
+
+/* Frames t and t + 1, seen and shown; all of one size. `reference` may be NULL: without its numbers.
+ * False when out of memory. block: 1 and up. */
+bool change_measure(struct change *change, const struct seen seen[2],
+                    const struct rgb_image test[2], const struct rgb_image reference[2],
+                    uint32_t block);
+
+/* The means over all pixels of some pairs of frames. */
+struct change change_mean(const struct change *list, uint32_t count);
+
+#endif

@@ -1,0 +1,224 @@
+/* Takes a pipeline that was made anew in place of the present one, between two frames; the present
+ * one stays when a driver refuses the new one. Called by view.c. */
+#include "view/view.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/live.h"
+#include "base/texels.h"
+
+const struct dt_panel *view_panel_of(const struct view_side *side, const struct pipeline *pipeline)
+{
+    return strcmp(side->session.runtime->name, "gl") == 0 ? pipeline->gl : pipeline->vk;
+}
+
+void view_set_live(struct view *view, const struct dt_param *param, const double values[4])
+{
+    char text[160] = "[";
+    size_t used = 1;
+    uint32_t count = type_components(param->type);
+    for (uint32_t i = 0; i < count && used < sizeof text; i++)
+        used +=
+            (size_t)snprintf(text + used, sizeof text - used, "%s%.17g", i ? ", " : "", values[i]);
+    if (used + 2 > sizeof text)
+        return;
+    memcpy(text + used, "]", 2);
+    live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
+}
+
+/* By --set, so that it does not begin as in the spec. */
+static bool is_set(const struct options *options, const char *name)
+{
+    size_t length = strlen(name);
+    for (uint32_t i = 0; i < options->set_count; i++)
+        if (strncmp(options->sets[i], name, length) == 0 && options->sets[i][length] == '=')
+            return true;
+    return false;
+}
+
+/* What the user has changed stays so, where the new pipeline takes it. */
+static void keep_live(struct view *view, const struct pipeline *old)
+{
+    for (uint32_t i = 0; i < old->info->param_count; i++) {
+        const struct dt_param *was = &old->info->params[i];
+        const struct dt_param *is = live_param(view->pipeline.info, was->name);
+        double value[4], initial[4];
+        if (!was->live || type_components(was->type) > 4 || !is || !is->live ||
+            is->type != was->type)
+            continue;
+        live_get(old->live, was, value);
+        live_get(old->info->live_defaults, was, initial);
+        bool fits = true;
+        for (uint32_t k = 0; k < type_components(was->type); k++)
+            fits = fits && value[k] >= is->min && value[k] <= is->max;
+        if (fits && (is_set(view->options, was->name) ||
+                     memcmp(value, initial, type_components(was->type) * sizeof *value) != 0))
+            view_set_live(view, is, value);
+    }
+}
+
+/* The same image as before, by name. */
+static bool keep_shown(struct view *view, const char *name)
+{
+    const struct dt_pipeline *info = view->pipeline.info;
+    int layer = view->layer;
+    uint32_t mip = view->mip;
+    if (!view_find_home(view))
+        return false;
+    for (uint32_t i = 0; i < info->resource_count; i++) {
+        if (strcmp(info->resources[i].name, name) != 0 || !view_can_show(info, i))
+            continue;
+        view_show(view, i);
+        view->layer = layer < (int)view_layers(view) ? layer : -1;
+        view->mip = mip < view_mips(view) ? mip : 0;
+    }
+    return true;
+}
+
+static bool create(const struct view *view)
+{
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        const struct view_side *side = &view->side[i];
+        const struct session *session = &side->session;
+        if (!session->runtime->create(session->handle, view_panel_of(side, &view->pipeline)) ||
+            !session->runtime->resize(session->handle, view->size[0], view->size[1]))
+            return false;
+    }
+    return true;
+}
+
+/* Takes the text, which may be NULL. */
+static void set_error(struct view *view, char *text)
+{
+    free(view->error);
+    view->error = text;
+    if (text)
+        fputs(text, stderr);
+}
+
+/* Puts view->pipeline to work, up to its first picture. A wrong outline leaves it at work with
+ * nothing offered. */
+static bool start(struct view *view, const char *shown, bool *offered)
+{
+    uint32_t points = view->shown_points;
+    *offered = view_outline_read(view);
+    view->shown_points = points <= view->points_count ? points : 0;
+    view->frame = 0; /* history starts anew */
+    view_warm(view);
+    double begun = milliseconds_now();
+    bool created = create(view);
+    view->device_ms = milliseconds_now() - begun;
+    return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
+}
+
+static void let_go(struct view *view, struct pipeline *pipeline)
+{
+    if (view->warm)
+        warm_settle(view->warm);
+    pipeline_unload(pipeline);
+}
+
+/* What a driver or runtime says against the new pipeline is an error like one of the generator, and
+ * the old one goes on. False: neither runs. */
+static bool swap(struct view *view, struct pipeline *next)
+{
+    struct pipeline old = view->pipeline;
+    const char *shown = old.info->resources[view->resource].name;
+    bool offered, capture = console_capture(view->console);
+    view->pipeline = *next;
+    keep_live(view, &old);
+    bool good = start(view, shown, &offered);
+    char *text = capture ? console_captured(view->console) : NULL;
+    view->outline_wrong = good && !offered;
+    if (!good || !offered) {
+        set_error(view, text ? text : strdup("the reason stands on the terminal\n"));
+    } else {
+        if (text)
+            fputs(text, stderr);
+        free(text);
+    }
+    if (good) {
+        let_go(view, &old);
+        return true;
+    }
+    struct pipeline refused = view->pipeline;
+    view->pipeline = old;
+    good = start(view, shown, &offered);
+    let_go(view, &refused); /* its panels were at work until now */
+    return good;
+}
+
+/* Of the same pipeline; its errors are shown like those of the pipeline. */
+static void read_outline(struct view *view)
+{
+    uint32_t points = view->shown_points;
+    bool capture = console_capture(view->console);
+    bool good = view_outline_read(view);
+    char *text = capture ? console_captured(view->console) : NULL;
+    view->outline_wrong = !good;
+    if (good)
+        free(text);
+    else
+        set_error(view, text);
+    view->shown_points = points <= view->points_count ? points : 0;
+    view->step = true;
+}
+
+/* One line, as a person who waits wants it. */
+static void tell_times(const struct view *view, bool same, double made_ms, double taken_ms)
+{
+    const struct pipeline *pipeline = &view->pipeline;
+    if (same) {
+        report_message(&view->console->log, DT_INFO, "reloaded in %.0f ms: it is the same pipeline",
+                       view->reload_ms);
+        return;
+    }
+    report_message(&view->console->log, DT_INFO,
+                   "reloaded in %.0f ms: made in %.0f (generator %.0f, C compiler %.0f), "
+                   "device %.0f, first frame %.0f",
+                   view->reload_ms, made_ms, pipeline->generator_ms, pipeline->compiler_ms,
+                   view->device_ms, taken_ms - view->device_ms);
+}
+
+static bool take(struct view *view, struct reload_result *result)
+{
+    double start_ms = milliseconds_now();
+    if (result->text && *result->text)
+        fputs(result->text, stderr); /* warnings */
+    free(result->text);
+    set_error(view, NULL);
+    bool same = result->pipeline.info == view->pipeline.info;
+    if (same) {                             /* only its outline, or nothing */
+        pipeline_unload(&result->pipeline); /* which is loaded twice */
+        read_outline(view);
+    } else if (!swap(view, &result->pipeline)) {
+        return false;
+    }
+    view->reloads += !view->error;
+    double taken_ms = milliseconds_now() - start_ms;
+    view->reload_ms = result->ms + taken_ms;
+    if (!view->error)
+        tell_times(view, same, result->ms, taken_ms);
+    return true;
+}
+
+bool view_reload(struct view *view)
+{
+    struct reload_result result;
+    switch (reload_poll(view->reload, &result)) {
+    case RELOAD_BEGUN:
+        view->reloading = true;
+        return true;
+    case RELOAD_DONE:
+        view->reloading = false;
+        return take(view, &result);
+    case RELOAD_FAILED:
+        view->reloading = view->outline_wrong = false;
+        set_error(view, result.text ? result.text : strdup("out of memory\n"));
+        return true;
+    default:
+        return true;
+    }
+}

@@ -1,0 +1,92 @@
+/* Opens a device again that was lost, as when a pass ran too long or somebody else's work brought the
+ * driver down. The window is closed with its device and comes back where it was. Called by view.c. */
+#include "view/view.h"
+
+/* Frames between two losses that make them two accidents; sooner, the pipeline is to blame. */
+enum { PATIENCE = 60 };
+
+struct place {
+    int left, top, width, height;
+};
+
+static struct place place_of(GLFWwindow *window)
+{
+    struct place place;
+    glfwGetWindowPos(window, &place.left, &place.top);
+    glfwGetWindowSize(window, &place.width, &place.height);
+    return place;
+}
+
+static bool is_lost(const struct view_side *side)
+{
+    const struct session *session = &side->session;
+    return session->handle && session->runtime->is_lost(session->handle);
+}
+
+static bool reopen(struct view *view, uint32_t index)
+{
+    struct place place = place_of(view->window);
+    report_message(&view->side[index].session.log, DT_WARNING,
+                   "opening the device anew; what frames keep of each other begins anew, too");
+    view_close_side(view, index);
+    if (!view_open_side(view, index))
+        return false;
+    if (index > 0)
+        return true;
+    if (!view_open_window(view, place.width, place.height))
+        return false;
+    glfwSetWindowPos(view->window, place.left, place.top);
+    return true;
+}
+
+/* All of the pipeline's content is gone on the lost side, and goes on the others, which have to agree
+ * with it. */
+static bool start_over(struct view *view)
+{
+    view->frame = 0;
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        const struct session *session = &view->side[i].session;
+        if (!session->runtime->resize(session->handle, view->size[0], view->size[1]))
+            return false;
+    }
+    return true;
+}
+
+/* False when there is nobody who could try something else, or no frame came out since last time. */
+static bool has_patience(struct view *view)
+{
+    bool soon = view->losses && view->frames - view->loss_frames < PATIENCE;
+    bool hopeless = view->gave_up && view->frames == view->loss_frames;
+    view->losses++;
+    view->loss_frames = view->frames;
+    if (!soon)
+        return true;
+    view->paused = view->gave_up = true;
+    view->overlay_hidden = false;
+    view->step = false;
+    if (hopeless || view->options->run_frames) {
+        report_error(&view->console->log,
+                     "the device was lost again at once: the window ends; try a smaller --size, or "
+                     "another --device");
+        return false;
+    }
+    report_error(&view->console->log,
+                 "the device was lost again within %d frames: paused; Space, or "
+                 "a change of the pipeline, tries once more",
+                 PATIENCE);
+    return true;
+}
+
+bool view_revive(struct view *view)
+{
+    bool lost[VIEW_SIDES] = {false}, any = false;
+    for (uint32_t i = 0; i < view->side_count; i++)
+        any = (lost[i] = is_lost(&view->side[i])) || any;
+    if (!any || !has_patience(view))
+        return false;
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (lost[i] && !reopen(view, i))
+            return false;
+    view->time = glfwGetTime();
+    return start_over(view);
+}
