@@ -1,0 +1,59 @@
+"""Prints every #include that runs against the order of folders, as `FILE:LINE: error: ...`, and fails on one.
+
+Called by `ninja check`, in the project's folder, with the C and C++ files to read."""
+import os
+import re
+import sys
+
+# A room of the application may include itself and all rooms of the steps before its own.
+ROOMS = [["base"], ["result"], ["build"], ["run"], ["compare", "truth", "measure"], ["report", "view"]]
+# A folder may include itself and these.
+BELOW = {
+    "templates": [],
+    "scenes": ["templates"],
+    "gen": ["templates"],
+    "runtime_gl": ["templates"],
+    "runtime_vk": ["templates"],
+    "app": ["templates", "scenes", "gen", "runtime_gl", "runtime_vk"],
+}
+for step in ROOMS:
+    lower = BELOW["app"] + [room for room in BELOW if room.startswith("app/")]
+    BELOW.update({"app/" + room: lower for room in step})
+BELOW["app"] = list(BELOW)  # app/main.c
+BELOW["tests"] = list(BELOW)
+SEARCHED = ["", "app/", "templates/c/"]  # as the compiler is told to, after the file's own folder
+WITHOUT_GRAPHICS = ["templates", "scenes", "gen"]
+GRAPHICS = re.compile(r"(vulkan|glad|GL|GLES\d*|EGL|KHR|GLFW)/|imgui")
+
+
+def place(path):
+    folders = path.split("/")[:-1]
+    return "/".join(folders[:2]) if folders[0] == "app" else folders[0]
+
+
+def wrong(path, included):
+    """Why this file may not include that name, or None."""
+    own = place(path)
+    if own in WITHOUT_GRAPHICS and GRAPHICS.match(included):
+        return f"{own} includes no header of a graphics API"
+    for folder in [os.path.dirname(path) + "/"] + SEARCHED:
+        if os.path.exists(folder + included):
+            other = place(os.path.normpath(folder + included))
+            return None if other == own or other in BELOW[own] else f"{own} must not depend on {other}"
+    return None  # generated, or the system's
+
+
+def main():
+    found = 0
+    for path in sys.argv[1:]:
+        with open(path, encoding="utf-8") as file:
+            for number, line in enumerate(file, 1):
+                include = re.match(r'\s*#\s*include\s*["<]([^">]+)[">]', line)
+                reason = include and wrong(path, include[1])
+                if reason:
+                    found += 1
+                    print(f"{path}:{number}: error: {include[1]}: {reason}")
+    return 1 if found else 0
+
+
+sys.exit(main())
