@@ -76,7 +76,7 @@ put 644 runtime_gl/runtime.h include/diptych/runtime_gl/runtime.h
 put 644 runtime_vk/runtime.h include/diptych/runtime_vk/runtime.h
 
 # Scaffolds and headers are in the generator and in include/.
-find templates -type f ! -path 'templates/c/*' | sort | while read -r file; do
+find templates -type f ! -path 'templates/c/*' ! -name '*.ninja' | sort | while read -r file; do
     put 644 "$file" "share/diptych/$file"
 done
 for file in cornell.yaml cornell.obj cornell.mtl scene.schema.json motion.schema.json; do

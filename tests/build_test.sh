@@ -63,8 +63,16 @@ check "... and then there is nothing to do" nothing_to_do
 sed -i 's/\(rsm_size: .*value: \)512/\1384/' templates/rsm.yaml
 check "another value of a uniform parameter changes C, though it is a size" edges 2 6 'rsm' ninja
 check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
+echo 'int extra(void);' >gen/extra.c
+# shellcheck disable=SC2016 # the variable is ninja's
+echo 'build $obj/gen/extra.o: cc gen/extra.c' >>gen/build.ninja
+check "a new source file is one line" edges 4 10 'build/obj/gen[/.]|build/diptych-gen|GENERATE' ninja
+check "... and is linked" bash -c 'ar t build/obj/gen.a | grep -Fx extra.o'
+sed -i '/extra[.]o/d' gen/build.ninja
+check "without it ..." edges 3 9 'build/obj/gen[/.]|build/diptych-gen|GENERATE' ninja
+check "... it is not linked" bash -c '! ar t build/obj/gen.a | grep -Fx extra.o'
 touch gen/plan.h
 check "a touched header concerns those that include it" \
-    edges 3 100 'build/obj/gen/|build/diptych-gen|GENERATE|build/obj/pipelines/' ninja -n
+    edges 3 100 'build/obj/gen[/.]|build/diptych-gen|GENERATE|build/obj/pipelines/' ninja -n
 check "... the planner among them" grep -F 'CC build/obj/gen/plan.o' "$work/edges"
 finish
