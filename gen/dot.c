@@ -5,36 +5,14 @@
 
 #include "plan.h"
 
-void dot_text(struct text *out, const char *plain)
-{
-    for (; *plain; plain++) {
-        switch (*plain) {
-        case '&':
-            text_add(out, "&amp;");
-            break;
-        case '<':
-            text_add(out, "&lt;");
-            break;
-        case '>':
-            text_add(out, "&gt;");
-            break;
-        case '"':
-            text_add(out, "&quot;");
-            break;
-        default:
-            text_add(out, (unsigned char)*plain < ' ' ? " " : "%c", *plain);
-        }
-    }
-}
-
-void dot_bytes(struct text *out, uint64_t bytes)
+void dot_bytes(struct text *out, const char *before, uint64_t bytes, const char *after)
 {
     if (bytes >= 1 << 20) {
-        text_add(out, "%.1f MiB", (double)bytes / (1 << 20));
+        text_add(out, "%s%.1f MiB%s", before, (double)bytes / (1 << 20), after);
     } else if (bytes >= 1 << 10) {
-        text_add(out, "%.1f KiB", (double)bytes / (1 << 10));
+        text_add(out, "%s%.1f KiB%s", before, (double)bytes / (1 << 10), after);
     } else {
-        text_add(out, "%" PRIu64 " B", bytes);
+        text_add(out, "%s%" PRIu64 " B%s", before, bytes, after);
     }
 }
 
@@ -74,7 +52,7 @@ void dot_words(struct text *out, const struct dot_word *words, size_t count, uns
     }
 }
 
-void dot_accesses(struct text *out, unsigned kinds, unsigned stages)
+static void accesses(struct text *out, unsigned kinds, unsigned stages)
 {
     static const struct dot_word stage_words[] = {
         {STAGE_COMPUTE, "compute"}, {STAGE_VERTEX, "vertex"}, {STAGE_FRAGMENT, "fragment"},
@@ -104,35 +82,35 @@ void dot_accesses(struct text *out, unsigned kinds, unsigned stages)
     dot_words(out, kind_words, sizeof kind_words / sizeof *kind_words, kinds, ", ");
 }
 
-int dot_width(const char *plain, int font_size)
+void dot_barrier(struct text *out, const struct barrier *barrier)
 {
-    int characters = 0;
-
-    for (; *plain; plain++) {
-        characters += (*plain & 0xc0) != 0x80;
-    }
-    return characters * font_size * 58 / 100 + 6;
+    accesses(out, barrier->from, barrier->from_stages);
+    text_add(out, " → ");
+    accesses(out, barrier->to, barrier->to_stages);
+    text_add(out, "%s", barrier->from_writes ? "" : " (execution only)");
 }
 
-uint32_t dot_unused(const struct pipeline *pipeline, struct text *out)
+unsigned dot_uses(const struct pass *pass, const struct resource *resource)
 {
-    uint32_t count = 0;
+    bool reads = resource == pass->indirect_resource || resource == pass->index_resource;
+    bool writes = false;
 
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        if (pipeline->resources[i].first_pass < 0) {
-            text_add(out, "%s%s", count++ ? ", " : "", pipeline->resources[i].name);
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        if (pass->accesses[i].resource == resource) {
+            reads |= pass->accesses[i].mode != MODE_WRITE;
+            writes |= pass->accesses[i].mode != MODE_READ;
         }
     }
-    return count;
+    return (reads ? DOT_READS : 0) | (writes ? DOT_WRITES : 0);
 }
 
 void dot_begin(struct text *out, const char *name)
 {
     text_add(out,
              "digraph \"%s\" {\n"
-             "  graph [layout=neato, inputscale=72, splines=line, charset=\"UTF-8\", labelloc=b,\n"
-             "         fontname=\"Helvetica\", fontsize=8];\n"
-             "  node [shape=plain, fontname=\"Helvetica\", fontsize=8];\n"
-             "  edge [arrowsize=0.5, penwidth=0.7];\n",
+             "  graph [charset=\"UTF-8\", fontname=\"Helvetica\", labeljust=l, nodesep=0.07,\n"
+             "         ranksep=0.1, fontsize=7];\n"
+             "  node [shape=plain, fontname=\"Helvetica\", fontsize=7];\n"
+             "  edge [arrowsize=0.5];\n",
              name);
 }

@@ -1,4 +1,4 @@
-/* What the two Graphviz drawings share: text that is safe in HTML-like labels, sizes, extents.
+/* What the two Graphviz drawings share: sizes, barriers, uses.
  * Defined in dot.c, used by emit_graph.c and emit_lifetimes.c alone. */
 #ifndef DIPTYCH_GEN_DOT_H
 #define DIPTYCH_GEN_DOT_H
@@ -7,29 +7,30 @@
 #include "text.h"
 
 /* Fills that stay apart when printed in grey. */
-#define DOT_IMAGE_FILL   "#d9e6f4"
-#define DOT_BUFFER_FILL  "#fbf4dc"
-#define DOT_HISTORY_FILL "#b8b8b8"
+#define DOT_IMAGE_FILL  "#d9e6f4"
+#define DOT_BUFFER_FILL "#fbf4dc"
 
-void dot_text(struct text *out, const char *plain); /* escaped for labels */
-void dot_bytes(struct text *out, uint64_t bytes);   /* 31.6 MiB */
-void dot_extent(struct text *out,
-                const struct resource *resource); /* rgba16f 256×256×8, Vpl[256] */
-/* What a pass does to a resource, or what touched it before: "compute storage write, clear". Masks of
- * enum access_kind and stage_bit. */
-void dot_accesses(struct text *out, unsigned kinds, unsigned stages);
-/* Words for the bits of a mask, with commas. */
+#define DOT_TABLE "border=\"0\" cellborder=\"1\" cellspacing=\"0\" cellpadding=\"0\""
+
+/* 31.6 MiB, between the two texts */
+void dot_bytes(struct text *out, const char *before, uint64_t bytes, const char *after);
+/* rgba16f 256×256×8, Vpl[256] */
+void dot_extent(struct text *out, const struct resource *resource);
+/* "compute storage write, clear → compute storage read" */
+void dot_barrier(struct text *out, const struct barrier *barrier);
+/* Words for the bits of a mask. */
 struct dot_word {
     unsigned bits;
     const char *text;
 };
 void dot_words(struct text *out, const struct dot_word *words, size_t count, unsigned mask,
                const char *between);
-/* Points that plain text may need at most, in the fonts that stand in for Helvetica. */
-int dot_width(const char *plain, int font_size);
-/* Names of resources that no pass uses; returns how many. */
-uint32_t dot_unused(const struct pipeline *pipeline, struct text *out);
-/* Opens a drawing whose nodes say where they stand, in points. */
+
+/* What a pass does with a resource: mask, 0: nothing. */
+enum { DOT_READS = 1, DOT_WRITES = 2 };
+unsigned dot_uses(const struct pass *pass, const struct resource *resource);
+
+/* Opens a drawing; the caller adds nodes, edges and the closing brace. */
 void dot_begin(struct text *out, const char *name);
 
 #endif

@@ -1,6 +1,8 @@
 """Checks for tests/graph_test.sh: `graph.py SPEC GRAPH.dot PLAIN LIFETIMES.dot` holds both drawings against the spec itself,
-read with another YAML library: who reads and writes what, and when. PLAIN is what `dot -Tplain` made of the first."""
+read with another YAML library: who reads and writes what, when, and who has to wait. PLAIN is what `dot -Tplain` made of the
+first: where its boxes and arrows lie."""
 import html
+import itertools
 import re
 import sys
 
@@ -29,51 +31,126 @@ def uses(spec):
     return found
 
 
-def boxes(plain):
-    """name -> (left, bottom, right, top) in points."""
-    found = {}
-    for line in plain.splitlines():
-        node = re.match(r'node ([pdw]_\w+) (\S+) (\S+) (\S+) (\S+) ', line)
-        if node:
-            x, y, width, height = (72 * float(number) for number in node.groups()[1:])
-            found[node.group(1)] = (x - width / 2, y - height / 2, x + width / 2, y + height / 2)
-    return found
+def writer(drawn, known, place, name, history):
+    """Who wrote last what the pass at `place` uses: an earlier pass; of a history that it reads, else one of the last frame."""
+    earlier = range(place - 1, -1, -1)
+    later = range(len(drawn) - 1, place, -1) if history and "r" in known[drawn[place], name] else ()
+    return next((other for other in (*earlier, *later) if "w" in known.get((drawn[other], name), "")), None)
 
 
-def check_boxes(spec, found):
+def nodes(dot):
+    """name -> label, of passes that run (p_) and of those left out (d_)."""
+    return dict(re.findall(r"^  ([pd]_\w+) \[.*?label=<(.*?)>\];$", dot, re.MULTILINE | re.DOTALL))
+
+
+def listed(text):
+    return [name for name in re.findall(r"\w+", re.sub(r"<[^>]*>|&nbsp;", " ", text))]
+
+
+def check_passes(spec, found):
+    """Each pass is drawn once, by its number in order of execution; what is left out has a condition."""
+    drawn = [name[2:] for name in found if name.startswith("p_")]
     for step in spec["passes"]:
-        if ("p_" + step["name"] in found) == ("d_" + step["name"] in found) and "when" not in step:
+        if ("p_" + step["name"] in found) == ("d_" + step["name"] in found):
             fail(f"pass {step['name']} is not drawn once")
-    placed = sorted(found.items())
-    for i, (a, (left, bottom, right, top)) in enumerate(placed):
-        for b, other in placed[i + 1:]:
-            if left < other[2] - 1 and other[0] < right - 1 and bottom < other[3] - 1 and other[1] < top - 1:
-                fail(f"{a} and {b} overlap")
-    column = [box for name, box in found.items() if name.startswith("p_")]
-    if max(box[0] for box in column) - min(box[0] for box in column) > 8:
-        fail("the passes are no column: some text is wider than was planned")
+        if "d_" + step["name"] in found and "when" not in step:
+            fail(f"pass {step['name']} is left out without a condition")
+    if len(found) != len(spec["passes"]):
+        fail(f"{sorted(found)} are not the passes")
+    for number, name in enumerate(drawn, 1):
+        if f"<b>&nbsp;{number}&nbsp;&nbsp;{name}</b>" not in found["p_" + name]:
+            fail(f"pass {name} is not number {number}")
+    return drawn
 
 
-def check_lines(dot, drawn, known):
-    """Every read is a line; a first write is the table's place, a later one is a line as well."""
-    lines = set()
-    for line in dot.splitlines():
-        found = re.match(r"  //((?: \w+)+?)((?: (?:->|<-) \w+)*)$", line)
-        if found:
-            for arrow, step in re.findall(r"(->|<-) (\w+)", found.group(2)):
-                lines |= {(step, name) for name in found.group(1).split()}
-    tables = {}
-    for step, label in re.findall(r'"w_(\w+)" \[.*?label=<(.*)>\];', dot):
-        for name in re.findall(r"&nbsp;(\w+)(?:<font[^>]*><i>[^<]*</i></font>)?</td>", label):
-            tables[name] = step
-    for (step, name), kinds in known.items():
-        if step not in drawn:
-            continue
-        if tables.get(name) != step and (step, name) not in lines:
-            fail(f"{step} {kinds} {name}: no line")
-    for step, name in lines:
+def check_reads(label, step, known):
+    """A pass names all that it reads, at a bar or without a wait; returns what it waits for."""
+    bars = [set(listed(bar.rsplit(":", 1)[0])) for bar in re.findall(r'<font color="white">(.*?)</font>', label)]
+    waited = set().union(*bars)
+    if len(waited) != sum(map(len, bars)):
+        fail(f"{step} waits twice for one resource")
+    free = re.search(r"&nbsp;reads (.*?)</td>", label)
+    named = waited | {name for name in listed(free.group(1) if free else "") if not name.startswith("scene_")}
+    for (user, name), kinds in known.items():
+        if user == step and kinds == {"r"} and name not in named:
+            fail(f"{step} does not say that it reads {name}")
+    for name in named:
         if (step, name) not in known:
-            fail(f"a line joins {step} and {name}, which have nothing to do with each other")
+            fail(f"{step} names {name}, which it does not use")
+    return waited
+
+
+def check_writes(label, place, drawn, known, histories):
+    """A row for all that a pass writes, with the numbers of the passes that read that."""
+    rows = re.findall(r'<tr><td width="\d+" align="left" [^>]*>&nbsp;(\w+)(.*?)</td>.*&nbsp;(?:→ )?([\d, ]*)</td></tr>', label)
+    written = {name for (step, name), kinds in known.items() if step == drawn[place] and "w" in kinds}
+    if sorted(name for name, _, _ in rows) != sorted(written):
+        fail(f"{drawn[place]} writes {sorted(written)}, not {rows}")
+    for name, notes, readers in rows:
+        wanted = [str(i + 1) for i, step in enumerate(drawn) if "r" in known.get((step, name), "")
+                  and writer(drawn, known, i, name, name in histories) == place]
+        if re.findall(r"\d+", readers) != wanted:
+            fail(f"what {drawn[place]} writes to {name} is read by {wanted}, not {readers}")
+        if ("<i>updated</i>" in notes) != ("r" in known[drawn[place], name]) or ("<i>history</i>" in notes) != (name in histories):
+            fail(f"{name} in {drawn[place]}: {notes}")
+
+
+def check_waits(waits, drawn, known):
+    """Whoever reads first what was written earlier in the frame waits for it, and whoever writes what was used."""
+    for place, step in enumerate(drawn):
+        for (user, name), kinds in known.items():
+            before = [known[other, name] for other in drawn[:place] if (other, name) in known]
+            if user == step and before and ("w" in before[-1] or "w" in kinds) and name not in waits[step]:
+                fail(f"{step} does not wait for {name}")
+
+
+def check_arrows(dot, drawn, known, histories):
+    """Arrows are those between passes that use what others wrote, and no others; heavy: that write it, too."""
+    wanted = {}
+    for place, step in enumerate(drawn):
+        for (user, name), kinds in known.items():
+            source = writer(drawn, known, place, name, name in histories) if user == step else None
+            if source is not None:
+                wanted[drawn[source], step] = wanted.get((drawn[source], step), set()) | kinds
+    arrows = {}
+    for tail, head, style in re.findall(r"^  p_(\w+) -> p_(\w+) \[(.*)\];$", dot, re.MULTILINE):
+        pair = (head, tail) if "dir=back" in style else (tail, head)
+        if ("style=dashed" in style) != (drawn.index(pair[0]) > drawn.index(pair[1])) or pair in arrows:
+            fail(f"the arrow {pair} is drawn as {style}")
+        arrows[pair] = "penwidth=1.4" in style
+    by_spec = {pair: "w" in kinds for pair, kinds in wanted.items()}
+    if arrows != by_spec:
+        fail(f"arrows that differ from the spec's, True: heavy: {sorted(arrows.items() ^ by_spec.items())}")
+
+
+def points(numbers):
+    """Points along the cubic Bezier curves of an edge."""
+    ends = list(zip(numbers[::2], numbers[1::2]))
+    for a, b, c, d in (ends[i:i + 4] for i in range(0, len(ends) - 1, 3)):
+        for t in (i / 16 for i in range(17)):
+            yield tuple((1 - t) ** 3 * a[k] + 3 * t * (1 - t) ** 2 * b[k] + 3 * t * t * (1 - t) * c[k] + t ** 3 * d[k] for k in (0, 1))
+
+
+def check_places(plain, drawn):
+    """Passes go down the page, no box hides another, no arrow runs through one; at two pages' width, text keeps half its size."""
+    found, edge = {}, 0.03
+    width = float(re.search(r"^graph \S+ (\S+)", plain).group(1))
+    for name, *numbers in re.findall(r"^node (\w+) (\S+) (\S+) (\S+) (\S+) ", plain, re.MULTILINE):
+        x, y, w, h = map(float, numbers)
+        found[name] = (x - w / 2 + edge, y - h / 2 + edge, x + w / 2 - edge, y + h / 2 - edge)
+    if width > 2 * 8.27:
+        fail(f"{width} inches are wider than two pages")
+    column = [found["p_" + name] for name in drawn]
+    if any(upper[1] <= lower[3] for upper, lower in zip(column, column[1:])):
+        fail("the passes do not go down the page in order of execution")
+    for (a, one), (b, other) in itertools.combinations(sorted(found.items()), 2):
+        if one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]:
+            fail(f"{a} and {b} overlap")
+    for tail, head, numbers in re.findall(r"^edge (\w+) (\w+) \d+ ([-\d. e]+) (?:solid|dashed) ", plain, re.MULTILINE):
+        for x, y in points([float(number) for number in numbers.split()]):
+            for name, (left, bottom, right, top) in found.items():
+                if left < x < right and bottom < y < top:
+                    fail(f"the arrow between {tail} and {head} runs through {name}")
 
 
 def check_lifetimes(text, drawn, known, resources):
@@ -105,11 +182,17 @@ def main():
         spec = yaml.safe_load(file)
     dot, plain, lifetimes = (open(path, encoding="utf-8").read() for path in sys.argv[2:5])
     known = uses(spec)
-    found = boxes(plain)
-    drawn = re.findall(r'"p_(\w+)" \[', dot)
-    check_boxes(spec, found)
-    check_lines(dot, set(drawn), known)
-    check_lifetimes(lifetimes, drawn, known, [*spec.get("buffers", {}), *spec.get("images", {})])
+    resources = {**spec.get("buffers", {}), **spec.get("images", {})}
+    histories = {name for name, resource in resources.items() if resource.get("history")}
+    found = nodes(dot)
+    drawn = check_passes(spec, found)
+    waits = {step: check_reads(found["p_" + step], step, known) for step in drawn}
+    for place, step in enumerate(drawn):
+        check_writes(found["p_" + step], place, drawn, known, histories)
+    check_waits(waits, drawn, known)
+    check_arrows(dot, drawn, known, histories)
+    check_places(plain, drawn)
+    check_lifetimes(lifetimes, drawn, known, resources)
     check_slots(lifetimes)
 
 

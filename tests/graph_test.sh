@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The two drawings of a pipeline: Graphviz takes them without a word, no box hides another, and they tell what the spec says
+# The two drawings of a pipeline: Graphviz takes them without a word, and they tell what the spec says
 # (graph.py); sizes, passes that a baked `when` leaves out, and barriers are those of pipelines that are known. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
@@ -50,10 +50,10 @@ done
 # 1920 * 1080 * 16 bytes are 31.64 MiB; 8 maps of 256 * 256 * 8 bytes are 4 MiB; 240 * 8 is 1920, and 135 * 8 is 1080
 check "sizes of resources and dispatches" has ssvp.dot 'rgba32f 1920×1080' '31.6 MiB' 'r32ui 256×256×8' '4.0 MiB' \
     'dispatch 240×135 workgroups of 8×8' 'draw of the scene, 8 instances'
-check "what a baked when leaves out" has ssvp.dot '"d_split"' '<b>shade_split</b>&nbsp; left out: when split == 1 &amp;&amp; bounces &gt; 0'
+check "what a baked when leaves out" has ssvp.dot ' d_split [' '<b>shade_split</b>&nbsp; left out: when split == 1 &amp;&amp; bounces &gt; 0'
 check "what waits for what" has ssvp.dot 'colour attachment → compute storage read' 'GL: shader storage'
 check "with split and no bounces" draw split templates/ssvp.yaml --set split=1 --set bounces=0
-check "... passes are skipped by default" has split.dot '"p_gather"' 'SKIPPED by default: when bounces &gt; 0' \
+check "... passes are skipped by default" has split.dot ' p_gather [' 'SKIPPED by default: when bounces &gt; 0' \
     '<b>shade</b>&nbsp; left out: when split == 0'
 touch "$work/file"
 check_status 2 "a place that cannot be written to" \
