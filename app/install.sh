@@ -68,12 +68,10 @@ put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych 
 put_output lib/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
     "-lassimp -lfyaml -ldl -lm -Wl,-rpath,\${libdir}/diptych"
 
-for header in templates/c/diptych.h templates/c/limit.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h \
+for header in templates/c/diptych.h templates/c/panel.h templates/c/limit.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h \
     scenes/diptych_scene.h; do
     put 644 $header "include/diptych/$(basename $header)"
 done
-put 644 runtime_gl/runtime.h include/diptych/runtime_gl/runtime.h
-put 644 runtime_vk/runtime.h include/diptych/runtime_vk/runtime.h
 
 # Scaffolds and headers are in the generator and in include/.
 find templates -type f ! -path 'templates/c/*' ! -name '*.ninja' | sort | while read -r file; do

@@ -5,9 +5,11 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/names.h"
 #include "base/options.h"
 #include "base/outcome.h"
+#include "scenes/nearest.h"
+
+static int verb_help(struct console *console, const struct options *options);
 
 static const struct verb verbs[] = {
     {"render", VERB_RENDER, "render a scene with one backend into a picture",
@@ -15,47 +17,48 @@ static const struct verb verbs[] = {
      EXIT_FAILED},
     {"compare", VERB_COMPARE,
      "run two or more backends and compare every resource after every pass",
-     "Prints a table; its last line names the pass that is to blame: the first that errs on its "
-     "own,\n"
-     "given the inputs that the first side had.\n"
-     "Exit status: 0 the backends agree, 1 they differ, 2 it could not run.",
+     "Prints a table. Its last line names the guilty pass: the first with an error of its own when "
+     "it gets\nthe first side's inputs.\nExit status: 0 the backends agree, 1 they differ, 2 it "
+     "could not run.",
      verb_compare, EXIT_USAGE},
+    {"list", VERB_LIST, "name the parameters, resources and passes of a pipeline",
+     "Parameters have their type, value and range; resources their format and size; passes what "
+     "they\n"
+     "read and write, in order of execution.\n"
+     "Exit status: 0 done, 1 the spec is wrong (the reason is on stderr), 2 wrong usage.",
+     verb_list, EXIT_FAILED},
     {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",
-     "Prints how what the pass leaves differs from what was expected of it.\n"
-     "Exit status: 0 as expected, 1 it differs, 2 it could not run.",
+     "Prints how the results of the pass differ from the expected ones.\nExit status: 0 as "
+     "expected, 1 it differs, 2 it could not run.",
      verb_replay, EXIT_USAGE},
-    {"reference", VERB_REFERENCE, "path-trace a scene: what the pipelines should come near to",
-     "Surfaces are Lambertian; lights, camera and materials are those that the pipelines get.\n"
-     "Textures are read from their finest mip, bilinear; --filter box averages them over pixels.\n"
-     "The same options give the same bits, whatever the threads and however often interrupted.\n"
-     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
+    {"reference", VERB_REFERENCE, "path-trace a scene as ground truth for pipelines",
+     "Surfaces are Lambertian; lights, camera and materials are the same as for "
+     "pipelines.\nTextures are read from their finest mip, bilinear; --filter box averages them "
+     "over pixels.\nThe same options give the same bits, for any number of threads and after "
+     "interruptions.\nExit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_reference, EXIT_FAILED},
     {"metrics", VERB_METRICS, "measure how far a picture is from its reference",
-     "RMSE, relative MSE, PSNR and FLIP, of the linear light and after tone mapping, both at one\n"
-     "exposure; OpenImageIO's version of Yee's metric, which misses differences of lightness "
-     "alone.\n"
-     "Exit status: 0 done, 1 it failed, 2 wrong usage.",
+     "RMSE, relative MSE, PSNR and FLIP, of linear light and after tone mapping, at one "
+     "exposure;\nOpenImageIO's version of Yee's metric, which misses differences in lightness "
+     "alone.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics, EXIT_FAILED},
     {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
-     "Only where both frames show the same surface, found by casting rays, and beside what the\n"
-     "reference changes there: flicker is the mean difference of both changes. Percentages are of\n"
-     "the reference's mean, or without one, of the pictures' own.\n"
-     "app/truth/change.h has the formulas.\n"
+     "Compares pixels where both frames show the same surface, found by casting rays. Flicker\n"
+     "is the mean difference between the pictures' change and the reference's. Percentages are\n"
+     "of the reference's mean, or without one, of the pictures'; app/truth/change.h has the\n"
+     "formulas.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_flicker, EXIT_FAILED},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
-     "Milliseconds are those of the device, medians with the 5th and 95th percentile. Rates count "
-     "every\n"
-     "resource of a pass whole and once; a device's own, of templates/machine.yaml, are measured "
-     "in turn\n"
-     "with them. A pass that names C by `limit` is told in times of that, on this processor.\n"
-     "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
+     "Times are the device's, in milliseconds: medians with the 5th and 95th percentile. Rates "
+     "count every\nresource of a pass whole and once, beside the device's best rates, measured by "
+     "templates/machine.yaml.\nA pass with a `limit` is also compared with that C on this "
+     "processor.\nExit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_bench, EXIT_FAILED},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
-     "Runs reference, render, metrics, bench and compare by a ninja file in the folder, so that it "
-     "goes\n"
-     "on where it was interrupted, and makes index.html of what they wrote.\n"
-     "Exit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
+     "Runs reference, render, metrics, bench and compare from a ninja file in the folder, and "
+     "makes\nindex.html from their results. The same command continues an interrupted "
+     "report.\nExit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report, EXIT_USAGE},
     {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
      "W A S D and the mouse fly, Q and E go down and up; Shift: faster, the wheel: how fast.\n"
@@ -64,20 +67,30 @@ static const struct verb verbs[] = {
      "names.\n"
      "C: two backends side by side, half of each, their difference; + and -: its amplification.\n"
      "Space: pause; H: the panel; P: screenshot; Ctrl+S: camera into the scene file; Esc: end.\n"
-     "Saving the spec or a file that it names makes the pipeline anew.\n"
+     "Saving the spec or a file that it names reloads the pipeline.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_view, EXIT_FAILED},
     {"sweep", VERB_SWEEP, "compare or measure over many variations of a spec, scenes and sizes",
-     "Give --random N or --grid. Writes one folder: build.ninja with an edge per run, and starts "
-     "ninja,\n"
-     "so that a sweep goes on where it was interrupted; commands, a line per run to paste; runs/, "
-     "what\n"
-     "each run said; summary.json and summary.csv. --set fixes a value in every run.\n"
-     "--measure takes times and errors instead: rows.csv, a row for each combination and backend, "
-     "and a\n"
-     "plot of each quantity; what failed is a row with its reason.\n"
-     "Exit status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
+     "Give --random N or --grid. Writes a folder with build.ninja, an edge per run, and starts "
+     "ninja; with\ncommands, a line per run to paste; runs/, the output of each run; summary.json "
+     "and summary.csv. The\nsame command continues an interrupted sweep. --set fixes a value in "
+     "every run.\n--measure takes times and errors instead: rows.csv, a row for each combination "
+     "and backend, and a\nplot of each quantity. A failed run has a row with its reason.\nExit "
+     "status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
      verb_sweep, EXIT_USAGE},
+    {"help", VERB_HELP, "list the verbs, or the options of one",
+     "Exit status: 0 done, 2 wrong usage.", verb_help, EXIT_USAGE},
+};
+
+/* For --help and the manual page. */
+static const struct {
+    const char *name, *text;
+} environment[] = {
+    {"DIPTYCH_SCENES", "folder where meshes are found, when --scenes names none"},
+    {"DIPTYCH_CACHE_MIB", "most that compiled shaders take on the disk (default: 64)"},
+    {"XDG_CACHE_HOME", "where an installed diptych keeps them (default: ~/.cache)"},
+    {"CC", "the C compiler for the `limit` of a pass, which bench runs (default: cc)"},
+    {"DIPTYCH_QUIET", "if set, only warnings and errors are printed"},
 };
 
 static void help(FILE *stream)
@@ -86,12 +99,11 @@ static void help(FILE *stream)
                     "usage: diptych VERB [options]\n\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         fprintf(stream, "  %-11s%s\n", verbs[i].name, verbs[i].summary);
-    fprintf(
-        stream,
-        "\ndiptych VERB --help lists the verb's options, diptych --version tells the version.\n\n"
-        "Environment: DIPTYCH_SCENES, where meshes are found; CC, what compiles generated "
-        "C;\nDIPTYCH_CACHE_MIB, most that compiled pipelines take on the disk (default: 512); "
-        "DIPTYCH_QUIET, if\nset: warnings and errors only.\n");
+    fprintf(stream,
+            "\ndiptych help VERB, or diptych VERB --help, lists the verb's options; diptych "
+            "--version prints the version.\n\nEnvironment:\n");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(environment); i++)
+        fprintf(stream, "  %-19s%s\n", environment[i].name, environment[i].text);
 }
 
 static int unknown_verb(const struct console *console, const char *word)
@@ -99,12 +111,44 @@ static int unknown_verb(const struct console *console, const char *word)
     const char *names[DT_ARRAY_COUNT(verbs)];
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         names[i] = verbs[i].name;
-    const char *hint = closest_name(word, names, DT_ARRAY_COUNT(verbs));
+    const char *hint = nearest_name(word, names, DT_ARRAY_COUNT(verbs));
     if (hint)
         report_error(&console->log, "unknown verb \"%s\"; did you mean \"%s\"?", word, hint);
     else
         report_error(&console->log, "unknown verb \"%s\"; see diptych --help", word);
     return EXIT_USAGE;
+}
+
+static const struct verb *find_verb(const char *name)
+{
+    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++) {
+        if (strcmp(name, verbs[i].name) == 0)
+            return &verbs[i];
+    }
+    return NULL;
+}
+
+static int verb_help(struct console *console, const struct options *options)
+{
+    const struct verb *verb = options->topic ? find_verb(options->topic) : NULL;
+    if (options->topic && !verb)
+        return unknown_verb(console, options->topic);
+    if (verb)
+        options_help(verb);
+    else
+        help(stdout);
+    return EXIT_FINE;
+}
+
+/* For app/manual.awk. */
+static int describe(void)
+{
+    printf("program\tdiptych\tone description of a GPU pipeline, run by OpenGL and by Vulkan\t\n");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(environment); i++)
+        printf("environment\t%s\t%s\n", environment[i].name, environment[i].text);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
+        options_describe(&verbs[i]);
+    return EXIT_FINE;
 }
 
 /* Asked before hours of work whether the file can be written, and after them with all that is known. */
@@ -173,18 +217,10 @@ static int run(struct console *console, int argc, char **argv)
         printf("diptych " VERSION "\n"); /* as build.ninja has it */
         return EXIT_FINE;
     }
-    if (strcmp(argv[1], "--describe") == 0) { /* for the manual page, and for the shell */
-        printf(
-            "program\tdiptych\tone description of a GPU pipeline, run by OpenGL and by Vulkan\n");
-        for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
-            options_describe(&verbs[i]);
-        return EXIT_FINE;
-    }
-    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++) {
-        if (strcmp(argv[1], verbs[i].name) == 0)
-            return run_verb(console, &verbs[i], argc - 2, argv + 2);
-    }
-    return unknown_verb(console, argv[1]);
+    if (strcmp(argv[1], "--describe") == 0)
+        return describe();
+    const struct verb *verb = find_verb(argv[1]);
+    return verb ? run_verb(console, verb, argc - 2, argv + 2) : unknown_verb(console, argv[1]);
 }
 
 int main(int argc, char **argv)

@@ -2,7 +2,8 @@
 # neither can say what the program does not. -v version=V. Called by install.sh.
 BEGIN { FS = "\t" }
 
-$1 == "program" { program = $2; summary = $3 }
+$1 == "program" { program = $2; summary = $3; details = $4 }
+$1 == "environment" { variables[++variable_count] = $2; variable_text[variable_count] = $3 }
 $1 == "verb" { verbs[++verb_count] = $2; verb_summary[$2] = $3; verb_details[$2] = $4 }
 $1 == "option" {
     verb = verb_count ? verbs[verb_count] : ""
@@ -35,6 +36,8 @@ function usage(verb,    i) {
     for (i = 1; i <= count[verb]; i++)
         if (required[verb, i] != "")
             printf "%s\n", roff(name[verb, i] (argument[verb, i] == "" ? "" : " " argument[verb, i]))
+        else if (name[verb, i] !~ /^-/)
+            printf "[%s]\n", roff(name[verb, i])
     print "[options]"
 }
 
@@ -65,13 +68,12 @@ function man(    i, verb) {
     if (!verb_count) {
         print ".SH OPTIONS"
         options("")
-        print ".SH EXIT STATUS\n0 done, 1 the spec is wrong, 2 it could not be tried."
-    } else {
-        print ".SH ENVIRONMENT"
-        print ".TP\n.B DIPTYCH_SCENES\nFolder where meshes are found, when \\-\\-scenes names none."
-        print ".TP\n.B XDG_CACHE_HOME\nWhere pipelines are kept that were compiled; ~/.cache without it."
-        print ".TP\n.B CC\nThe C compiler that compiles them, cc without it."
+        printf ".SH DESCRIPTION\n%s\n", roff(details)
     }
+    if (variable_count)
+        print ".SH ENVIRONMENT"
+    for (i = 1; i <= variable_count; i++)
+        printf ".TP\n.B %s\n%s\n", variables[i], roff(variable_text[i])
     printf ".SH SEE ALSO\n.BR %s (1)\n", verb_count ? "diptych\\-gen" : "diptych"
 }
 
@@ -119,9 +121,11 @@ function flags(verb,    i, all, alone) {
         if (name[verb, i] ~ /^-/)
             all = all (all == "" ? "" : " ") name[verb, i]
         else
-            alone = 1
+            alone = name[verb, i]
     print "        esac"
-    if (alone) {
+    if (alone == "VERB") {
+        all = all all_verbs
+    } else if (alone != "") {
         print "        if [[ $word != -* ]]; then"
         print "            mapfile -t COMPREPLY < <(compgen -f -- \"$word\")"
         print "            compopt -o filenames 2>/dev/null"
@@ -130,16 +134,16 @@ function flags(verb,    i, all, alone) {
     printf "        mapfile -t COMPREPLY < <(compgen -W '%s' -- \"$word\")\n", all
 }
 
-function bash(    i, f, all) {
+function bash(    i, f) {
     f = "_" program
     gsub(/-/, "_", f)
     printf "# Completion for %s, as version %s describes itself.\n", program, version
     printf "%s() {\n    local word=${COMP_WORDS[COMP_CWORD]} last=${COMP_WORDS[COMP_CWORD - 1]}\n    COMPREPLY=()\n", f
     for (i = 1; i <= verb_count; i++)
-        all = all " " verbs[i]
+        all_verbs = all_verbs " " verbs[i]
     if (verb_count)
         printf "    if [[ $COMP_CWORD = 1 ]]; then\n        mapfile -t COMPREPLY < <(compgen -W '%s --help --version' -- \"$word\")\n        return\n    fi\n",
-            substr(all, 2)
+            substr(all_verbs, 2)
     print "    case ${COMP_WORDS[1]} in"
     for (i = verb_count ? 1 : 0; i <= verb_count; i++) {
         printf "    %s)\n        case $last in\n", i ? verbs[i] : "*"

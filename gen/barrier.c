@@ -1,8 +1,8 @@
-/* What each pass waits for: Vulkan's barriers from the accesses of the frame so far, and OpenGL's
- * memory barrier bits. Called by plan.c (Vulkan) and emit_gl.c (OpenGL). Frames are separated by a
- * wait for the device, and each opens with a full barrier, so that all earlier writes are visible: the
- * first touch in a frame depends on nothing but the user of the same memory before it. That every
- * barrier is needed, and that they are enough, is for tests/barrier_audit.c to say. */
+/* What each pass waits for, from the accesses of the frame so far. Called by plan.c. Each frame opens
+ * with a full barrier, so that all earlier writes are visible: the first touch in a frame depends on
+ * nothing but the user of the same memory before it, and on that opening barrier, to which the first
+ * change of a layout chains (lower.c). tests/barrier_audit.c holds that every barrier is needed, and that
+ * they are enough. */
 #include "plan.h"
 
 enum { KIND_COUNT = 10 };
@@ -343,7 +343,7 @@ static enum image_layout last_layout(const struct model *model, struct resource 
 static void begin_history(const struct model *model, struct resource *resource,
                           struct history *past)
 {
-    past->mip_count = resource_mips(resource);
+    past->mip_count = mips_of(resource);
     past->mips = arena_alloc(model->arena, past->mip_count * sizeof *past->mips);
     past->mip_count = past->mips ? past->mip_count : 0;
     if (!resource->history) {
@@ -368,96 +368,5 @@ void plan_barriers(struct model *model)
     }
     for (uint32_t i = 0; i < pipeline->pass_count && past; i++) {
         plan_pass_barriers(model, pipeline->order[i], past);
-    }
-}
-
-/* ---- OpenGL ---------------------------------------------------------------------------------- */
-
-/* OpenGL orders everything by itself except what shaders store (OpenGL 4.6, 7.13.2): consumers of
- * stores need their kind's bit, and so do stores that must not overtake earlier accesses. Textures
- * that several images share count once. */
-struct coherence {
-    bool stored, accessed;
-    unsigned since_store, since_access; /* bits issued since then */
-};
-
-static struct coherence *coherence_of(struct coherence *all, const struct resource *resource)
-{
-    return &all[resource->share >= 0 ? (uint32_t)resource->share : resource->index];
-}
-
-static unsigned consumer_bits(const struct touch *touch)
-{
-    bool image = touch->resource->kind == DT_IMAGE;
-    unsigned bits = 0;
-
-    if (touch->kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE)) {
-        bits |= image ? GLB_SHADER_IMAGE_ACCESS : GLB_SHADER_STORAGE;
-    }
-    if (touch->kind & ACCESS_CLEAR) {
-        bits |= image ? GLB_TEXTURE_UPDATE : GLB_BUFFER_UPDATE;
-    }
-    bits |= touch->kind & (ACCESS_FETCH | ACCESS_SAMPLED) ? GLB_TEXTURE_FETCH : 0;
-    bits |= touch->kind & ACCESS_UNIFORM ? GLB_UNIFORM : 0;
-    bits |= touch->kind & (ACCESS_COLOR | ACCESS_DEPTH) ? GLB_FRAMEBUFFER : 0;
-    bits |= touch->kind & ACCESS_INDIRECT ? GLB_COMMAND : 0;
-    bits |= touch->kind & ACCESS_INDEX ? GLB_ELEMENT_ARRAY : 0;
-    return bits;
-}
-
-static unsigned needed_bits(const struct coherence *state, const struct touch *touch)
-{
-    unsigned bits = consumer_bits(touch), needed = 0;
-
-    if (state->stored) {
-        needed |= bits & ~state->since_store;
-    }
-    if (state->accessed && touch->kind & ACCESS_STORAGE_WRITE) {
-        needed |= bits & (GLB_SHADER_IMAGE_ACCESS | GLB_SHADER_STORAGE) & ~state->since_access;
-    }
-    return needed;
-}
-
-static unsigned pass_bits(const struct pipeline *pipeline, struct coherence *all,
-                          const struct touch *touches, uint32_t count)
-{
-    unsigned bits = 0;
-
-    for (uint32_t i = 0; i < count; i++) {
-        bits |= needed_bits(coherence_of(all, touches[i].resource), &touches[i]);
-    }
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        all[i].since_store |= bits;
-        all[i].since_access |= bits;
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        struct coherence *state = coherence_of(all, touches[i].resource);
-
-        state->accessed = true;
-        state->since_access = 0;
-        if (touches[i].kind & ACCESS_STORAGE_WRITE) {
-            state->stored = true;
-            state->since_store = 0;
-        } else if (touches[i].writes && !touches[i].reads && !touches[i].resource->mips) {
-            state->stored = false; /* drawn anew: nothing that a shader stored is left */
-        }
-    }
-    return bits;
-}
-
-void plan_gl_bits(const struct model *model, unsigned *bits)
-{
-    const struct pipeline *pipeline = &model->pipeline;
-    struct coherence *all = arena_alloc(model->arena, pipeline->resource_count * sizeof *all + 1);
-
-    /* Twice: the second frame starts where the first one ended. */
-    for (int frame = 0; frame < 2 && all; frame++) {
-        for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-            const struct pass *pass = pipeline->order[i];
-            struct touch *touches =
-                arena_alloc(model->arena, (pass->access_count + 2) * sizeof *touches);
-
-            bits[i] = touches ? pass_bits(pipeline, all, touches, pass_touches(pass, touches)) : 0;
-        }
     }
 }

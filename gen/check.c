@@ -48,7 +48,7 @@ struct pass *find_pass(const struct checker *c, const char *name)
 void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
                     const char *const *names, size_t count)
 {
-    const char *nearest = diag_nearest(name, names, count);
+    const char *nearest = nearest_name(name, names, count);
     if (nearest)
         diag_error(c->diag, loc, "no %s `%s`; did you mean `%s`?", what, name, nearest);
     else

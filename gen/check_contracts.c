@@ -90,7 +90,7 @@ static int find_field(struct checker *c, const struct resource *margin, const ch
         if (!strcmp(names[i], name))
             return (int)i;
     }
-    const char *nearest = diag_nearest(name, names, structure->field_count);
+    const char *nearest = nearest_name(name, names, structure->field_count);
     diag_error(c->diag, loc,
                nearest ? "`%s` has no field `%s`; did you mean `%s`?" : "`%s` has no field `%s`",
                structure->name, name, nearest);

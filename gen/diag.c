@@ -5,7 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 
 enum severity { SEVERITY_ERROR, SEVERITY_WARNING, SEVERITY_NOTE };
@@ -251,44 +250,44 @@ static bool find_line(const struct source *source, int line, const char **start,
 
 /* The caret line: one column per UTF-8 character, tabs kept so that the caret stands below its
  * character. */
-static void print_caret(const char *line, int bytes, int column, int length)
+static void print_caret(FILE *out, const char *line, int bytes, int column, int length)
 {
-    fputs("      | ", stderr);
+    fputs("      | ", out);
     int i = 0, at = 1;
     for (; i < bytes && at < column; i++) {
         if ((line[i] & 0xc0) == 0x80)
             continue;
         if (at + 1 > column)
             break;
-        fputc(line[i] == '\t' ? '\t' : ' ', stderr);
+        fputc(line[i] == '\t' ? '\t' : ' ', out);
         at++;
     }
     int left = 0;
     for (; i < bytes; i++)
         left += (line[i] & 0xc0) != 0x80;
-    fputc('^', stderr);
+    fputc('^', out);
     for (int k = 1; k < length && k < left; k++)
-        fputc('~', stderr);
-    fputc('\n', stderr);
+        fputc('~', out);
+    fputc('\n', out);
 }
 
-static void print_message(const struct message *message)
+static void print_message(FILE *out, const struct message *message)
 {
     struct loc loc = message->loc;
     const char *path = loc.source ? loc.source->path : "diptych-gen";
     const char *severity = severity_names[message->severity];
     if (loc.line < 1) {
         /* a place all the same, where it is a file: editors know no other */
-        fprintf(stderr, "%s%s: %s: %s\n", path, loc.source ? ":1:1" : "", severity, message->text);
+        fprintf(out, "%s%s: %s: %s\n", path, loc.source ? ":1:1" : "", severity, message->text);
         return;
     }
-    fprintf(stderr, "%s:%d:%d: %s: %s\n", path, loc.line, loc.column, severity, message->text);
+    fprintf(out, "%s:%d:%d: %s: %s\n", path, loc.line, loc.column, severity, message->text);
     const char *line;
     int bytes;
     if (!find_line(loc.source, loc.line, &line, &bytes))
         return;
-    fprintf(stderr, "%5d | %.*s\n", loc.line, bytes, line);
-    print_caret(line, bytes, loc.column, loc.length);
+    fprintf(out, "%5d | %.*s\n", loc.line, bytes, line);
+    print_caret(out, line, bytes, loc.column, loc.length);
 }
 
 /* Notes stay behind the message that they belong to, whatever place they point at. */
@@ -341,67 +340,22 @@ void diag_json(const struct diag *diag, struct text *out)
 
 void diag_flush(struct diag *diag)
 {
+    diag_write(diag, stderr);
+}
+
+void diag_write(struct diag *diag, FILE *out)
+{
     struct message *sorted = sort_messages(diag);
     if (sorted) {
         for (unsigned i = 0; i < diag->count; i++)
-            print_message(&sorted[i]);
+            print_message(out, &sorted[i]);
     }
     if (!sorted || diag->failed)
         fputs("diptych-gen: error: out of memory while reporting; some messages are missing\n",
-              stderr);
+              out);
     free(sorted);
     for (unsigned i = 0; i < diag->count; i++)
         free(diag->messages[i].text);
     diag->count = 0;
     diag->failed = false;
-}
-
-/* ---- Suggestions ----------------------------------------------------------------------------- */
-
-enum { LONGEST_WORD = 63 };
-
-/* Edits (insert, delete, replace, swap of neighbours) between two words, both at most LONGEST_WORD
- * long. */
-static unsigned edit_distance(const char *a, const char *b)
-{
-    size_t n = strlen(a), m = strlen(b);
-    unsigned row[3][LONGEST_WORD + 2];
-    for (size_t j = 0; j <= m; j++)
-        row[1][j] = (unsigned)j;
-    for (size_t i = 1; i <= n; i++) {
-        unsigned *last = row[i % 3], *now = row[(i + 1) % 3], *before = row[(i + 2) % 3];
-        now[0] = (unsigned)i;
-        for (size_t j = 1; j <= m; j++) {
-            unsigned best = last[j - 1] + (a[i - 1] != b[j - 1]);
-            if (last[j] + 1 < best)
-                best = last[j] + 1;
-            if (now[j - 1] + 1 < best)
-                best = now[j - 1] + 1;
-            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] &&
-                before[j - 2] + 1 < best)
-                best = before[j - 2] + 1;
-            now[j] = best;
-        }
-    }
-    return row[(n + 1) % 3][m];
-}
-
-const char *diag_nearest(const char *word, const char *const *candidates, size_t count)
-{
-    size_t length = strlen(word);
-    if (length > LONGEST_WORD)
-        return NULL;
-    unsigned limit = length <= 2 ? 1 : length <= 6 ? 2 : 3, best = limit + 1;
-    const char *nearest = NULL;
-    for (size_t i = 0; i < count; i++) {
-        if (!candidates[i] || strlen(candidates[i]) > LONGEST_WORD || !strcmp(word, candidates[i]))
-            continue;
-        unsigned distance =
-            strcasecmp(word, candidates[i]) ? edit_distance(word, candidates[i]) : 0;
-        if (distance < best && distance < length) {
-            best = distance;
-            nearest = candidates[i];
-        }
-    }
-    return nearest;
 }

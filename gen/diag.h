@@ -4,7 +4,10 @@
 #ifndef DIPTYCH_GEN_DIAG_H
 #define DIPTYCH_GEN_DIAG_H
 
+#include <stdio.h>
+
 #include "model.h"
+#include "scenes/nearest.h"
 #include "text.h"
 
 struct arena; /* one allocator for everything that lives as long as the model */
@@ -46,7 +49,6 @@ const char *diag_first_error(const struct diag *diag); /* its text, until it is 
  * "column", "length"}, the last four where there is a place. */
 void diag_json(const struct diag *diag, struct text *out);
 void diag_flush(struct diag *diag); /* to stderr, in order of place; duplicates once */
-/* The candidate nearest to `word` when near enough for "did you mean", else NULL. */
-const char *diag_nearest(const char *word, const char *const *candidates, size_t count);
+void diag_write(struct diag *diag, FILE *out);
 
 #endif

@@ -32,8 +32,8 @@ void dot_extent(struct text *out, const struct resource *resource)
         text_add(out, "×%" PRIu32,
                  expr_value(resource->layers, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1));
     }
-    if (resource_mips(resource) > 1) {
-        text_add(out, ", %" PRIu32 " mips", resource_mips(resource));
+    if (mips_of(resource) > 1) {
+        text_add(out, ", %" PRIu32 " mips", mips_of(resource));
     }
 }
 

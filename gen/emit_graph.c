@@ -14,7 +14,6 @@ enum { REPEATS = 20 };
 
 struct drawing {
     const struct pipeline *pipeline;
-    const unsigned *gl_bits; /* by place in the order */
     struct text *out;
 };
 
@@ -189,15 +188,6 @@ static void emit_title(const struct drawing *d, uint32_t place)
 
 static void emit_detail(const struct drawing *d, uint32_t place)
 {
-    static const struct dot_word words[] = {{GLB_ELEMENT_ARRAY, "element array"},
-                                            {GLB_UNIFORM, "uniform"},
-                                            {GLB_TEXTURE_FETCH, "texture fetch"},
-                                            {GLB_SHADER_IMAGE_ACCESS, "image access"},
-                                            {GLB_COMMAND, "command"},
-                                            {GLB_TEXTURE_UPDATE, "texture update"},
-                                            {GLB_BUFFER_UPDATE, "buffer update"},
-                                            {GLB_FRAMEBUFFER, "framebuffer"},
-                                            {GLB_SHADER_STORAGE, "shader storage"}};
     const struct pass *pass = d->pipeline->order[place];
 
     text_add(d->out, "<tr><td align=\"left\">&nbsp;");
@@ -206,9 +196,7 @@ static void emit_detail(const struct drawing *d, uint32_t place)
     } else {
         emit_draw(d, pass);
     }
-    text_add(d->out, "</td><td align=\"right\">%s", d->gl_bits[place] ? "&nbsp;&nbsp;GL: " : "");
-    dot_words(d->out, words, sizeof words / sizeof *words, d->gl_bits[place], ", ");
-    text_add(d->out, "&nbsp;</td></tr>\n");
+    text_add(d->out, "</td><td></td></tr>\n");
 }
 
 /* What the pass reads without a wait: the scene, and what an earlier wait made visible. */
@@ -374,16 +362,10 @@ static void emit_caption(const struct drawing *d)
 void emit_graph(const struct model *model, struct text *out)
 {
     const struct pipeline *pipeline = &model->pipeline;
-    unsigned *bits = arena_alloc(model->arena, pipeline->pass_count * sizeof *bits + 1);
-    const struct drawing d = {.pipeline = pipeline, .gl_bits = bits, .out = out};
+    const struct drawing d = {.pipeline = pipeline, .out = out};
     struct text column = {0};
     uint32_t dropped = 0;
 
-    if (!bits) {
-        out->failed = true;
-        return;
-    }
-    plan_gl_bits(model, bits);
     dot_begin(out, pipeline->name);
     emit_caption(&d);
     for (uint32_t place = 0; place < pipeline->pass_count; place++) {

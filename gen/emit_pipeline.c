@@ -1,78 +1,85 @@
-/* NAME.c: the pipeline's reflection, defined once for both panels: parameters, resources with their
- * sizes, passes. Called by main. */
+/* The reflection, first half of NAME.c: sizes, parameters, resources, passes. Printed from the tables of
+ * lower.h. Called by emit_panel.c. */
 #include <inttypes.h>
 #include <string.h>
 
 #include "emit_c.h"
 
-/* ---- Sizes ----------------------------------------------------------------------------------- */
+/* ---- Sizes and runs -------------------------------------------------------------------------- */
 
-static void emit_extent(const struct c_output *c, const struct resource *resource)
+static void emit_extent(const struct c_output *c)
 {
-    bool image = resource->kind == DT_IMAGE;
-    const struct expr *sizes[3] = {image ? resource->width : resource->count,
-                                   image ? resource->height : NULL,
-                                   image ? resource->layers : NULL};
-    struct text body = {0}, locals = {0};
-
-    for (int axis = 0; axis < 3; axis++) {
-        text_add(&body, "    extent[%d] = ", axis);
-        if (sizes[axis] && expr_reach(sizes[axis]) != EXPR_BAKED) {
-            text_add(&body, "at_least_one(");
-            c_expr(&body, sizes[axis], 1);
-            text_add(&body, ");\n");
-        } else {
-            uint32_t value = expr_value(sizes[axis], REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
-
-            text_add(&body, "%" PRIu32 ";\n", value ? value : 1);
-        }
-    }
-    c_size_locals(&locals, body.data, "frame_width", "frame_height");
-    text_add(
-        c->out,
-        "void %s_extent_%s(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3])\n{\n",
-        c->pipeline->name, resource->name);
-    if (locals.data) {
-        text_add(c->out, "%s\n", locals.data);
-    }
-    if (!locals.data || !strstr(locals.data, "frame_width")) {
-        text_add(c->out, "    (void)frame_width;\n");
-    }
-    if (!locals.data || !strstr(locals.data, "frame_height")) {
-        text_add(c->out, "    (void)frame_height;\n");
-    }
-    text_add(c->out, "%s}\n\n", body.data ? body.data : "");
-    text_free(&body);
-    text_free(&locals);
-}
-
-static bool any_extent_varies(const struct pipeline *pipeline)
-{
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        const struct resource *r = &pipeline->resources[i];
-        const struct expr *sizes[4] = {r->count, r->width, r->height, r->layers};
-
-        for (int s = 0; s < 4; s++) {
-            if (sizes[s] && expr_reach(sizes[s]) != EXPR_BAKED) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-static void emit_extents(const struct c_output *c)
-{
-    if (any_extent_varies(c->pipeline)) {
-        text_add(
-            c->out,
-            "/* No resource is empty, however small the frame. */\n"
-            "static uint32_t at_least_one(int64_t size)\n{\n"
-            "    return size < 1 ? 1 : size > UINT32_MAX ? UINT32_MAX : (uint32_t)size;\n}\n\n");
-    }
+    text_add(c->out, "static void extent(const struct dt_pipeline *pipeline, uint32_t resource, "
+                     "uint32_t width, uint32_t height, uint32_t size[3])\n{\n"
+                     "    (void)pipeline, (void)width, (void)height;\n    switch (resource) {\n");
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        emit_extent(c, &c->pipeline->resources[i]);
+        text_add(c->out, "    case ");
+        c_resource(c, i);
+        text_add(c->out, ":\n        dt_set_extent(size");
+        for (int axis = 0; axis < 3; axis++) {
+            text_add(c->out, ", ");
+            c_expr(c->out, resource_size(&c->pipeline->resources[i], axis));
+        }
+        text_add(c->out, ");\n        break;\n");
     }
+    text_add(c->out, "    default:\n        dt_set_extent(size, 1, 1, 1);\n    }\n}\n\n");
+}
+
+/* Invocations along one axis: of what the groups divide, or of all groups. */
+static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
+{
+    uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;
+    if (pass_draws(pass)) {
+        c_expr(c->out, axis == 0 ? pass->layers : NULL);
+    } else if (pass->size == SIZE_IMAGE) {
+        text_add(c->out, "size[%d]", axis);
+    } else if (pass->size == SIZE_INTERLEAVE) {
+        text_add(c->out, axis == 0 ? "width" : axis == 1 ? "height" : "1");
+    } else {
+        c_expr(c->out, pass->dispatch[axis]);
+        if (local > 1)
+            text_add(c->out, " * %" PRIu32, local);
+    }
+}
+
+static void emit_run(const struct c_output *c, const struct pass *pass)
+{
+    text_add(c->out, "    case ");
+    c_pass(c, pass->index);
+    text_add(c->out, ":\n");
+    if (!pass_draws(pass) && pass->size == SIZE_IMAGE) {
+        text_add(c->out, "        extent(pipeline, ");
+        c_resource(c, pass->size_resource->index);
+        text_add(c->out, ", width, height, size);\n");
+    }
+    text_add(c->out, "        return dt_product(");
+    for (int axis = 0; axis < 3; axis++) {
+        text_add(c->out, axis ? ", " : "");
+        emit_factor(c, pass, axis);
+    }
+    text_add(c->out, ");\n");
+}
+
+static void emit_runs(const struct c_output *c)
+{
+    struct text body = {0};
+    struct c_output inner = *c;
+    inner.out = &body;
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        if (!c->pipeline->order[i]->indirect_resource)
+            emit_run(&inner, c->pipeline->order[i]);
+    text_add(c->out, "static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, "
+                     "uint32_t width, uint32_t height, const void *live_block)\n{\n");
+    if (body.data && strstr(body.data, "live->"))
+        text_add(c->out, "    const struct %s_live *live = live_block;\n", c->pipeline->name);
+    if (body.data && strstr(body.data, "size["))
+        text_add(c->out, "    uint32_t size[3];\n");
+    text_add(c->out,
+             "    (void)pipeline, (void)width, (void)height, (void)live_block;\n"
+             "    switch (pass) {\n%s    default:\n        return 0;\n    }\n}\n\n",
+             body.data ? body.data : "");
+    c->out->failed |= body.failed;
+    text_free(&body);
 }
 
 /* ---- Parameters ------------------------------------------------------------------------------ */
@@ -86,107 +93,70 @@ static void emit_block_value(struct text *out, const char *part, const struct pa
             c_float(out, param->value[i]);
         } else {
             bool is_unsigned = param->type >= DT_TYPE_UINT && param->type <= DT_TYPE_UVEC4;
-
             text_add(out, "%.0f%s", param->value[i], is_unsigned ? "u" : "");
         }
     }
     text_add(out, param->components > 1 ? "},\n" : ",\n");
 }
 
-static void emit_param(struct text *out, const struct param *param)
-{
-    text_add(out, "    {\n        .name = ");
-    c_string(out, param->name);
-    text_add(out, ",\n        .doc = ");
-    c_string(out, param->doc);
-    text_add(out, ",\n        .type = %s,\n        .live = %s,\n", type_info(param->type)->dt,
-             param->live ? "true" : "false");
-    if (param->live) {
-        text_add(out, "        .offset = %" PRIu32 ",\n", param->offset);
-    }
-    text_add(out, "        .value = {");
-    for (uint32_t i = 0; i < param->components; i++) {
-        text_add(out, i ? ", " : "");
-        c_double(out, param->value[i]);
-    }
-    text_add(out, "},\n        .min = ");
-    c_double(out, param->min);
-    text_add(out, ",\n        .max = ");
-    c_double(out, param->max);
-    if (param->step > 0) {
-        text_add(out, ",\n        .step = ");
-        c_double(out, param->step);
-    }
-    text_add(out, ",\n    },\n");
-}
-
 static void emit_block(const struct c_output *c)
 {
     const struct pipeline *pipeline = c->pipeline;
-    bool uniform = pipeline->block_size > pipeline->live_size;
     bool any = false;
-
     text_add(c->out, "static const struct {\n    struct %s_live live;\n", pipeline->name);
-    if (uniform) {
+    if (pipeline->block_size > pipeline->live_size)
         text_add(c->out, "    struct %s_uniform uniform;\n", pipeline->name);
-    }
     text_add(c->out, "} block = {");
     for (int part = 0; part < 2; part++) {
         for (uint32_t i = 0; i < pipeline->param_count; i++) {
             const struct param *param = &pipeline->params[i];
-
-            if (part ? param->uniform : param->live) {
-                text_add(c->out, any ? "" : "\n");
-                emit_block_value(c->out, part ? "uniform" : "live", param);
-                any = true;
-            }
+            if (!(part ? param->uniform : param->live))
+                continue;
+            text_add(c->out, any ? "" : "\n");
+            emit_block_value(c->out, part ? "uniform" : "live", param);
+            any = true;
         }
     }
     text_add(c->out, any ? "};\n\n" : "{{0}}};\n\n");
 }
 
+static void emit_param(struct text *out, const struct dt_param *param, uint32_t components)
+{
+    text_add(out, "    {.name = ");
+    c_string(out, param->name);
+    text_add(out, ", .doc = ");
+    c_string(out, param->doc);
+    text_add(out, ", .type = %s, ", type_info(param->type)->dt);
+    if (param->live)
+        text_add(out, ".live = true, .offset = %" PRIu32 ", ", param->offset);
+    text_add(out, ".value = {");
+    for (uint32_t i = 0; i < components; i++) {
+        text_add(out, i ? ", " : "");
+        c_double(out, param->value[i]);
+    }
+    text_add(out, "}, .min = ");
+    c_double(out, param->min);
+    text_add(out, ", .max = ");
+    c_double(out, param->max);
+    if (param->step > 0) {
+        text_add(out, ", .step = ");
+        c_double(out, param->step);
+    }
+    text_add(out, "},\n");
+}
+
 static void emit_params(const struct c_output *c)
 {
     emit_block(c);
-    if (c->pipeline->param_count) {
-        text_add(c->out, "static const struct dt_param params[] = {\n");
-        for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
-            emit_param(c->out, &c->pipeline->params[i]);
-        }
-        text_add(c->out, "};\n\n");
-    }
+    if (!c->pipeline->param_count)
+        return;
+    text_add(c->out, "static const struct dt_param params[] = {\n");
+    for (uint32_t i = 0; i < c->pipeline->param_count; i++)
+        emit_param(c->out, &c->tables->pipeline.params[i], c->pipeline->params[i].components);
+    text_add(c->out, "};\n\n");
 }
 
 /* ---- Resources ------------------------------------------------------------------------------- */
-
-static void emit_field(struct text *out, const char *name, enum dt_type type,
-                       const struct field *field)
-{
-    text_add(out, "    {\"%s\", %s, %" PRIu32 ", %" PRIu32 ", %" PRIu32 "},\n", name,
-             type_info(type)->dt, field ? field->offset : 0, field ? field->array_count : 0,
-             field ? field->array_stride : 0);
-}
-
-static void emit_fields(const struct c_output *c)
-{
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        const struct resource *resource = &c->pipeline->resources[i];
-
-        if (resource->kind != DT_BUFFER) {
-            continue;
-        }
-        text_add(c->out, "static const struct dt_field fields_%s[] = {\n", resource->name);
-        for (uint32_t f = 0; resource->structure && f < resource->structure->field_count; f++) {
-            const struct field *field = &resource->structure->fields[f];
-
-            emit_field(c->out, field->name, field->type, field);
-        }
-        if (!resource->structure) {
-            emit_field(c->out, "", resource->type, NULL);
-        }
-        text_add(c->out, "};\n\n");
-    }
-}
 
 static void emit_contract(const struct c_output *c, const struct dt_contract *contract)
 {
@@ -195,8 +165,7 @@ static void emit_contract(const struct c_output *c, const struct dt_contract *co
         [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",     [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
         [DT_CONTRACT_IMAGE] = "DT_CONTRACT_IMAGE", [DT_CONTRACT_FLIPS] = "DT_CONTRACT_FLIPS",
     };
-
-    text_add(c->out, "        .contract = {.kind = %s", kinds[contract->kind]);
+    text_add(c->out, ",\n        .contract = {.kind = %s", kinds[contract->kind]);
     if (contract->kind != DT_CONTRACT_EXACT) {
         text_add(c->out, ", .tolerance = ");
         c_double(c->out, contract->tolerance);
@@ -207,252 +176,155 @@ static void emit_contract(const struct c_output *c, const struct dt_contract *co
     }
     if (contract->kind == DT_CONTRACT_FLIPS && contract->margin_field >= 0) {
         text_add(c->out, ", .margin_resource = ");
-        c_enumerator(c, "RESOURCE", c->pipeline->resources[contract->margin_resource].name);
+        c_resource(c, contract->margin_resource);
     }
-    if (contract->kind == DT_CONTRACT_FLIPS) {
+    if (contract->kind == DT_CONTRACT_FLIPS)
         text_add(c->out, ", .margin_field = %d", contract->margin_field);
-    }
-    text_add(c->out, "},\n");
+    text_add(c->out, "}");
 }
 
-static void emit_resource(const struct c_output *c, const struct resource *resource)
+static void emit_fields(const struct c_output *c, const struct resource *resource,
+                        const struct dt_resource *buffer)
 {
-    text_add(c->out, "    [");
-    c_enumerator(c, "RESOURCE", resource->name);
-    text_add(c->out, "] = {\n        .name = \"%s\",\n        .doc = ", resource->name);
-    c_string(c->out, resource->doc);
-    text_add(c->out, ",\n        .kind = %s,\n        .history = %s,\n",
-             resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
-             resource->history ? "true" : "false");
-    emit_contract(c, &resource->contract.allowed);
-    if (resource->kind == DT_BUFFER) {
-        text_add(
-            c->out,
-            "        .fields = fields_%s,\n        .field_count = DT_ARRAY_COUNT(fields_%s),\n",
-            resource->name, resource->name);
-        text_add(c->out, "        .stride = ");
-        c_element(c, c->out, resource);
-        text_add(c->out, ",\n");
-        if (resource->usage & (ACCESS_INDIRECT | ACCESS_INDEX)) {
-            text_add(c->out, "        .controls_work = true,\n");
-        }
-    } else {
-        text_add(c->out,
-                 "        .format = %s,\n        .layered = %s,\n        .mips = %" PRIu32 ",\n",
-                 format_info(resource->format)->dt, resource->layers ? "true" : "false",
-                 expr_value(resource->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1));
+    text_add(c->out, ",\n        .fields = (const struct dt_field[]){\n");
+    for (uint32_t i = 0; i < buffer->field_count; i++) {
+        const struct dt_field *field = &buffer->fields[i];
+        text_add(c->out, "            {\"%s\", %s, .offset = %" PRIu32, field->name,
+                 type_info(field->type)->dt, field->offset);
+        if (field->array_count)
+            text_add(c->out, ", .array_count = %" PRIu32 ", .array_stride = %" PRIu32,
+                     field->array_count, field->array_stride);
+        text_add(c->out, "},\n");
     }
-    text_add(c->out, "        .extent = %s_extent_%s,\n    },\n", c->pipeline->name,
-             resource->name);
+    text_add(c->out,
+             "        },\n        .field_count = %" PRIu32 ", .stride = ", buffer->field_count);
+    if (resource->structure)
+        text_add(c->out, "sizeof(struct %s_%s)", c->pipeline->name, resource->structure->name);
+    else
+        text_add(c->out, "%" PRIu32, buffer->stride);
+    text_add(c->out, buffer->controls_work ? ", .controls_work = true" : "");
+}
+
+static void emit_resource(const struct c_output *c, uint32_t index)
+{
+    const struct dt_resource *resource = &c->tables->pipeline.resources[index];
+    text_add(c->out, "    [");
+    c_resource(c, index);
+    text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", resource->name);
+    c_string(c->out, resource->doc);
+    text_add(c->out, ",\n        .kind = %s%s",
+             resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
+             resource->history ? ", .history = true" : "");
+    emit_contract(c, &resource->contract);
+    if (resource->kind == DT_BUFFER)
+        emit_fields(c, &c->pipeline->resources[index], resource);
+    else
+        text_add(c->out, ", .format = %s%s, .mips = %" PRIu32, format_info(resource->format)->dt,
+                 resource->layered ? ", .layered = true" : "", resource->mips);
+    text_add(c->out, ",\n    },\n");
+}
+
+static void emit_resources(const struct c_output *c)
+{
+    if (!c->pipeline->resource_count)
+        return;
+    text_add(c->out, "static const struct dt_resource resources[] = {\n");
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
+        emit_resource(c, i);
+    text_add(c->out, "};\n\n");
 }
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-static bool pass_reads(const struct pass *pass, const struct resource *resource)
+static void emit_list(const struct c_output *c, const char *what, const uint16_t *list,
+                      uint32_t count)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode == MODE_READ) {
-            return true;
-        }
+    if (!count)
+        return;
+    text_add(c->out, ",\n        .%ss = (const uint16_t[]){", what);
+    for (uint32_t i = 0; i < count; i++) {
+        text_add(c->out, i ? ", " : "");
+        c_resource(c, list[i]);
     }
-    return pass->indirect_resource == resource || pass->index_resource == resource;
+    text_add(c->out, "},\n        .%s_count = %" PRIu32, what, count);
 }
 
-static bool pass_writes(const struct pass *pass, const struct resource *resource)
-{
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool pass_uses_scene(const struct pass *pass)
-{
-    bool uses = pass->kind == PASS_SCENE;
-
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        uses |= pass->accesses[i].builtin >= 0;
-    }
-    return uses;
-}
-
-/* `static const uint16_t reads_NAME[] = {...};` or nothing; returns whether there is one. */
-static bool emit_list(const struct c_output *c, const struct pass *pass, const char *what,
-                      bool (*in)(const struct pass *, const struct resource *))
-{
-    bool any = false;
-
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        if (!in(pass, &c->pipeline->resources[i])) {
-            continue;
-        }
-        if (!any) {
-            text_add(c->out, "static const uint16_t %s_%s[] = {\n", what, pass->name);
-        }
-        any = true;
-        text_add(c->out, "    ");
-        c_enumerator(c, "RESOURCE", c->pipeline->resources[i].name);
-        text_add(c->out, ",\n");
-    }
-    text_add(c->out, any ? "};\n" : "");
-    return any;
-}
-
-/* The mip that the pass writes; no pass writes two of one image, since its body could not tell them
- * apart. */
-static uint32_t written_mip(const struct pass *pass, const struct resource *resource)
-{
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ) {
-            return pass->accesses[i].mip_value;
-        }
-    }
-    return 0;
-}
-
-/* `static const uint8_t write_mips_NAME[] = {...};` parallel to the writes, or nothing when all are
- * 0; returns whether there is one. */
-static bool emit_write_mips(const struct c_output *c, const struct pass *pass)
-{
-    struct text mips = {0};
-    bool any = false;
-
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        const struct resource *resource = &c->pipeline->resources[i];
-        if (pass_writes(pass, resource)) {
-            uint32_t mip = written_mip(pass, resource);
-            any |= mip > 0;
-            text_add(&mips, "    %" PRIu32 ",\n", mip);
-        }
-    }
-    if (any) {
-        text_add(c->out, "static const uint8_t write_mips_%s[] = {\n%s};\n", pass->name,
-                 mips.data ? mips.data : "");
-    }
-    c->out->failed |= mips.failed;
-    text_free(&mips);
-    return any;
-}
-
-struct pass_lists {
-    bool reads, writes, write_mips; /* whether there is one */
-};
-
-static void emit_pass(const struct c_output *c, const struct pass *pass,
-                      const struct pass_lists *lists)
+static void emit_pass(const struct c_output *c, uint32_t index)
 {
     static const char *const kinds[] = {
-        [PASS_SCENE] = "DT_PASS_DRAW_SCENE",
-        [PASS_FULLSCREEN] = "DT_PASS_DRAW_FULLSCREEN",
-        [PASS_DISPATCH] = "DT_PASS_DISPATCH",
+        [DT_PASS_DRAW_SCENE] = "DT_PASS_DRAW_SCENE",
+        [DT_PASS_DRAW_FULLSCREEN] = "DT_PASS_DRAW_FULLSCREEN",
+        [DT_PASS_DISPATCH] = "DT_PASS_DISPATCH",
     };
-
+    const struct dt_pass *pass = &c->tables->pipeline.passes[index];
     text_add(c->out, "    [");
-    c_enumerator(c, "PASS", pass->name);
-    text_add(c->out, "] = {\n        .name = \"%s\",\n        .doc = ", pass->name);
+    c_pass(c, index);
+    text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", pass->name);
     c_string(c->out, pass->doc);
     text_add(c->out, ",\n        .shader = ");
     c_string(c->out, pass->shader);
-    text_add(c->out, ",\n        .kind = %s,\n        .uses_scene = %s,\n", kinds[pass->kind],
-             pass_uses_scene(pass) ? "true" : "false");
-    if (lists->reads) {
-        text_add(c->out,
-                 "        .reads = reads_%s,\n        .read_count = DT_ARRAY_COUNT(reads_%s),\n",
-                 pass->name, pass->name);
+    text_add(c->out, ", .kind = %s%s", kinds[pass->kind],
+             pass->uses_scene ? ", .uses_scene = true" : "");
+    emit_list(c, "read", pass->reads, pass->read_count);
+    emit_list(c, "write", pass->writes, pass->write_count);
+    if (pass->write_mips) {
+        text_add(c->out, ",\n        .write_mips = (const uint8_t[]){");
+        for (uint32_t i = 0; i < pass->write_count; i++)
+            text_add(c->out, i ? ", %u" : "%u", pass->write_mips[i]);
+        text_add(c->out, "}");
     }
-    if (lists->writes) {
-        text_add(
-            c->out,
-            "        .writes = writes_%s,\n        .write_count = DT_ARRAY_COUNT(writes_%s),\n",
-            pass->name, pass->name);
+    if (pass->limit) {
+        text_add(c->out, ",\n        .limit = ");
+        c_string(c->out, pass->limit);
     }
-    if (lists->write_mips) {
-        text_add(c->out, "        .write_mips = write_mips_%s,\n", pass->name);
-    }
-    emit_work(c, pass);
-    text_add(c->out, "    },\n");
+    text_add(c->out, ",\n        .flops = {%" PRIu64 ", %" PRIu64 "},\n    },\n", pass->flops[0],
+             pass->flops[1]);
 }
 
 static void emit_passes(const struct c_output *c)
 {
-    struct text table = {0};
-    struct c_output rows = *c;
-
-    rows.out = &table;
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        const struct pass *pass = c->pipeline->order[i];
-        struct pass_lists lists;
-
-        lists.reads = emit_list(c, pass, "reads", pass_reads);
-        lists.writes = emit_list(c, pass, "writes", pass_writes);
-        lists.write_mips = emit_write_mips(c, pass);
-        emit_pass(&rows, pass, &lists);
-    }
-    if (table.data) {
-        text_add(c->out, "\nstatic const struct dt_pass passes[] = {\n%s};\n\n", table.data);
-    }
-    c->out->failed |= table.failed;
-    text_free(&table);
+    if (!c->pipeline->pass_count)
+        return;
+    text_add(c->out, "static const struct dt_pass passes[] = {\n");
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        emit_pass(c, i);
+    text_add(c->out, "};\n\n");
 }
 
-static void emit_output(const struct c_output *c, const char *member, const char *name)
+static void emit_table(const struct c_output *c, const char *name, const char *count, uint32_t n)
+{
+    if (n)
+        text_add(c->out, "    .%s = %s,\n    .%s = %" PRIu32 ",\n", name, name, count, n);
+}
+
+static void emit_output(const struct c_output *c, const char *member, int output)
 {
     text_add(c->out, "    .%s = ", member);
-    if (name) {
-        c_enumerator(c, "RESOURCE", name);
-    } else {
+    if (output >= 0)
+        c_resource(c, (uint32_t)output);
+    else
         text_add(c->out, "-1");
-    }
     text_add(c->out, ",\n");
 }
 
-static void emit_table(const struct c_output *c, const char *table, const char *count, uint32_t n)
+void emit_reflection(const struct c_output *c)
 {
-    if (n) {
-        text_add(c->out, "    .%s = %s,\n    .%s = DT_ARRAY_COUNT(%s),\n", table, table, count,
-                 table);
-    }
-}
-
-void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,
-                     struct text *out)
-{
-    const struct pipeline *pipeline = &model->pipeline;
-    struct c_output c = {.model = model, .pipeline = pipeline, .shaders = shaders, .out = out};
-
-    text_add(out, "/* ");
-    c_slot_doc(&c);
-    text_add(
-        out,
-        ":\n * the pipeline's reflection, for both backends.\n * Generated by diptych-gen from ");
-    c_slot_spec(&c);
-    text_add(out,
-             "; change that and generate again. */\n#include \"%s.h\"\n\n#include <math.h>\n\n",
-             pipeline->name);
-    emit_extents(&c);
-    emit_params(&c);
-    emit_fields(&c);
-    if (pipeline->resource_count) {
-        text_add(out, "static const struct dt_resource resources[] = {\n");
-        for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-            emit_resource(&c, &pipeline->resources[i]);
-        }
-        text_add(out, "};\n\n");
-    }
-    emit_runs_functions(&c);
-    emit_passes(&c);
-    text_add(out, "const struct dt_pipeline %s_pipeline = {\n    .name = \"%s\",\n    .doc = ",
+    const struct dt_pipeline *pipeline = &c->tables->pipeline;
+    emit_extent(c);
+    emit_runs(c);
+    emit_params(c);
+    emit_resources(c);
+    emit_passes(c);
+    text_add(c->out, "const struct dt_pipeline %s_pipeline = {\n    .name = \"%s\",\n    .doc = ",
              pipeline->name, pipeline->name);
-    c_string(out, pipeline->doc);
-    text_add(out, ",\n");
-    emit_table(&c, "params", "param_count", pipeline->param_count);
-    emit_table(&c, "resources", "resource_count", pipeline->resource_count);
-    emit_table(&c, "passes", "pass_count", pipeline->pass_count);
-    text_add(out, "    .live_defaults = &block,\n    .live_size = sizeof block.live,\n"
-                  "    .block_size = sizeof block,\n");
-    emit_output(&c, "linear_output", pipeline->linear_output);
-    emit_output(&c, "display_output", pipeline->display_output);
-    text_add(out, "};\n");
+    c_string(c->out, pipeline->doc);
+    text_add(c->out, ",\n");
+    emit_table(c, "params", "param_count", pipeline->param_count);
+    emit_table(c, "resources", "resource_count", pipeline->resource_count);
+    emit_table(c, "passes", "pass_count", pipeline->pass_count);
+    text_add(c->out, "    .live_defaults = &block,\n    .live_size = sizeof block.live,\n"
+                     "    .block_size = sizeof block,\n");
+    emit_output(c, "linear_output", pipeline->linear_output);
+    emit_output(c, "display_output", pipeline->display_output);
+    text_add(c->out, "    .extent = extent,\n    .runs = runs,\n};\n\n");
 }

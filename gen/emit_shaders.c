@@ -1,26 +1,26 @@
-/* NAME_gl_shaders.c and NAME_vk_shaders.c: SPIR-V as words, for OpenGL the GLSL too. Apart from the
- * panels: most edits of a pipeline change a shader and nothing else, so that a build has little to
- * compile, and who reads a panel finds no numbers there. Called by main.c. */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c: what a backend needs beside the panel, SPIR-V as words and for
+ * OpenGL the GLSL too. Apart from the panel: most edits change a shader and nothing else. Called by
+ * main.c. */
 #include "emit_c.h"
 
 #include <string.h>
 
 /* Tens of thousands of words: by hand, since formatting each would be a sixth of a generation. */
-static void emit_words(struct text *out, const struct shader *shader)
+static void emit_words(struct text *out, const uint32_t *words, size_t count)
 {
     static const char digits[] = "0123456789abcdef";
 
-    for (size_t i = 0; i < shader->word_count; i++) {
+    for (size_t i = 0; i < count; i++) {
         char word[] = "\\x00000000";
 
         for (int digit = 0; digit < 8; digit++) {
-            word[2 + digit] = digits[shader->words[i] >> (28 - 4 * digit) & 15];
+            word[2 + digit] = digits[words[i] >> (28 - 4 * digit) & 15];
         }
         if (i % 8 == 0) {
             text_add(out, "    DT_WORDS(\"");
         }
         text_add_bytes(out, word, sizeof word - 1);
-        if (i + 1 == shader->word_count) {
+        if (i + 1 == count) {
             text_add(out, "\");\n");
         } else if (i % 8 == 7) {
             text_add(out, "\")\n");
@@ -42,80 +42,88 @@ static void emit_text(const struct c_output *c, const char *at)
     }
 }
 
+static const char *const stage_names[] = {"compute", "vertex", "fragment"};
+
+static const struct dt_code *code_of(const struct dt_stages *stages, int stage)
+{
+    const struct dt_code *const codes[] = {&stages->compute, &stages->vertex, &stages->fragment};
+    return codes[stage];
+}
+
 /* Whose words a stage's are: its own, or those of an earlier pass that has the same. */
-static const struct pass *owner_of(const struct c_output *c, const struct pass *pass, int stage)
+static uint32_t owner_of(const struct dt_shaders *shaders, uint32_t pass, int stage)
 {
-    const struct shader *shader = &c->shaders[pass->index].stage[stage];
-    struct pass **at = c->pipeline->order;
-
-    while (*at != pass) {
-        const struct shader *other = &c->shaders[(*at)->index].stage[stage];
-
-        if (other->word_count == shader->word_count &&
-            !memcmp(other->words, shader->words, shader->word_count * sizeof *shader->words)) {
+    const struct dt_code *code = code_of(&shaders->stages[pass], stage);
+    uint32_t owner = 0;
+    for (; owner < pass; owner++) {
+        const struct dt_code *other = code_of(&shaders->stages[owner], stage);
+        if (other->size == code->size && !memcmp(other->words, code->words, code->size))
             break;
-        }
-        at++;
     }
-    return *at;
+    return owner;
 }
 
-static void emit_glsl_text(const struct c_output *c, const struct pass *pass, int stage)
+static void emit_symbol(const struct c_output *c, uint32_t pass, int stage, const char *what)
 {
-    text_add(c->out, "static const char ");
-    c_code_name(c, pass, stage);
-    text_add(c->out, "_glsl[] =\n");
-    emit_text(c, c->shaders[pass->index].stage[stage].glsl.data);
+    text_add(c->out, "%s_%s%s", c->pipeline->order[pass]->name, stage_names[stage], what);
 }
 
-static void emit_shader(const struct c_output *c, const struct pass *pass, int stage)
+static void emit_code(const struct c_output *c, const struct dt_shaders *shaders, uint32_t pass,
+                      int stage)
 {
-    const struct shader *shader = &c->shaders[pass->index].stage[stage];
-    const struct pass *owner = owner_of(c, pass, stage);
-    bool has_text = c->backend == BACKEND_GL && shader->glsl.length;
-
-    if (owner == pass) {
+    const struct dt_code *code = code_of(&shaders->stages[pass], stage);
+    if (code->size && owner_of(shaders, pass, stage) == pass) {
         text_add(c->out, "static const uint32_t ");
-        c_code_name(c, pass, stage);
-        text_add(c->out, "_words[%zu] =\n", shader->word_count);
-        emit_words(c->out, shader);
+        emit_symbol(c, pass, stage, "_words");
+        text_add(c->out, "[%zu] =\n", code->size / sizeof *code->words);
+        emit_words(c->out, code->words, code->size / sizeof *code->words);
     }
-    if (has_text) {
-        emit_glsl_text(c, pass, stage);
+    if (code->glsl) {
+        text_add(c->out, "static const char ");
+        emit_symbol(c, pass, stage, "_glsl[] =\n");
+        emit_text(c, code->glsl);
     }
-    text_add(c->out, "const struct dt_code ");
-    c_code_name(c, pass, stage);
-    text_add(c->out, " = {\n    .words = ");
-    c_code_name(c, owner, stage);
-    text_add(c->out, "_words,\n    .size = %zu,\n", shader->word_count * sizeof *shader->words);
-    if (has_text) {
-        text_add(c->out, "    .glsl = ");
-        c_code_name(c, pass, stage);
-        text_add(c->out, "_glsl,\n");
-    }
-    text_add(c->out, "};\n\n");
 }
 
-void emit_c_shaders(const struct model *model, const struct pass_shaders *shaders,
-                    enum backend backend, struct text *out)
+static bool emit_entry(const struct c_output *c, const struct dt_shaders *shaders, uint32_t pass,
+                       int stage, bool any)
 {
-    struct c_output c = {.model = model,
-                         .pipeline = &model->pipeline,
-                         .shaders = shaders,
-                         .backend = backend,
-                         .out = out};
-
-    text_add(out, "/* ");
-    c_slot_doc(&c);
-    text_add(out, ": the shaders of the %s panel.\n * Generated by diptych-gen from ",
-             backend == BACKEND_GL ? "OpenGL" : "Vulkan");
-    c_slot_spec(&c);
-    text_add(out, "; change that and generate again. */\n#include \"diptych.h\"\n\n");
-    for (uint32_t p = 0; p < c.pipeline->pass_count; p++) {
-        for (int stage = 0; stage < 3; stage++) {
-            if (shaders[p].stage[stage].word_count) {
-                emit_shader(&c, c.pipeline->order[p], stage);
-            }
-        }
+    const struct dt_code *code = code_of(&shaders->stages[pass], stage);
+    if (!code->size)
+        return false;
+    text_add(c->out, "%s.%s = {", any ? ",\n        " : "", stage_names[stage]);
+    emit_symbol(c, owner_of(shaders, pass, stage), stage, "_words");
+    text_add(c->out, ", %zu", code->size);
+    if (code->glsl) {
+        text_add(c->out, ", ");
+        emit_symbol(c, pass, stage, "_glsl");
     }
+    text_add(c->out, "}");
+    return true;
+}
+
+void emit_c_shaders(const struct lowered *tables, enum backend backend, struct text *out)
+{
+    const struct pipeline *pipeline = &tables->model->pipeline;
+    const struct dt_shaders *shaders = &tables->shaders[backend];
+    struct c_output c = {tables->model, pipeline, tables, out};
+    c_head(&c, backend == BACKEND_GL ? ": the shaders for OpenGL." : ": the shaders for Vulkan.");
+    text_add(out, "#include \"%s.h\"\n\n", pipeline->name);
+    for (uint32_t pass = 0; pass < pipeline->pass_count; pass++)
+        for (int stage = 0; stage < 3; stage++)
+            emit_code(&c, shaders, pass, stage);
+    text_add(out, pipeline->pass_count ? "static const struct dt_stages stages[] = {\n" : "");
+    for (uint32_t pass = 0; pass < pipeline->pass_count; pass++) {
+        text_add(out, "    [");
+        c_pass(&c, pass);
+        text_add(out, "] = {");
+        bool any = false;
+        for (int stage = 0; stage < 3; stage++)
+            any |= emit_entry(&c, shaders, pass, stage, any);
+        text_add(out, "},\n");
+    }
+    text_add(out, pipeline->pass_count ? "};\n\n" : "");
+    text_add(out, "const struct dt_shaders %s_%s = {\"%s\", &%s_panel, %s};\n", pipeline->name,
+             shaders->backend, shaders->backend, pipeline->name,
+             pipeline->pass_count ? "stages" : "NULL");
 }

@@ -342,7 +342,7 @@ static void report_unknown(const struct expr *expr, const struct pipeline *pipel
         names[count++] = pipeline->params[i].name;
     for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
         names[count++] = pipeline->constants[i].name;
-    const char *nearest = names ? diag_nearest(expr->name, names, count) : NULL;
+    const char *nearest = names ? nearest_name(expr->name, names, count) : NULL;
     if (!nearest && (!strcmp(expr->name, "width") || !strcmp(expr->name, "height")))
         nearest = expr->name[0] == 'w' ? "frame.width" : "frame.height";
     if (nearest)
@@ -493,6 +493,7 @@ bool expr_is_literal(const struct expr *expr)
 
 struct evaluation {
     int64_t width, height;
+    const void *live;         /* the block of live parameters; NULL: their defaults */
     const struct expr *fault; /* the part that failed */
 };
 
@@ -568,6 +569,23 @@ static enum expr_result combine(const struct expr *expr, struct evaluation *e, i
     return overflow ? fault(expr, e, EXPR_OVERFLOWS) : EXPR_OK;
 }
 
+/* As C and GLSL convert it. */
+static int64_t param_value(const struct expr *expr, const struct evaluation *e)
+{
+    const struct param *param = expr->param;
+    int component = expr->component > 0 ? expr->component : 0;
+    uint32_t bits;
+    float number;
+    if (!e->live || !param->live)
+        return (int64_t)param->value[component];
+    memcpy(&bits, (const char *)e->live + param->offset + 4 * component, sizeof bits);
+    memcpy(&number, &bits, sizeof number);
+    if (param->type <= DT_TYPE_VEC4)
+        return (int64_t)number;
+    return param->type >= DT_TYPE_INT && param->type <= DT_TYPE_IVEC4 ? (int64_t)(int32_t)bits
+                                                                      : (int64_t)bits;
+}
+
 /* Leaves and unary operators. */
 static enum expr_result evaluate_simple(const struct expr *expr, struct evaluation *e,
                                         int64_t *value)
@@ -588,9 +606,7 @@ static enum expr_result evaluate_simple(const struct expr *expr, struct evaluati
             result = evaluate(expr->constant->value, e, value);
             return result == EXPR_OK ? result : (e->fault = expr, result);
         }
-        *value = expr->param
-                     ? (int64_t)expr->param->value[expr->component > 0 ? expr->component : 0]
-                     : 1;
+        *value = expr->param ? param_value(expr, e) : 1;
         return EXPR_OK;
     case OP_NOT:
         result = evaluate(expr->operand[0], e, value);
@@ -636,6 +652,13 @@ enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t
                            int64_t *value)
 {
     struct evaluation e = {.width = frame_width, .height = frame_height};
+    return evaluate(expr, &e, value);
+}
+
+enum expr_result expr_eval_live(const struct expr *expr, int64_t frame_width, int64_t frame_height,
+                                const void *live, int64_t *value)
+{
+    struct evaluation e = {.width = frame_width, .height = frame_height, .live = live};
     return evaluate(expr, &e, value);
 }
 

@@ -28,6 +28,9 @@ enum expr_result { EXPR_OK, EXPR_DIVIDES_BY_ZERO, EXPR_OVERFLOWS };
 /* Live parameters count with their default. */
 enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height,
                            int64_t *value);
+/* With the values of a block of live parameters (struct NAME_live). */
+enum expr_result expr_eval_live(const struct expr *expr, int64_t frame_width, int64_t frame_height,
+                                const void *live, int64_t *value);
 /* For "is 0 when second_vpls = 0"-like messages. */
 struct loc expr_loc(const struct expr *expr);
 /* The part that expr_eval fails at, to underline it; the whole expression when it does not fail. */

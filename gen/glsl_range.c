@@ -90,7 +90,7 @@ static const struct range *find_range(const struct glsl *glsl, struct token name
     const char *body = glsl->parts[PART_BODY].data;
     struct loc loc = glsl_body_loc(glsl, body, (size_t)(name.text - body), name.length);
     char *word = strndup(name.text, name.length);
-    const char *near = word ? diag_nearest(word, names, count) : NULL;
+    const char *near = word ? nearest_name(word, names, count) : NULL;
     diag_error(glsl->diag, loc, "pass %s has no range %s%s%s%s", glsl->pass->name, word ? word : "",
                near ? ": did you mean " : "", near ? near : "",
                near ? "?" : "; list it under `ranges`");

@@ -391,14 +391,14 @@ bool access_sees_one_mip(const struct access *access)
            (access->mip || access->kind & ACCESS_FETCH);
 }
 
-uint32_t resource_mips(const struct resource *resource)
+uint32_t mips_of(const struct resource *resource)
 {
     return expr_value(resource->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
 }
 
 static uint32_t touched_mips(const struct access *access)
 {
-    uint32_t mips = resource_mips(access->resource);
+    uint32_t mips = mips_of(access->resource);
     bool one = access_sees_one_mip(access) || !(access->kind & (ACCESS_FETCH | ACCESS_SAMPLED));
 
     return one ? 1u << access->mip_value : mips < 32 ? (1u << mips) - 1 : UINT32_MAX;

@@ -50,7 +50,7 @@ struct touch {
  * of the spec; returns how many. */
 uint32_t pass_touches(const struct pass *pass, struct touch *touches);
 
-uint32_t resource_mips(const struct resource *resource); /* 1 for a buffer */
+uint32_t mips_of(const struct resource *resource); /* 1 for a buffer */
 
 /* Value of an expression that check has verified, NULL: otherwise. Clamped to 0..UINT32_MAX. */
 uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise);
@@ -75,26 +75,9 @@ bool resources_overlap(const struct resource *a,
 bool buffer_covers(const struct resource *a, const struct resource *b);
 void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 
-/* The layout that a Vulkan image has while a pass touches it in these ways (mask of enum
+/* The layout that an image has while a pass touches it in these ways (mask of enum
  * access_kind). */
 enum image_layout { LAYOUT_GENERAL, LAYOUT_READ, LAYOUT_COLOR, LAYOUT_DEPTH };
 enum image_layout layout_of(unsigned kind); /* barrier.c */
-
-/* glMemoryBarrier bits before each pass; bits as in the OpenGL headers, which gen does not
- * include. */
-enum gl_barrier_bit {
-    GLB_ELEMENT_ARRAY = 0x0002,
-    GLB_UNIFORM = 0x0004,
-    GLB_TEXTURE_FETCH = 0x0008,
-    GLB_SHADER_IMAGE_ACCESS = 0x0020,
-    GLB_COMMAND = 0x0040,
-    GLB_TEXTURE_UPDATE = 0x0100,
-    GLB_BUFFER_UPDATE = 0x0200,
-    GLB_FRAMEBUFFER = 0x0400,
-    GLB_SHADER_STORAGE = 0x2000
-};
-/* barrier.c: bits[i] for the pass at place i of the order (pass_count values), in a frame that
- * follows another one. */
-void plan_gl_bits(const struct model *model, unsigned *bits);
 
 #endif

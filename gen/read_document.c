@@ -262,7 +262,7 @@ static struct fy_node *add_value(struct reader *reader, struct setting *setting,
 static void report_path(struct reader *reader, const struct setting *setting, const char *where,
                         const char *const *names, size_t count)
 {
-    const char *nearest = diag_nearest(setting->segment, names, count);
+    const char *nearest = nearest_name(setting->segment, names, count);
     struct loc loc = setting_loc(setting, setting->column, strlen(setting->segment));
     if (nearest)
         diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s; did you mean `%s`?",

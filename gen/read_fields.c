@@ -123,7 +123,7 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
     char *rest = copy;
     for (char *word; (word = strsep(&rest, "|")) && count < 24;)
         words[count++] = word;
-    const char *nearest = diag_nearest(text, words, count);
+    const char *nearest = nearest_name(text, words, count);
     struct text list = {0};
     for (size_t i = 0; i < count; i++)
         text_add(&list, "%s%s", i ? ", " : "", words[i]);
@@ -167,7 +167,7 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
         text_add(&list, "%s%s", count ? ", " : "", table_keys[i].name);
         names[count++] = table_keys[i].name;
     }
-    const char *nearest = diag_nearest(name, names, count);
+    const char *nearest = nearest_name(name, names, count);
     if (nearest)
         diag_error(reader->diag, loc, "unknown key `%s` in %s; did you mean `%s`?", name,
                    table_sections[section].title, nearest);

@@ -32,7 +32,7 @@ static void set_type(struct reader *reader, struct field *field, const char *tex
         static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
                                             "ivec2", "ivec3", "ivec4", "uint", "uvec2",
                                             "uvec3", "uvec4", "mat4"};
-        const char *nearest = diag_nearest(word, words, sizeof words / sizeof *words);
+        const char *nearest = nearest_name(word, words, sizeof words / sizeof *words);
         diag_error(reader->diag, loc,
                    nearest
                        ? "unknown type `%s`; did you mean `%s`?"
@@ -345,7 +345,7 @@ static void report_unknown(struct reader *reader, const struct named *named)
     const char **names = reader_alloc(reader, pipeline->resource_count, sizeof *names);
     for (uint32_t i = 0; names && i < pipeline->resource_count; i++)
         names[i] = pipeline->resources[i].name;
-    const char *nearest = names ? diag_nearest(named->name, names, pipeline->resource_count) : NULL;
+    const char *nearest = names ? nearest_name(named->name, names, pipeline->resource_count) : NULL;
     if (nearest)
         diag_error(reader->diag, named->loc, "no buffer or image `%s`; did you mean `%s`?",
                    named->name, nearest);

@@ -74,7 +74,9 @@ void emit_reference(struct text *out)
              "is an error.\n\n"
              "`--set PATH=VALUE` overrides a value: the path is dotted "
              "(`metrics.vpl_distance.position`, elements of lists "
-             "by their `name` or number: `passes.shade.local`), a bare name is a parameter.\n");
+             "by their `name` or number: `passes.shade.local`), a bare name is a parameter.\n\n"
+             "What GLSL may name is [at the end](#body).\n");
     for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++)
         add_section(out, section);
+    emit_body_reference(out);
 }

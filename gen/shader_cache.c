@@ -1,82 +1,38 @@
-/* Shaders of former generations in one file, so that an edit compiles what it changes and nothing else.
- * main.c opens and writes it, shaders.c asks it. An entry is taken when its GLSL is the same, and the program
- * that made it; a file that is broken in any way counts as empty, and is then written anew.
- *
- * The file: struct head, then for each entry struct entry_head, the GLSL, the SPIR-V. */
+/* Compiled shaders in a folder; see shader_cache.h. A file NAME.spv holds the SPIR-V of one shader; NAME is the
+ * hash of everything that it was made from: GLSL, backend, stage, exactness, target, and the versions of the
+ * compiler and of our own rewriting. Its head has a hash of its content, so a damaged, truncated or
+ * foreign file is a miss, and is written anew. Called by shaders.c. */
 #include "shader_cache.h"
 
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+#include <xxhash.h>
 
-/* What was not asked for goes once the file is larger. */
-enum { MOST_BYTES = 8 << 20 };
+/* Raise when spirv.c or loops.c rewrite a shader's SPIR-V otherwise. */
+enum { REWRITING = 1 };
+enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 
 struct head {
     char magic[8];
-    uint64_t program;
+    uint64_t hash; /* of the words, and of what they were made from */
+    uint64_t word_count;
 };
-static const char magic[8] = "dtspv 1";
-
-struct entry_head {
-    uint32_t kind; /* backend, stage, target, exactness */
-    uint32_t glsl_length, word_count;
-    uint32_t unused;
-    uint64_t hash; /* of what follows */
-};
-
-struct entry {
-    struct entry_head head;
-    const char *glsl;     /* not terminated */
-    const uint8_t *words; /* maybe not aligned */
-};
+static const char magic[8] = "dtspv 2";
 
 struct shader_cache {
-    char *bytes; /* of the file */
-    struct entry *entries;
-    bool *asked;
-    size_t count;
+    int folder;
+    uint64_t most_bytes;
+    bool added;
+    unsigned number; /* of temporary files */
 };
-
-/* FNV-1a over 64 bits at a time: of a broken file, not of an enemy's. */
-static uint64_t hash_of(uint64_t hash, const void *data, size_t size)
-{
-    const uint8_t *bytes = data;
-    for (size_t i = 0; i < size; i += sizeof(uint64_t)) {
-        uint64_t piece = 0;
-        memcpy(&piece, bytes + i, size - i < sizeof piece ? size - i : sizeof piece);
-        hash = (hash ^ piece) * UINT64_C(0x100000001b3);
-        hash ^= hash >> 29;
-    }
-    return hash;
-}
-
-static uint64_t entry_hash(const struct entry *entry)
-{
-    const struct entry_head *head = &entry->head;
-    const uint32_t shape[] = {head->kind, head->glsl_length, head->word_count};
-    uint64_t hash = hash_of(UINT64_C(0xcbf29ce484222325), shape, sizeof shape);
-    hash = hash_of(hash, entry->glsl, head->glsl_length);
-    return hash_of(hash, entry->words, (size_t)head->word_count * sizeof(uint32_t));
-}
-
-/* glslang and SPIRV-Tools are part of this program: another build may compile otherwise. */
-static uint64_t program_hash(void)
-{
-    struct stat status;
-    if (stat("/proc/self/exe", &status))
-        return 0;
-    const uint64_t identity[] = {(uint64_t)status.st_size, (uint64_t)status.st_ino,
-                                 (uint64_t)status.st_mtim.tv_sec, (uint64_t)status.st_mtim.tv_nsec};
-    return hash_of(UINT64_C(0xcbf29ce484222325), identity, sizeof identity);
-}
-
-static uint32_t kind_of(const struct model *model, enum backend backend, enum stage stage)
-{
-    return (uint32_t)backend << 8 | (uint32_t)stage << 2 | (uint32_t)model->pipeline.gpu << 1 |
-           (uint32_t)model->pipeline.fast;
-}
 
 /* ---- Texts ----------------------------------------------------------------------------------- */
 
@@ -131,145 +87,242 @@ struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, en
     return NULL;
 }
 
-/* ---- Reading --------------------------------------------------------------------------------- */
+/* ---- Entries --------------------------------------------------------------------------------- */
 
-static char *read_bytes(const char *path, size_t *size)
+/* The lines of the text that the compiled code depends on. */
+static void hash_text(XXH3_state_t *state, const struct text *glsl)
 {
-    FILE *file = fopen(path, "rb");
-    struct stat status;
-    char *bytes = NULL;
-    if (file && !fstat(fileno(file), &status) && S_ISREG(status.st_mode)) {
-        *size = (size_t)status.st_size;
-        bytes = malloc(*size + 1);
-        if (bytes && fread(bytes, 1, *size, file) != *size) {
-            free(bytes);
-            bytes = NULL;
-        }
+    const char *at = glsl->data, *end = at + glsl->length;
+
+    if (asks_for_place(at, glsl->length)) {
+        XXH3_128bits_update(state, at, glsl->length);
+        return;
     }
-    if (file)
-        fclose(file);
-    return bytes;
+    while ((at = next_line(at, end)) < end) {
+        const char *newline = memchr(at, '\n', (size_t)(end - at));
+        size_t length = (size_t)((newline ? newline + 1 : end) - at);
+        XXH3_128bits_update(state, at, length);
+        at += length;
+    }
 }
 
-/* The entry that begins at *at; false when it does not fit or is not what was written. */
-static bool read_entry(const char *bytes, size_t size, size_t *at, struct entry *entry)
+/* Two files, one with the other's name, are told apart by `seed`. */
+static bool name_of(char name[NAME_SIZE], uint64_t *seed, const struct model *model,
+                    enum backend backend, const struct shader *shader)
 {
-    if (size - *at < sizeof entry->head)
+    const uint32_t kind[] = {REWRITING, backend, shader->stage, model->pipeline.gpu,
+                             model->pipeline.fast};
+    const char *tools = spirv_tools();
+    XXH3_state_t *state = XXH3_createState();
+    if (!state)
         return false;
-    memcpy(&entry->head, bytes + *at, sizeof entry->head);
-    size_t left = size - *at - sizeof entry->head, glsl = entry->head.glsl_length,
-           words = (size_t)entry->head.word_count * sizeof(uint32_t);
-    if (!words || glsl > left || words > left - glsl)
-        return false;
-    entry->glsl = bytes + *at + sizeof entry->head;
-    entry->words = (const uint8_t *)entry->glsl + glsl;
-    *at += sizeof entry->head + glsl + words;
-    return entry_hash(entry) == entry->head.hash;
+    XXH3_128bits_reset(state);
+    XXH3_128bits_update(state, kind, sizeof kind);
+    XXH3_128bits_update(state, tools, strlen(tools));
+    hash_text(state, &shader->glsl);
+    XXH128_hash_t hash = XXH3_128bits_digest(state);
+    XXH3_freeState(state);
+    snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", (uint64_t)hash.high64,
+             (uint64_t)hash.low64);
+    *seed = hash.high64;
+    return true;
 }
 
-static bool read_entries(struct shader_cache *cache, size_t size)
+static bool read_all(int file, void *bytes, size_t size)
+{
+    for (char *at = bytes; size;) {
+        ssize_t got = read(file, at, size);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            return false;
+        at += got;
+        size -= (size_t)got;
+    }
+    return true;
+}
+
+static bool write_all(int file, const void *bytes, size_t size)
+{
+    for (const char *at = bytes; size;) {
+        ssize_t put = write(file, at, size);
+        if (put < 0 && errno == EINTR)
+            continue;
+        if (put <= 0)
+            return false;
+        at += put;
+        size -= (size_t)put;
+    }
+    return true;
+}
+
+static bool read_entry(int file, uint64_t seed, struct shader *shader)
 {
     struct head head;
-    if (size < sizeof head)
+    struct stat status;
+    uint32_t *words = NULL;
+    if (fstat(file, &status) || !S_ISREG(status.st_mode) || !read_all(file, &head, sizeof head) ||
+        memcmp(head.magic, magic, sizeof magic) != 0 || !head.word_count ||
+        head.word_count > MOST_WORDS ||
+        (uint64_t)status.st_size != sizeof head + head.word_count * sizeof *words)
         return false;
-    memcpy(&head, cache->bytes, sizeof head);
-    if (memcmp(head.magic, magic, sizeof magic) != 0 || head.program != program_hash())
+    size_t size = head.word_count * sizeof *words;
+    words = malloc(size);
+    if (!words || !read_all(file, words, size) ||
+        XXH3_64bits_withSeed(words, size, seed) != head.hash) {
+        free(words);
         return false;
-    for (size_t at = sizeof head; at < size;) {
-        struct entry entry;
-        if (!read_entry(cache->bytes, size, &at, &entry))
-            return false;
-        if (!(cache->count & (cache->count - 1))) { /* full at powers of two */
-            struct entry *entries =
-                realloc(cache->entries, (cache->count ? 2 * cache->count : 1) * sizeof *entries);
-            if (!entries)
-                return false;
-            cache->entries = entries;
-        }
-        cache->entries[cache->count++] = entry;
     }
-    cache->asked = calloc(cache->count + 1, sizeof *cache->asked);
-    return cache->asked;
-}
-
-struct shader_cache *shader_cache_read(const char *path)
-{
-    struct shader_cache *cache = calloc(1, sizeof *cache);
-    size_t size = 0;
-    if (cache) {
-        cache->bytes = read_bytes(path, &size);
-        if (!cache->bytes || !read_entries(cache, size))
-            cache->count = 0;
-    }
-    return cache;
-}
-
-void shader_cache_free(struct shader_cache *cache)
-{
-    if (!cache)
-        return;
-    free(cache->bytes);
-    free(cache->entries);
-    free(cache->asked);
-    free(cache);
+    shader->words = words;
+    shader->word_count = head.word_count;
+    return true;
 }
 
 bool shader_cache_find(struct shader_cache *cache, const struct model *model, enum backend backend,
                        struct shader *shader)
 {
-    uint32_t kind = kind_of(model, backend, shader->stage);
-    for (size_t i = 0; i < cache->count; i++) {
-        const struct entry *entry = &cache->entries[i];
-        if (entry->head.kind != kind || !shader_text_same(entry->glsl, entry->head.glsl_length,
-                                                          shader->glsl.data, shader->glsl.length))
-            continue;
-        size_t size = (size_t)entry->head.word_count * sizeof *shader->words;
-        shader->words = malloc(size);
-        if (!shader->words)
-            return false;
-        memcpy(shader->words, entry->words, size);
-        shader->word_count = entry->head.word_count;
-        cache->asked[i] = true;
-        return true;
-    }
-    return false;
+    char name[NAME_SIZE];
+    uint64_t seed;
+    if (!cache || !name_of(name, &seed, model, backend, shader))
+        return false;
+    int file = openat(cache->folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    bool found = file >= 0 && read_entry(file, seed, shader);
+    if (found)
+        futimens(file, NULL); /* used now; where that fails, it only seems older */
+    if (file >= 0)
+        close(file);
+    return found;
 }
 
-/* ---- Writing --------------------------------------------------------------------------------- */
-
-static void add_entry(struct text *out, const struct entry *entry)
+void shader_cache_add(struct shader_cache *cache, const struct model *model, enum backend backend,
+                      const struct shader *shader)
 {
-    text_add_bytes(out, (const char *)&entry->head, sizeof entry->head);
-    text_add_bytes(out, entry->glsl, entry->head.glsl_length);
-    text_add_bytes(out, (const char *)entry->words,
-                   (size_t)entry->head.word_count * sizeof(uint32_t));
-}
-
-static void add_shader(struct text *out, uint32_t kind, const struct shader *shader)
-{
-    struct entry entry = {.head = {.kind = kind,
-                                   .glsl_length = (uint32_t)shader->glsl.length,
-                                   .word_count = (uint32_t)shader->word_count},
-                          .glsl = shader->glsl.data,
-                          .words = (const uint8_t *)shader->words};
-    entry.head.hash = entry_hash(&entry);
-    add_entry(out, &entry);
-}
-
-void shader_cache_emit(const struct shader_cache *cache, const struct model *model,
-                       struct pass_shaders *const shaders[2], struct text *out)
-{
-    struct head head = {.program = program_hash()};
+    size_t size = shader->word_count * sizeof *shader->words;
+    struct head head = {.word_count = shader->word_count};
+    char name[NAME_SIZE], temporary[NAME_SIZE];
+    uint64_t seed;
+    if (!cache || !name_of(name, &seed, model, backend, shader))
+        return;
+    head.hash = XXH3_64bits_withSeed(shader->words, size, seed);
     memcpy(head.magic, magic, sizeof magic);
-    text_add_bytes(out, (const char *)&head, sizeof head);
-    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
-        for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
-            for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
-                const struct shader *shader = &shaders[backend][i].stage[stage];
-                if (shader->word_count && !shader_twin(shaders[backend], i, stage))
-                    add_shader(out, kind_of(model, backend, stage), shader);
-            }
-    for (size_t i = 0; i < cache->count && out->length < MOST_BYTES; i++)
-        if (!cache->asked[i])
-            add_entry(out, &cache->entries[i]);
+    snprintf(temporary, sizeof temporary, ".%ld-%u", (long)getpid(), cache->number++);
+    int file = openat(cache->folder, temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    if (file < 0)
+        return;
+    bool good = write_all(file, &head, sizeof head) && write_all(file, shader->words, size);
+    good = !close(file) && good && !renameat(cache->folder, temporary, cache->folder, name);
+    if (!good)
+        unlinkat(cache->folder, temporary, 0);
+    cache->added |= good;
+}
+
+/* ---- Size ------------------------------------------------------------------------------------ */
+
+struct file {
+    char name[NAME_SIZE];
+    int64_t used; /* seconds */
+    uint64_t bytes;
+};
+
+static int oldest_first(const void *a, const void *b)
+{
+    const struct file *x = a, *y = b;
+    return (x->used > y->used) - (x->used < y->used);
+}
+
+/* The entries; temporary files that a killed process left are removed. free(). */
+static struct file *list_files(int folder, size_t *count, uint64_t *bytes)
+{
+    struct file *files = NULL;
+    size_t room = 0;
+    int copy = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *listing = copy >= 0 ? fdopendir(copy) : NULL;
+    for (struct dirent *entry; listing && (entry = readdir(listing));) {
+        struct stat status;
+        if (strlen(entry->d_name) >= NAME_SIZE ||
+            fstatat(folder, entry->d_name, &status, AT_SYMLINK_NOFOLLOW) ||
+            !S_ISREG(status.st_mode))
+            continue;
+        if (entry->d_name[0] == '.' && time(NULL) - status.st_mtime > STALE_SECONDS)
+            unlinkat(folder, entry->d_name, 0);
+        if (entry->d_name[0] == '.')
+            continue;
+        if (*count == room) {
+            struct file *grown = realloc(files, (room = room ? 2 * room : 256) * sizeof *files);
+            if (!grown)
+                break;
+            files = grown;
+        }
+        files[*count] = (struct file){.used = status.st_mtime, .bytes = (uint64_t)status.st_size};
+        memcpy(files[*count].name, entry->d_name, strlen(entry->d_name) + 1);
+        *bytes += files[(*count)++].bytes;
+    }
+    if (listing)
+        closedir(listing);
+    else if (copy >= 0)
+        close(copy);
+    return files;
+}
+
+/* Removes the least recently used until three quarters are left, so that it is not needed every time. */
+static void remove_old(const struct shader_cache *cache)
+{
+    size_t count = 0;
+    uint64_t bytes = 0;
+    struct file *files = list_files(cache->folder, &count, &bytes);
+    if (files && bytes > cache->most_bytes) {
+        qsort(files, count, sizeof *files, oldest_first);
+        for (size_t i = 0; i < count && bytes > cache->most_bytes / 4 * 3; i++)
+            if (!unlinkat(cache->folder, files[i].name, 0))
+                bytes -= files[i].bytes;
+    }
+    free(files);
+}
+
+/* ---- Open and close -------------------------------------------------------------------------- */
+
+static int open_folder(const char *folder, const char **problem)
+{
+    struct stat status;
+    if (mkdir(folder, 0700) && errno != EEXIST) {
+        *problem = strerror(errno);
+        return -1;
+    }
+    int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0 || fstat(file, &status)) {
+        *problem = strerror(errno);
+    } else if (status.st_uid != geteuid()) {
+        *problem = "it belongs to somebody else";
+    } else if (status.st_mode & (S_IWGRP | S_IWOTH)) {
+        *problem = "others may write to it";
+    } else {
+        return file;
+    }
+    if (file >= 0)
+        close(file);
+    return -1;
+}
+
+struct shader_cache *shader_cache_open(const char *folder, uint32_t mebibytes, const char **problem)
+{
+    struct shader_cache *cache = calloc(1, sizeof *cache);
+    *problem = NULL;
+    if (!cache)
+        return NULL;
+    cache->most_bytes = (uint64_t)mebibytes << 20;
+    cache->folder = open_folder(folder, problem);
+    if (cache->folder >= 0)
+        return cache;
+    free(cache);
+    return NULL;
+}
+
+void shader_cache_close(struct shader_cache *cache)
+{
+    if (!cache)
+        return;
+    if (cache->added)
+        remove_old(cache);
+    close(cache->folder);
+    free(cache);
 }

@@ -1,4 +1,4 @@
-/* Shaders that were compiled before: --shader-cache. See shader_cache.c. */
+/* Compiled shaders in a folder, one file each, found by their GLSL. See shader_cache.c. */
 #ifndef DIPTYCH_GEN_SHADER_CACHE_H
 #define DIPTYCH_GEN_SHADER_CACHE_H
 
@@ -6,10 +6,13 @@
 
 struct shader_cache;
 
-/* What is in the file; nothing where it is not there, broken, or another program's. NULL when out of
- * memory. */
-struct shader_cache *shader_cache_read(const char *path);
-void shader_cache_free(struct shader_cache *cache);
+/* Opens the folder, which is made when it is missing. One that others may write, or that belongs to
+ * somebody else, is not used: then *problem says why, and the result is NULL. NULL without a problem: out
+ * of memory. `mebibytes`: size at which the least recently used entries are removed. */
+struct shader_cache *shader_cache_open(const char *folder, uint32_t mebibytes,
+                                       const char **problem);
+/* Removes old entries when something was added. Takes NULL. */
+void shader_cache_close(struct shader_cache *cache);
 
 /* Whether two texts are one shader: all but the comment with the name of the pass, and where in which file
  * the lines are from, unless the text asks for that. */
@@ -18,12 +21,11 @@ bool shader_text_same(const char *a, size_t a_length, const char *b, size_t b_le
 /* The same stage of an earlier pass, by index in order of execution, that is the same shader; else NULL. */
 struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage);
 
-/* Fills shader->words from its GLSL; false when that was never compiled. One thread at a time. */
+/* Fills shader->words from its GLSL. False: no entry, or a damaged one. One thread at a time. */
 bool shader_cache_find(struct shader_cache *cache, const struct model *model, enum backend backend,
                        struct shader *shader);
-
-/* The file for next time: these shaders first, each once, then what was there and not asked for. */
-void shader_cache_emit(const struct shader_cache *cache, const struct model *model,
-                       struct pass_shaders *const shaders[2], struct text *out);
+/* Adds an entry. Failures are ignored: the cache is optional. */
+void shader_cache_add(struct shader_cache *cache, const struct model *model, enum backend backend,
+                      const struct shader *shader);
 
 #endif

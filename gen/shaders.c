@@ -1,8 +1,6 @@
 /* All shaders of a pipeline: every pass, backend and stage to GLSL and SPIR-V. Called by main.c, which
  * writes them, and by vary.c, which asks whether they compile. Text is emitted one after the other, since
- * that adds to the model; what the cache of shaders does not have is compiled on several threads, one
- * backend's in a process of its own (helper.c). */
-#include "helper.h"
+ * that adds to the model; shaders that the cache does not have are compiled on several threads. */
 #include "shader_cache.h"
 
 #include <pthread.h>
@@ -18,7 +16,6 @@ struct job { /* one shader to compile */
     enum backend backend;
     struct shader *shader;
     const struct shader *twin; /* compiled before it, maybe by another job; NULL: there is none */
-    bool apart;                /* the helper has it */
     bool done;
 };
 
@@ -26,9 +23,6 @@ struct jobs {
     const struct model *model;
     struct job *list;
     uint32_t count;
-    struct shader **apart; /* what the helper has */
-    uint32_t apart_count;
-    uint32_t processes; /* that compile at the same time */
     atomic_uint next;
 };
 
@@ -67,7 +61,7 @@ static void *compile_some(void *user)
     struct diag *unheard = diag_create();
     for (uint32_t i; unheard && (i = atomic_fetch_add(&jobs->next, 1)) < jobs->count;) {
         struct job *job = &jobs->list[i];
-        if (!job->twin && !job->apart)
+        if (!job->twin)
             job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
     }
     diag_free(unheard);
@@ -76,10 +70,9 @@ static void *compile_some(void *user)
 
 static uint32_t thread_count(const struct jobs *jobs)
 {
-    long processors = sysconf(_SC_NPROCESSORS_ONLN) / (long)jobs->processes;
-    uint32_t here = jobs->count - jobs->apart_count;
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
     uint32_t count = processors > MOST_THREADS ? MOST_THREADS : (uint32_t)processors;
-    return count < here ? count : here;
+    return count < jobs->count ? count : jobs->count;
 }
 
 static void compile_here(struct jobs *jobs)
@@ -92,54 +85,6 @@ static void compile_here(struct jobs *jobs)
     compile_some(jobs);
     for (uint32_t i = 0; i < started; i++)
         pthread_join(threads[i], NULL);
-}
-
-/* ---- The helper ------------------------------------------------------------------------------ */
-
-/* The jobs from `first` on, but twins. */
-static void hand_over(struct jobs *jobs, uint32_t first)
-{
-    for (uint32_t i = first; i < jobs->count; i++) {
-        if (!jobs->list[i].twin)
-            jobs->apart[jobs->apart_count++] = jobs->list[i].shader;
-    }
-    const struct pipeline *pipeline = &jobs->model->pipeline;
-    bool sent = jobs->apart_count &&
-                helper_send(pipeline->fast, pipeline->gpu, jobs->apart, jobs->apart_count);
-    if (!sent)
-        jobs->apart_count = 0;
-    for (uint32_t i = first; sent && i < jobs->count; i++)
-        jobs->list[i].apart = !jobs->list[i].twin;
-}
-
-static void take_back(struct jobs *jobs)
-{
-    if (jobs->apart_count)
-        helper_receive(jobs->apart, jobs->apart_count);
-    for (uint32_t i = 0; i < jobs->count; i++) {
-        if (jobs->list[i].apart)
-            jobs->list[i].done = jobs->list[i].shader->words != NULL;
-    }
-}
-
-void shaders_compile_apart(enum backend backend, bool fast, bool gpu, struct shader *shaders,
-                           uint32_t count)
-{
-    const struct model model = {.pipeline = {.fast = fast, .gpu = gpu}};
-    const struct pass pass = {.name = ""}; /* for messages, which nobody hears */
-    struct jobs jobs = {
-        .model = &model, .list = calloc((size_t)count + 1, sizeof *jobs.list), .processes = 2};
-    for (uint32_t i = 0; jobs.list && i < count; i++)
-        jobs.list[jobs.count++] =
-            (struct job){.pass = &pass, .backend = backend, .shader = &shaders[i]};
-    compile_here(&jobs);
-    for (uint32_t i = 0; i < jobs.count; i++) {
-        if (jobs.list[i].done)
-            continue;
-        free(shaders[i].words);
-        shaders[i].words = NULL;
-    }
-    free(jobs.list);
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */
@@ -157,18 +102,21 @@ static bool copy_twin(struct shader *shader, const struct shader *twin)
 }
 
 /* What fails is compiled once more, one after the other: then its messages come in order. */
-static bool compile(struct jobs *jobs, struct diag *diag)
+static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *diag)
 {
     bool good = true;
     compile_here(jobs);
-    take_back(jobs);
     for (uint32_t i = 0; i < jobs->count; i++) {
         struct job *job = &jobs->list[i];
-        if (job->done || (job->twin && copy_twin(job->shader, job->twin)))
-            continue;
-        free(job->shader->words);
-        job->shader->words = NULL;
-        good &= spirv_compile(jobs->model, job->pass, job->backend, job->shader, diag);
+        bool done = job->done || (job->twin && copy_twin(job->shader, job->twin));
+        if (!done) {
+            free(job->shader->words);
+            job->shader->words = NULL;
+            done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, diag);
+        }
+        if (done && !job->twin)
+            shader_cache_add(cache, jobs->model, job->backend, job->shader);
+        good &= done;
     }
     return good;
 }
@@ -177,13 +125,9 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag)
 {
     uint32_t count = model->pipeline.pass_count;
-    struct jobs jobs = {.model = model,
-                        .list = calloc(4 * count + 1, sizeof *jobs.list),
-                        .apart = calloc(4 * count + 1, sizeof(struct shader *)),
-                        .processes = 1};
+    struct jobs jobs = {.model = model, .list = calloc(4 * count + 1, sizeof *jobs.list)};
     bool good = true;
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
-        uint32_t first = jobs.count;
         shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
         if (!shaders[backend] || !jobs.list)
             diag_error(diag, (struct loc){0}, "out of memory");
@@ -191,13 +135,13 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
             good &= emit_pass(model, shaders[backend], i, cache,
                               (struct job){.pass = model->pipeline.order[i], .backend = backend},
                               &jobs, diag);
-        if (helper_compiles(backend) && jobs.list && jobs.apart) {
-            jobs.processes = 2;
-            hand_over(&jobs, first);
-        }
     }
-    good &= compile(&jobs, diag);
-    free(jobs.apart);
+    if (jobs.count && !spirv_init()) {
+        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
+        good = false;
+    } else if (jobs.count) {
+        good &= compile(&jobs, cache, diag);
+    }
     free(jobs.list);
     return good && !diag_error_count(diag);
 }

@@ -10,12 +10,13 @@
 #include <ctype.h>
 #include <glslang/Include/glslang_c_interface.h>
 #include <glslang/Public/resource_limits_c.h>
+#include <glslang/build_info.h>
 #include <spirv-tools/libspirv.h>
 #include <spirv/unified1/GLSL.std.450.h>
 #define SPV_ENABLE_UTILITY_CODE /* SpvHasResultAndType */
 #include <spirv/unified1/spirv.h>
-#include <pthread.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,51 +48,25 @@ static glslang_input_t input_of(enum backend backend, enum stage stage, const ch
 
 /* ---- Start ----------------------------------------------------------------------------------- */
 
-/* glslang reads the declarations of all built-in functions with the first shader of each API, under
- * a lock: a third of the time that a small edit takes. So that is done while the spec is read. */
-static struct {
-    pthread_t thread;
-    bool started;
-    atomic_bool stop;
-    enum backend first, last; /* in turn; maybe the same */
-} warmup;
-
-static void read_builtins_of(enum backend backend)
+/* glslang keeps its tables until the process ends. */
+bool spirv_init(void)
 {
-    glslang_input_t input = input_of(backend, STAGE_IS_COMPUTE, "#version 460\nvoid main() {}\n");
-    glslang_shader_t *shader = glslang_shader_create(&input);
-    if (shader && glslang_shader_preprocess(shader, &input))
-        glslang_shader_parse(shader, &input);
-    glslang_shader_delete(shader);
+    static atomic_bool started;
+    if (!started)
+        started = glslang_initialize_process();
+    return started;
 }
 
-static void *read_builtins(void *user)
-{
-    (void)user;
-    read_builtins_of(warmup.first);
-    if (warmup.last != warmup.first && !warmup.stop)
-        read_builtins_of(warmup.last);
-    return NULL;
-}
+#define WORD(text)      #text
+#define DOTTED(a, b, c) WORD(a) "." WORD(b) "." WORD(c)
 
-bool spirv_init(enum backend first, enum backend last)
+const char *spirv_tools(void)
 {
-    if (!glslang_initialize_process())
-        return false;
-    warmup.stop = false;
-    warmup.first = first;
-    warmup.last = last;
-    warmup.started = pthread_create(&warmup.thread, NULL, read_builtins, NULL) == 0;
-    return true;
-}
-
-/* glslang keeps its tables: they go with the process, and taking them apart takes 10 ms. */
-void spirv_finish(void)
-{
-    warmup.stop = true;
-    if (warmup.started)
-        pthread_join(warmup.thread, NULL);
-    warmup.started = false;
+    static char tools[256];
+    snprintf(tools, sizeof tools, "glslang %s, %s",
+             DOTTED(GLSLANG_VERSION_MAJOR, GLSLANG_VERSION_MINOR, GLSLANG_VERSION_PATCH),
+             spvSoftwareVersionString());
+    return tools;
 }
 
 /* ---- Messages -------------------------------------------------------------------------------- */

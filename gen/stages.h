@@ -35,13 +35,12 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
                struct shader *shader, struct diag *diag);
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
  * spirv-val (SPIRV-Tools). glslang's errors come back as diagnostics at the line of the body
- * file. spirv_compile may run on several threads, each with a diag of its own. spirv_init starts one
- * that prepares the compiler for one backend or for two in turn: best before anything else. What is not
- * prepared is when it is needed. */
-bool spirv_init(enum backend first, enum backend last);
+ * file. spirv_compile may run on several threads, each with a diag of its own, once spirv_init has returned true
+ * in any of them. */
+bool spirv_init(void);
+const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
-void spirv_finish(void);
 
 /* flops.c: float operations of one invocation, at least, that does not return early: one turn of every
  * loop, the cheapest way through other branches, unrolled code and called functions as they stand. An
@@ -58,25 +57,19 @@ struct shader_cache;
  * shaders compiled before, or NULL. shaders_free in any case. */
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag);
-/* In the helper: SPIR-V of what compiles, and none of the rest. */
-void shaders_compile_apart(enum backend backend, bool fast, bool gpu, struct shader *shaders,
-                           uint32_t count);
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
 void emit_header(const struct model *model, struct text *out); /* NAME.h */
-void emit_c_pipeline(const struct model *model, const struct pass_shaders *shaders,
-                     struct text *out); /* NAME.c: reflection; the shaders are Vulkan's */
-void emit_c_gl(const struct model *model, const struct pass_shaders *shaders,
-               struct text *out); /* NAME_gl.c */
-void emit_c_vk(const struct model *model, const struct pass_shaders *shaders,
-               struct text *out); /* NAME_vk.c */
-/* NAME_gl_shaders.c and NAME_vk_shaders.c: apart from the panels, which most edits leave as they are. */
-void emit_c_shaders(const struct model *model, const struct pass_shaders *shaders,
-                    enum backend backend, struct text *out);
-void emit_limit(const struct pass *pass, struct text *out);       /* limit/PASS.c; emit_work.c */
+/* lower.h: the planned model as tables. */
+struct lowered;
+void emit_c_panel(const struct lowered *tables, struct text *out); /* NAME.c, for all backends */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c. */
+void emit_c_shaders(const struct lowered *tables, enum backend backend, struct text *out);
+void emit_limit(const struct pass *pass, struct text *out);       /* limit/PASS.c; emit_panel.c */
 void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
 void emit_schema(struct text *out);                               /* schema.c */
 void emit_reference(struct text *out);                            /* reference.c: Markdown */
+void emit_body_reference(struct text *out); /* reference_body.c: its chapter on pass bodies */
 
 /* vary.c: `count` valid variations of a spec, as JSON; the same for the same seed on every machine.
  * False when the spec itself is wrong (reported) or a variation cannot be found. */

@@ -281,8 +281,7 @@ static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int 
 {
     struct gl_context *ctx = &rt->context;
     ctx->kind = kind;
-    ctx->current = kind->current;
-    bool made = kind->make(ctx, major, minor, rt->options.debug, why);
+    bool made = kind->make(ctx, major, minor, rt->debug, why);
     if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, kind->load, ctx))
         return true;
     if (made)
@@ -313,8 +312,8 @@ static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind 
                             struct reason *why)
 {
     if (!make(rt, kind, 3, 3, why)) {
-        gl_log(rt, DT_ERROR, "context %s: OpenGL 4.6 core is needed, and there is none: %s",
-               kind->name, why->text);
+        dt_error(&rt->core, "context %s: OpenGL 4.6 core is needed, and there is none: %s",
+                 kind->name, why->text);
         return false;
     }
     const char *version = (const char *)rt->gl.GetString(GL_VERSION);
@@ -323,7 +322,7 @@ static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind 
     char missing[512];
     bool complete = gl_has_all(rt, core_4_6, DT_ARRAY_COUNT(core_4_6), missing, sizeof missing);
     if (mesa && complete && !getenv("MESA_GL_VERSION_OVERRIDE")) {
-        gl_log(rt, DT_INFO,
+        dt_log(&rt->core, DT_INFO,
                "%s has every extension of OpenGL 4.6 but reports 4.5: setting "
                "MESA_GL_VERSION_OVERRIDE=4.6 "
                "MESA_GLSL_VERSION_OVERRIDE=460",
@@ -333,17 +332,17 @@ static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind 
         setenv("MESA_GLSL_VERSION_OVERRIDE", "460", 1);
         if (make(rt, kind, 4, 6, why))
             return true;
-        gl_log(
-            rt, DT_ERROR,
+        dt_error(
+            &rt->core,
             "context %s: %s, also with the version override: set MESA_GL_VERSION_OVERRIDE=4.6 and "
             "MESA_GLSL_VERSION_OVERRIDE=460 before the program starts",
             kind->name, why->text);
         return false;
     }
-    gl_log(rt, DT_ERROR, "context %s: OpenGL 4.6 core is needed; %s gives only %s%s%s: %s",
-           kind->name, renderer, version, complete ? "" : ", without ", missing,
-           getenv("MESA_GL_VERSION_OVERRIDE") ? "unset MESA_GL_VERSION_OVERRIDE"
-                                              : "use a newer driver");
+    dt_error(&rt->core, "context %s: OpenGL 4.6 core is needed; %s gives only %s%s%s: %s",
+             kind->name, renderer, version, complete ? "" : ", without ", missing,
+             getenv("MESA_GL_VERSION_OVERRIDE") ? "unset MESA_GL_VERSION_OVERRIDE"
+                                                : "use a newer driver");
     destroy(&rt->context, false);
     return false;
 }
@@ -362,8 +361,8 @@ static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenu
         return;
     while (length > 0 && message[length - 1] == '\n')
         length--;
-    rt->messages++;
-    gl_log(rt, DT_ERROR, "OpenGL debug message %u: %.*s", id, (int)length, message);
+    rt->core.messages++;
+    dt_error(&rt->core, "OpenGL debug message %u: %.*s", id, (int)length, message);
 }
 
 static void hear_messages(struct gl_runtime *rt)
@@ -375,31 +374,36 @@ static void hear_messages(struct gl_runtime *rt)
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-bool gl_context_open(struct gl_runtime *rt)
+/* Always for real, by way of no context: OSMesa, EGL and GLX share Mesa's dispatch table without
+ * telling each other, and each leaves out the change to a context that it believes current. */
+bool gl_context_current(struct gl_runtime *rt)
 {
-    const char *name = rt->options.context ? rt->options.context : "egl";
+    return rt->context.kind->current(&rt->context) ||
+           dt_error(&rt->core, "%s: the OpenGL context cannot be made current",
+                    rt->core.device_name);
+}
+
+bool gl_context_open(struct gl_runtime *rt, const char *name)
+{
     const struct gl_context_kind *kind = NULL;
     for (size_t i = 0; i < DT_ARRAY_COUNT(kinds); i++)
-        if (strcmp(kinds[i].name, name) == 0)
+        if (strcmp(kinds[i].name, name ? name : "egl") == 0)
             kind = &kinds[i];
-    if (!kind) {
-        gl_log(rt, DT_ERROR, "there is no OpenGL context '%s': choose egl, zink, osmesa or window",
-               name);
-        return false;
-    }
+    if (!kind)
+        return dt_error(
+            &rt->core, "there is no OpenGL context '%s': choose egl, zink, osmesa or window", name);
     struct reason why = {""};
     if (!make(rt, kind, 4, 6, &why) && !make_overridden(rt, kind, &why))
         return false;
 
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
-    if (kind->driver && !strstr(renderer, kind->driver)) {
-        gl_log(rt, DT_ERROR,
-               "context %s: the driver that came up is %s; Mesa must have %s (Debian: "
-               "libgl1-mesa-dri, mesa-vulkan-drivers), and a process only one OpenGL driver",
-               name, renderer, kind->driver);
-        return false;
-    }
-    if (rt->options.debug)
+    if (kind->driver && !strstr(renderer, kind->driver))
+        return dt_error(
+            &rt->core,
+            "context %s: the driver that came up is %s; Mesa must have %s (Debian: "
+            "libgl1-mesa-dri, mesa-vulkan-drivers), and a process only one OpenGL driver",
+            name, renderer, kind->driver);
+    if (rt->debug)
         hear_messages(rt);
     return gl_context_suits(rt) && gl_state_fix(rt);
 }

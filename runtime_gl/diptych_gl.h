@@ -13,8 +13,8 @@
  *         ... commands of the host, which may use `mine` at once ...
  *     dt_gl_close(rt);
  *
- * `ssvp_gl`, SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that diptych-gen writes:
- * compile NAME.c, NAME_gl.c and NAME_gl_shaders.c into the host, and include NAME.h.
+ * `ssvp_gl` (a struct dt_shaders), SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that
+ * diptych-gen writes: compile NAME.c and NAME_gl_shaders.c into the host, and include NAME.h.
  *
  * Context. OpenGL 4.6 core with GL_ARB_shader_viewport_layer_array, errors not turned off, and the very
  * same context current in every call: of contexts that share objects only one has vertex arrays and
@@ -94,15 +94,15 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-/* Makes the programs, which takes seconds on some drivers; replaces the former pipeline. The panel must
- * live as long as the runtime has it. */
-bool dt_gl_create(struct gl_runtime *rt, const struct dt_panel *panel);
+/* Makes the programs, which takes seconds on some drivers; replaces the former pipeline, of which it keeps
+ * the programs that have not changed. The shaders must live as long as the runtime has them. */
+bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
 
 /* A texture of the host in place of a resource of the pipeline: immutable (glTextureStorage2D, 3D for an
  * array), with the format, size, layers and mips of the resource, which resize checks. Row 0 in memory is
  * NDC y = -1, the bottom of the picture, as OpenGL has it. Its content before a frame may be lost. It
  * lives until the next import of the resource, create or close. `resource` is NAME_RESOURCE_...; after
- * create, before resize. A texture of 0 takes the import back. At most 16 of them. */
+ * create, before resize. A texture of 0 takes the import back. */
 bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture);
 
 /* Makes all other resources, for frames of that size in pixels. Content with history becomes zero. */

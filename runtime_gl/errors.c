@@ -1,25 +1,7 @@
 /* The ways of telling errors. Called by every file of this folder. */
 #include "internal.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-
-void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format, ...)
-{
-    if (!rt->options.log.message)
-        return;
-    va_list args;
-    va_start(args, format);
-    char *text = NULL;
-    if (vasprintf(&text, format, args) >= 0)
-        rt->options.log.message(rt->options.log.user, level, text);
-    else
-        rt->options.log.message(rt->options.log.user, level,
-                                "out of memory while telling an OpenGL error");
-    va_end(args);
-    free(text);
-}
 
 static const char *error_text(GLenum error)
 {
@@ -59,10 +41,11 @@ static const char *reset_text(GLenum status)
  * before the next. */
 static bool device_lost(struct gl_runtime *rt, const char *call, const char *object, GLenum status)
 {
-    rt->lost = true;
-    gl_log(rt, DT_ERROR, "%s%s: gl%.*s: the device was reset %s", rt->pass ? "pass " : "",
-           rt->pass ? rt->pass : object, (int)strcspn(call, "("), call, reset_text(status));
-    return false;
+    struct dt_core *core = &rt->core;
+    const char *name = rt->recording ? core->pipeline->passes[core->pass].name : object;
+    core->lost = true;
+    return dt_error(core, "%s%s: gl%.*s: the device was reset %s", rt->recording ? "pass " : "",
+                    name, (int)strcspn(call, "("), call, reset_text(status));
 }
 
 bool gl_check(struct gl_runtime *rt, const char *call, const char *object)
@@ -72,8 +55,7 @@ bool gl_check(struct gl_runtime *rt, const char *call, const char *object)
         return true;
     if (error == GL_CONTEXT_LOST)
         return device_lost(rt, call, object, rt->gl.GetGraphicsResetStatus());
-    gl_log(rt, DT_ERROR, "%s: gl%.*s: %s", object, (int)strcspn(call, "("), call,
-           error_text(error));
+    dt_error(&rt->core, "%s: gl%.*s: %s", object, (int)strcspn(call, "("), call, error_text(error));
     /* The next call must not be blamed for what this one left behind; a lost context repeats its
      * error for ever. */
     for (int i = 0; i < 8 && error != GL_NO_ERROR && error != GL_CONTEXT_LOST; i++)

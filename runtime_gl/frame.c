@@ -1,228 +1,204 @@
-/* One frame: what generated code calls between render's begin and end. OpenGL records nothing;
- * each verb here acts at once, in the order of the calls. */
+/* One frame: the verbs that a panel's record calls by way of the front. OpenGL records nothing; each
+ * acts at once, in the order of the calls. */
 #include "internal.h"
+
+#include <math.h>
+
+static const char *pass_name(const struct gl_runtime *rt, uint32_t pass)
+{
+    return rt->core.pipeline->passes[pass].name;
+}
+
+static const struct dt_program *info_of(const struct gl_runtime *rt, uint32_t pass)
+{
+    return &rt->core.panel->programs[pass];
+}
+
+static const struct gl_program *program_of(const struct gl_runtime *rt, uint32_t pass)
+{
+    return dt_program(&rt->core, pass);
+}
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-/* With an observer every pass ends finished, so nothing is pending before the next. The observer
- * may use other contexts; come back to ours. */
-static enum dt_action ask_observer(struct gl_runtime *rt, uint32_t pass)
+bool gl_begin(void *runtime, uint32_t pass, bool runs)
 {
-    const struct dt_observer *observer = rt->observer;
-    if (!observer || !observer->before_pass)
-        return DT_RUN;
-    enum dt_action action = observer->before_pass(observer->user, pass);
-    return gl_context_current(rt) ? action : DT_STOP;
+    struct gl_runtime *rt = runtime;
+    const char *name = pass_name(rt, pass);
+    (void)runs;
+    rt->recording = true;
+    rt->grouped = GL(rt, name, PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, pass, -1, name));
+    /* llvmpipe draws later, but dispatches at once, and notes the time when it draws: a dispatch that
+     * waits for nothing would be over before its time begins. */
+    return rt->grouped &&
+           (!rt->queries || (GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP)) &&
+                             (!gl_is_software(rt) || GL(rt, name, Finish()))));
 }
 
-bool dt_gl_pass_begin(struct gl_runtime *rt, uint32_t pass, bool runs)
+bool gl_end(void *runtime, uint32_t pass)
 {
-    const char *name = rt->panel->pipeline->passes[pass].name;
-    enum dt_action action = ask_observer(rt, pass);
-    rt->pass = name;
-    rt->skips = action == DT_SKIP;
-    rt->ran[pass] = runs && action == DT_RUN;
-    if (action == DT_STOP)
-        return false;
-    if (!GL(rt, name, PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, pass, -1, name)))
-        return false;
-    /* llvmpipe draws later, but dispatches at once, and notes the time when it draws: without a flush
-     * a dispatch that waits for nothing is over before its time begins. */
-    return !rt->queries || (GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP)) &&
-                            GL(rt, name, Flush()));
-}
-
-bool dt_gl_pass_end(struct gl_runtime *rt, uint32_t pass)
-{
-    const char *name = rt->panel->pipeline->passes[pass].name;
+    struct gl_runtime *rt = runtime;
+    const char *name = pass_name(rt, pass);
     if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[2 * pass + 1], GL_TIMESTAMP)))
         return false;
-    if (!GL(rt, name, PopDebugGroup()))
-        return false;
-    const struct dt_observer *observer = rt->observer;
-    if (!observer)
-        return true;
-    return gl_finish(rt, name) &&
-           (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
-           gl_context_current(rt);
+    rt->grouped = false;
+    return GL(rt, name, PopDebugGroup());
 }
 
-bool dt_gl_barrier(struct gl_runtime *rt, GLbitfield bits)
+/* OpenGL itself orders all but what shaders store. */
+static GLbitfield bits_of(const struct gl_runtime *rt, const struct dt_barrier *barrier)
 {
-    return GL(rt, "barrier", MemoryBarrier(bits));
+    const struct gl_resource *resource = dt_resource(&rt->core, barrier->resource);
+    bool image = resource->image.handle;
+    const struct {
+        unsigned access;
+        GLbitfield bits;
+    } table[] = {
+        {DT_READ_STORAGE | DT_WRITE_STORAGE,
+         image ? GL_SHADER_IMAGE_ACCESS_BARRIER_BIT : GL_SHADER_STORAGE_BARRIER_BIT},
+        {DT_READ_TEXTURE, GL_TEXTURE_FETCH_BARRIER_BIT},
+        {DT_READ_UNIFORM, GL_UNIFORM_BARRIER_BIT},
+        {DT_READ_COLOR | DT_WRITE_COLOR | DT_READ_DEPTH | DT_WRITE_DEPTH,
+         GL_FRAMEBUFFER_BARRIER_BIT},
+        {DT_READ_INDIRECT, GL_COMMAND_BARRIER_BIT},
+        {DT_READ_INDEX, GL_ELEMENT_ARRAY_BARRIER_BIT},
+        {DT_WRITE_CLEAR, image ? GL_TEXTURE_UPDATE_BARRIER_BIT : GL_BUFFER_UPDATE_BARRIER_BIT},
+    };
+    GLbitfield bits = 0;
+    for (size_t i = 0; resource->stored && i < DT_ARRAY_COUNT(table); i++)
+        bits |= barrier->to & table[i].access ? table[i].bits : 0;
+    return bits;
+}
+
+bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers, uint32_t count)
+{
+    struct gl_runtime *rt = runtime;
+    GLbitfield bits = 0;
+    for (uint32_t i = 0; i < count; i++)
+        bits |= bits_of(rt, &barriers[i]);
+    return !bits || GL(rt, pass_name(rt, pass), MemoryBarrier(bits));
 }
 
 /* ---- Bindings -------------------------------------------------------------------------------- */
 
-/* What is bound as a uniform block: as much as shaders declare. */
-static GLsizeiptr block_size(const struct gl_buffer *buffer)
+static bool bind_buffer(struct gl_runtime *rt, const struct dt_binding *binding)
 {
-    return buffer->block ? buffer->block : buffer->size;
+    const struct gl_buffer *buffer = gl_buffer_of(rt, binding->resource);
+    bool uniform = binding->kind == DT_BIND_UNIFORM;
+    GLsizeiptr size = uniform && buffer->block > buffer->size ? buffer->block : buffer->size;
+    return GL(rt, buffer->name,
+              BindBufferRange(uniform ? GL_UNIFORM_BUFFER : GL_SHADER_STORAGE_BUFFER,
+                              binding->binding, buffer->handle, buffer->offset, size));
 }
 
-static bool check_binding(struct gl_runtime *rt, const struct gl_binding *binding)
+static GLuint sampler_of(const struct gl_runtime *rt, const struct dt_binding *binding)
 {
-    const struct gl_limits *l = &rt->limits;
-    const struct {
-        const char *what;
-        GLint count;
-    } limits[] = {
-        [GL_BIND_UNIFORM] = {"uniform buffer", l->uniform_bindings},
-        [GL_BIND_STORAGE] = {"storage buffer", l->storage_bindings},
-        [GL_BIND_TEXTURE] = {"texture", l->texture_bindings},
-        [GL_BIND_IMAGE] = {"storage image", l->image_bindings},
-    };
-    const char *name = binding->buffer ? binding->buffer->name : binding->image->name;
-    if (binding->binding >= (uint32_t)limits[binding->kind].count) {
-        gl_log(rt, DT_ERROR, "%s: %s binding %u, and %s has %d of them", name,
-               limits[binding->kind].what, binding->binding, rt->device_name,
-               limits[binding->kind].count);
-        return false;
-    }
-    if (binding->kind == GL_BIND_UNIFORM && binding->buffer &&
-        block_size(binding->buffer) > l->uniform_size) {
-        gl_log(rt, DT_ERROR,
-               "%s: %lld bytes, and %s allows %lld in a uniform block: make it a storage buffer",
-               name, (long long)block_size(binding->buffer), rt->device_name,
-               (long long)l->uniform_size);
-        return false;
-    }
-    return true;
+    if (binding->resource == DT_SCENE_TEXTURES)
+        return rt->builtin.texture_sampler;
+    return binding->sampler < 0
+               ? rt->nearest
+               : *(const GLuint *)dt_sampler(&rt->core, (uint32_t)binding->sampler);
 }
 
-static bool bind_buffer(struct gl_runtime *rt, GLenum target, GLuint index,
-                        const struct gl_buffer *buffer)
+static bool bind_image(struct gl_runtime *rt, const struct dt_binding *binding)
 {
-    bool block = target == GL_UNIFORM_BUFFER;
-    if (buffer->imported || buffer->block)
-        return GL(rt, buffer->name,
-                  BindBufferRange(target, index, buffer->handle, buffer->offset,
-                                  block ? block_size(buffer) : buffer->size));
-    return GL(rt, buffer->name, BindBufferBase(target, index, buffer->handle));
+    const struct gl_image *image = gl_image_of(rt, binding->resource);
+    bool reads = binding->access & DT_READ_STORAGE, writes = binding->access & DT_WRITE_STORAGE;
+    GLenum access = !writes ? GL_READ_ONLY : reads ? GL_READ_WRITE : GL_WRITE_ONLY;
+    if (binding->kind == DT_BIND_TEXTURE)
+        return GL(rt, image->name, BindTextureUnit(binding->binding, image->handle)) &&
+               GL(rt, image->name, BindSampler(binding->binding, sampler_of(rt, binding)));
+    return GL(rt, image->name,
+              BindImageTexture(binding->binding, image->handle, binding->mip, image->layered, 0,
+                               access, gl_format(image->format)->internal));
 }
 
-static bool bind_one(struct gl_runtime *rt, const struct gl_binding *b)
+bool gl_bind(void *runtime, uint32_t pass)
 {
-    const struct gl_image *image = b->image;
-    if (rt->kept)
-        gl_state_keep_binding(rt, b);
-    switch (b->kind) {
-    case GL_BIND_UNIFORM:
-        return bind_buffer(rt, GL_UNIFORM_BUFFER, b->binding, b->buffer);
-    case GL_BIND_STORAGE:
-        return bind_buffer(rt, GL_SHADER_STORAGE_BUFFER, b->binding, b->buffer);
-    case GL_BIND_TEXTURE:
-        return GL(rt, image->name, BindTextureUnit(b->binding, image->handle)) &&
-               GL(rt, image->name, BindSampler(b->binding, b->sampler ? b->sampler : rt->nearest));
-    case GL_BIND_IMAGE:
-        return GL(rt, image->name,
-                  BindImageTexture(b->binding, image->handle, (GLint)b->mip, image->layered, 0,
-                                   b->access, image->format));
-    }
-    return false;
-}
-
-bool dt_gl_bind(struct gl_runtime *rt, const struct gl_binding *bindings, uint32_t count)
-{
-    for (uint32_t i = 0; i < count; i++)
-        if (!check_binding(rt, &bindings[i]) || !bind_one(rt, &bindings[i]))
+    struct gl_runtime *rt = runtime;
+    const struct dt_program *info = info_of(rt, pass);
+    for (uint32_t i = 0; i < info->binding_count; i++) {
+        const struct dt_binding *binding = &info->bindings[i];
+        gl_state_keep_binding(rt, binding->kind, binding->binding);
+        bool buffer = binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE;
+        if (!(buffer ? bind_buffer(rt, binding) : bind_image(rt, binding)))
             return false;
+    }
     return true;
 }
 
 /* ---- Compute --------------------------------------------------------------------------------- */
 
-bool dt_gl_dispatch(struct gl_runtime *rt, const struct gl_program *program, uint32_t x, uint32_t y,
-                    uint32_t z)
+bool gl_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
-    const GLint *most = rt->limits.groups;
-    if (rt->skips)
-        return true;
-    if (x > (uint32_t)most[0] || y > (uint32_t)most[1] || z > (uint32_t)most[2]) {
-        gl_log(rt, DT_ERROR, "pass %s: %u x %u x %u workgroups, and %s allows %d x %d x %d",
-               program->name, x, y, z, rt->device_name, most[0], most[1], most[2]);
-        return false;
-    }
-    return GL(rt, program->name, UseProgram(program->handle)) &&
-           GL(rt, program->name, DispatchCompute(x, y, z));
+    struct gl_runtime *rt = runtime;
+    const char *name = pass_name(rt, pass);
+    return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
+           GL(rt, name, DispatchCompute(x, y, z));
 }
 
-bool dt_gl_dispatch_indirect(struct gl_runtime *rt, const struct gl_program *program,
-                             const struct gl_buffer *arguments)
+bool gl_dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 {
-    if (rt->skips)
-        return true;
-    return GL(rt, program->name, UseProgram(program->handle)) &&
-           GL(rt, arguments->name, BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, arguments->handle)) &&
-           GL(rt, program->name, DispatchComputeIndirect(0));
+    struct gl_runtime *rt = runtime;
+    const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
+    const char *name = pass_name(rt, pass);
+    return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
+           GL(rt, buffer->name, BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffer->handle)) &&
+           GL(rt, name, DispatchComputeIndirect(0));
 }
 
 /* ---- Clears ---------------------------------------------------------------------------------- */
 
 static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
-                        const struct gl_target *target)
+                        const struct dt_target *target)
 {
-    const char *name = target->image->name;
-    const float *c = target->clear;
-    switch (gl_format(target->image->texel)->type) {
+    const struct gl_image *image = gl_image_of(rt, target->resource);
+    const float *c = rt->core.panel->storage[target->resource].clear;
+    switch (gl_format(image->format)->type) {
     case GL_UNSIGNED_INT: {
         const GLuint value[4] = {(GLuint)c[0], (GLuint)c[1], (GLuint)c[2], (GLuint)c[3]};
-        return GL(rt, name, ClearNamedFramebufferuiv(framebuffer, GL_COLOR, index, value));
+        return GL(rt, image->name, ClearNamedFramebufferuiv(framebuffer, GL_COLOR, index, value));
     }
     case GL_INT: {
         const GLint value[4] = {(GLint)c[0], (GLint)c[1], (GLint)c[2], (GLint)c[3]};
-        return GL(rt, name, ClearNamedFramebufferiv(framebuffer, GL_COLOR, index, value));
+        return GL(rt, image->name, ClearNamedFramebufferiv(framebuffer, GL_COLOR, index, value));
     }
     default:
-        return GL(rt, name, ClearNamedFramebufferfv(framebuffer, GL_COLOR, index, c));
+        return GL(rt, image->name, ClearNamedFramebufferfv(framebuffer, GL_COLOR, index, c));
     }
 }
 
-bool dt_gl_clear_targets(struct gl_runtime *rt, GLuint framebuffer,
-                         const struct gl_targets *targets)
+/* Of a layered draw all layers of the images, which are as many as it has. */
+bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
-    if (rt->skips)
-        return true;
-    for (uint32_t i = 0; i < targets->color_count; i++)
-        if (!targets->color[i].load && !clear_color(rt, framebuffer, (GLint)i, &targets->color[i]))
+    struct gl_runtime *rt = runtime;
+    const struct dt_program *info = info_of(rt, pass);
+    GLuint framebuffer = program_of(rt, pass)->framebuffer;
+    (void)layers;
+    for (uint32_t i = 0; i < info->color_count; i++)
+        if (!info->colors[i].load && !clear_color(rt, framebuffer, (GLint)i, &info->colors[i]))
             return false;
-    const struct gl_target *depth = &targets->depth;
-    if (!depth->image || depth->load)
+    if (!info->depth || info->depth->load)
         return true;
     rt->gl.DepthMask(GL_TRUE); /* clears obey it */
-    return GL(rt, depth->image->name,
-              ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, depth->clear));
+    return GL(rt, pass_name(rt, pass),
+              ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0,
+                                      rt->core.panel->storage[info->depth->resource].clear));
 }
 
-bool dt_gl_clear_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                       const float clear[4])
+bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
 {
-    const GLuint u[4] = {(GLuint)clear[0], (GLuint)clear[1], (GLuint)clear[2], (GLuint)clear[3]};
-    const GLint i[4] = {(GLint)clear[0], (GLint)clear[1], (GLint)clear[2], (GLint)clear[3]};
-    GLenum format = gl_depth(image) ? GL_DEPTH_COMPONENT : GL_RGBA, type = GL_FLOAT;
-    const void *value = clear;
-    if (rt->skips)
-        return true;
-    switch (gl_format(image->texel)->type) {
-    case GL_UNSIGNED_INT:
-        format = GL_RGBA_INTEGER, type = GL_UNSIGNED_INT, value = u;
-        break;
-    case GL_INT:
-        format = GL_RGBA_INTEGER, type = GL_INT, value = i;
-        break;
-    default:
-        break;
-    }
-    return GL(rt, image->name, ClearTexImage(image->handle, (GLint)mip, format, type, value));
+    struct gl_runtime *rt = runtime;
+    (void)pass;
+    return gl_image_clear(rt, gl_image_of(rt, resource), mip,
+                          rt->core.panel->storage[resource].clear);
 }
 
-bool dt_gl_clear_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer)
+bool gl_clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
 {
-    if (rt->skips)
-        return true;
-    return GL(
-        rt, buffer->name,
-        ClearNamedBufferData(buffer->handle, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, NULL));
+    struct gl_runtime *rt = runtime;
+    (void)pass;
+    return gl_buffer_fill(rt, gl_buffer_of(rt, resource), 0);
 }
 
 /* ---- Draws ----------------------------------------------------------------------------------- */
@@ -235,93 +211,123 @@ static void enable(struct gl_runtime *rt, GLenum what, bool on)
         rt->gl.Disable(what);
 }
 
-static void set_raster_state(struct gl_runtime *rt, const struct gl_program_info *info)
+static void set_raster_state(struct gl_runtime *rt, const struct dt_program *info)
 {
+    static const GLenum compares[] = {[DT_COMPARE_LESS] = GL_LESS,
+                                      [DT_COMPARE_LESS_EQUAL] = GL_LEQUAL,
+                                      [DT_COMPARE_GREATER] = GL_GREATER,
+                                      [DT_COMPARE_ALWAYS] = GL_ALWAYS};
     enable(rt, GL_DEPTH_TEST,
            info->depth_test || info->depth_write); /* without the test nothing is written */
     rt->gl.DepthMask(info->depth_write);
-    rt->gl.DepthFunc(info->depth_test ? info->depth_compare : GL_ALWAYS);
-    enable(rt, GL_CULL_FACE, info->cull != GL_NONE);
-    if (info->cull != GL_NONE)
-        rt->gl.CullFace(info->cull);
+    rt->gl.DepthFunc(info->depth_test ? compares[info->compare] : GL_ALWAYS);
+    enable(rt, GL_CULL_FACE, info->cull != DT_CULL_NONE);
+    rt->gl.CullFace(info->cull == DT_CULL_FRONT ? GL_FRONT : GL_BACK);
     enable(rt, GL_BLEND, info->blend_add);
     rt->gl.BlendFunc(GL_ONE, GL_ONE);
-    for (uint32_t i = 0; i < (uint32_t)rt->limits.clip_distances; i++)
+    for (uint32_t i = 0; i < rt->core.limits.clip_distances; i++)
         enable(rt, GL_CLIP_DISTANCE0 + i, i < info->clip_distances);
 }
 
-static void set_viewport(struct gl_runtime *rt, const struct gl_targets *targets)
+static void set_viewport(struct gl_runtime *rt, const struct dt_program *info)
 {
-    const struct gl_target *target = targets->color_count ? &targets->color[0] : &targets->depth;
-    GLsizei width = (GLsizei)(target->image->width >> target->mip);
-    GLsizei height = (GLsizei)(target->image->height >> target->mip);
-    rt->gl.Viewport(0, 0, width < 1 ? 1 : width, height < 1 ? 1 : height);
+    const struct dt_target *target = info->color_count ? &info->colors[0] : info->depth;
+    const struct gl_image *image = gl_image_of(rt, target->resource);
+    rt->gl.Viewport(0, 0, gl_mip_size(image->width, target->mip),
+                    gl_mip_size(image->height, target->mip));
 }
 
-static bool begin_draw(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                       const struct gl_targets *targets, GLuint input)
+static bool begin_draw(struct gl_runtime *rt, uint32_t pass, uint32_t layers, GLuint input)
 {
-    if (!GL(rt, program->name, BindFramebuffer(GL_FRAMEBUFFER, framebuffer)) ||
-        !dt_gl_clear_targets(rt, framebuffer, targets))
+    const struct dt_program *info = info_of(rt, pass);
+    const struct gl_program *program = program_of(rt, pass);
+    const char *name = pass_name(rt, pass);
+    if (!GL(rt, name, BindFramebuffer(GL_FRAMEBUFFER, program->framebuffer)) ||
+        !gl_clear_targets(rt, pass, layers))
         return false;
-    set_viewport(rt, targets);
-    set_raster_state(rt, &program->info);
-    return GL(rt, program->name, UseProgram(program->handle)) &&
-           GL(rt, program->name, BindVertexArray(input));
-}
-
-static bool begin_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                        const struct gl_targets *targets)
-{
-    if (!rt->scene_input) {
-        gl_log(rt, DT_ERROR, "pass %s draws the scene, and none was set", program->name);
-        return false;
-    }
-    return begin_draw(rt, program, framebuffer, targets,
-                      program->info.scene_vertices ? rt->scene_input : rt->no_input);
+    set_viewport(rt, info);
+    set_raster_state(rt, info);
+    return GL(rt, name, UseProgram(program->handle)) && GL(rt, name, BindVertexArray(input));
 }
 
 /* Programs without vertex input fetch their vertices from the storage buffers, but are drawn by
  * index all the same. */
-static bool set_indices(struct gl_runtime *rt, const struct gl_program *program,
-                        const struct gl_buffer *indices)
+static bool begin_indexed(struct gl_runtime *rt, uint32_t pass, uint32_t layers, uint32_t indices)
 {
-    GLuint input = program->info.scene_vertices ? rt->scene_input : rt->no_input;
-    return GL(rt, indices->name, VertexArrayElementBuffer(input, indices->handle));
+    const struct gl_buffer *buffer = gl_buffer_of(rt, indices);
+    GLuint input =
+        rt->core.pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE ? rt->scene_input : rt->no_input;
+    return begin_draw(rt, pass, layers, input) &&
+           GL(rt, buffer->name, VertexArrayElementBuffer(input, buffer->handle));
 }
 
-bool dt_gl_draw_scene(struct gl_runtime *rt, const struct gl_program *program, GLuint framebuffer,
-                      const struct gl_targets *targets, uint32_t instances)
+bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
-    if (rt->skips)
-        return true;
-    return begin_scene(rt, program, framebuffer, targets) &&
-           set_indices(rt, program, &rt->builtin.indices) &&
-           GL(rt, program->name,
+    struct gl_runtime *rt = runtime;
+    return begin_indexed(rt, pass, layers, DT_SCENE_INDICES) &&
+           GL(rt, pass_name(rt, pass),
               DrawElementsInstanced(GL_TRIANGLES, (GLsizei)rt->index_count, GL_UNSIGNED_INT, NULL,
-                                    (GLsizei)instances));
+                                    (GLsizei)layers));
 }
 
-bool dt_gl_draw_scene_indirect(struct gl_runtime *rt, const struct gl_program *program,
-                               GLuint framebuffer, const struct gl_targets *targets,
-                               const struct gl_buffer *indices, const struct gl_buffer *arguments,
-                               uint32_t draw_count)
+bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
+                      uint32_t arguments)
 {
-    if (rt->skips)
-        return true;
-    return begin_scene(rt, program, framebuffer, targets) &&
-           set_indices(rt, program, indices ? indices : &rt->builtin.indices) &&
-           GL(rt, arguments->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, arguments->handle)) &&
-           GL(rt, program->name,
-              MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, NULL, (GLsizei)draw_count,
-                                        0));
+    struct gl_runtime *rt = runtime;
+    const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
+    return begin_indexed(rt, pass, layers, indices) &&
+           GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)) &&
+           GL(rt, pass_name(rt, pass),
+              MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, NULL,
+                                        (GLsizei)(buffer->size / DT_DRAW_BYTES), DT_DRAW_BYTES));
 }
 
-bool dt_gl_draw_fullscreen(struct gl_runtime *rt, const struct gl_program *program,
-                           GLuint framebuffer, const struct gl_targets *targets)
+bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
-    if (rt->skips)
-        return true;
-    return begin_draw(rt, program, framebuffer, targets, rt->no_input) &&
-           GL(rt, program->name, DrawArrays(GL_TRIANGLES, 0, 3));
+    struct gl_runtime *rt = runtime;
+    return begin_draw(rt, pass, layers, rt->no_input) &&
+           GL(rt, pass_name(rt, pass), DrawArraysInstanced(GL_TRIANGLES, 0, 3, (GLsizei)layers));
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+/* Barriers between passes say nothing of the frame before, nor of what a host has done: the frame
+ * begins and, for a host, ends with one for all. */
+bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    bool good = gl_buffer_write(rt, &rt->builtin.frame, frame, sizeof *frame) &&
+                gl_buffer_write(rt, &rt->builtin.live, live, core->pipeline->live_size) &&
+                GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS)) && dt_front_record(core, live);
+    if (rt->grouped) /* the pass failed in between */
+        rt->gl.PopDebugGroup();
+    rt->recording = rt->grouped = false;
+    return good && (core->hosted ? GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS))
+                                 : gl_finish(rt, "frame"));
+}
+
+bool gl_pause(struct dt_core *core)
+{
+    return gl_finish((struct gl_runtime *)core, core->pipeline->passes[core->pass].name);
+}
+
+bool gl_resume(struct dt_core *core)
+{
+    (void)core;
+    return true;
+}
+
+bool gl_timings(struct dt_core *core, double *pass_ms)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    for (uint32_t i = 0; i < core->pipeline->pass_count; i++) {
+        const char *name = pass_name(rt, i);
+        GLuint64 begin = 0, end = 0;
+        if (core->ran[i] &&
+            (!GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i], GL_QUERY_RESULT, &begin)) ||
+             !GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i + 1], GL_QUERY_RESULT, &end))))
+            return false;
+        pass_ms[i] = core->ran[i] ? (double)(end - begin) * 1e-6 : (double)NAN;
+    }
+    return true;
 }

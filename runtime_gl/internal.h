@@ -1,100 +1,98 @@
-/* What the files of the OpenGL runtime share and nobody else sees: the runtime's state, the one
- * way to call OpenGL, and the helpers that cross files. */
+/* What the files of the OpenGL runtime share: the runtime's state, the one way to call OpenGL, the
+ * objects that resources and programs are made of, and the functions that cross files. Knows no
+ * pipeline. All state is in struct gl_runtime, and OpenGL is called through a table of its own, so
+ * several contexts live side by side. Every function that returns bool has logged the error when it
+ * returns false; every destroy takes zeroed structs, and zeroes them. */
 #ifndef DIPTYCH_RUNTIME_GL_INTERNAL_H
 #define DIPTYCH_RUNTIME_GL_INTERNAL_H
 
 #include <glad/gl.h>
 
 #include "diptych_gl.h"
-#include "runtime.h"
+#include "front.h"
 
 struct gl_context_kind;
 
 /* One OpenGL context and whatever stands below it; see context.c. */
 struct gl_context {
     const struct gl_context_kind *kind; /* NULL: not made */
-    bool (*current)(struct gl_context *context);
-    void *display; /* EGLDisplay */
-    void *context; /* EGLContext or OSMesaContext */
-    void *library; /* libOSMesa */
-    void *window;  /* GLFWwindow */
+    void *display;                      /* EGLDisplay */
+    void *context;                      /* EGLContext or OSMesaContext */
+    void *library;                      /* libOSMesa */
+    void *window;                       /* GLFWwindow */
     bool owns_glfw;
     uint8_t pixels[16 * 16 * 4]; /* OSMesa wants a default framebuffer; nothing is drawn to it */
 };
 
-enum { GL_MAX_IMPORTS = 16 };
+struct gl_buffer {
+    const char *name;
+    GLuint handle;
+    GLsizeiptr size;  /* bytes, at least 16 */
+    GLsizeiptr block; /* bytes bound as a uniform block, where that is more than size */
+    GLintptr offset;  /* bytes; 0 but for a host's */
+    bool imported;    /* the handle is a host's, and so are the bytes before and behind */
+};
 
-struct gl_limits {
-    GLint texture_size, texture_layers;
-    GLint color_targets, draw_buffers, viewport[2];
-    GLint uniform_bindings, storage_bindings, texture_bindings, image_bindings;
-    GLint64 uniform_size, storage_size;         /* bytes of one block */
-    GLint storage_alignment, uniform_alignment; /* of offsets into buffers */
-    GLint groups[3];
-    GLint clip_distances;
-    GLfloat anisotropy;
+struct gl_image {
+    const char *name;
+    GLuint handle;
+    enum dt_format format;
+    uint32_t width, height, layers, mips;
+    bool layered;  /* an array texture */
+    bool borrowed; /* the texture is another resource's */
+    bool imported; /* the texture is a host's */
+};
+
+struct gl_resource { /* one of the two */
+    struct gl_buffer buffer;
+    struct gl_image image;
+    bool stored; /* shaders store to the buffer or texture, perhaps as another resource */
+};
+
+struct gl_program {
+    GLuint handle;
+    GLuint framebuffer; /* of a draw, while there are resources */
+};
+
+/* What every pipeline may bind beside its resources: enum dt_builtin. */
+struct gl_builtin {
+    struct gl_buffer frame, live, vertices, indices, materials;
+    struct gl_image textures;
+    GLuint texture_sampler;
 };
 
 /* What present.c shows in a window; made when it is first used. */
 struct gl_present {
-    struct gl_program program;
+    GLuint program;
     GLuint samplers[2]; /* filtered, not filtered */
     struct gl_buffer vertices;
     struct gl_image textures[DT_WINDOW_TEXTURES];
 };
 
-/* An image of the host in place of a resource. */
-struct gl_import {
-    const char *name; /* of the resource */
-    GLuint texture;
-};
-
 struct gl_kept; /* state.c: a host's state while it is away */
 
-/* program.c: programs of a panel that is being replaced, for the one that follows. */
-struct gl_spare {
-    bool keeps; /* what is destroyed comes here */
-    struct gl_program *programs;
-    uint32_t count;
-};
-
 struct gl_runtime {
+    struct dt_core core;
+    struct dt_backend backend; /* gl_backend and what only an app has; see runtime.c */
     GladGLContext gl;
     struct gl_context context;
-    struct dt_runtime_options options;
-    struct gl_limits limits;
-    char device_name[256];
-    uint32_t messages; /* from KHR_debug */
-    bool lost;         /* the context is, since the device was reset */
+    bool debug, glsl;          /* see struct dt_runtime_options */
+    uint64_t buffer_alignment; /* of offsets into a host's buffers */
 
     struct gl_builtin builtin;
     uint32_t index_count;
     GLuint scene_input, no_input; /* vertex array objects */
     GLuint nearest;               /* the sampler of bindings without one */
-
     struct gl_present present;
 
-    const struct dt_panel *panel; /* NULL: none created */
-    void *state;
-    struct gl_spare spare;
-    uint32_t width, height;
+    GLuint *queries;         /* two per pass: begin, end; NULL without timing */
+    bool recording, grouped; /* a pass has begun in this frame; and its debug group is open */
 
-    /* host.c */
-    bool hosted; /* the context is a host's: current in every call, and left as it was found */
+    /* a host's context: current in every call, and left as it was found */
     bool leave_state;
-    struct gl_import imports[GL_MAX_IMPORTS];
-    uint32_t import_count;
+    GLuint *imports;      /* per resource of the panel: the host's texture, or 0 */
     struct gl_kept *kept; /* NULL: nothing is to be given back */
-
-    const char *pass;                   /* the one that is recorded; NULL: none */
-    const struct dt_observer *observer; /* during render */
-    bool skips;      /* as of the last dt_gl_pass_begin: the pass does nothing but its barriers */
-    GLuint *queries; /* two per pass: begin, end; NULL without options.timing */
-    bool *ran;       /* per pass, in the last render */
 };
-
-void gl_log(const struct gl_runtime *rt, enum dt_level level, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
 
 /* The one way to make an OpenGL call that can fail: true, or one DT_ERROR that names the call
  * and the object. */
@@ -106,8 +104,9 @@ bool gl_finish(struct gl_runtime *rt, const char *object);
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 
-/* Makes the context current, loads rt->gl, sets the fixed state. */
-bool gl_context_open(struct gl_runtime *rt);
+/* Makes the context that the options name current, loads rt->gl, sets the fixed state. */
+bool gl_context_open(struct gl_runtime *rt, const char *name);
+bool gl_context_current(struct gl_runtime *rt);
 void gl_context_wait_for_screen(void);       /* swaps of the current context do, from now on */
 void gl_context_swap(struct gl_runtime *rt); /* shows what was drawn into the window */
 /* Of what is drawn into the window; 0 where it is minimised. */
@@ -116,82 +115,115 @@ void gl_context_close(struct gl_runtime *rt);
 
 /* ---- state.c --------------------------------------------------------------------------------- */
 
-/* Makes the runtime's own context current; a host has done that for its. */
-bool gl_context_current(struct gl_runtime *rt);
-
 /* True when the context has all of the extensions; else `missing` lists the others, separated by
  * blanks. */
 bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
                 size_t size);
 /* Whether the current context has all that the runtime needs; and its limits. */
 bool gl_context_suits(struct gl_runtime *rt);
+bool gl_is_software(const struct gl_runtime *rt); /* the driver draws on the CPU */
 /* Everything that passes rely on and do not set themselves. */
 bool gl_state_fix(struct gl_runtime *rt);
 
 /* Around whatever is done in a host's context: keep what is about to be changed and set all that a host
  * may have set otherwise; then give it back. */
-bool gl_state_enter(struct gl_runtime *rt);
-bool gl_state_leave(struct gl_runtime *rt);
+bool gl_state_enter(struct dt_core *core);
+bool gl_state_leave(struct dt_core *core);
 /* Before a binding is changed for the first time in between. */
-void gl_state_keep_binding(struct gl_runtime *rt, const struct gl_binding *binding);
-
-/* ---- panel.c --------------------------------------------------------------------------------- */
-
-bool gl_builtin_create(struct gl_runtime *rt);
-void gl_builtin_destroy(struct gl_runtime *rt);
-void gl_programs_forget(struct gl_runtime *rt); /* the spare ones; program.c */
-bool gl_panel_create(struct gl_runtime *rt, const struct dt_panel *panel);
-bool gl_panel_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
-void gl_panel_destroy(struct gl_runtime *rt);
-bool gl_frame_render(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
-                     const struct dt_observer *observer);
-bool gl_frame_timings(struct gl_runtime *rt, double *pass_ms);
+void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLuint at);
 
 /* ---- resources.c ----------------------------------------------------------------------------- */
 
 /* How texels of a format lie in memory, in the words of glTextureSubImage and
  * glGetTextureSubImage. */
 struct gl_format {
-    const char *name;
     GLenum internal, format, type;
     uint32_t bytes; /* per texel */
 };
 const struct gl_format *gl_format(enum dt_format format);
-bool gl_depth(const struct gl_image *image);
+GLenum gl_target(const struct gl_image *image);
+/* Of one mip of a side. */
+GLsizei gl_mip_size(uint32_t size, uint32_t mip);
 
-/* A buffer with initial content (size bytes; NULL: none) that gl_buffer_write may change. */
-bool gl_buffer_upload(struct gl_runtime *rt, struct gl_buffer *buffer,
-                      const struct gl_buffer_info *info, const void *data);
+/* Name, size and block are filled in; the data has `size` bytes, or is NULL. */
+bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data);
 bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size);
+void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer);
+
+/* All but the texture is filled in. */
+bool gl_image_create(struct gl_runtime *rt, struct gl_image *image);
+/* A host's texture takes the place of one that would have been made. */
+bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint texture);
+bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    const float clear[4]);
+void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
+
+/* The same byte everywhere. */
+bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int byte);
+bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte);
+
+bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info);
+void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
+
+/* ---- program.c ------------------------------------------------------------------------------- */
+
+bool gl_program_create(struct gl_runtime *rt, GLuint *program, const char *name,
+                       const struct dt_stages *stages);
+void gl_program_destroy(struct gl_runtime *rt, GLuint *program);
+
+/* ---- panel.c --------------------------------------------------------------------------------- */
+
+/* All that hosts need; neither windows nor reading back. */
+extern const struct dt_backend gl_backend;
+
+bool gl_builtin_create(struct gl_runtime *rt);
+void gl_builtin_destroy(struct gl_runtime *rt);
+/* By index in the pipeline, or enum dt_builtin. */
+const struct gl_buffer *gl_buffer_of(const struct gl_runtime *rt, uint32_t resource);
+const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resource);
+
+/* ---- frame.c --------------------------------------------------------------------------------- */
+
+/* The verbs of a panel's record: struct dt_verbs. */
+bool gl_begin(void *runtime, uint32_t pass, bool runs);
+bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers, uint32_t count);
+bool gl_bind(void *runtime, uint32_t pass);
+bool gl_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z);
+bool gl_dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments);
+bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers);
+bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
+                      uint32_t arguments);
+bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers);
+bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers);
+bool gl_clear_buffer(void *runtime, uint32_t pass, uint32_t resource);
+bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip);
+bool gl_end(void *runtime, uint32_t pass);
+
+bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
+bool gl_timings(struct dt_core *core, double *pass_ms);
+bool gl_pause(struct dt_core *core);
+bool gl_resume(struct dt_core *core);
 
 /* ---- scene.c --------------------------------------------------------------------------------- */
 
-bool gl_scene_upload(struct gl_runtime *rt,
-                     const struct dt_scene *scene); /* replaces the former scene */
-bool gl_scene_describe(struct gl_runtime *rt);      /* the vertex buffer, for draws */
+bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene); /* replaces the former */
+bool gl_scene_describe(struct gl_runtime *rt); /* the vertex buffer, for draws */
 void gl_scene_destroy(struct gl_runtime *rt);
 
-/* ---- present.c: the verbs of a window -------------------------------------------------------- */
+/* ---- present.c: the verbs of a window; readback.c ---------------------------------------------- */
 
-bool gl_window_copy(struct gl_runtime *rt, uint32_t texture, const struct gl_image *image);
-bool gl_window_upload(struct gl_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
+bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
+bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels);
-bool gl_present(struct gl_runtime *rt, const struct dt_window_frame *frame);
+bool gl_present(struct dt_core *core, const struct dt_window_frame *frame);
 void gl_present_destroy(struct gl_runtime *rt);
 
-/* ---- readback.c ------------------------------------------------------------------------------ */
+bool gl_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
+bool gl_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
 
-/* Size and extent of one mip; no data. */
-struct dt_bytes gl_image_shape(const struct gl_image *image, uint32_t mip);
+/* ---- runtime.c ------------------------------------------------------------------------------- */
 
-/* Size and extent are given, here and in `out`, whose data these allocate. */
-bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, struct dt_bytes *out);
-bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                   struct dt_bytes *out);
-bool gl_write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
-                     const struct dt_bytes *bytes);
-bool gl_write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                    const struct dt_bytes *bytes);
+extern const struct dt_runtime runtime_gl;
 
 #endif

@@ -1,140 +1,346 @@
-/* The pipeline that a runtime holds, from create to destroy, and its frames. Called by runtime.c for the
- * app and by host.c for other programs, with the context current. */
+/* The tables of a panel as objects of OpenGL: samplers, programs, resources, framebuffers. Called by
+ * the front through gl_backend, with the context current. */
 #include "internal.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- What every pipeline uses ---------------------------------------------------------------- */
 
 bool gl_builtin_create(struct gl_runtime *rt)
 {
-    const struct gl_buffer_info frame = {.name = "frame", .size = sizeof(struct dt_frame)};
-    const struct gl_sampler_info nearest = {"nearest",        GL_NEAREST, GL_NEAREST,
-                                            GL_CLAMP_TO_EDGE, false,      1.0f};
-    const struct gl_sampler_info trilinear = {"scene textures", GL_LINEAR, GL_LINEAR,
-                                              GL_REPEAT,        false,     1.0f};
-    return dt_gl_buffer_create(rt, &rt->builtin.frame, &frame) &&
-           dt_gl_sampler_create(rt, &rt->nearest, &nearest) &&
-           dt_gl_sampler_create(rt, &rt->builtin.texture_sampler, &trilinear) &&
+    static const struct dt_sampler nearest = {.name = "nearest", .anisotropy = 1.0f};
+    static const struct dt_sampler trilinear = {.name = "scene textures",
+                                                .linear = true,
+                                                .linear_mip = true,
+                                                .wrap = DT_WRAP_REPEAT,
+                                                .anisotropy = 1.0f};
+    rt->builtin.frame = (struct gl_buffer){.name = "frame", .size = sizeof(struct dt_frame)};
+    return gl_buffer_create(rt, &rt->builtin.frame, NULL) &&
+           gl_sampler_create(rt, &rt->nearest, &nearest) &&
+           gl_sampler_create(rt, &rt->builtin.texture_sampler, &trilinear) &&
            GL(rt, "no vertex input", CreateVertexArrays(1, &rt->no_input));
 }
 
 void gl_builtin_destroy(struct gl_runtime *rt)
 {
-    dt_gl_buffer_destroy(rt, &rt->builtin.frame);
-    dt_gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
-    dt_gl_sampler_destroy(rt, &rt->nearest);
+    gl_buffer_destroy(rt, &rt->builtin.frame);
+    gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
+    gl_sampler_destroy(rt, &rt->nearest);
     if (rt->no_input)
         rt->gl.DeleteVertexArrays(1, &rt->no_input);
+    rt->no_input = 0;
 }
 
-const struct gl_builtin *dt_gl_builtin(const struct gl_runtime *rt)
+static struct gl_resource *resource_of(const struct gl_runtime *rt, uint32_t resource)
 {
-    return &rt->builtin;
+    return dt_resource(&rt->core, resource);
+}
+
+const struct gl_buffer *gl_buffer_of(const struct gl_runtime *rt, uint32_t resource)
+{
+    switch (resource) {
+    case DT_FRAME:
+        return &rt->builtin.frame;
+    case DT_LIVE:
+        return &rt->builtin.live;
+    case DT_SCENE_VERTICES:
+        return &rt->builtin.vertices;
+    case DT_SCENE_INDICES:
+        return &rt->builtin.indices;
+    case DT_SCENE_MATERIALS:
+        return &rt->builtin.materials;
+    default:
+        return &resource_of(rt, resource)->buffer;
+    }
+}
+
+const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resource)
+{
+    return resource == DT_SCENE_TEXTURES ? &rt->builtin.textures
+                                         : &resource_of(rt, resource)->image;
 }
 
 /* ---- The panel ------------------------------------------------------------------------------- */
 
-void gl_panel_destroy(struct gl_runtime *rt)
+static bool begin_panel(struct dt_core *core)
 {
-    if (!rt->panel)
-        return;
-    if (rt->state)
-        rt->panel->destroy(rt, rt->state);
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct dt_pipeline *pipeline = core->pipeline;
+    uint32_t queries = core->timing ? 2 * pipeline->pass_count : 0;
+    rt->imports = calloc(pipeline->resource_count + 1, sizeof *rt->imports);
+    rt->queries = queries ? calloc(queries, sizeof *rt->queries) : NULL;
+    if (!rt->imports || (queries && !rt->queries))
+        return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
+    rt->builtin.live = (struct gl_buffer){.name = "live parameters", .size = pipeline->block_size};
+    return gl_buffer_create(rt, &rt->builtin.live, pipeline->live_defaults) &&
+           (!queries ||
+            GL(rt, "timestamps", CreateQueries(GL_TIMESTAMP, (GLsizei)queries, rt->queries)));
+}
+
+static void end_panel(struct dt_core *core)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
     if (rt->queries)
-        rt->gl.DeleteQueries((GLsizei)(2 * rt->panel->pipeline->pass_count), rt->queries);
-    dt_gl_buffer_destroy(rt, &rt->builtin.live);
+        rt->gl.DeleteQueries((GLsizei)(2 * core->pipeline->pass_count), rt->queries);
+    gl_buffer_destroy(rt, &rt->builtin.live);
     free(rt->queries);
-    free(rt->ran);
-    free(rt->state);
+    free(rt->imports);
     rt->queries = NULL;
-    rt->ran = NULL;
-    rt->state = NULL;
-    rt->panel = NULL;
-    rt->width = rt->height = 0;
+    rt->imports = NULL;
 }
 
-static bool allocate_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeline)
+static bool rest(struct dt_core *core, const char *verb)
 {
-    rt->state = calloc(1, rt->panel->state_size ? rt->panel->state_size : 1);
-    rt->ran = calloc(pipeline->pass_count + 1, sizeof *rt->ran);
-    bool ok = rt->state && rt->ran;
-    if (ok && rt->options.timing) {
-        rt->queries = calloc(2 * pipeline->pass_count + 1, sizeof *rt->queries);
-        ok = rt->queries;
-    }
-    if (!ok)
-        gl_log(rt, DT_ERROR, "pipeline %s: out of memory", pipeline->name);
-    return ok;
+    return core->hosted || gl_finish((struct gl_runtime *)core, verb);
 }
 
-static bool create_panel(struct gl_runtime *rt, const struct dt_pipeline *pipeline)
+static bool create_sampler(struct dt_core *core, void *sampler, const struct dt_sampler *info)
 {
-    const struct gl_buffer_info live = {.name = "live parameters", .size = pipeline->block_size};
-    return allocate_panel(rt, pipeline) &&
-           gl_buffer_upload(rt, &rt->builtin.live, &live, pipeline->live_defaults) &&
-           (!rt->queries ||
-            GL(rt, "timestamps",
-               CreateQueries(GL_TIMESTAMP, (GLsizei)(2 * pipeline->pass_count), rt->queries))) &&
-           rt->panel->create(rt, rt->state);
+    return gl_sampler_create((struct gl_runtime *)core, sampler, info);
 }
 
-/* An edit leaves most programs as they are, so these go from the panel before to the new one. */
-bool gl_panel_create(struct gl_runtime *rt, const struct dt_panel *panel)
+static void destroy_sampler(struct dt_core *core, void *sampler)
 {
-    rt->spare.keeps = true;
-    gl_panel_destroy(rt);
-    rt->spare.keeps = false;
-    rt->panel = panel;
-    bool good = create_panel(rt, panel->pipeline);
-    if (!good)
-        gl_panel_destroy(rt);
-    gl_programs_forget(rt);
-    return good;
+    gl_sampler_destroy((struct gl_runtime *)core, sampler);
 }
 
-bool gl_panel_resize(struct gl_runtime *rt, uint32_t width, uint32_t height)
+/* ---- Programs -------------------------------------------------------------------------------- */
+
+/* Of what every runtime brings along and a device may have no uniform block for; resize checks the rest. */
+static uint64_t block_bytes(const struct dt_core *core, const struct dt_binding *binding)
 {
-    rt->width = rt->height = 0; /* until it is done nothing can be rendered or read */
-    if (!rt->panel->resize(rt, rt->state, width, height))
-        return false;
-    memset(rt->ran, 0, rt->panel->pipeline->pass_count * sizeof *rt->ran);
-    rt->width = width;
-    rt->height = height;
-    return true;
+    if (binding->kind != DT_BIND_UNIFORM)
+        return 0;
+    if (binding->resource == DT_SCENE_MATERIALS)
+        return DT_MAX_MATERIALS * sizeof(struct dt_material);
+    return binding->resource == DT_LIVE ? core->pipeline->block_size : 0;
 }
 
-/* ---- Frames ---------------------------------------------------------------------------------- */
-
-bool gl_frame_render(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
-                     const struct dt_observer *observer)
+/* OpenGL limits the numbers, and not just how many there are. */
+static bool check_binding(const struct dt_core *core, const char *pass,
+                          const struct dt_binding *binding)
 {
-    struct dt_frame sized = *frame;
-    sized.width = rt->width;
-    sized.height = rt->height;
-    const void *values = live ? live : rt->panel->pipeline->live_defaults;
-    if (!gl_buffer_write(rt, &rt->builtin.frame, &sized, sizeof sized) ||
-        !gl_buffer_write(rt, &rt->builtin.live, values, rt->panel->pipeline->live_size))
-        return false;
-    rt->observer = observer;
-    bool ok = rt->panel->record(rt, rt->state, values);
-    rt->observer = NULL;
-    rt->pass = NULL;
-    return ok;
+    const struct dt_limits *limits = &core->limits;
+    uint64_t bytes = block_bytes(core, binding);
+    if (binding->binding >= limits->bindings[binding->kind])
+        return dt_error(core, "pass %s: binding %u, but %s has %u of this kind; bind fewer", pass,
+                        binding->binding, core->device_name, limits->bindings[binding->kind]);
+    return bytes <= limits->uniform_bytes ||
+           dt_error(core, "pass %s: %s of %llu bytes, but %s allows %llu in a uniform block", pass,
+                    binding->resource == DT_LIVE ? "parameters" : "materials",
+                    (unsigned long long)bytes, core->device_name,
+                    (unsigned long long)limits->uniform_bytes);
 }
 
-bool gl_frame_timings(struct gl_runtime *rt, double *pass_ms)
+static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
-    for (uint32_t i = 0; i < rt->panel->pipeline->pass_count; i++) {
-        const char *name = rt->panel->pipeline->passes[i].name;
-        GLuint64 begin = 0, end = 0;
-        if (rt->ran[i] &&
-            (!GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i], GL_QUERY_RESULT, &begin)) ||
-             !GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i + 1], GL_QUERY_RESULT, &end))))
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct gl_program *program = made;
+    const struct dt_program *info = &core->panel->programs[pass];
+    const char *name = core->pipeline->passes[pass].name;
+    for (uint32_t i = 0; i < info->binding_count; i++)
+        if (!check_binding(core, name, &info->bindings[i]))
             return false;
-        pass_ms[i] = rt->ran[i] ? (double)(end - begin) * 1e-6 : (double)NAN;
+    return gl_program_create(rt, &program->handle, name, &core->shaders->stages[pass]);
+}
+
+static void destroy_program(struct dt_core *core, void *program)
+{
+    gl_program_destroy((struct gl_runtime *)core, &((struct gl_program *)program)->handle);
+}
+
+/* Nothing in it belongs to a panel. */
+static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
+{
+    (void)core, (void)program, (void)pass;
+}
+
+/* ---- Framebuffers: one per pass that draws --------------------------------------------------- */
+
+static bool attach(struct gl_runtime *rt, GLuint framebuffer, GLenum point,
+                   const struct dt_target *target, bool layered)
+{
+    const struct gl_image *image = gl_image_of(rt, target->resource);
+    GLint mip = target->mip;
+    if (image->layered && !layered)
+        return GL(rt, image->name,
+                  NamedFramebufferTextureLayer(framebuffer, point, image->handle, mip, 0));
+    return GL(rt, image->name, NamedFramebufferTexture(framebuffer, point, image->handle, mip));
+}
+
+static const char *status_text(GLenum status)
+{
+    switch (status) {
+    case GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT:
+        return "a target has a format that cannot be drawn to";
+    case GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT:
+        return "it has no target";
+    case GL_FRAMEBUFFER_INCOMPLETE_LAYER_TARGETS:
+        return "layered and single images are mixed";
+    case GL_FRAMEBUFFER_UNSUPPORTED:
+        return "the driver does not support this combination of formats";
+    default:
+        return "the framebuffer is incomplete";
+    }
+}
+
+static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct dt_program *info = &core->panel->programs[pass];
+    const char *name = core->pipeline->passes[pass].name;
+    GLuint *framebuffer = &((struct gl_program *)made)->framebuffer;
+    GLenum buffers[DT_MAX_COLOR_TARGETS] = {GL_NONE};
+    if (core->pipeline->passes[pass].kind == DT_PASS_DISPATCH)
+        return true;
+    if (!GL(rt, name, CreateFramebuffers(1, framebuffer)))
+        return false;
+    for (uint32_t i = 0; i < info->color_count; i++) {
+        buffers[i] = GL_COLOR_ATTACHMENT0 + i;
+        if (!attach(rt, *framebuffer, buffers[i], &info->colors[i], info->layered))
+            return false;
+    }
+    if (info->depth && !attach(rt, *framebuffer, GL_DEPTH_ATTACHMENT, info->depth, info->layered))
+        return false;
+    GLsizei count = info->color_count ? (GLsizei)info->color_count : 1;
+    if (!GL(rt, name, NamedFramebufferDrawBuffers(*framebuffer, count, buffers)))
+        return false;
+    GLenum status = rt->gl.CheckNamedFramebufferStatus(*framebuffer, GL_DRAW_FRAMEBUFFER);
+    return status == GL_FRAMEBUFFER_COMPLETE ||
+           dt_error(core, "pass %s: %s", name, status_text(status));
+}
+
+static void disconnect_program(struct dt_core *core, void *made)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct gl_program *program = made;
+    if (program->framebuffer)
+        rt->gl.DeleteFramebuffers(1, &program->framebuffer);
+    program->framebuffer = 0;
+}
+
+/* ---- Resources ------------------------------------------------------------------------------- */
+
+/* What a host gave is written by its own passes only. */
+static bool can_share(const struct gl_image *image, const struct gl_image *owner)
+{
+    return !owner->imported && image->format == owner->format && image->width == owner->width &&
+           image->height == owner->height && image->layers == owner->layers &&
+           image->mips == owner->mips && image->layered == owner->layered;
+}
+
+static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t extent[3])
+{
+    const struct dt_resource *info = &rt->core.pipeline->resources[index];
+    struct gl_image *image = &resource_of(rt, index)->image;
+    int share = rt->core.panel->storage[index].share;
+    *image = (struct gl_image){.name = info->name,
+                               .format = info->format,
+                               .width = extent[0],
+                               .height = extent[1],
+                               .layers = extent[2],
+                               .mips = info->mips,
+                               .layered = info->layered};
+    if (rt->imports[index])
+        return gl_image_import(rt, image, rt->imports[index]);
+    const struct gl_image *owner = share < 0 ? NULL : gl_image_of(rt, (uint32_t)share);
+    image->borrowed = owner && can_share(image, owner);
+    if (!image->borrowed)
+        return gl_image_create(rt, image);
+    image->handle = owner->handle;
+    return true;
+}
+
+static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct dt_resource *info = &core->pipeline->resources[index];
+    struct gl_buffer *buffer = &resource_of(rt, index)->buffer;
+    if (info->kind == DT_IMAGE)
+        return create_image(rt, index, extent);
+    *buffer = (struct gl_buffer){.name = info->name,
+                                 .size = (GLsizeiptr)extent[0] * info->stride,
+                                 .block = core->panel->storage[index].block};
+    return gl_buffer_create(rt, buffer, NULL);
+}
+
+/* Resources have their memory: what is left is which of them shaders store to. */
+static bool place_resources(struct dt_core *core)
+{
+    const struct gl_runtime *rt = (struct gl_runtime *)core;
+    uint32_t count = core->pipeline->resource_count;
+    for (uint32_t i = 0; i < count; i++) {
+        struct gl_resource *resource = resource_of(rt, i);
+        for (uint32_t j = 0; j < count; j++)
+            if (core->panel->storage[j].usage & DT_WRITE_STORAGE)
+                resource->stored |=
+                    i == j || (resource->image.handle &&
+                               resource->image.handle == gl_image_of(rt, j)->handle);
     }
     return true;
 }
+
+static bool fill_resource(struct dt_core *core, uint32_t index)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct gl_resource *resource = resource_of(rt, index);
+    bool history = core->pipeline->resources[index].history;
+    int byte = history ? 0 : core->poison;
+    if ((!history && !byte) || resource->image.imported)
+        return true;
+    return resource->image.handle ? gl_image_fill(rt, &resource->image, byte)
+                                  : gl_buffer_fill(rt, &resource->buffer, byte);
+}
+
+static void destroy_resource(struct dt_core *core, uint32_t index)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct gl_resource *resource = resource_of(rt, index);
+    gl_buffer_destroy(rt, &resource->buffer);
+    gl_image_destroy(rt, &resource->image);
+    *resource = (struct gl_resource){0};
+}
+
+const struct dt_backend gl_backend = {
+    .name = "gl",
+    .api = "OpenGL",
+    .resource_size = sizeof(struct gl_resource),
+    .program_size = sizeof(struct gl_program),
+    .sampler_size = sizeof(GLuint),
+    .enter = gl_state_enter,
+    .leave = gl_state_leave,
+    .rest = rest,
+    .upload_scene = gl_scene_upload,
+    .begin_panel = begin_panel,
+    .end_panel = end_panel,
+    .create_sampler = create_sampler,
+    .destroy_sampler = destroy_sampler,
+    .create_program = create_program,
+    .destroy_program = destroy_program,
+    .adopt_program = adopt_program,
+    .create_resource = create_resource,
+    .place_resources = place_resources,
+    .fill_resource = fill_resource,
+    .connect_program = connect_program,
+    .disconnect_program = disconnect_program,
+    .destroy_resource = destroy_resource,
+    .render = gl_render,
+    .verbs =
+        {
+            .begin = gl_begin,
+            .barriers = gl_barriers,
+            .bind = gl_bind,
+            .dispatch = gl_dispatch,
+            .dispatch_indirect = gl_dispatch_indirect,
+            .draw_scene = gl_draw_scene,
+            .draw_indirect = gl_draw_indirect,
+            .draw_fullscreen = gl_draw_fullscreen,
+            .clear_targets = gl_clear_targets,
+            .clear_buffer = gl_clear_buffer,
+            .clear_image = gl_clear_image,
+            .end = gl_end,
+        },
+    .pause = gl_pause,
+    .resume = gl_resume,
+    .timings = gl_timings,
+};

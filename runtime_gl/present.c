@@ -1,6 +1,6 @@
 /* Shows pictures and an overlay in the window of context "window": textures, filled from the
- * pipeline's images or from memory, and triangles that show them. The only place that turns
- * pictures the window's way up is the vertices', which count y from the top. Called by runtime.c. */
+ * pipeline's images or from memory, and triangles that show them. The only place that turns pictures
+ * the window's way up is the vertices', which count y from the top. Called by the front for the app. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -38,35 +38,39 @@ static struct gl_image *sized_texture(struct gl_runtime *rt, uint32_t texture, u
     static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
                                                           "picture 3"};
     if (texture >= DT_WINDOW_TEXTURES) {
-        gl_log(rt, DT_ERROR, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES,
-               texture);
+        dt_error(&rt->core, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES,
+                 texture);
         return NULL;
     }
     struct gl_image *image = &rt->present.textures[texture];
-    const struct gl_image_info info = {.name = names[texture],
-                                       .format = DT_FORMAT_RGBA8,
-                                       .width = width,
-                                       .height = height,
-                                       .layers = 1,
-                                       .mips = 1};
     if (image->handle && image->width == width && image->height == height)
         return image;
-    dt_gl_image_destroy(rt, image);
-    return dt_gl_image_create(rt, image, &info) ? image : NULL;
+    gl_image_destroy(rt, image);
+    *image = (struct gl_image){.name = names[texture],
+                               .format = DT_FORMAT_RGBA8,
+                               .width = width,
+                               .height = height,
+                               .layers = 1,
+                               .mips = 1};
+    return gl_image_create(rt, image) ? image : NULL;
 }
 
-bool gl_window_copy(struct gl_runtime *rt, uint32_t texture, const struct gl_image *image)
+bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
 {
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct gl_image *image = gl_image_of(rt, resource);
     const struct gl_image *to = sized_texture(rt, texture, image->width, image->height);
     return to && GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)) &&
            GL(rt, image->name,
-              CopyImageSubData(image->handle, image->target, 0, 0, 0, 0, to->handle, to->target, 0,
-                               0, 0, 0, (GLsizei)to->width, (GLsizei)to->height, 1));
+              CopyImageSubData(image->handle, gl_target(image), 0, 0, 0, 0, to->handle,
+                               gl_target(to), 0, 0, 0, 0, (GLsizei)to->width, (GLsizei)to->height,
+                               1));
 }
 
-bool gl_window_upload(struct gl_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
+bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels)
 {
+    struct gl_runtime *rt = (struct gl_runtime *)core;
     const struct gl_image *to = sized_texture(rt, texture, width, height);
     return to && GL(rt, to->name,
                     TextureSubImage2D(to->handle, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA,
@@ -78,20 +82,17 @@ bool gl_window_upload(struct gl_runtime *rt, uint32_t texture, uint32_t width, u
 static bool prepare(struct gl_runtime *rt)
 {
     struct gl_present *present = &rt->present;
-    const struct gl_program_info info = {.name = "window",
-                                         .vertex = {.glsl = vertex_text},
-                                         .fragment = {.glsl = fragment_text},
-                                         .cull = GL_NONE};
-    const struct gl_sampler_info filtered = {"window overlay", GL_LINEAR, GL_NEAREST,
-                                             GL_CLAMP_TO_EDGE, false,     1.0f};
-    const struct gl_sampler_info plain = {"window picture", GL_NEAREST, GL_NEAREST,
-                                          GL_CLAMP_TO_EDGE, false,      1.0f};
-    if (present->program.handle)
+    static const struct dt_stages stages = {.vertex = {.glsl = vertex_text},
+                                            .fragment = {.glsl = fragment_text}};
+    static const struct dt_sampler filtered = {
+        .name = "window overlay", .linear = true, .anisotropy = 1.0f};
+    static const struct dt_sampler plain = {.name = "window picture", .anisotropy = 1.0f};
+    if (present->program)
         return true;
     gl_context_wait_for_screen();
-    return dt_gl_sampler_create(rt, &present->samplers[0], &filtered) &&
-           dt_gl_sampler_create(rt, &present->samplers[1], &plain) &&
-           dt_gl_program_create(rt, &present->program, &info);
+    return gl_sampler_create(rt, &present->samplers[0], &filtered) &&
+           gl_sampler_create(rt, &present->samplers[1], &plain) &&
+           gl_program_create(rt, &present->program, "window", &stages);
 }
 
 /* From pixels counted from the top to clip space, whose y = -1 is the window's bottom row. */
@@ -100,22 +101,23 @@ static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame 
 {
     size_t size = frame->vertex_count * sizeof *frame->vertices;
     struct dt_window_vertex *vertices = malloc(size + 1);
-    if (!vertices) {
-        gl_log(rt, DT_ERROR, "window: out of memory for %u vertices", frame->vertex_count);
-        return false;
-    }
+    if (!vertices)
+        return dt_error(&rt->core, "window: out of memory for %u vertices; free some",
+                        frame->vertex_count);
     for (uint32_t i = 0; i < frame->vertex_count; i++) {
         vertices[i] = frame->vertices[i];
         vertices[i].position[0] = vertices[i].position[0] * 2 / (float)width - 1;
         vertices[i].position[1] = 1 - vertices[i].position[1] * 2 / (float)height;
     }
-    const struct gl_buffer_info info = {.name = "window vertices",
-                                        .size = (GLsizeiptr)(size + size / 2)};
-    bool fits = rt->present.vertices.handle && rt->present.vertices.size >= (GLsizeiptr)size;
-    if (!fits)
-        dt_gl_buffer_destroy(rt, &rt->present.vertices);
-    bool good = (fits || gl_buffer_upload(rt, &rt->present.vertices, &info, NULL)) &&
-                (size == 0 || gl_buffer_write(rt, &rt->present.vertices, vertices, size));
+    struct gl_buffer *buffer = &rt->present.vertices;
+    bool fits = buffer->handle && buffer->size >= (GLsizeiptr)size;
+    if (!fits) {
+        gl_buffer_destroy(rt, buffer);
+        *buffer =
+            (struct gl_buffer){.name = "window vertices", .size = (GLsizeiptr)(size + size / 2)};
+    }
+    bool good =
+        (fits || gl_buffer_create(rt, buffer, NULL)) && gl_buffer_write(rt, buffer, vertices, size);
     free(vertices);
     return good;
 }
@@ -134,7 +136,7 @@ static void begin(struct gl_runtime *rt, int width, int height)
     rt->gl.Enable(GL_SCISSOR_TEST);
     rt->gl.Enable(GL_BLEND);
     rt->gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    rt->gl.UseProgram(rt->present.program.handle);
+    rt->gl.UseProgram(rt->present.program);
     rt->gl.BindVertexArray(rt->no_input);
     rt->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, rt->present.vertices.handle);
 }
@@ -158,8 +160,9 @@ static void draw(struct gl_runtime *rt, const struct dt_window_draw *draw, int h
     rt->gl.DrawArrays(GL_TRIANGLES, (GLint)draw->first, (GLsizei)draw->count);
 }
 
-bool gl_present(struct gl_runtime *rt, const struct dt_window_frame *frame)
+bool gl_present(struct dt_core *core, const struct dt_window_frame *frame)
 {
+    struct gl_runtime *rt = (struct gl_runtime *)core;
     int width, height;
     gl_context_window_size(rt, &width, &height);
     if (width < 1 || height < 1)
@@ -180,9 +183,9 @@ void gl_present_destroy(struct gl_runtime *rt)
 {
     struct gl_present *present = &rt->present;
     for (int i = 0; i < DT_WINDOW_TEXTURES; i++)
-        dt_gl_image_destroy(rt, &present->textures[i]);
-    dt_gl_buffer_destroy(rt, &present->vertices);
+        gl_image_destroy(rt, &present->textures[i]);
+    gl_buffer_destroy(rt, &present->vertices);
     for (int i = 0; i < 2; i++)
-        dt_gl_sampler_destroy(rt, &present->samplers[i]);
-    dt_gl_program_destroy(rt, &present->program);
+        gl_sampler_destroy(rt, &present->samplers[i]);
+    gl_program_destroy(rt, &present->program);
 }

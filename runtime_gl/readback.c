@@ -1,26 +1,16 @@
-/* Copies buffers and images to memory and back, tightly packed, row 0 first. Called by
- * runtime.c. Pixels are packed and unpacked with the fixed state of context.c: no padding, and no
- * buffer in between. */
+/* Copies buffers and images to memory and back, tightly packed, row 0 first. Called by the front for
+ * the app. Pixels are packed and unpacked with the fixed state of state.c: no padding, and no buffer in
+ * between. */
 #include "internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-struct dt_bytes gl_image_shape(const struct gl_image *image, uint32_t mip)
-{
-    uint32_t width = image->width >> mip, height = image->height >> mip;
-    struct dt_bytes shape = {.extent = {width ? width : 1, height ? height : 1, image->layers}};
-    shape.size = (size_t)shape.extent[0] * shape.extent[1] * shape.extent[2] *
-                 gl_format(image->texel)->bytes;
-    return shape;
-}
-
 static bool allocate(struct gl_runtime *rt, const char *name, struct dt_bytes *out)
 {
     out->data = malloc(out->size ? out->size : 1);
-    if (!out->data)
-        gl_log(rt, DT_ERROR, "%s: no memory for %zu bytes to read back", name, out->size);
-    return out->data;
+    return out->data || dt_error(&rt->core, "%s: no memory for %zu bytes to read back; free some",
+                                 name, out->size);
 }
 
 static bool keep(struct dt_bytes *out, bool ok)
@@ -32,28 +22,26 @@ static bool keep(struct dt_bytes *out, bool ok)
     return ok;
 }
 
-bool gl_read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, struct dt_bytes *out)
+static bool read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, struct dt_bytes *out)
 {
     if (!GL(rt, buffer->name, MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT)) ||
         !allocate(rt, buffer->name, out))
         return keep(out, false);
-    if (!out->size)
-        return true;
     return keep(out,
                 GL(rt, buffer->name,
                    GetNamedBufferSubData(buffer->handle, 0, (GLsizeiptr)out->size, out->data)));
 }
 
-bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                   struct dt_bytes *out)
+static bool read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                       struct dt_bytes *out)
 {
-    const struct gl_format *f = gl_format(image->texel);
+    const struct gl_format *f = gl_format(image->format);
     size_t layer_size = out->size / image->layers;
-    if (layer_size > INT32_MAX) { /* OpenGL counts the bytes of a layer in an int */
-        gl_log(rt, DT_ERROR, "image %s: a layer of %zu bytes is too large to read back",
-               image->name, layer_size);
-        return keep(out, false);
-    }
+    if (layer_size > INT32_MAX) /* OpenGL counts the bytes of a layer in an int */
+        return keep(out, dt_error(&rt->core,
+                                  "image %s: a layer of %zu bytes is too large to read back; "
+                                  "choose a smaller frame",
+                                  image->name, layer_size));
     if (!GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)) ||
         !allocate(rt, image->name, out))
         return keep(out, false);
@@ -66,8 +54,8 @@ bool gl_read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t
     return true;
 }
 
-bool gl_write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
-                     const struct dt_bytes *bytes)
+static bool write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
+                         const struct dt_bytes *bytes)
 {
     return GL(rt, buffer->name, MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT)) &&
            gl_buffer_write(rt, buffer, bytes->data, bytes->size);
@@ -79,22 +67,20 @@ static bool check_depth(const struct gl_runtime *rt, const char *name, const str
     for (size_t i = 0; i < bytes->size / sizeof(float); i++) {
         float depth;
         memcpy(&depth, bytes->data + i * sizeof depth, sizeof depth);
-        if (depth >= 0 && depth <= 1)
-            continue;
-        gl_log(rt, DT_ERROR, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name, i,
-               (double)depth);
-        return false;
+        if (!(depth >= 0 && depth <= 1))
+            return dt_error(&rt->core, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name,
+                            i, (double)depth);
     }
     return true;
 }
 
-bool gl_write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
-                    const struct dt_bytes *bytes)
+static bool write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                        const struct dt_bytes *bytes)
 {
-    const struct gl_format *f = gl_format(image->texel);
+    const struct gl_format *f = gl_format(image->format);
     GLsizei width = (GLsizei)bytes->extent[0], height = (GLsizei)bytes->extent[1];
     GLsizei layers = (GLsizei)bytes->extent[2];
-    if ((gl_depth(image) && !check_depth(rt, image->name, bytes)) ||
+    if ((image->format == DT_FORMAT_D32F && !check_depth(rt, image->name, bytes)) ||
         !GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)))
         return false;
     if (!image->layered)
@@ -104,4 +90,23 @@ bool gl_write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_
     return GL(rt, image->name,
               TextureSubImage3D(image->handle, (GLint)mip, 0, 0, 0, width, height, layers,
                                 f->format, f->type, bytes->data));
+}
+
+static bool is_image(const struct dt_core *core, uint32_t resource)
+{
+    return core->pipeline->resources[resource].kind == DT_IMAGE;
+}
+
+bool gl_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    return is_image(core, resource) ? read_image(rt, gl_image_of(rt, resource), mip, out)
+                                    : read_buffer(rt, gl_buffer_of(rt, resource), out);
+}
+
+bool gl_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    return is_image(core, resource) ? write_image(rt, gl_image_of(rt, resource), mip, bytes)
+                                    : write_buffer(rt, gl_buffer_of(rt, resource), bytes);
 }

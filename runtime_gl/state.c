@@ -1,6 +1,6 @@
 /* The state of a context: whether it is one that the runtime can use, what passes rely on, and for a host
- * how it was before. Called by context.c when the runtime has a context of its own, by host.c around
- * whatever is done in a host's. */
+ * how it was before. Called by context.c when the runtime has a context of its own, by the front and
+ * host.c around whatever is done in a host's. */
 #include "internal.h"
 
 #include <stdio.h>
@@ -35,64 +35,73 @@ bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t co
     return !missing[0];
 }
 
+static uint32_t integer(const struct gl_runtime *rt, GLenum name)
+{
+    GLint value = 0;
+    rt->gl.GetIntegerv(name, &value);
+    return (uint32_t)value;
+}
+
+static uint64_t integer64(const struct gl_runtime *rt, GLenum name)
+{
+    GLint64 value = 0;
+    rt->gl.GetInteger64v(name, &value);
+    return (uint64_t)value;
+}
+
 static void read_limits(struct gl_runtime *rt)
 {
-    struct gl_limits *l = &rt->limits;
-    const struct {
-        GLenum name;
-        GLint *value;
-    } integers[] = {
-        {GL_MAX_TEXTURE_SIZE, &l->texture_size},
-        {GL_MAX_ARRAY_TEXTURE_LAYERS, &l->texture_layers},
-        {GL_MAX_COLOR_ATTACHMENTS, &l->color_targets},
-        {GL_MAX_DRAW_BUFFERS, &l->draw_buffers},
-        {GL_MAX_VIEWPORT_DIMS, l->viewport},
-        {GL_MAX_UNIFORM_BUFFER_BINDINGS, &l->uniform_bindings},
-        {GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &l->storage_bindings},
-        {GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS, &l->texture_bindings},
-        {GL_MAX_IMAGE_UNITS, &l->image_bindings},
-        {GL_MAX_CLIP_DISTANCES, &l->clip_distances},
-        {GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, &l->storage_alignment},
-        {GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT, &l->uniform_alignment},
+    struct dt_limits *l = &rt->core.limits;
+    uint32_t attachments = integer(rt, GL_MAX_COLOR_ATTACHMENTS);
+    uint32_t buffers = integer(rt, GL_MAX_DRAW_BUFFERS);
+    GLint viewport[2] = {0}, groups = 0;
+    rt->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    *l = (struct dt_limits){
+        .image_size = integer(rt, GL_MAX_TEXTURE_SIZE),
+        .image_layers = integer(rt, GL_MAX_ARRAY_TEXTURE_LAYERS),
+        .target_size = {(uint32_t)viewport[0], (uint32_t)viewport[1]},
+        .color_targets = attachments < buffers ? attachments : buffers,
+        .bindings = {[DT_BIND_UNIFORM] = integer(rt, GL_MAX_UNIFORM_BUFFER_BINDINGS),
+                     [DT_BIND_STORAGE] = integer(rt, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS),
+                     [DT_BIND_TEXTURE] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS),
+                     [DT_BIND_IMAGE] = integer(rt, GL_MAX_IMAGE_UNITS)},
+        .uniform_bytes = integer64(rt, GL_MAX_UNIFORM_BLOCK_SIZE),
+        .storage_bytes = integer64(rt, GL_MAX_SHADER_STORAGE_BLOCK_SIZE),
+        .draws = UINT32_MAX,
+        .clip_distances = integer(rt, GL_MAX_CLIP_DISTANCES),
     };
-    for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
-        rt->gl.GetIntegerv(integers[i].name, integers[i].value);
-    for (GLuint i = 0; i < 3; i++)
-        rt->gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, i, &l->groups[i]);
-    rt->gl.GetInteger64v(GL_MAX_UNIFORM_BLOCK_SIZE, &l->uniform_size);
-    rt->gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &l->storage_size);
+    for (GLuint i = 0; i < 3; i++) {
+        rt->gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, i, &groups);
+        l->groups[i] = (uint32_t)groups;
+    }
     rt->gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &l->anisotropy);
+    uint64_t storage = integer64(rt, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
+    uint64_t uniform = integer64(rt, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
+    rt->buffer_alignment = storage > uniform ? storage : uniform;
+}
+
+bool gl_is_software(const struct gl_runtime *rt)
+{
+    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "lavapipe"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
+        if (strcasestr(rt->core.device_name, names[i]))
+            return true;
+    return false;
 }
 
 bool gl_context_suits(struct gl_runtime *rt)
 {
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
-    char missing[512];
-    GLint flags = 0;
-    snprintf(rt->device_name, sizeof rt->device_name, "%s", renderer ? renderer : "OpenGL");
-    rt->gl.GetIntegerv(GL_CONTEXT_FLAGS, &flags);
-    if (flags & GL_CONTEXT_FLAG_NO_ERROR_BIT) {
-        gl_log(rt, DT_ERROR, "%s was told to find no errors: unset MESA_NO_ERROR", rt->device_name);
-        return false;
-    }
+    char *device = rt->core.device_name, missing[512];
+    snprintf(device, sizeof rt->core.device_name, "%s", renderer ? renderer : "OpenGL");
+    if (integer(rt, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_NO_ERROR_BIT)
+        return dt_error(&rt->core, "%s was told to find no errors: unset MESA_NO_ERROR", device);
     if (!rt->gl.VERSION_4_6 ||
-        !gl_has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing)) {
-        gl_log(rt, DT_ERROR, "%s lacks %s: use a newer driver", rt->device_name,
-               rt->gl.VERSION_4_6 ? missing : "OpenGL 4.6");
-        return false;
-    }
+        !gl_has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing))
+        return dt_error(&rt->core, "%s lacks %s: use a newer driver", device,
+                        rt->gl.VERSION_4_6 ? missing : "OpenGL 4.6");
     read_limits(rt);
     return true;
-}
-
-/* Always for real, by way of no context: OSMesa, EGL and GLX share Mesa's dispatch table without
- * telling each other, and each leaves out the change to a context that it believes current. */
-bool gl_context_current(struct gl_runtime *rt)
-{
-    if (rt->hosted || rt->context.current(&rt->context))
-        return true;
-    gl_log(rt, DT_ERROR, "%s: the OpenGL context cannot be made current", rt->device_name);
-    return false;
 }
 
 /* ---- What passes rely on --------------------------------------------------------------------- */
@@ -186,7 +195,7 @@ struct gl_kept {
     GLdouble depth_range[MAX_VIEWPORTS][2];
     struct kept_blend blend[MAX_DRAW_BUFFERS];
     /* of bindings only what is about to be changed: a bit per number that is kept */
-    uint64_t kept[GL_BIND_IMAGE + 1];
+    uint64_t kept[DT_BIND_IMAGE + 1];
     struct kept_range uniform[MAX_BINDINGS], storage[MAX_BINDINGS];
     struct kept_texture texture[MAX_BINDINGS];
     struct kept_image image[MAX_BINDINGS];
@@ -332,19 +341,18 @@ static bool neutralise(struct gl_runtime *rt)
     return gl_state_fix(rt);
 }
 
-bool gl_state_enter(struct gl_runtime *rt)
+bool gl_state_enter(struct dt_core *core)
 {
+    struct gl_runtime *rt = (struct gl_runtime *)core;
     GLenum error = rt->gl.GetError();
     if (error != GL_NO_ERROR)
-        gl_log(rt, DT_WARNING, "OpenGL error 0x%x was pending before diptych was called", error);
+        dt_log(core, DT_WARNING, "OpenGL error 0x%x was pending before diptych was called", error);
     for (int i = 0; i < 8 && error != GL_NO_ERROR; i++)
         error = rt->gl.GetError();
     if (!rt->leave_state) {
         rt->kept = calloc(1, sizeof *rt->kept);
-        if (!rt->kept) {
-            gl_log(rt, DT_ERROR, "out of memory for the state of the context; free some");
-            return false;
-        }
+        if (!rt->kept)
+            return dt_error(core, "out of memory for the state of the context; free some");
         keep_integers(rt, rt->kept);
         keep_blend(rt, rt->kept);
         keep_viewports(rt, rt->kept);
@@ -402,24 +410,23 @@ static void keep_image(const struct gl_runtime *rt, struct kept_image *image, GL
     rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_FORMAT, unit, &image->format);
 }
 
-void gl_state_keep_binding(struct gl_runtime *rt, const struct gl_binding *binding)
+void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLuint at)
 {
     struct gl_kept *kept = rt->kept;
-    GLuint at = binding->binding;
-    if (!kept || at >= MAX_BINDINGS || (kept->kept[binding->kind] >> at & 1))
+    if (!kept || at >= MAX_BINDINGS || (kept->kept[kind] >> at & 1))
         return;
-    kept->kept[binding->kind] |= (uint64_t)1 << at;
-    switch (binding->kind) {
-    case GL_BIND_UNIFORM:
+    kept->kept[kind] |= (uint64_t)1 << at;
+    switch (kind) {
+    case DT_BIND_UNIFORM:
         keep_range(rt, &kept->uniform[at], at, false);
         break;
-    case GL_BIND_STORAGE:
+    case DT_BIND_STORAGE:
         keep_range(rt, &kept->storage[at], at, true);
         break;
-    case GL_BIND_TEXTURE:
+    case DT_BIND_TEXTURE:
         keep_texture(rt, &kept->texture[at], at);
         break;
-    case GL_BIND_IMAGE:
+    case DT_BIND_IMAGE:
         keep_image(rt, &kept->image[at], at);
         break;
     }
@@ -428,14 +435,14 @@ void gl_state_keep_binding(struct gl_runtime *rt, const struct gl_binding *bindi
 static void give_bindings(const struct gl_runtime *rt, const struct gl_kept *kept)
 {
     for (GLuint i = 0; i < MAX_BINDINGS; i++) {
-        if (kept->kept[GL_BIND_UNIFORM] >> i & 1)
+        if (kept->kept[DT_BIND_UNIFORM] >> i & 1)
             give_range(rt, &kept->uniform[i], i, GL_UNIFORM_BUFFER);
-        if (kept->kept[GL_BIND_STORAGE] >> i & 1)
+        if (kept->kept[DT_BIND_STORAGE] >> i & 1)
             give_range(rt, &kept->storage[i], i, GL_SHADER_STORAGE_BUFFER);
-        if (kept->kept[GL_BIND_TEXTURE] >> i & 1)
+        if (kept->kept[DT_BIND_TEXTURE] >> i & 1)
             give_texture(rt, &kept->texture[i], i);
         const struct kept_image *image = &kept->image[i];
-        if (kept->kept[GL_BIND_IMAGE] >> i & 1)
+        if (kept->kept[DT_BIND_IMAGE] >> i & 1)
             rt->gl.BindImageTexture(i, (GLuint)image->texture, image->level,
                                     (GLboolean)image->layered, image->layer, (GLenum)image->access,
                                     (GLenum)image->format);
@@ -443,8 +450,9 @@ static void give_bindings(const struct gl_runtime *rt, const struct gl_kept *kep
 }
 
 /* Indexed bindings change the plain ones, and units the active one: those come last. */
-bool gl_state_leave(struct gl_runtime *rt)
+bool gl_state_leave(struct dt_core *core)
 {
+    struct gl_runtime *rt = (struct gl_runtime *)core;
     struct gl_kept *kept = rt->kept;
     rt->kept = NULL;
     if (!kept)

@@ -20,9 +20,9 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
     (void)severity;
     struct vk_runtime *rt = user;
     bool counts = types & VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
-    rt->messages += counts;
-    if (rt->log.message)
-        rt->log.message(rt->log.user, counts ? DT_ERROR : DT_DEBUG, data->pMessage);
+    rt->core.messages += counts;
+    if (rt->core.log.message)
+        rt->core.log.message(rt->core.log.user, counts ? DT_ERROR : DT_DEBUG, data->pMessage);
     return VK_FALSE;
 }
 
@@ -44,7 +44,7 @@ static bool open_instance(struct vk_runtime *rt)
     if (!VK(rt, vkEnumerateInstanceVersion(&version), "loader"))
         return false;
     if (version < VK_API_VERSION_1_3)
-        return vk_error(rt,
+        return dt_error(&rt->core,
                         "Vulkan loader: version %u.%u, but 1.3 is needed; install a newer "
                         "libvulkan1",
                         VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
@@ -120,7 +120,7 @@ static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *
         used += (size_t)snprintf(list + used, sizeof list - used, "%s%u: %s", i ? "; " : "", i,
                                  properties.deviceName);
     }
-    return vk_error(rt,
+    return dt_error(&rt->core,
                     "--device %s: no such Vulkan device; choose a part of a name or an index "
                     "from: %s",
                     wanted, list);
@@ -149,8 +149,9 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     if (result != VK_INCOMPLETE && !vk_check(rt, result, "vkEnumeratePhysicalDevices", "instance"))
         return false;
     if (count == 0)
-        return vk_error(rt, "Vulkan: no device; install a driver (mesa-vulkan-drivers brings one "
-                            "for the CPU)");
+        return dt_error(&rt->core,
+                        "Vulkan: no device; install a driver (mesa-vulkan-drivers brings one "
+                        "for the CPU)");
     int chosen = wanted ? match_device(devices, count, wanted) : 0;
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
@@ -162,10 +163,10 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     }
     vk_device_describe(rt, devices[chosen]);
     if (!suits(rt, rt->physical, missing, sizeof missing))
-        return vk_error(rt,
+        return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "--device",
-                        rt->properties.deviceName, missing);
+                        rt->core.device_name, missing);
     return true;
 }
 
@@ -189,7 +190,7 @@ static bool open_device(struct vk_runtime *rt)
         .enabledExtensionCount = rt->present.window != NULL,
         .ppEnabledExtensionNames = &swapchain,
     };
-    if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->properties.deviceName))
+    if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device_name))
         return false;
     vkGetDeviceQueue(rt->device, rt->queue_family, 0, &rt->queue);
     if (rt->debug) {
@@ -211,8 +212,7 @@ static bool open_commands(struct vk_runtime *rt)
         .queueFamilyIndex = rt->queue_family,
     };
     VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-    VkAllocationCallbacks memory = vk_arena_callbacks(&rt->command_memory);
-    if (!VK(rt, vkCreateCommandPool(rt->device, &pool, &memory, &rt->command_pool), "commands") ||
+    if (!VK(rt, vkCreateCommandPool(rt->device, &pool, NULL, &rt->command_pool), "commands") ||
         !VK(rt, vkCreateFence(rt->device, &fence, NULL, &rt->fence), "frame"))
         return false;
     VkCommandBufferAllocateInfo allocate = {
@@ -249,12 +249,10 @@ bool vk_context_open(struct vk_runtime *rt, const char *device, bool window)
 void vk_context_close(struct vk_runtime *rt)
 {
     if (rt->device) {
-        VkAllocationCallbacks memory = vk_arena_callbacks(&rt->command_memory);
         vkDestroyFence(rt->device, rt->fence, NULL);
-        vkDestroyCommandPool(rt->device, rt->command_pool, &memory);
+        vkDestroyCommandPool(rt->device, rt->command_pool, NULL);
         vkDestroyDevice(rt->device, NULL);
     }
-    vk_arena_free(&rt->command_memory);
     vk_window_close(rt);
     if (rt->messenger) {
         PFN_vkDestroyDebugUtilsMessengerEXT destroy =

@@ -78,7 +78,7 @@ static bool panel_needs(const struct dt_panel *panel, const char *name)
     return false;
 }
 
-void dt_vk_need_features(const struct dt_panel *panel, VkPhysicalDeviceFeatures *core,
+void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatures *core,
                          VkPhysicalDeviceVulkan11Features *vulkan11,
                          VkPhysicalDeviceVulkan12Features *vulkan12,
                          VkPhysicalDeviceVulkan13Features *vulkan13)
@@ -88,7 +88,7 @@ void dt_vk_need_features(const struct dt_panel *panel, VkPhysicalDeviceFeatures 
                                    .vulkan12 = *vulkan12,
                                    .vulkan13 = *vulkan13};
     for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
-        if (known_features[i].always || panel_needs(panel, known_features[i].name))
+        if (known_features[i].always || panel_needs(shaders->panel, known_features[i].name))
             *feature(&features, i) = VK_TRUE;
     *core = features.core.features;
     *vulkan11 = features.vulkan11;
@@ -111,9 +111,9 @@ bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *p
     for (uint32_t i = 0; i < panel->need_count; i++) {
         const struct dt_need *need = &panel->needs[i];
         if (!has_feature(&features, need->feature))
-            return vk_error(rt, "pass %s: needs %s, which %s does not have; use another %s",
+            return dt_error(&rt->core, "pass %s: needs %s, which %s does not have; use another %s",
                             panel->pipeline->passes[need->pass].name, need->feature,
-                            rt->properties.deviceName, rt->hosted ? "device" : "--device");
+                            rt->core.device_name, rt->core.hosted ? "device" : "--device");
     }
     return true;
 }
@@ -157,10 +157,37 @@ bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, cha
     if (used < size && vk_device_queue_family(rt, physical, &timestamp_bits) == UINT32_MAX)
         used += (size_t)snprintf(text + used, size - used, "%sa queue for graphics and compute",
                                  used ? ", " : "");
-    if (used < size && rt->timing && !timestamp_bits)
+    if (used < size && rt->core.timing && !timestamp_bits)
         used += (size_t)snprintf(text + used, size - used, "%stimestamps (run without timing)",
                                  used ? ", " : "");
     return used == 0;
+}
+
+static uint32_t least(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static struct dt_limits limits_of(const VkPhysicalDeviceLimits *can)
+{
+    const uint32_t *groups = can->maxComputeWorkGroupCount;
+    return (struct dt_limits){
+        .image_size = can->maxImageDimension2D,
+        .image_layers = can->maxImageArrayLayers,
+        .target_size = {can->maxFramebufferWidth, can->maxFramebufferHeight},
+        .color_targets = can->maxColorAttachments,
+        .bindings = {[DT_BIND_UNIFORM] = can->maxPerStageDescriptorUniformBuffers,
+                     [DT_BIND_STORAGE] = can->maxPerStageDescriptorStorageBuffers,
+                     [DT_BIND_TEXTURE] = least(can->maxPerStageDescriptorSampledImages,
+                                               can->maxPerStageDescriptorSamplers),
+                     [DT_BIND_IMAGE] = can->maxPerStageDescriptorStorageImages},
+        .uniform_bytes = can->maxUniformBufferRange,
+        .storage_bytes = can->maxStorageBufferRange,
+        .groups = {groups[0], groups[1], groups[2]},
+        .draws = can->maxDrawIndirectCount,
+        .clip_distances = can->maxClipDistances,
+        .anisotropy = can->maxSamplerAnisotropy,
+    };
 }
 
 void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
@@ -175,6 +202,8 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
     rt->properties = properties.properties;
+    rt->core.limits = limits_of(&rt->properties.limits);
+    snprintf(rt->core.device_name, sizeof rt->core.device_name, "%s", rt->properties.deviceName);
     rt->max_allocation = maintenance3.maxMemoryAllocationSize;
     rt->vk.GetPhysicalDeviceMemoryProperties(physical, &rt->memory);
 }

@@ -17,8 +17,8 @@
  *         vkEndCommandBuffer(commands); vkQueueSubmit2(...);
  *     dt_vk_close(rt);
  *
- * `ssvp_vk`, SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that diptych-gen writes:
- * compile NAME.c, NAME_vk.c and NAME_vk_shaders.c into the host, and include NAME.h.
+ * `ssvp_vk`, a struct dt_shaders, SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that
+ * diptych-gen writes: compile NAME.c and NAME_vk_shaders.c into the host, and include NAME.h.
  *
  * Errors. A function that returns false or NULL has said why in one DT_ERROR to the log; a runtime whose
  * resize or record failed takes nothing but resize and close. There is no other output, no global
@@ -67,7 +67,7 @@ struct dt_vk_host {
     /* All of these must outlive the runtime. */
     VkInstance instance; /* of apiVersion 1.3 or higher */
     VkPhysicalDevice physical_device;
-    VkDevice device;       /* with the features of dt_vk_need_features for every panel enabled */
+    VkDevice device;       /* with the features of dt_vk_need_features for every pipeline enabled */
     uint32_t queue_family; /* of the queue that the command buffers go to; graphics and compute */
     /* The loader's, or that of the host's own loader. Every Vulkan function is called through it. */
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
@@ -75,10 +75,10 @@ struct dt_vk_host {
     bool timing; /* timestamps around every pass, for dt_vk_timings */
 };
 
-/* Sets to VK_TRUE what a device must have enabled for the panel's pipeline, and leaves all else as it is.
+/* Sets to VK_TRUE what a device must have enabled for the pipeline, and leaves all else as it is.
  * Call it for each pipeline on the feature structures that vkCreateDevice is going to get. Where the
  * physical device lacks one of them, dt_vk_create says so and names the pass. */
-void dt_vk_need_features(const struct dt_panel *panel, VkPhysicalDeviceFeatures *core,
+void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatures *core,
                          VkPhysicalDeviceVulkan11Features *vulkan11,
                          VkPhysicalDeviceVulkan12Features *vulkan12,
                          VkPhysicalDeviceVulkan13Features *vulkan13);
@@ -117,9 +117,9 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-/* Makes the programs, which takes seconds on some drivers; replaces the former pipeline. The panel must
- * live as long as the runtime has it. */
-bool dt_vk_create(struct vk_runtime *rt, const struct dt_panel *panel);
+/* Makes the programs, which takes seconds on some drivers; replaces the former pipeline, and takes over
+ * programs of the same code. What the shaders point to must live as long as the runtime has it. */
+bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders);
 
 /* An image of the host in place of a resource of the pipeline: a single-sampled 2D image of optimal
  * tiling with the format, size, layers and mips of the resource. Row 0 in memory is NDC y = -1, the
@@ -138,7 +138,7 @@ struct dt_vk_image {
     VkImageLayout layout_after;
 };
 /* `resource` is NAME_RESOURCE_...; after create, before resize. An image of VK_NULL_HANDLE takes the
- * import back. At most 16 of them. */
+ * import back. */
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image);
 
 /* Makes all other resources, for frames of that size in pixels. Content with history becomes zero in

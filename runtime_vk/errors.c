@@ -1,8 +1,7 @@
-/* The ways of telling errors, and names of handles for messages of the validation layers. Called by
+/* What Vulkan's results mean, and names of handles for messages of the validation layers. Called by
  * every file of this folder. */
 #include "internal.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static const struct {
@@ -36,37 +35,11 @@ static const struct {
 #undef RESULT
 };
 
-static void tell(const struct vk_runtime *rt, enum dt_level level, const char *format,
-                 va_list arguments)
-{
-    char text[1024];
-    vsnprintf(text, sizeof text, format, arguments);
-    if (rt->log.message)
-        rt->log.message(rt->log.user, level, text);
-}
-
-void vk_info(const struct vk_runtime *rt, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    tell(rt, DT_INFO, format, arguments);
-    va_end(arguments);
-}
-
-bool vk_error(const struct vk_runtime *rt, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    tell(rt, DT_ERROR, format, arguments);
-    va_end(arguments);
-    return false;
-}
-
 bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const char *name)
 {
     if (result == VK_SUCCESS)
         return true;
-    rt->lost = rt->lost || result == VK_ERROR_DEVICE_LOST;
+    rt->core.lost = rt->core.lost || result == VK_ERROR_DEVICE_LOST;
     const char *own = "rt->vk."; /* a call through the table is told as the function that it is */
     bool table = strncmp(call, own, strlen(own)) == 0;
     const char *prefix = table ? "vk" : "";
@@ -74,10 +47,10 @@ bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const ch
     int length = (int)strcspn(call, "(");
     for (size_t i = 0; i < DT_ARRAY_COUNT(results); i++)
         if (results[i].result == result)
-            return vk_error(rt, "%s%.*s(%s): %s: %s", prefix, length, call, name, results[i].name,
-                            results[i].advice);
-    return vk_error(rt, "%s%.*s(%s): VkResult %d: run again with --debug", prefix, length, call,
-                    name, (int)result);
+            return dt_error(&rt->core, "%s%.*s(%s): %s: %s", prefix, length, call, name,
+                            results[i].name, results[i].advice);
+    return dt_error(&rt->core, "%s%.*s(%s): VkResult %d: run again with --debug", prefix, length,
+                    call, name, (int)result);
 }
 
 void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name)

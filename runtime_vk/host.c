@@ -1,9 +1,8 @@
 /* Pipelines on a device of somebody else's, recorded into command buffers of somebody else's: the
- * functions of diptych_vk.h. What they are given is checked here, once. Called by other programs. */
+ * functions of diptych_vk.h. What of their arguments the front does not know is checked here. Called by other programs. */
 #include "internal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
@@ -20,9 +19,9 @@ static bool load_functions(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
     VK_DEVICE_FUNCTIONS(LOAD_DEVICE)
 #undef LOAD_INSTANCE
 #undef LOAD_DEVICE
-    return good ||
-           vk_error(rt, "Vulkan: the loader lacks functions of version 1.3; make instance and "
-                        "device with apiVersion 1.3");
+    return good || dt_error(&rt->core,
+                            "Vulkan: the loader lacks functions of version 1.3; make instance and "
+                            "device with apiVersion 1.3");
 }
 
 /* Only with the extension, which the host says that it has. */
@@ -44,7 +43,7 @@ static bool check_family(struct vk_runtime *rt)
     rt->vk.GetPhysicalDeviceQueueFamilyProperties(rt->physical, &count, NULL);
     VkQueueFamilyProperties *families = calloc(count ? count : 1, sizeof *families);
     if (!families)
-        return vk_error(rt, "Vulkan: out of memory; free some");
+        return dt_error(&rt->core, "Vulkan: out of memory; free some");
     rt->vk.GetPhysicalDeviceQueueFamilyProperties(rt->physical, &count, families);
     VkQueueFamilyProperties family = {0};
     if (rt->queue_family < count)
@@ -52,48 +51,43 @@ static bool check_family(struct vk_runtime *rt)
     free(families);
     rt->timestamp_bits = family.timestampValidBits;
     if ((family.queueFlags & wanted) != wanted)
-        return vk_error(rt,
+        return dt_error(&rt->core,
                         "queue family %u of %s: must have graphics and compute; give another "
                         "queue_family",
-                        rt->queue_family, rt->properties.deviceName);
-    return !rt->timing || rt->timestamp_bits ||
-           vk_error(rt, "queue family %u of %s: has no timestamps; open without timing",
-                    rt->queue_family, rt->properties.deviceName);
+                        rt->queue_family, rt->core.device_name);
+    return !rt->core.timing || rt->timestamp_bits ||
+           dt_error(&rt->core, "queue family %u of %s: has no timestamps; open without timing",
+                    rt->queue_family, rt->core.device_name);
 }
 
 static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
 {
     char missing[512];
-    struct vk_buffer_info frame = {
-        .name = "frame",
-        .size = sizeof(struct dt_frame),
-        .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
-    };
     if (!host->instance || !host->physical_device || !host->device || !host->get_instance_proc_addr)
-        return vk_error(rt, "struct dt_vk_host: instance, physical_device, device and "
-                            "get_instance_proc_addr must be given");
+        return dt_error(&rt->core, "struct dt_vk_host: instance, physical_device, device and "
+                                   "get_instance_proc_addr must be given");
     if (!load_functions(rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(rt, host->physical_device);
     if (!vk_device_suits(rt, rt->physical, missing, sizeof missing))
-        return vk_error(rt, "Vulkan device %s: missing %s; give another device",
-                        rt->properties.deviceName, missing);
+        return dt_error(&rt->core, "Vulkan device %s: missing %s; give another device",
+                        rt->core.device_name, missing);
     if (host->labels)
         load_labels(rt, host->get_instance_proc_addr);
-    return check_family(rt) &&
-           vk_uniform_create(rt, &rt->builtin.frame, &rt->frame_memory, &rt->frame_slot, &frame);
+    return check_family(rt) && vk_builtin_create(rt);
 }
 
 struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
 {
     struct vk_runtime *rt = calloc(1, sizeof *rt);
     if (!rt) {
-        vk_error(&(struct vk_runtime){.log = host->log}, "Vulkan: out of memory; free some");
+        dt_error(&(struct dt_core){.log = host->log}, "Vulkan: out of memory; free some");
         return NULL;
     }
-    rt->log = host->log;
-    rt->timing = host->timing;
-    rt->hosted = true;
+    rt->backend = vk_backend;
+    rt->backend.verbs = vk_verbs;
+    rt->core = (struct dt_core){
+        .backend = &rt->backend, .log = host->log, .hosted = true, .timing = host->timing};
     rt->instance = host->instance;
     rt->device = host->device;
     rt->queue_family = host->queue_family;
@@ -108,10 +102,9 @@ static void release_scene(struct vk_runtime *rt)
     struct vk_builtin *builtin = &rt->builtin;
     if (builtin->textures.imported)
         builtin->textures = (struct vk_image){0};
-    dt_vk_image_destroy(rt, &builtin->textures);
-    dt_vk_slot_destroy(rt, &rt->texture_slot);
+    vk_image_destroy(rt, &builtin->textures);
     builtin->vertices = builtin->indices = builtin->materials = (struct vk_buffer){0};
-    rt->has_scene = false;
+    rt->core.has_scene = false;
     rt->index_count = 0;
 }
 
@@ -120,12 +113,10 @@ void dt_vk_close(struct vk_runtime *rt)
     if (!rt)
         return;
     if (rt->physical) { /* all functions are there */
-        vk_panel_destroy(rt);
+        dt_front_destroy(&rt->core);
         release_scene(rt);
-        dt_vk_sampler_destroy(rt, &rt->builtin.texture_sampler);
-        vk_uniform_destroy(rt, &rt->builtin.frame, &rt->frame_memory, &rt->frame_slot);
+        vk_builtin_destroy(rt);
     }
-    free(rt->fills);
     free(rt);
 }
 
@@ -138,15 +129,15 @@ static bool import_buffer(const struct vk_runtime *rt, struct vk_buffer *buffer,
     if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
         alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
     if (!range->buffer || range->size < least || range->offset % alignment)
-        return vk_error(rt,
+        return dt_error(&rt->core,
                         "%s: a buffer of at least %llu bytes is needed, at a multiple of %llu, but "
                         "%llu bytes at %llu were given",
                         name, (unsigned long long)least, (unsigned long long)alignment,
                         (unsigned long long)range->size, (unsigned long long)range->offset);
-    if (range->size > rt->properties.limits.maxStorageBufferRange)
-        return vk_error(rt, "%s: %llu bytes, but the device binds at most %u; import fewer", name,
-                        (unsigned long long)range->size,
-                        rt->properties.limits.maxStorageBufferRange);
+    if (range->size > rt->core.limits.storage_bytes)
+        return dt_error(
+            &rt->core, "%s: %llu bytes, but the device binds at most %llu; import fewer", name,
+            (unsigned long long)range->size, (unsigned long long)rt->core.limits.storage_bytes);
     *buffer = (struct vk_buffer){
         .name = name, .handle = range->buffer, .offset = range->offset, .size = range->size};
     return true;
@@ -155,9 +146,7 @@ static bool import_buffer(const struct vk_runtime *rt, struct vk_buffer *buffer,
 /* One white texel in place of the textures that the host has not. */
 static bool create_white(struct vk_runtime *rt)
 {
-    struct vk_image *image = &rt->builtin.textures;
-    struct vk_slot_user user = {.image = image};
-    struct vk_image_info info = {
+    const struct vk_image_info info = {
         .name = "no textures",
         .format = DT_FORMAT_RGBA8_SRGB,
         .usage = VK_IMAGE_USAGE_SAMPLED_BIT,
@@ -167,138 +156,175 @@ static bool create_white(struct vk_runtime *rt)
         .mips = 1,
         .layered = true,
     };
-    return dt_vk_image_create(rt, image, &info) && dt_vk_slot_bind(rt, &rt->texture_slot, &user, 1);
-}
-
-static bool import_textures(struct vk_runtime *rt, VkImageView textures)
-{
-    struct vk_sampler_info sampler = {
-        .name = "scene_textures",
-        .filter = VK_FILTER_LINEAR,
-        .mip_filter = VK_SAMPLER_MIPMAP_MODE_LINEAR,
-        .wrap = VK_SAMPLER_ADDRESS_MODE_REPEAT,
-        .anisotropy = 1,
-    };
-    if (!rt->builtin.texture_sampler &&
-        !dt_vk_sampler_create(rt, &rt->builtin.texture_sampler, &sampler))
-        return false;
-    if (!textures)
-        return create_white(rt);
-    rt->builtin.textures = (struct vk_image){
-        .name = "scene_textures", .view = textures, .layered = true, .imported = true};
-    return true;
+    return vk_image_create_own(rt, &rt->builtin.textures, &info);
 }
 
 bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
 {
     struct vk_builtin *builtin = &rt->builtin;
-    const struct dt_vk_range *indices = &scene->indices;
-    rt->sized = false; /* descriptors point at the former scene until the next resize */
     release_scene(rt);
-    if (!scene->index_count || scene->index_count % 3)
-        return vk_error(rt, "import_scene: %u indices, but triangles have three each",
-                        scene->index_count);
-    if (!import_buffer(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
+    if (!dt_front_import_scene(&rt->core, scene->index_count) ||
+        !import_buffer(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
                        sizeof(struct dt_vertex)) ||
-        !import_buffer(rt, &builtin->indices, "scene_indices", indices,
+        !import_buffer(rt, &builtin->indices, "scene_indices", &scene->indices,
                        (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
         !import_buffer(rt, &builtin->materials, "scene_materials", &scene->materials,
-                       DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
-        !import_textures(rt, scene->textures))
+                       DT_MAX_MATERIALS * sizeof(struct dt_material)))
         return false;
     builtin->materials.size =
         DT_MAX_MATERIALS * sizeof(struct dt_material); /* as a uniform block */
+    if (scene->textures)
+        builtin->textures = (struct vk_image){
+            .name = "scene_textures", .view = scene->textures, .layered = true, .imported = true};
+    else if (!create_white(rt))
+        return false;
     rt->index_count = scene->index_count;
-    rt->has_scene = true;
+    rt->core.has_scene = true;
     return true;
 }
 
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image)
 {
-    const struct dt_pipeline *pipeline = rt->panel ? rt->panel->pipeline : NULL;
-    if (!pipeline || resource >= pipeline->resource_count ||
-        pipeline->resources[resource].kind != DT_IMAGE)
-        return vk_error(rt, "import_image: the pipeline has no image %u; create comes first",
-                        resource);
-    const char *name = pipeline->resources[resource].name;
-    uint32_t at = 0;
-    while (at < rt->import_count && strcmp(rt->imports[at].name, name) != 0)
-        at++;
-    rt->sized = false; /* until the next resize */
-    if (!image->image) {
-        if (at < rt->import_count)
-            rt->imports[at] = rt->imports[--rt->import_count];
-        return true;
-    }
-    if (at == VK_MAX_IMPORTS)
-        return vk_error(rt, "import_image %s: %d are imported already; take one back", name, at);
-    rt->imports[at] = (struct vk_import){.name = name, .given = *image};
-    if (at == rt->import_count)
-        rt->import_count++;
+    if (!dt_front_import(&rt->core, resource))
+        return false;
+    rt->imports[resource] = *image;
     return true;
 }
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-bool dt_vk_create(struct vk_runtime *rt, const struct dt_panel *panel)
+bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders)
 {
-    if (strcmp(panel->backend, "vk") != 0)
-        return vk_error(rt, "pipeline %s: the panel is for %s; give the one of NAME_vk.c",
-                        panel->pipeline->name, panel->backend);
-    rt->import_count = 0;
-    return vk_panel_create(rt, panel);
+    return dt_front_create(&rt->core, shaders);
 }
 
 bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
 {
+    /* Of the white texel: as far as anybody has seen it executed. */
+    rt->builtin.textures.layout = VK_IMAGE_LAYOUT_UNDEFINED;
+    return dt_front_resize(&rt->core, width, height);
+}
+
+/* Commands write the uniform blocks, so that frames before this one keep theirs until they are done. */
+static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *buffer,
+                          VkDeviceSize offset, const void *data, VkDeviceSize size)
+{
+    const VkDeviceSize most = 65536; /* in one vkCmdUpdateBuffer */
+    for (VkDeviceSize at = 0; at < size; at += most)
+        rt->vk.CmdUpdateBuffer(rt->frame_commands, buffer->handle, offset + at,
+                               size - at < most ? size - at : most, (const char *)data + at);
+}
+
+static void write_uniforms(const struct vk_runtime *rt, const struct dt_frame *frame,
+                           const void *live)
+{
+    const struct dt_pipeline *pipeline = rt->core.pipeline;
+    const struct dt_frame block = dt_front_frame(&rt->core, frame);
+    uint32_t size = pipeline->live_size; /* behind it stands what a frame cannot change */
+    write_uniform(rt, &rt->builtin.frame, 0, &block, sizeof block);
+    write_uniform(rt, &rt->builtin.live, 0, live ? live : pipeline->live_defaults, size);
+    write_uniform(rt, &rt->builtin.live, size, (const char *)pipeline->live_defaults + size,
+                  pipeline->block_size - size);
+}
+
+static void clear(const struct vk_runtime *rt, struct vk_image *image, float value,
+                  VkImageLayout layout)
+{
+    VkImageSubresourceRange range = {image->aspect, 0, image->mips, 0, image->layers};
+    VkClearDepthStencilValue depth = {.depth = value};
+    VkClearColorValue color = {.float32 = {value, value, value, value}};
+    vk_transition(rt, rt->frame_commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    if (image->aspect & VK_IMAGE_ASPECT_DEPTH_BIT)
+        rt->vk.CmdClearDepthStencilImage(rt->frame_commands, image->handle, image->layout, &depth,
+                                         1, &range);
+    else
+        rt->vk.CmdClearColorImage(rt->frame_commands, image->handle, image->layout, &color, 1,
+                                  &range);
+    vk_transition(rt, rt->frame_commands, image, layout);
+}
+
+/* First content, which commands of the first frame after resize give. */
+static void fill_now(struct vk_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->core.pipeline;
     struct vk_image *textures = &rt->builtin.textures;
-    rt->fill_count = 0;
-    if (!vk_panel_resize(rt, width, height))
-        return false;
-    if (textures->imported || !textures->handle)
-        return true;
-    textures->layout = VK_IMAGE_LAYOUT_UNDEFINED; /* as far as anybody has seen it executed */
-    return vk_fill_later(rt, &(struct vk_fill){.user = {.image = textures},
-                                               .value = 1,
-                                               .layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL});
+    for (uint32_t i = 0; rt->fills && i < pipeline->resource_count; i++) {
+        struct vk_resource *resource = vk_resource_at(rt, i);
+        if (!pipeline->resources[i].history || resource->image.imported)
+            continue;
+        if (resource->image.handle)
+            clear(rt, &resource->image, 0, VK_IMAGE_LAYOUT_GENERAL);
+        else
+            rt->vk.CmdFillBuffer(rt->frame_commands, resource->buffer.handle, 0, VK_WHOLE_SIZE, 0);
+    }
+    rt->fills = false;
+    if (textures->handle && textures->layout == VK_IMAGE_LAYOUT_UNDEFINED)
+        clear(rt, textures, 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
+}
+
+/* Images come in the layout that the host left them in. What keeps history is expected in the general one,
+ * as resize and the frame before leave it. */
+static void take_imports(struct vk_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->core.pipeline;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        struct vk_image *image = &vk_resource_at(rt, i)->image;
+        if (!rt->imports[i].image)
+            continue;
+        image->layout = rt->imports[i].layout_before;
+        if (pipeline->resources[i].history && image->layout != VK_IMAGE_LAYOUT_GENERAL)
+            vk_transition(rt, rt->frame_commands, image, VK_IMAGE_LAYOUT_GENERAL);
+    }
+}
+
+/* After the first barrier frames before this one are done with resources and blocks; the second one is
+ * what first uses in the pipeline wait for. */
+static bool record(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+{
+    const struct dt_pipeline *pipeline = rt->core.pipeline;
+    VkCommandBuffer commands = rt->frame_commands;
+    vk_full_barrier(rt, commands);
+    take_imports(rt);
+    write_uniforms(rt, frame, live);
+    fill_now(rt);
+    if (rt->core.timing)
+        rt->vk.CmdResetQueryPool(commands, rt->queries, 0, 2 * pipeline->pass_count);
+    vk_full_barrier(rt, commands);
+    bool good = dt_front_record(&rt->core, live ? live : pipeline->live_defaults);
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        if (rt->imports[i].image && rt->imports[i].layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
+            vk_transition(rt, commands, &vk_resource_at(rt, i)->image, rt->imports[i].layout_after);
+    vk_full_barrier(rt, commands);
+    return good;
 }
 
 bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live)
 {
-    if (!rt->sized)
-        return vk_error(rt, "record: the pipeline has no resources; resize comes first, also after "
-                            "an import and after a record that failed");
-    rt->rendered =
-        vk_frame_record(rt, commands, frame, live ? live : rt->panel->pipeline->live_defaults);
-    rt->sized = rt->rendered; /* else layouts as recorded may never come about */
-    return rt->rendered;
+    if (!dt_front_ready(&rt->core, "record"))
+        return false;
+    rt->frame_commands = commands;
+    rt->core.rendered = record(rt, frame, live);
+    rt->core.sized = rt->core.rendered; /* else layouts as recorded may never come about */
+    return rt->core.rendered;
 }
 
 bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
 {
+    struct dt_bytes shape;
     *out = (struct dt_vk_resource){0};
-    if (!rt->width || resource >= rt->panel->pipeline->resource_count)
-        return vk_error(rt, "resource %u: there is none; resize comes first", resource);
-    if (rt->panel->pipeline->resources[resource].kind == DT_BUFFER) {
-        const struct vk_buffer *buffer = rt->panel->resource(rt->state, resource);
-        out->buffer = buffer->handle;
-        return true;
-    }
-    const struct vk_image *image = rt->panel->resource(rt->state, resource);
-    *out = (struct dt_vk_resource){.image = image->handle,
-                                   .view = image->view,
-                                   .format = image->format,
-                                   .layout = image->layout};
+    if (!dt_front_find(&rt->core, "resource", resource, 0, &shape))
+        return false;
+    const struct vk_resource *found = vk_resource_at(rt, resource);
+    *out = (struct dt_vk_resource){.buffer = found->buffer.handle,
+                                   .image = found->image.handle,
+                                   .view = found->image.view,
+                                   .format = found->image.format,
+                                   .layout = found->image.layout};
     return true;
 }
 
 bool dt_vk_timings(struct vk_runtime *rt, double *pass_ms)
 {
-    if (!rt->timing || !rt->rendered)
-        return vk_error(rt, "timings: none; open with timing and record a frame first");
-    if (!vk_frame_timings(rt))
-        return false;
-    memcpy(pass_ms, rt->pass_ms, rt->panel->pipeline->pass_count * sizeof *pass_ms);
-    return true;
+    return dt_front_timings(&rt->core, pass_ms);
 }

@@ -3,34 +3,58 @@
 #ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
 #define DIPTYCH_RUNTIME_VK_INTERNAL_H
 
-#include "arena.h"
 #include "diptych_vk.h"
 #include "dispatch.h"
-#include "runtime.h"
+#include "front.h"
 
-enum {
-    VK_MAX_SLOTS = 64, /* lines in one descriptor set layout */
-    VK_MAX_IMPORTS = 16
+/* ---- What everything is made of -------------------------------------------------------------- */
+
+struct vk_buffer {
+    const char *name;
+    VkBuffer handle;
+    VkDeviceSize offset; /* bytes; 0 but for a host's */
+    VkDeviceSize size;   /* bytes, at least 16 */
+    VkDeviceSize block;  /* bytes bound as a uniform block, where that is more than size; else 0 */
+    VkDeviceMemory memory; /* its own; null: a slot's or a host's */
+    void *bytes;           /* its own memory, mapped for as long as it lives; NULL: it is not */
 };
 
-/* Memory that the host sees, mapped for as long as it lives. */
-struct vk_mapped {
-    VkDeviceMemory memory;
-    void *bytes;
+struct vk_image {
+    const char *name;
+    VkImage handle;
+    VkFormat format;
+    enum dt_format texel;
+    VkImageAspectFlags aspect;
+    uint32_t width, height, layers, mips;
+    bool layered;
+    bool imported;                      /* handle and memory are a host's */
+    VkDeviceMemory memory;              /* its own; null: a slot's or a host's */
+    VkImageLayout layout;               /* as of the commands recorded so far */
+    VkImageView view;                   /* all mips, all layers */
+    VkImageView mip_views[DT_MAX_MIPS]; /* one mip, all layers */
 };
 
-/* An image of the host in place of a resource. */
-struct vk_import {
-    const char *name; /* of the resource */
-    struct dt_vk_image given;
-    struct vk_image *image; /* as which passes know it; NULL: not since resize */
+/* Of dt_core's array: one of the two, the other one is zero. */
+struct vk_resource {
+    struct vk_buffer buffer;
+    struct vk_image image;
 };
 
-/* First content that a host's command buffer gives, since there is none of ours. */
-struct vk_fill {
-    struct vk_slot_user user;
-    float value;          /* images: of every component */
-    VkImageLayout layout; /* images: afterwards */
+struct vk_program {
+    VkPipeline pipeline;
+    VkPipelineLayout layout;
+    VkDescriptorSetLayout set_layout;
+    VkDescriptorPool pool;
+    VkDescriptorSet set;
+};
+
+/* What the runtime brings along. */
+struct vk_builtin {
+    struct vk_buffer frame, live; /* uniform blocks */
+    struct vk_buffer vertices, indices, materials;
+    struct vk_image textures;
+    VkSampler texture_sampler; /* trilinear, repeat */
+    VkSampler texel_sampler;   /* for texelFetch, which filters nothing */
 };
 
 enum { VK_MAX_WINDOW_IMAGES = 8 };
@@ -49,35 +73,16 @@ struct vk_present {
     VkFence acquired;
     VkSampler samplers[2]; /* filtered, not filtered */
     struct vk_buffer vertices;
-    struct vk_mapped vertex_memory;
     struct vk_image textures[DT_WINDOW_TEXTURES];
-    struct vk_slot texture_slots[DT_WINDOW_TEXTURES];
     struct vk_program programs[DT_WINDOW_TEXTURES]; /* alike but for what is bound */
 };
 
-/* frame.c: what the commands recorded so far have set for draws; zero: nothing yet. */
-struct vk_bound {
-    VkExtent2D area; /* viewport and scissor */
-    bool vertices;   /* the scene's */
-    VkBuffer indices;
-    VkDeviceSize index_offset;
-};
-
-/* program.c: programs of a panel that is being replaced, for the one that follows. */
-struct vk_spare {
-    bool keeps; /* what is destroyed comes here */
-    struct vk_program *programs;
-    uint32_t count;
-};
-
 struct vk_runtime {
-    struct dt_log log;
-    bool debug, timing;
-    int poison;
+    struct dt_core core;       /* first: the front knows the runtime as this */
+    struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds what the app needs */
+    bool debug;
     uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
     uint32_t drop_dependency; /* of the one that waits for nothing */
-    uint32_t messages;
-    bool lost; /* a call has said that the device is */
 
     /* context.c */
     struct vk_dispatch vk;
@@ -91,7 +96,6 @@ struct vk_runtime {
     uint32_t queue_family, timestamp_bits;
     VkQueue queue;
     VkCommandPool command_pool;
-    struct vk_arena command_memory;
     VkCommandBuffer frame_commands, immediate_commands;
     VkFence fence;
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label; /* these three only with debug */
@@ -99,60 +103,40 @@ struct vk_runtime {
     PFN_vkSetDebugUtilsObjectNameEXT set_name;
 
     struct vk_present present;
-
-    /* resources.c: copies to and from the device pass through here; grows on demand */
-    struct vk_buffer staging;
-    struct vk_mapped staging_memory;
-
-    /* scene.c, frame.c */
+    struct vk_buffer staging; /* copies to and from the device pass through; grows on demand */
     struct vk_builtin builtin;
-    struct vk_mapped frame_memory, live_memory;
-    struct vk_slot vertex_slot, index_slot, material_slot, texture_slot;
-    uint32_t index_count;
-    bool has_scene;
+    uint32_t index_count; /* of the scene */
 
-    /* runtime.c */
-    const struct dt_panel *panel;
-    void *state;
-    struct vk_spare spare;
-    uint32_t width, height; /* 0: the panel has no resources */
-    bool sized; /* the panel's resources exist and its descriptors point at the present scene */
+    /* panel.c: of the pipeline */
+    VkDeviceMemory *slots;
+    struct dt_vk_image *imports; /* one per resource; image null: there is none */
+    VkQueryPool queries;         /* two per pass */
 
-    /* host.c */
-    bool hosted; /* device and command buffers are a host's: nothing is submitted or waited for */
-    struct vk_import imports[VK_MAX_IMPORTS];
-    uint32_t import_count;
-    struct vk_fill *fills; /* that the next frame begins with */
-    uint32_t fill_count, fill_capacity;
-    struct vk_slot frame_slot, live_slot; /* of the uniform blocks, which commands write */
-
-    /* frame.c */
-    const struct dt_observer *observer; /* during render */
-    bool failed;   /* a recording verb without result has logged an error in this frame */
-    uint32_t pass; /* as of the last dt_vk_pass_begin, as the next */
-    bool skips;    /* the pass does nothing but its barriers */
-    struct vk_bound bound;
-    uint32_t barriers;   /* recorded so far in this frame */
-    VkQueryPool queries; /* two per pass */
-    bool *pass_runs;     /* pass_count of them, as the next two */
-    double *pass_ms;
-    double record_ms; /* CPU time of recording the last frame; NAN with an observer */
-    bool rendered;
+    /* Of a frame. */
+    uint32_t barriers; /* recorded so far */
+    double record_ms;  /* CPU time of recording the last one; NAN with an observer */
+    bool fills;        /* the next one of a host begins with the first content of resources */
 };
 
-/* ---- Errors ---------------------------------------------------------------------------------- */
+static inline struct vk_runtime *vk_runtime_of(struct dt_core *core)
+{
+    return (struct vk_runtime *)core;
+}
 
-void vk_info(const struct vk_runtime *rt, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+static inline struct vk_resource *vk_resource_at(const struct vk_runtime *rt, uint32_t resource)
+{
+    return dt_resource(&rt->core, resource);
+}
 
-/* Logs one DT_ERROR and returns false. */
-bool vk_error(const struct vk_runtime *rt, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+/* ---- Errors (errors.c); dt_error says what Vulkan does not ------------------------------------ */
 
 /* True for VK_SUCCESS; else logs "vkFunction(name): VK_ERROR_...: what to do". `call` is the
  * text of the call. */
 bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const char *name);
 #define VK(rt, call, name) vk_check(rt, call, #call, name)
+
+/* Names a handle in messages of the validation layers; does nothing without debug. */
+void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name);
 
 /* ---- Device (device.c) ----------------------------------------------------------------------- */
 
@@ -173,7 +157,7 @@ bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, cha
 /* The first queue family with graphics and compute; UINT32_MAX: there is none. */
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
-/* Makes it the runtime's. */
+/* Makes it the runtime's, with its name and limits. */
 void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
 
 /* ---- Context (context.c) --------------------------------------------------------------------- */
@@ -182,30 +166,81 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
 bool vk_context_open(struct vk_runtime *rt, const char *device, bool window);
 void vk_context_close(struct vk_runtime *rt); /* takes what a failed open left behind */
 
-/* Names a handle in messages of the validation layers; does nothing without debug. */
-void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name);
+/* ---- Resources (resources.c) ------------------------------------------------------------------ */
 
-/* ---- Resources (resources.c) ----------------------------------------------------------------- */
+VkFormat vk_format(enum dt_format format);
+VkImageLayout vk_layout(unsigned layout); /* enum dt_layout */
 
-/* A buffer in host-visible, coherent memory. */
-bool vk_mapped_create(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
-                      const struct vk_buffer_info *info);
-void vk_mapped_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped);
+/* All destroy functions take zeroed structs, and zero them. */
+struct vk_buffer_info {
+    const char *name;
+    VkDeviceSize size;        /* bytes; raised to 16 */
+    VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: as many */
+    VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
+};
+bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
+                      const struct vk_buffer_info *info); /* without memory */
+/* The same with memory of its own: the device's, or mapped, which the host sees. */
+bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
+                          const struct vk_buffer_info *info, bool mapped);
+void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer);
+
+struct vk_image_info {
+    const char *name;
+    enum dt_format format;
+    VkImageUsageFlags usage; /* TRANSFER_SRC and _DST are added */
+    uint32_t width, height, layers, mips;
+    bool layered;
+    const struct dt_vk_image *import; /* a host's that takes the place; NULL: none */
+};
+bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
+                     const struct vk_image_info *info); /* without memory and views */
+bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
+                         const struct vk_image_info *info); /* with both */
+void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);
+
+/* Memory of a slot, in device memory where there is some; `name` is the one to blame. */
+bool vk_memory_create(struct vk_runtime *rt, VkDeviceMemory *memory,
+                      const VkMemoryRequirements *needs, const char *name);
+/* Binds memory to it, unless a host did, and makes an image's views. */
+bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceMemory memory);
+bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory);
+
+bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info);
+void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
 
 /* At least `size` bytes of staging memory; NULL after an error that names `name`. Undoes earlier
  * pointers. */
 void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name);
 
-uint32_t vk_texel_size(enum dt_format format); /* bytes */
+/* Sets every byte, at once. */
+bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int byte);
+bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte);
 
-/* A uniform block: mapped, or in device memory for a host, where commands write it. */
-bool vk_uniform_create(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
-                       struct vk_slot *slot, const struct vk_buffer_info *info);
-void vk_uniform_destroy(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_mapped *mapped,
-                        struct vk_slot *slot);
+/* ---- Programs (program.c) -------------------------------------------------------------------- */
 
-/* Notes down first content; of image or buffer that is not of an import. */
-bool vk_fill_later(struct vk_runtime *rt, const struct vk_fill *fill);
+struct vk_program_info {
+    const char *name;
+    const struct dt_stages *stages;
+    const struct dt_program *state; /* all but its targets */
+    VkFormat color_formats[DT_MAX_COLOR_TARGETS];
+    VkFormat depth_format; /* VK_FORMAT_UNDEFINED: no depth attachment */
+    bool scene_vertices;   /* attributes of struct dt_vertex at locations 0 to 3; else none */
+    bool blend_over;       /* by the source's alpha; leaves the target's alone */
+};
+bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
+                       const struct vk_program_info *info);
+void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
+
+/* What stands at one binding: a buffer, or an image with or without sampler. */
+struct vk_descriptor {
+    VkDescriptorBufferInfo buffer;
+    VkDescriptorImageInfo image;
+};
+/* All bindings of the program in one call, never while recording. */
+void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *program,
+                     const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
+                     uint32_t count);
 
 /* ---- Commands (frame.c) ---------------------------------------------------------------------- */
 
@@ -224,52 +259,40 @@ void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands);
 void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
                    VkImageLayout layout);
 
-bool vk_frame_create(struct vk_runtime *rt); /* for rt->panel */
-void vk_frame_destroy(struct vk_runtime *rt);
-bool vk_frame_render(struct vk_runtime *rt, const struct dt_frame *frame, const void *live);
+/* Of struct dt_backend. */
+bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
+bool vk_frame_pause(struct dt_core *core);
+bool vk_frame_resume(struct dt_core *core);
+bool vk_frame_timings(struct dt_core *core, double *pass_ms);
 
-/* Records the frame into a command buffer of the host. */
-bool vk_frame_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
-                     const void *live);
-/* Of the last frame, into rt->pass_ms. */
-bool vk_frame_timings(struct vk_runtime *rt);
+/* ---- The pipeline (panel.c, verbs.c) --------------------------------------------------------- */
 
-/* ---- The pipeline (panel.c) ------------------------------------------------------------------ */
+extern const struct dt_backend vk_backend; /* of what both the app and other programs use */
+extern const struct dt_verbs vk_verbs;
+extern const struct dt_runtime runtime_vk; /* runtime.c */
 
-void vk_programs_forget(struct vk_runtime *rt); /* the spare ones; program.c */
-bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel);
-bool vk_panel_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
-void vk_panel_destroy(struct vk_runtime *rt);
+bool vk_builtin_create(struct vk_runtime *rt); /* all but live block and scene */
+void vk_builtin_destroy(struct vk_runtime *rt);
 
-/* ---- Read-back and its inverse (readback.c), scene (scene.c) --------------------------------- */
+/* ---- For the app: read-back (readback.c), scene (scene.c), the window (present.c) ------------- */
 
-/* Size and extent of one mip; no data. */
-struct dt_bytes vk_image_shape(const struct vk_image *image, uint32_t mip);
+/* Of struct dt_backend. */
+bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
+bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
+bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene);
+bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
+bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
+                      const uint8_t *pixels);
+bool vk_present(struct dt_core *core, const struct dt_window_frame *frame);
 
-/* Size and extent are given, here and in `out`, whose data these allocate. */
-bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struct dt_bytes *out);
-bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
-                   struct dt_bytes *out);
-bool vk_write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
-                     const struct dt_bytes *bytes);
-bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
-                    const struct dt_bytes *bytes);
-
-/* ---- The window (present.c) ------------------------------------------------------------------ */
+void vk_scene_destroy(struct vk_runtime *rt);
 
 bool vk_window_open(struct vk_runtime *rt); /* before the instance */
 /* The instance extensions that surfaces need. */
 const char *const *vk_window_extensions(uint32_t *count);
 bool vk_window_surface(struct vk_runtime *rt); /* after the instance; also when it was lost */
 bool vk_window_can_present(const struct vk_runtime *rt, VkPhysicalDevice physical, uint32_t family);
-bool vk_window_copy(struct vk_runtime *rt, uint32_t texture, struct vk_image *image);
-bool vk_window_upload(struct vk_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
-                      const uint8_t *pixels);
-bool vk_present(struct vk_runtime *rt, const struct dt_window_frame *frame);
 void vk_present_destroy(struct vk_runtime *rt); /* before the device */
 void vk_window_close(struct vk_runtime *rt);    /* after it, before the instance */
-
-bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene);
-void vk_scene_destroy(struct vk_runtime *rt);
 
 #endif

@@ -1,86 +1,347 @@
-/* The pipeline that a runtime holds, from create to destroy. Called by runtime.c for the app and by
- * host.c for other programs. */
+/* A pipeline's tables as Vulkan objects: samplers, programs with their descriptor sets, resources and
+ * the memory that they share; and what the runtime brings along. Called by the front through
+ * vk_backend. */
 #include "internal.h"
 
 #include <stdlib.h>
 
-/* No frame of the pipeline is on its way: a host has promised it, a runtime with a device of its own
- * waits. A lost device reports it here, and may be torn down all the same. */
-static VkResult come_to_rest(const struct vk_runtime *rt)
+/* ---- What the runtime brings along ----------------------------------------------------------- */
+
+/* Mapped, or in device memory for a host, where commands write it. */
+static bool create_uniform(struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
+                           VkDeviceSize size)
 {
-    return rt->hosted ? VK_SUCCESS : rt->vk.DeviceWaitIdle(rt->device);
+    const struct vk_buffer_info info = {
+        .name = name, .size = size, .usage = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
+    return vk_buffer_create_own(rt, buffer, &info, !rt->core.hosted);
 }
 
-void vk_panel_destroy(struct vk_runtime *rt)
+bool vk_builtin_create(struct vk_runtime *rt)
 {
-    if (!rt->panel)
-        return;
-    come_to_rest(rt);
-    rt->panel->destroy(rt, rt->state);
-    vk_frame_destroy(rt);
-    free(rt->state);
-    rt->state = NULL;
-    rt->panel = NULL;
-    rt->width = rt->height = 0;
-    rt->sized = false;
+    static const struct dt_sampler texel = {.name = "texel", .anisotropy = 1};
+    static const struct dt_sampler textures = {.name = "scene_textures",
+                                               .linear = true,
+                                               .linear_mip = true,
+                                               .wrap = DT_WRAP_REPEAT,
+                                               .anisotropy = 1};
+    struct vk_builtin *builtin = &rt->builtin;
+    return create_uniform(rt, &builtin->frame, "frame", sizeof(struct dt_frame)) &&
+           vk_sampler_create(rt, &builtin->texel_sampler, &texel) &&
+           vk_sampler_create(rt, &builtin->texture_sampler, &textures);
 }
 
-static bool create(struct vk_runtime *rt, const struct dt_panel *panel)
+void vk_builtin_destroy(struct vk_runtime *rt)
 {
-    if (!vk_device_suits_panel(rt, panel))
-        return false;
-    rt->state = calloc(1, panel->state_size ? panel->state_size : 1);
-    if (!rt->state)
-        return vk_error(rt, "pipeline %s: out of memory; free some", panel->pipeline->name);
-    rt->panel = panel;
-    if (vk_frame_create(rt) && panel->create(rt, rt->state))
-        return true;
-    vk_panel_destroy(rt);
-    return false;
+    vk_buffer_destroy(rt, &rt->builtin.frame);
+    vk_sampler_destroy(rt, &rt->builtin.texel_sampler);
+    vk_sampler_destroy(rt, &rt->builtin.texture_sampler);
 }
 
-/* An edit leaves most programs as they are, so these go from the panel before to the new one. */
-bool vk_panel_create(struct vk_runtime *rt, const struct dt_panel *panel)
+/* ---- The panel ------------------------------------------------------------------------------- */
+
+/* No frame is on its way: a host has promised it, a runtime with a device of its own waits. */
+static bool rest(struct dt_core *core, const char *verb)
 {
-    rt->spare.keeps = true;
-    vk_panel_destroy(rt);
-    rt->spare.keeps = false;
-    bool good = create(rt, panel);
-    vk_programs_forget(rt);
+    struct vk_runtime *rt = vk_runtime_of(core);
+    return core->hosted || VK(rt, rt->vk.DeviceWaitIdle(rt->device), verb);
+}
+
+static bool begin_panel(struct dt_core *core)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    const struct dt_pipeline *pipeline = core->pipeline;
+    VkQueryPoolCreateInfo queries = {
+        .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+        .queryType = VK_QUERY_TYPE_TIMESTAMP,
+        .queryCount = 2 * pipeline->pass_count,
+    };
+    rt->slots = calloc(core->panel->slot_count + 1, sizeof *rt->slots);
+    rt->imports = calloc(pipeline->resource_count + 1, sizeof *rt->imports);
+    if (!rt->slots || !rt->imports)
+        return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
+    return vk_device_suits_panel(rt, core->panel) &&
+           create_uniform(rt, &rt->builtin.live, "live", pipeline->block_size) &&
+           (!core->timing ||
+            VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, NULL, &rt->queries),
+               pipeline->name));
+}
+
+static void end_panel(struct dt_core *core)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    vk_buffer_destroy(rt, &rt->builtin.live);
+    rt->vk.DestroyQueryPool(rt->device, rt->queries, NULL);
+    free(rt->slots);
+    free(rt->imports);
+    rt->queries = VK_NULL_HANDLE;
+    rt->slots = NULL;
+    rt->imports = NULL;
+}
+
+/* ---- Samplers and programs ------------------------------------------------------------------- */
+
+static bool create_sampler(struct dt_core *core, void *sampler, const struct dt_sampler *info)
+{
+    return vk_sampler_create(vk_runtime_of(core), sampler, info);
+}
+
+static void destroy_sampler(struct dt_core *core, void *sampler)
+{
+    vk_sampler_destroy(vk_runtime_of(core), sampler);
+}
+
+static VkFormat format_of(const struct dt_core *core, const struct dt_target *target)
+{
+    return vk_format(core->pipeline->resources[target->resource].format);
+}
+
+static bool create_program(struct dt_core *core, void *program, uint32_t pass)
+{
+    const struct dt_program *state = &core->panel->programs[pass];
+    struct vk_program_info info = {
+        .name = core->pipeline->passes[pass].name,
+        .stages = &core->shaders->stages[pass],
+        .state = state,
+        .depth_format = state->depth ? format_of(core, state->depth) : VK_FORMAT_UNDEFINED,
+        .scene_vertices = core->pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE,
+    };
+    for (uint32_t i = 0; i < state->color_count; i++)
+        info.color_formats[i] = format_of(core, &state->colors[i]);
+    return vk_program_create(vk_runtime_of(core), program, &info);
+}
+
+static void destroy_program(struct dt_core *core, void *program)
+{
+    vk_program_destroy(vk_runtime_of(core), program);
+}
+
+static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
+{
+    const struct vk_program *adopted = program;
+    vk_set_name(vk_runtime_of(core), VK_OBJECT_TYPE_PIPELINE, (uint64_t)adopted->pipeline,
+                core->pipeline->passes[pass].name);
+}
+
+/* ---- Resources ------------------------------------------------------------------------------- */
+
+static VkBufferUsageFlags buffer_usage(unsigned usage)
+{
+    VkBufferUsageFlags flags = 0;
+    flags |= usage & DT_READ_UNIFORM ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : 0;
+    flags |= usage & DT_READ_INDIRECT ? VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT : 0;
+    flags |= usage & DT_READ_INDEX ? VK_BUFFER_USAGE_INDEX_BUFFER_BIT : 0;
+    return usage & (DT_READ_STORAGE | DT_WRITE_STORAGE) || !flags
+               ? flags | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT
+               : flags;
+}
+
+static VkImageUsageFlags image_usage(unsigned usage)
+{
+    const unsigned storage = DT_READ_STORAGE | DT_WRITE_STORAGE;
+    VkImageUsageFlags flags = 0;
+    flags |= usage & storage ? VK_IMAGE_USAGE_STORAGE_BIT : 0;
+    flags |= usage & (DT_READ_COLOR | DT_WRITE_COLOR) ? VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT : 0;
+    flags |=
+        usage & (DT_READ_DEPTH | DT_WRITE_DEPTH) ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT : 0;
+    return usage & DT_READ_TEXTURE || !flags ? flags | VK_IMAGE_USAGE_SAMPLED_BIT : flags;
+}
+
+static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    const struct dt_resource *resource = &core->pipeline->resources[index];
+    const struct dt_storage *storage = &core->panel->storage[index];
+    if (resource->kind == DT_BUFFER) {
+        const struct vk_buffer_info info = {
+            .name = resource->name,
+            .size = (VkDeviceSize)extent[0] * resource->stride,
+            .block = storage->block,
+            .usage = buffer_usage(storage->usage),
+        };
+        return vk_buffer_create(rt, &vk_resource_at(rt, index)->buffer, &info);
+    }
+    const struct vk_image_info info = {
+        .name = resource->name,
+        .format = resource->format,
+        .usage = image_usage(storage->usage),
+        .width = extent[0],
+        .height = extent[1],
+        .layers = extent[2],
+        .mips = resource->mips,
+        .layered = resource->layered,
+        .import = rt->imports[index].image ? &rt->imports[index] : NULL,
+    };
+    return vk_image_create(rt, &vk_resource_at(rt, index)->image, &info);
+}
+
+static void destroy_resource(struct dt_core *core, uint32_t index)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    vk_buffer_destroy(rt, &vk_resource_at(rt, index)->buffer);
+    vk_image_destroy(rt, &vk_resource_at(rt, index)->image);
+}
+
+static void release_memory(struct dt_core *core)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    for (uint32_t i = 0; rt->slots && i < core->panel->slot_count; i++) {
+        rt->vk.FreeMemory(rt->device, rt->slots[i], NULL);
+        rt->slots[i] = VK_NULL_HANDLE;
+    }
+}
+
+static VkMemoryRequirements requirements(const struct vk_runtime *rt,
+                                         const struct vk_resource *resource)
+{
+    VkMemoryRequirements needs;
+    if (resource->image.handle)
+        rt->vk.GetImageMemoryRequirements(rt->device, resource->image.handle, &needs);
+    else
+        rt->vk.GetBufferMemoryRequirements(rt->device, resource->buffer.handle, &needs);
+    return needs;
+}
+
+/* What the largest of its resources needs, of a type that all of them take. */
+static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
+{
+    VkMemoryRequirements needs = {.memoryTypeBits = UINT32_MAX};
+    const char *name = NULL; /* the one to blame when there is not enough */
+    for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
+        const struct vk_resource *resource = vk_resource_at(rt, i);
+        if (rt->core.panel->storage[i].slot != slot || resource->image.imported)
+            continue; /* an import brings its memory along */
+        VkMemoryRequirements own = requirements(rt, resource);
+        needs.memoryTypeBits &= own.memoryTypeBits;
+        if (own.size > needs.size) {
+            needs.size = own.size;
+            name = rt->core.pipeline->resources[i].name;
+        }
+    }
+    return !name || vk_memory_create(rt, &rt->slots[slot], &needs, name);
+}
+
+/* All users of a slot lie at its start. */
+static bool place_resources(struct dt_core *core)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    bool good = true;
+    for (uint32_t slot = 0; good && slot < core->panel->slot_count; slot++)
+        good = allocate_slot(rt, slot);
+    for (uint32_t i = 0; good && i < core->pipeline->resource_count; i++) {
+        struct vk_resource *resource = vk_resource_at(rt, i);
+        VkDeviceMemory memory = rt->slots[core->panel->storage[i].slot];
+        good = resource->image.handle ? vk_image_bind(rt, &resource->image, memory)
+                                      : vk_buffer_bind(rt, &resource->buffer, memory);
+    }
     return good;
 }
 
-static bool lacks_scene(const struct vk_runtime *rt)
+static bool fill_resource(struct dt_core *core, uint32_t index)
 {
-    const struct dt_pipeline *pipeline = rt->panel->pipeline;
-    for (uint32_t i = 0; i < pipeline->pass_count && !rt->has_scene; i++)
-        if (pipeline->passes[i].uses_scene)
-            return true;
-    return false;
+    struct vk_runtime *rt = vk_runtime_of(core);
+    struct vk_resource *resource = vk_resource_at(rt, index);
+    bool history = core->pipeline->resources[index].history;
+    int byte = history ? 0 : core->poison;
+    if ((!history && !byte) || resource->image.imported)
+        return true;
+    rt->fills = core->hosted; /* nothing of a host's runs now: see fill_now in host.c */
+    if (rt->fills)
+        return true;
+    return resource->image.handle ? vk_image_fill(rt, &resource->image, byte)
+                                  : vk_buffer_fill(rt, &resource->buffer, byte);
 }
 
-bool vk_panel_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
+/* ---- What programs see ----------------------------------------------------------------------- */
+
+static const struct vk_buffer *find_buffer(const struct vk_runtime *rt, uint16_t resource)
 {
-    uint32_t limit = rt->properties.limits.maxImageDimension2D;
-    if (!rt->panel || lacks_scene(rt))
-        return vk_error(rt, "resize: no pipeline or no scene yet; create and %s come first",
-                        rt->hosted ? "import_scene" : "set_scene");
-    if (width < 1 || height < 1 || width > limit || height > limit)
-        return vk_error(rt, "frame of %ux%u: the device takes 1x1 to %ux%u; choose another --size",
-                        width, height, limit, limit);
-    rt->width = rt->height = 0;
-    rt->sized = false;
-    rt->rendered = false;
-    if (!vk_check(rt, come_to_rest(rt), "vkDeviceWaitIdle", "resize") ||
-        !rt->panel->resize(rt, rt->state, width, height))
-        return false;
-    rt->width = width;
-    rt->height = height;
-    rt->sized = true;
+    switch (resource) {
+    case DT_FRAME:
+        return &rt->builtin.frame;
+    case DT_LIVE:
+        return &rt->builtin.live;
+    case DT_SCENE_VERTICES:
+        return &rt->builtin.vertices;
+    case DT_SCENE_INDICES:
+        return &rt->builtin.indices;
+    case DT_SCENE_MATERIALS:
+        return &rt->builtin.materials;
+    default:
+        return &vk_resource_at(rt, resource)->buffer;
+    }
+}
+
+static VkDescriptorBufferInfo buffer_descriptor(const struct vk_runtime *rt,
+                                                const struct dt_binding *binding)
+{
+    const struct vk_buffer *buffer = find_buffer(rt, binding->resource);
+    bool block = binding->kind == DT_BIND_UNIFORM && buffer->block;
+    return (VkDescriptorBufferInfo){buffer->handle, buffer->offset,
+                                    block ? buffer->block : buffer->size};
+}
+
+static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
+                                              const struct dt_binding *binding)
+{
+    bool scene = binding->resource == DT_SCENE_TEXTURES;
+    const struct vk_image *image =
+        scene ? &rt->builtin.textures : &vk_resource_at(rt, binding->resource)->image;
+    VkDescriptorImageInfo info = {
+        .imageView =
+            scene || binding->mip == DT_ALL_MIPS ? image->view : image->mip_views[binding->mip],
+        .imageLayout = vk_layout(binding->layout),
+    };
+    if (scene)
+        info.sampler = rt->builtin.texture_sampler;
+    else if (binding->kind == DT_BIND_TEXTURE)
+        info.sampler = binding->sampler < 0
+                           ? rt->builtin.texel_sampler
+                           : *(VkSampler *)dt_sampler(&rt->core, (uint32_t)binding->sampler);
+    return info;
+}
+
+static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
+{
+    const struct vk_runtime *rt = vk_runtime_of(core);
+    const struct dt_program *state = &core->panel->programs[pass];
+    struct vk_descriptor descriptors[DT_MAX_BINDINGS];
+    for (uint32_t i = 0; i < state->binding_count; i++) {
+        const struct dt_binding *binding = &state->bindings[i];
+        if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE)
+            descriptors[i].buffer = buffer_descriptor(rt, binding);
+        else
+            descriptors[i].image = image_descriptor(rt, binding);
+    }
+    vk_program_bind(rt, program, state->bindings, descriptors, state->binding_count);
     return true;
 }
 
-const struct vk_builtin *dt_vk_builtin(const struct vk_runtime *rt)
+/* The next connection writes the set anew. */
+static void disconnect_program(struct dt_core *core, void *program)
 {
-    return &rt->builtin;
+    (void)core, (void)program;
 }
+
+const struct dt_backend vk_backend = {
+    .name = "vk",
+    .api = "Vulkan",
+    .resource_size = sizeof(struct vk_resource),
+    .program_size = sizeof(struct vk_program),
+    .sampler_size = sizeof(VkSampler),
+    .rest = rest,
+    .begin_panel = begin_panel,
+    .end_panel = end_panel,
+    .create_sampler = create_sampler,
+    .destroy_sampler = destroy_sampler,
+    .create_program = create_program,
+    .destroy_program = destroy_program,
+    .adopt_program = adopt_program,
+    .create_resource = create_resource,
+    .place_resources = place_resources,
+    .fill_resource = fill_resource,
+    .connect_program = connect_program,
+    .disconnect_program = disconnect_program,
+    .destroy_resource = destroy_resource,
+    .release_memory = release_memory,
+    .timings = vk_frame_timings,
+};

@@ -1,7 +1,7 @@
 /* Shows pictures and an overlay in a window: the surface and its swapchain, which are made anew
  * whenever the window changes, textures, filled from the pipeline's images or from memory, and
  * triangles that show them. The only place that turns pictures the window's way up is the
- * vertices', which count y from the top. Called by context.c and runtime.c. */
+ * vertices', which count y from the top. Called by context.c, runtime.c and the front. */
 #include "internal.h"
 
 #include <GLFW/glfw3.h>
@@ -16,7 +16,7 @@ static bool no_window(const struct vk_runtime *rt, const char *what)
 {
     const char *text = NULL;
     glfwGetError(&text);
-    return vk_error(rt, "%s: %s", what, text ? text : "GLFW does not say why");
+    return dt_error(&rt->core, "%s: %s", what, text ? text : "GLFW does not say why");
 }
 
 /* GLFW is one per process: the runtime that found it uninitialised terminates it, and must be
@@ -120,7 +120,8 @@ static bool choose_format(struct vk_runtime *rt, VkSurfaceFormatKHR *chosen)
             return true;
         }
     }
-    return vk_error(rt, "window: it takes no 8 bit RGBA; use --backend gl, or another --device");
+    return dt_error(&rt->core,
+                    "window: it takes no 8 bit RGBA; use --backend gl, or another --device");
 }
 
 static bool make_image(struct vk_runtime *rt, uint32_t index)
@@ -146,8 +147,9 @@ static bool take_images(struct vk_runtime *rt)
     if (!VK(rt, vkGetSwapchainImagesKHR(rt->device, present->swapchain, &count, NULL), "window"))
         return false;
     if (count > VK_MAX_WINDOW_IMAGES)
-        return vk_error(rt, "window: %u images, and at most %d were expected; use --backend gl",
-                        count, VK_MAX_WINDOW_IMAGES);
+        return dt_error(&rt->core,
+                        "window: %u images, and at most %d were expected; use --backend gl", count,
+                        VK_MAX_WINDOW_IMAGES);
     if (!VK(rt, vkGetSwapchainImagesKHR(rt->device, present->swapchain, &count, present->images),
             "window"))
         return false;
@@ -179,10 +181,10 @@ static bool renew(struct vk_runtime *rt, VkResult result)
     if (!vk_window_surface(rt))
         return false;
     return vk_window_can_present(rt, rt->physical, rt->queue_family) ||
-           vk_error(rt,
+           dt_error(&rt->core,
                     "window: it came back where %s cannot draw; start again, or with another "
                     "--device",
-                    rt->properties.deviceName);
+                    rt->core.device_name);
 }
 
 /* Leaves no swapchain where the window has no pixels. */
@@ -238,16 +240,15 @@ static struct vk_image *sized_texture(struct vk_runtime *rt, uint32_t texture, u
     static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
                                                           "picture 3"};
     if (texture >= DT_WINDOW_TEXTURES) {
-        vk_error(rt, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES, texture);
+        dt_error(&rt->core, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES,
+                 texture);
         return NULL;
     }
     struct vk_image *image = &rt->present.textures[texture];
-    struct vk_slot *slot = &rt->present.texture_slots[texture];
     if (image->handle && image->width == width && image->height == height)
         return image;
-    dt_vk_image_destroy(rt, image);
-    dt_vk_slot_destroy(rt, slot);
-    dt_vk_program_destroy(rt, &rt->present.programs[texture]); /* what it is bound to is gone */
+    vk_image_destroy(rt, image);
+    vk_program_destroy(rt, &rt->present.programs[texture]); /* what it is bound to is gone */
     const struct vk_image_info info = {.name = names[texture],
                                        .format = DT_FORMAT_RGBA8,
                                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT,
@@ -255,13 +256,13 @@ static struct vk_image *sized_texture(struct vk_runtime *rt, uint32_t texture, u
                                        .height = height,
                                        .layers = 1,
                                        .mips = 1};
-    const struct vk_slot_user user = {.image = image};
-    return dt_vk_image_create(rt, image, &info) && dt_vk_slot_bind(rt, slot, &user, 1) ? image
-                                                                                       : NULL;
+    return vk_image_create_own(rt, image, &info) ? image : NULL;
 }
 
-bool vk_window_copy(struct vk_runtime *rt, uint32_t texture, struct vk_image *image)
+bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
 {
+    struct vk_runtime *rt = vk_runtime_of(core);
+    struct vk_image *image = &vk_resource_at(rt, resource)->image;
     struct vk_image *to = sized_texture(rt, texture, image->width, image->height);
     VkCommandBuffer commands = to ? vk_immediate_begin(rt, to->name) : NULL;
     if (!commands)
@@ -281,9 +282,10 @@ bool vk_window_copy(struct vk_runtime *rt, uint32_t texture, struct vk_image *im
     return vk_immediate_end(rt, to->name);
 }
 
-bool vk_window_upload(struct vk_runtime *rt, uint32_t texture, uint32_t width, uint32_t height,
+bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels)
 {
+    struct vk_runtime *rt = vk_runtime_of(core);
     struct vk_image *to = sized_texture(rt, texture, width, height);
     void *staging = to ? vk_staging(rt, (VkDeviceSize)width * height * 4, to->name) : NULL;
     if (!staging)
@@ -306,52 +308,43 @@ bool vk_window_upload(struct vk_runtime *rt, uint32_t texture, uint32_t width, u
 
 static bool make_samplers(struct vk_runtime *rt)
 {
-    struct vk_present *present = &rt->present;
-    for (int i = 0; i < 2; i++) {
-        const struct vk_sampler_info info = {
-            .name = i ? "window picture" : "window overlay",
-            .filter = i ? VK_FILTER_NEAREST : VK_FILTER_LINEAR,
-            .mip_filter = VK_SAMPLER_MIPMAP_MODE_NEAREST,
-            .wrap = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-            .anisotropy = 1,
-        };
-        if (!present->samplers[i] && !dt_vk_sampler_create(rt, &present->samplers[i], &info))
+    static const struct dt_sampler infos[2] = {
+        {.name = "window overlay", .linear = true, .anisotropy = 1},
+        {.name = "window picture", .anisotropy = 1},
+    };
+    VkSampler *samplers = rt->present.samplers;
+    for (int i = 0; i < 2; i++)
+        if (!samplers[i] && !vk_sampler_create(rt, &samplers[i], &infos[i]))
             return false;
-    }
     return true;
 }
 
 static bool make_program(struct vk_runtime *rt, uint32_t texture)
 {
-    static const struct vk_binding_slot slots[] = {
-        {0, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER},
-        {1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER},
-    };
+    static const struct dt_stages stages = {.vertex = {window_vert, sizeof window_vert},
+                                            .fragment = {window_frag, sizeof window_frag}};
+    static const struct dt_binding bindings[] = {{.binding = 0, .kind = DT_BIND_STORAGE},
+                                                 {.binding = 1, .kind = DT_BIND_TEXTURE}};
+    static const struct dt_program state = {
+        .bindings = bindings, .binding_count = DT_ARRAY_COUNT(bindings), .color_count = 1};
     struct vk_present *present = &rt->present;
     struct vk_program *program = &present->programs[texture];
-    const struct vk_program_info info = {
-        .name = "window",
-        .vertex = {window_vert, sizeof window_vert},
-        .fragment = {window_frag, sizeof window_frag},
-        .slots = slots,
-        .slot_count = DT_ARRAY_COUNT(slots),
-        .color_formats = {present->format},
-        .color_count = 1,
-        .cull = VK_CULL_MODE_NONE,
-        .blend_over = true,
+    const struct vk_program_info info = {.name = "window",
+                                         .stages = &stages,
+                                         .state = &state,
+                                         .color_formats = {present->format},
+                                         .blend_over = true};
+    const struct vk_descriptor descriptors[] = {
+        {.buffer = {present->vertices.handle, 0, present->vertices.size}},
+        {.image = {present->samplers[texture != 0], present->textures[texture].view,
+                   VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}},
     };
-    const struct vk_binding bindings[] = {
-        {.binding = 0, .type = slots[0].type, .buffer = &present->vertices},
-        {.binding = 1,
-         .type = slots[1].type,
-         .image = &present->textures[texture],
-         .mip = VK_ALL_MIPS,
-         .layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-         .sampler = present->samplers[texture != 0]},
-    };
-    return program->pipeline ||
-           (dt_vk_program_create(rt, program, &info) &&
-            dt_vk_program_bind(rt, program, bindings, DT_ARRAY_COUNT(bindings)));
+    if (program->pipeline)
+        return true;
+    if (!vk_program_create(rt, program, &info))
+        return false;
+    vk_program_bind(rt, program, bindings, descriptors, DT_ARRAY_COUNT(descriptors));
+    return true;
 }
 
 /* All textures that hold something. */
@@ -371,10 +364,10 @@ static bool make_vertices(struct vk_runtime *rt, size_t size)
                                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT};
     if (present->vertices.handle && present->vertices.size >= size)
         return true;
-    vk_mapped_destroy(rt, &present->vertices, &present->vertex_memory);
+    vk_buffer_destroy(rt, &present->vertices);
     for (uint32_t i = 0; i < DT_WINDOW_TEXTURES; i++)
-        dt_vk_program_destroy(rt, &present->programs[i]);
-    return vk_mapped_create(rt, &present->vertices, &present->vertex_memory, &info);
+        vk_program_destroy(rt, &present->programs[i]);
+    return vk_buffer_create_own(rt, &present->vertices, &info, true);
 }
 
 /* From pixels counted from the top to clip space, whose y = -1 is the window's top row here. */
@@ -382,7 +375,7 @@ static bool upload_vertices(struct vk_runtime *rt, const struct dt_window_frame 
 {
     if (!make_vertices(rt, frame->vertex_count * sizeof *frame->vertices))
         return false;
-    struct dt_window_vertex *vertices = rt->present.vertex_memory.bytes;
+    struct dt_window_vertex *vertices = rt->present.vertices.bytes;
     float width = (float)rt->present.width, height = (float)rt->present.height;
     for (uint32_t i = 0; i < frame->vertex_count; i++) {
         vertices[i] = frame->vertices[i];
@@ -509,8 +502,9 @@ static bool shape_changed(const struct vk_present *present)
     return (uint32_t)width != present->width || (uint32_t)height != present->height;
 }
 
-bool vk_present(struct vk_runtime *rt, const struct dt_window_frame *frame)
+bool vk_present(struct dt_core *core, const struct dt_window_frame *frame)
 {
+    struct vk_runtime *rt = vk_runtime_of(core);
     struct vk_present *present = &rt->present;
     uint32_t index = 0;
     if (present->swapchain && shape_changed(present))
@@ -544,13 +538,12 @@ void vk_present_destroy(struct vk_runtime *rt)
     if (present->swapchain)
         destroy_swapchain(rt);
     for (int i = 0; i < DT_WINDOW_TEXTURES; i++) {
-        dt_vk_program_destroy(rt, &present->programs[i]);
-        dt_vk_image_destroy(rt, &present->textures[i]);
-        dt_vk_slot_destroy(rt, &present->texture_slots[i]);
+        vk_program_destroy(rt, &present->programs[i]);
+        vk_image_destroy(rt, &present->textures[i]);
     }
-    vk_mapped_destroy(rt, &present->vertices, &present->vertex_memory);
+    vk_buffer_destroy(rt, &present->vertices);
     for (int i = 0; i < 2; i++)
-        dt_vk_sampler_destroy(rt, &present->samplers[i]);
+        vk_sampler_destroy(rt, &present->samplers[i]);
     vkDestroyFence(rt->device, present->acquired, NULL);
     present->acquired = VK_NULL_HANDLE;
 }

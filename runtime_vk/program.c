@@ -1,89 +1,59 @@
-/* One program per pass: shader modules, descriptor set and its layout, compute or graphics
- * pipeline. Called by generated pipelines: create once, bind at every resize. */
+/* One program: shader modules, descriptor set and its layout, compute or graphics pipeline. Made by
+ * panel.c for every pass and by present.c for the window; bound to what they see when that is made. */
 #include "internal.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
-enum { DESCRIPTOR_TYPES = 6 };
-
-struct descriptor_limit {
-    const char *name;
-    VkDescriptorType type;
-    uint32_t limit; /* in one stage */
+static const VkDescriptorType descriptor_types[] = {
+    [DT_BIND_UNIFORM] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+    [DT_BIND_STORAGE] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+    [DT_BIND_TEXTURE] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+    [DT_BIND_IMAGE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
 };
+enum { KINDS = DT_ARRAY_COUNT(descriptor_types) };
 
-static void descriptor_limits(const struct vk_runtime *rt,
-                              struct descriptor_limit limits[DESCRIPTOR_TYPES])
+static bool create_layout(struct vk_runtime *rt, struct vk_program *program,
+                          const struct vk_program_info *info)
 {
-    const VkPhysicalDeviceLimits *can = &rt->properties.limits;
-    uint32_t sampled = can->maxPerStageDescriptorSampledImages;
-    uint32_t samplers = can->maxPerStageDescriptorSamplers;
-    const struct descriptor_limit all[DESCRIPTOR_TYPES] = {
-        {"uniform buffers", VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
-         can->maxPerStageDescriptorUniformBuffers},
-        {"storage buffers", VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-         can->maxPerStageDescriptorStorageBuffers},
-        {"storage images", VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-         can->maxPerStageDescriptorStorageImages},
-        {"textures", VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
-         sampled < samplers ? sampled : samplers},
-        {"sampled images", VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, sampled},
-        {"samplers", VK_DESCRIPTOR_TYPE_SAMPLER, samplers},
+    const struct dt_program *state = info->state;
+    VkDescriptorSetLayoutBinding lines[DT_MAX_BINDINGS];
+    const VkShaderStageFlags draws = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    for (uint32_t i = 0; i < state->binding_count; i++)
+        lines[i] = (VkDescriptorSetLayoutBinding){
+            .binding = state->bindings[i].binding,
+            .descriptorType = descriptor_types[state->bindings[i].kind],
+            .descriptorCount = 1,
+            .stageFlags = info->stages->compute.size ? VK_SHADER_STAGE_COMPUTE_BIT : draws,
+        };
+    VkDescriptorSetLayoutCreateInfo set = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+        .bindingCount = state->binding_count,
+        .pBindings = lines,
     };
-    memcpy(limits, all, sizeof all);
+    if (!VK(rt, rt->vk.CreateDescriptorSetLayout(rt->device, &set, NULL, &program->set_layout),
+            info->name))
+        return false;
+    VkPipelineLayoutCreateInfo layout = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+        .setLayoutCount = 1,
+        .pSetLayouts = &program->set_layout,
+    };
+    return VK(rt, rt->vk.CreatePipelineLayout(rt->device, &layout, NULL, &program->layout),
+              info->name);
 }
 
-/* How many slots of each type there are, with the zeros left out, as a descriptor pool wants it. */
-static bool count_slots(struct vk_runtime *rt, const struct vk_program_info *info,
-                        VkDescriptorPoolSize sizes[DESCRIPTOR_TYPES], uint32_t *size_count)
-{
-    struct descriptor_limit types[DESCRIPTOR_TYPES];
-    descriptor_limits(rt, types);
-    *size_count = 0;
-    if (info->slot_count > VK_MAX_SLOTS)
-        return vk_error(rt, "pass %s: %u resources, but at most %d can be bound; split the pass",
-                        info->name, info->slot_count, VK_MAX_SLOTS);
-    for (uint32_t t = 0; t < DESCRIPTOR_TYPES; t++) {
-        uint32_t count = 0;
-        for (uint32_t i = 0; i < info->slot_count; i++)
-            count += info->slots[i].type == types[t].type;
-        if (count > types[t].limit)
-            return vk_error(rt, "pass %s: %u %s, but the device binds at most %u; split the pass",
-                            info->name, count, types[t].name, types[t].limit);
-        if (count)
-            sizes[(*size_count)++] = (VkDescriptorPoolSize){types[t].type, count};
-    }
-    return true;
-}
-
+/* From a pool of its own; none without bindings. */
 static bool create_set(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info)
 {
-    VkDescriptorSetLayoutBinding lines[VK_MAX_SLOTS];
-    VkDescriptorPoolSize sizes[DESCRIPTOR_TYPES];
-    uint32_t size_count;
-    if (!count_slots(rt, info, sizes, &size_count))
-        return false;
-    VkShaderStageFlags stages = info->compute.size
-                                    ? VK_SHADER_STAGE_COMPUTE_BIT
-                                    : VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
-    for (uint32_t i = 0; i < info->slot_count; i++)
-        lines[i] = (VkDescriptorSetLayoutBinding){.binding = info->slots[i].binding,
-                                                  .descriptorType = info->slots[i].type,
-                                                  .descriptorCount = 1,
-                                                  .stageFlags = stages};
-    VkDescriptorSetLayoutCreateInfo layout = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = info->slot_count,
-        .pBindings = lines,
-    };
-    if (!VK(rt, rt->vk.CreateDescriptorSetLayout(rt->device, &layout, NULL, &program->set_layout),
-            info->name))
-        return false;
-    if (!info->slot_count)
+    uint32_t counts[KINDS] = {0}, size_count = 0;
+    VkDescriptorPoolSize sizes[KINDS];
+    for (uint32_t i = 0; i < info->state->binding_count; i++)
+        counts[info->state->bindings[i].kind]++;
+    for (uint32_t kind = 0; kind < KINDS; kind++)
+        if (counts[kind])
+            sizes[size_count++] = (VkDescriptorPoolSize){descriptor_types[kind], counts[kind]};
+    if (!size_count)
         return true;
     VkDescriptorPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
@@ -102,41 +72,24 @@ static bool create_set(struct vk_runtime *rt, struct vk_program *program,
     return VK(rt, rt->vk.AllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
 }
 
-bool dt_vk_program_bind(struct vk_runtime *rt, struct vk_program *program,
-                        const struct vk_binding *bindings, uint32_t count)
+void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *program,
+                     const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
+                     uint32_t count)
 {
-    VkWriteDescriptorSet writes[VK_MAX_SLOTS];
-    VkDescriptorBufferInfo buffers[VK_MAX_SLOTS];
-    VkDescriptorImageInfo images[VK_MAX_SLOTS];
-    if (count != program->slot_count) /* a line left unwritten brings some drivers down */
-        return vk_error(rt, "pass %s: %u bindings for %u slots; the generated code is at fault",
-                        program->name, count, program->slot_count);
+    VkWriteDescriptorSet writes[DT_MAX_BINDINGS];
     for (uint32_t i = 0; i < count; i++) {
-        const struct vk_binding *from = &bindings[i];
-        const struct vk_image *image = from->image;
+        bool buffer = bindings[i].kind == DT_BIND_UNIFORM || bindings[i].kind == DT_BIND_STORAGE;
         writes[i] = (VkWriteDescriptorSet){
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
             .dstSet = program->set,
-            .dstBinding = from->binding,
+            .dstBinding = bindings[i].binding,
             .descriptorCount = 1,
-            .descriptorType = from->type,
+            .descriptorType = descriptor_types[bindings[i].kind],
+            .pBufferInfo = buffer ? &descriptors[i].buffer : NULL,
+            .pImageInfo = buffer ? NULL : &descriptors[i].image,
         };
-        if (from->buffer) {
-            bool block = from->buffer->block && from->type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER;
-            buffers[i] = (VkDescriptorBufferInfo){from->buffer->handle, from->buffer->offset,
-                                                  block ? from->buffer->block : from->buffer->size};
-            writes[i].pBufferInfo = &buffers[i];
-        } else {
-            images[i] =
-                (VkDescriptorImageInfo){.sampler = from->sampler, .imageLayout = from->layout};
-            if (image)
-                images[i].imageView =
-                    from->mip == VK_ALL_MIPS ? image->view : image->mip_views[from->mip];
-            writes[i].pImageInfo = &images[i];
-        }
     }
     rt->vk.UpdateDescriptorSets(rt->device, count, writes, 0, NULL);
-    return true;
 }
 
 /* ---- Pipelines ------------------------------------------------------------------------------- */
@@ -168,7 +121,7 @@ static bool create_compute(struct vk_runtime *rt, struct vk_program *program,
                            const struct vk_program_info *info)
 {
     VkShaderModule module = VK_NULL_HANDLE;
-    if (!create_module(rt, info->name, &info->compute, &module))
+    if (!create_module(rt, info->name, &info->stages->compute, &module))
         return false;
     VkComputePipelineCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
@@ -190,6 +143,18 @@ static const VkVertexInputAttributeDescription vertex_attributes[] = {
     {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(struct dt_vertex, normal)},
     {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(struct dt_vertex, uv)},
     {3, 0, VK_FORMAT_R32_UINT, offsetof(struct dt_vertex, material)},
+};
+
+static const VkCullModeFlags culls[] = {
+    [DT_CULL_NONE] = VK_CULL_MODE_NONE,
+    [DT_CULL_BACK] = VK_CULL_MODE_BACK_BIT,
+    [DT_CULL_FRONT] = VK_CULL_MODE_FRONT_BIT,
+};
+static const VkCompareOp compares[] = {
+    [DT_COMPARE_LESS] = VK_COMPARE_OP_LESS,
+    [DT_COMPARE_LESS_EQUAL] = VK_COMPARE_OP_LESS_OR_EQUAL,
+    [DT_COMPARE_GREATER] = VK_COMPARE_OP_GREATER,
+    [DT_COMPARE_ALWAYS] = VK_COMPARE_OP_ALWAYS,
 };
 
 static const VkPipelineInputAssemblyStateCreateInfo triangles = {
@@ -217,7 +182,7 @@ static VkPipelineColorBlendAttachmentState blend_state(const struct vk_program_i
 {
     bool over = info->blend_over;
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = info->blend_add || over,
+        .blendEnable = info->state->blend_add || over,
         .srcColorBlendFactor = over ? VK_BLEND_FACTOR_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
         .dstColorBlendFactor = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
         .colorBlendOp = VK_BLEND_OP_ADD,
@@ -232,6 +197,7 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
                                      const struct vk_program_info *info,
                                      const VkPipelineShaderStageCreateInfo stages[2])
 {
+    const struct dt_program *state = info->state;
     VkPipelineVertexInputStateCreateInfo vertex_input = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
         .vertexBindingDescriptionCount = info->scene_vertices,
@@ -243,34 +209,34 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
     VkPipelineRasterizationStateCreateInfo rasterization = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .polygonMode = VK_POLYGON_MODE_FILL,
-        .cullMode = info->cull,
-        .frontFace = VK_FRONT_FACE_CLOCKWISE,
+        .cullMode = culls[state->cull],
+        .frontFace = VK_FRONT_FACE_CLOCKWISE, /* the match of GL_CCW */
         .lineWidth = 1,
     };
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = info->depth_test,
-        .depthWriteEnable = info->depth_write,
-        .depthCompareOp = info->depth_compare,
+        .depthTestEnable = state->depth_test || state->depth_write, /* else nothing is written */
+        .depthWriteEnable = state->depth_write,
+        .depthCompareOp = state->depth_test ? compares[state->compare] : VK_COMPARE_OP_ALWAYS,
     };
-    VkPipelineColorBlendAttachmentState blends[VK_MAX_COLOR_TARGETS];
-    for (uint32_t i = 0; i < info->color_count; i++)
+    VkPipelineColorBlendAttachmentState blends[DT_MAX_COLOR_TARGETS];
+    for (uint32_t i = 0; i < state->color_count; i++)
         blends[i] = blend_state(info);
     VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-        .attachmentCount = info->color_count,
+        .attachmentCount = state->color_count,
         .pAttachments = blends,
     };
     VkPipelineRenderingCreateInfo rendering = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-        .colorAttachmentCount = info->color_count,
+        .colorAttachmentCount = state->color_count,
         .pColorAttachmentFormats = info->color_formats,
         .depthAttachmentFormat = info->depth_format,
     };
     VkGraphicsPipelineCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
         .pNext = &rendering,
-        .stageCount = info->fragment.size ? 2 : 1,
+        .stageCount = info->stages->fragment.size ? 2 : 1,
         .pStages = stages,
         .pVertexInputState = &vertex_input,
         .pInputAssemblyState = &triangles,
@@ -292,13 +258,8 @@ static bool create_graphics(struct vk_runtime *rt, struct vk_program *program,
                             const struct vk_program_info *info)
 {
     VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
-    uint32_t limit = rt->properties.limits.maxColorAttachments;
-    if (info->color_count > limit || info->color_count > VK_MAX_COLOR_TARGETS)
-        return vk_error(rt, "pass %s: %u color targets, but the limit is %u; split the pass",
-                        info->name, info->color_count,
-                        limit < VK_MAX_COLOR_TARGETS ? limit : VK_MAX_COLOR_TARGETS);
-    bool ok = create_module(rt, info->name, &info->vertex, &vertex) &&
-              create_module(rt, info->name, &info->fragment, &fragment);
+    bool ok = create_module(rt, info->name, &info->stages->vertex, &vertex) &&
+              create_module(rt, info->name, &info->stages->fragment, &fragment);
     if (ok) {
         VkPipelineShaderStageCreateInfo stages[2] = {
             shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
@@ -311,108 +272,22 @@ static bool create_graphics(struct vk_runtime *rt, struct vk_program *program,
     return ok;
 }
 
-/* ---- Programs of the panel before ------------------------------------------------------------ */
+/* ---- Programs -------------------------------------------------------------------------------- */
 
-static bool same_code(const struct dt_code *a, const struct dt_code *b)
+bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
+                       const struct vk_program_info *info)
 {
-    return a->size == b->size && (!a->size || memcmp(a->words, b->words, a->size) == 0);
-}
-
-static bool same_slots(const struct vk_program_info *a, const struct vk_program_info *b)
-{
-    bool same = a->slot_count == b->slot_count;
-    for (uint32_t i = 0; same && i < a->slot_count; i++)
-        same = a->slots[i].binding == b->slots[i].binding && a->slots[i].type == b->slots[i].type;
-    return same;
-}
-
-static bool same_state(const struct vk_program_info *a, const struct vk_program_info *b)
-{
-    bool same = a->color_count == b->color_count && a->depth_format == b->depth_format &&
-                a->depth_compare == b->depth_compare && a->cull == b->cull &&
-                a->depth_test == b->depth_test && a->depth_write == b->depth_write &&
-                a->blend_add == b->blend_add && a->blend_over == b->blend_over &&
-                a->scene_vertices == b->scene_vertices;
-    for (uint32_t i = 0; same && i < a->color_count; i++)
-        same = a->color_formats[i] == b->color_formats[i];
-    return same;
-}
-
-static bool same_program(const struct vk_program_info *a, const struct vk_program_info *b)
-{
-    return same_code(&a->compute, &b->compute) && same_code(&a->vertex, &b->vertex) &&
-           same_code(&a->fragment, &b->fragment) && same_slots(a, b) && same_state(a, b);
-}
-
-static bool keep(struct vk_spare *spare, const struct vk_program *program)
-{
-    struct vk_program *grown =
-        program->pipeline ? realloc(spare->programs, (spare->count + 1) * sizeof *grown) : NULL;
-    if (!grown)
+    *program = (struct vk_program){0};
+    if (!create_layout(rt, program, info) || !create_set(rt, program, info) ||
+        !(info->stages->compute.size ? create_compute(rt, program, info)
+                                     : create_graphics(rt, program, info)))
         return false;
-    spare->programs = grown;
-    spare->programs[spare->count++] = *program;
+    vk_set_name(rt, VK_OBJECT_TYPE_PIPELINE, (uint64_t)program->pipeline, info->name);
     return true;
 }
 
-static bool take_spare(struct vk_runtime *rt, struct vk_program *program,
-                       const struct vk_program_info *info)
+void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
 {
-    struct vk_spare *spare = &rt->spare;
-    for (uint32_t i = 0; i < spare->count; i++) {
-        if (!same_program(&spare->programs[i].info, info))
-            continue;
-        *program = spare->programs[i];
-        program->name = info->name;
-        program->info = *info;
-        spare->programs[i] = spare->programs[--spare->count];
-        vk_set_name(rt, VK_OBJECT_TYPE_PIPELINE, (uint64_t)program->pipeline, info->name);
-        return true;
-    }
-    return false;
-}
-
-void vk_programs_forget(struct vk_runtime *rt)
-{
-    struct vk_spare spare = rt->spare;
-    rt->spare = (struct vk_spare){0};
-    for (uint32_t i = 0; i < spare.count; i++)
-        dt_vk_program_destroy(rt, &spare.programs[i]);
-    free(spare.programs);
-}
-
-/* ---- Programs -------------------------------------------------------------------------------- */
-
-bool dt_vk_program_create(struct vk_runtime *rt, struct vk_program *program,
-                          const struct vk_program_info *info)
-{
-    if (take_spare(rt, program, info))
-        return true;
-    *program =
-        (struct vk_program){.name = info->name, .info = *info, .slot_count = info->slot_count};
-    if (!create_set(rt, program, info))
-        return false;
-    VkPipelineLayoutCreateInfo layout = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-        .setLayoutCount = 1,
-        .pSetLayouts = &program->set_layout,
-    };
-    if (!VK(rt, rt->vk.CreatePipelineLayout(rt->device, &layout, NULL, &program->layout),
-            info->name))
-        return false;
-    bool ok =
-        info->compute.size ? create_compute(rt, program, info) : create_graphics(rt, program, info);
-    if (ok)
-        vk_set_name(rt, VK_OBJECT_TYPE_PIPELINE, (uint64_t)program->pipeline, info->name);
-    return ok;
-}
-
-void dt_vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
-{
-    if (rt->spare.keeps && keep(&rt->spare, program)) {
-        *program = (struct vk_program){0};
-        return;
-    }
     rt->vk.DestroyPipeline(rt->device, program->pipeline, NULL);
     rt->vk.DestroyPipelineLayout(rt->device, program->layout, NULL);
     rt->vk.DestroyDescriptorPool(rt->device, program->pool, NULL); /* frees the set */

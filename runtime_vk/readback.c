@@ -1,18 +1,9 @@
-/* Copies buffers and images to the host and back, tightly packed. Called by runtime.c, between
+/* Copies buffers and images to the host and back, tightly packed. Called by the front, between
  * frames and by observers between passes; leaves every image in the layout that it had. */
 #include "internal.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-struct dt_bytes vk_image_shape(const struct vk_image *image, uint32_t mip)
-{
-    uint32_t width = image->width >> mip, height = image->height >> mip;
-    struct dt_bytes shape = {.extent = {width ? width : 1, height ? height : 1, image->layers}};
-    shape.size =
-        (size_t)shape.extent[0] * shape.extent[1] * shape.extent[2] * vk_texel_size(image->texel);
-    return shape;
-}
 
 /* All layers of one mip, as they lie in the staging buffer. */
 static VkBufferImageCopy mip_region(const struct vk_image *image, uint32_t mip,
@@ -37,25 +28,26 @@ static bool take_staging(struct vk_runtime *rt, const char *name, struct dt_byte
 {
     out->data = malloc(out->size ? out->size : 1);
     if (!out->data)
-        return vk_error(rt, "read %s: no memory for %zu bytes; free some, or use a smaller frame",
-                        name, out->size);
-    memcpy(out->data, rt->staging_memory.bytes, out->size);
+        return dt_error(&rt->core,
+                        "read %s: no memory for %zu bytes; free some, or use a smaller frame", name,
+                        out->size);
+    memcpy(out->data, rt->staging.bytes, out->size);
     return true;
 }
 
-bool vk_read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struct dt_bytes *out)
+static bool read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struct dt_bytes *out)
 {
     VkCommandBuffer commands;
-    if (!vk_staging(rt, buffer->size, buffer->name) ||
+    if (!vk_staging(rt, out->size, buffer->name) ||
         !(commands = vk_immediate_begin(rt, buffer->name)))
         return false;
     rt->vk.CmdCopyBuffer(commands, buffer->handle, rt->staging.handle, 1,
-                         &(VkBufferCopy){.size = buffer->size});
+                         &(VkBufferCopy){.size = out->size});
     return vk_immediate_end(rt, buffer->name) && take_staging(rt, buffer->name, out);
 }
 
-bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
-                   struct dt_bytes *out)
+static bool read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                       struct dt_bytes *out)
 {
     VkImageLayout layout = image->layout;
     VkBufferImageCopy region = mip_region(image, mip, out);
@@ -70,6 +62,14 @@ bool vk_read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
     return vk_immediate_end(rt, image->name) && take_staging(rt, image->name, out);
 }
 
+bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    struct vk_resource *from = vk_resource_at(rt, resource);
+    return from->image.handle ? read_image(rt, &from->image, mip, out)
+                              : read_buffer(rt, &from->buffer, out);
+}
+
 /* The command buffer of a write, with the bytes in the staging buffer; NULL after an error. */
 static VkCommandBuffer begin_write(struct vk_runtime *rt, const char *name,
                                    const struct dt_bytes *bytes)
@@ -81,11 +81,9 @@ static VkCommandBuffer begin_write(struct vk_runtime *rt, const char *name,
     return vk_immediate_begin(rt, name);
 }
 
-bool vk_write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
-                     const struct dt_bytes *bytes)
+static bool write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
+                         const struct dt_bytes *bytes)
 {
-    if (!bytes->size) /* which no copy may have */
-        return true;
     VkCommandBuffer commands = begin_write(rt, buffer->name, bytes);
     if (!commands)
         return false;
@@ -101,14 +99,14 @@ static bool check_depth(const struct vk_runtime *rt, const char *name, const str
         float depth;
         memcpy(&depth, bytes->data + i * sizeof depth, sizeof depth);
         if (!(depth >= 0 && depth <= 1))
-            return vk_error(rt, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name, i,
-                            (double)depth);
+            return dt_error(&rt->core, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name,
+                            i, (double)depth);
     }
     return true;
 }
 
-bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
-                    const struct dt_bytes *bytes)
+static bool write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                        const struct dt_bytes *bytes)
 {
     VkImageLayout layout = image->layout;
     VkBufferImageCopy region = mip_region(image, mip, bytes);
@@ -122,4 +120,12 @@ bool vk_write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
                                 VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     restore_layout(rt, commands, image, layout);
     return vk_immediate_end(rt, image->name);
+}
+
+bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    struct vk_resource *to = vk_resource_at(rt, resource);
+    return to->image.handle ? write_image(rt, &to->image, mip, bytes)
+                            : write_buffer(rt, &to->buffer, bytes);
 }

@@ -1,17 +1,20 @@
 /* Brings a scene to the device: vertices, indices and materials as buffers, all textures as one
- * array image. Called by runtime.c. */
+ * array image. Called by the front. */
 #include "internal.h"
 
 #include <string.h>
 
 /* Zeros behind the `bytes` of data. */
-static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer, struct vk_slot *slot,
+static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, const void *data, size_t bytes)
 {
-    struct vk_slot_user user = {.buffer = buffer};
     VkCommandBuffer commands;
     void *staging;
-    if (!dt_vk_buffer_create(rt, buffer, info) || !dt_vk_slot_bind(rt, slot, &user, 1) ||
+    if (info->size > rt->core.limits.storage_bytes)
+        return dt_error(&rt->core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene",
+                        info->name, (unsigned long long)info->size, rt->core.device_name,
+                        (unsigned long long)rt->core.limits.storage_bytes);
+    if (!vk_buffer_create_own(rt, buffer, info, false) ||
         !(staging = vk_staging(rt, buffer->size, info->name)))
         return false;
     if (bytes < buffer->size)
@@ -63,7 +66,6 @@ static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const u
 static bool upload_textures(struct vk_runtime *rt, const struct dt_scene *scene)
 {
     struct vk_image *image = &rt->builtin.textures;
-    struct vk_slot_user user = {.image = image};
     struct vk_image_info info = {
         .name = "scene_textures",
         .format = DT_FORMAT_RGBA8_SRGB,
@@ -74,21 +76,12 @@ static bool upload_textures(struct vk_runtime *rt, const struct dt_scene *scene)
         .mips = scene->texture_mips,
         .layered = true,
     };
-    struct vk_sampler_info sampler = {
-        .name = "scene_textures",
-        .filter = VK_FILTER_LINEAR,
-        .mip_filter = VK_SAMPLER_MIPMAP_MODE_LINEAR,
-        .wrap = VK_SAMPLER_ADDRESS_MODE_REPEAT,
-        .anisotropy = 1,
-    };
-    return dt_vk_image_create(rt, image, &info) &&
-           dt_vk_slot_bind(rt, &rt->texture_slot, &user, 1) &&
-           upload_texels(rt, image, scene->texels) &&
-           dt_vk_sampler_create(rt, &rt->builtin.texture_sampler, &sampler);
+    return vk_image_create_own(rt, image, &info) && upload_texels(rt, image, scene->texels);
 }
 
-bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene)
+bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
 {
+    struct vk_runtime *rt = vk_runtime_of(core);
     struct vk_builtin *builtin = &rt->builtin;
     struct vk_buffer_info vertices = {
         .name = "scene_vertices",
@@ -106,33 +99,26 @@ bool vk_scene_upload(struct vk_runtime *rt, const struct dt_scene *scene)
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
     };
     if (scene->material_count > DT_MAX_MATERIALS)
-        return vk_error(rt, "the scene has %u materials, and shaders see %d: merge some",
+        return dt_error(&rt->core, "the scene has %u materials, and shaders see %d: merge some",
                         scene->material_count, DT_MAX_MATERIALS);
     vk_scene_destroy(rt);
-    rt->has_scene =
-        upload_buffer(rt, &builtin->vertices, &rt->vertex_slot, &vertices, scene->vertices,
-                      vertices.size) &&
-        upload_buffer(rt, &builtin->indices, &rt->index_slot, &indices, scene->indices,
-                      indices.size) &&
-        upload_buffer(rt, &builtin->materials, &rt->material_slot, &materials, scene->materials,
+    core->has_scene =
+        upload_buffer(rt, &builtin->vertices, &vertices, scene->vertices, vertices.size) &&
+        upload_buffer(rt, &builtin->indices, &indices, scene->indices, indices.size) &&
+        upload_buffer(rt, &builtin->materials, &materials, scene->materials,
                       scene->material_count * sizeof *scene->materials) &&
         upload_textures(rt, scene);
     rt->index_count = scene->index_count;
-    vk_mapped_destroy(rt, &rt->staging, &rt->staging_memory); /* as large as the scene: let it go */
-    return rt->has_scene;
+    vk_buffer_destroy(rt, &rt->staging); /* as large as the scene: let it go */
+    return core->has_scene;
 }
 
 void vk_scene_destroy(struct vk_runtime *rt)
 {
-    dt_vk_buffer_destroy(rt, &rt->builtin.vertices);
-    dt_vk_buffer_destroy(rt, &rt->builtin.indices);
-    dt_vk_buffer_destroy(rt, &rt->builtin.materials);
-    dt_vk_image_destroy(rt, &rt->builtin.textures);
-    dt_vk_sampler_destroy(rt, &rt->builtin.texture_sampler);
-    dt_vk_slot_destroy(rt, &rt->vertex_slot);
-    dt_vk_slot_destroy(rt, &rt->index_slot);
-    dt_vk_slot_destroy(rt, &rt->material_slot);
-    dt_vk_slot_destroy(rt, &rt->texture_slot);
-    rt->has_scene = false;
+    vk_buffer_destroy(rt, &rt->builtin.vertices);
+    vk_buffer_destroy(rt, &rt->builtin.indices);
+    vk_buffer_destroy(rt, &rt->builtin.materials);
+    vk_image_destroy(rt, &rt->builtin.textures);
+    rt->core.has_scene = false;
     rt->index_count = 0;
 }

@@ -2,6 +2,7 @@
 #include "reader.h"
 
 #include "mesh.h"
+#include "nearest.h"
 
 #include <errno.h>
 #include <math.h>
@@ -35,46 +36,20 @@ void reader_report(struct reader *reader, struct fy_node *node, const char *form
     reader->errors++;
 }
 
-static size_t smallest(size_t a, size_t b, size_t c)
-{
-    return a < b ? (a < c ? a : c) : (b < c ? b : c);
-}
-
-/* Levenshtein's distance; words of up to 31 letters. */
-static size_t edit_distance(const char *a, const char *b)
-{
-    size_t row[32], length = strlen(b);
-    if (length >= DT_ARRAY_COUNT(row))
-        return SIZE_MAX;
-    for (size_t j = 0; j <= length; j++)
-        row[j] = j;
-    for (size_t i = 0; a[i]; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (size_t j = 0; j < length; j++) {
-            size_t next = smallest(row[j] + 1, row[j + 1] + 1, diagonal + (a[i] != b[j]));
-            diagonal = row[j + 1];
-            row[j + 1] = next;
-        }
-    }
-    return row[length];
-}
-
 static void report_unknown(struct reader *reader, struct fy_node *node, const char *name,
                            const struct key *keys, size_t count)
 {
-    const struct key *nearest = NULL;
-    size_t best = 1 + strlen(name) / 2;
-    for (size_t i = 0; i < count; i++) {
-        bool begins = *name && strncmp(name, keys[i].name, strlen(name)) == 0;
-        size_t distance = begins ? 0 : edit_distance(name, keys[i].name);
-        if (distance < best) {
-            best = distance;
-            nearest = &keys[i];
-        }
+    const char *names[32];
+    const char *nearest = NULL;
+    for (size_t i = 0; i < count && i < DT_ARRAY_COUNT(names); i++) {
+        names[i] = keys[i].name;
+        if (*name && strncmp(name, names[i], strlen(name)) == 0)
+            nearest = names[i];
     }
+    if (!nearest)
+        nearest = nearest_name(name, names, count < 32 ? count : 32);
     if (nearest)
-        reader_report(reader, node, "unknown key `%s`; did you mean `%s`?", name, nearest->name);
+        reader_report(reader, node, "unknown key `%s`; did you mean `%s`?", name, nearest);
     else
         reader_report(reader, node, "unknown key `%s`", name);
 }

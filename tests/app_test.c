@@ -17,11 +17,12 @@
 #include "app/base/console.h"
 #include "app/base/files.h"
 #include "app/base/live.h"
-#include "app/base/names.h"
 #include "app/base/options.h"
 #include "app/base/texels.h"
+#include "app/report/fill.h"
 #include "app/result/dump.h"
 #include "app/result/picture.h"
+#include "scenes/nearest.h"
 
 /* ---- What was said --------------------------------------------------------------------------- */
 
@@ -114,22 +115,45 @@ static void names_are_guessed(void **state)
 {
     (void)state;
     static const char *const names[] = {"clusters", "bounces", "tile"};
-    assert_string_equal(closest_name("cluster", names, 3), "clusters");
-    assert_string_equal(closest_name("bonuces", names, 3), "bounces");
-    assert_null(closest_name("exposure", names, 3));
+    assert_string_equal(nearest_name("cluster", names, 3), "clusters");
+    assert_string_equal(nearest_name("bonuces", names, 3), "bounces");
+    assert_null(nearest_name("exposure", names, 3));
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static void hash_is_fnv1a(void **state)
+/* Values of xxHash's own xxhsum -H3. */
+static void hash_is_xxh3(void **state)
 {
     (void)state;
-    uint64_t hash = FILE_HASH_START; /* the published test vectors of FNV-1a, 64 bit */
-    hash_bytes(&hash, "a", 1);
-    assert_true(hash == UINT64_C(0xaf63dc4c8601ec8c));
+    uint64_t hash = FILE_HASH_START;
+    hash_bytes(&hash, "", 0);
+    assert_true(hash == UINT64_C(0x2d06800538d394c2));
     hash = FILE_HASH_START;
     hash_bytes(&hash, "foobar", 6);
-    assert_true(hash == UINT64_C(0x85944171f73967e8));
+    assert_true(hash == UINT64_C(0xd78fda63144c5c84));
+}
+
+/* Whatever came before, and however many pieces it is read in. */
+static void a_file_hashes_as_its_bytes(void **state)
+{
+    (void)state;
+    enum { SIZE = 200000 };
+    static uint8_t bytes[SIZE];
+    char path[] = "/tmp/diptych-XXXXXX";
+    int file = mkstemp(path);
+    for (size_t i = 0; i < SIZE; i++)
+        bytes[i] = (uint8_t)(i * i >> 3);
+    assert_int_equal(write(file, bytes, SIZE), SIZE);
+    uint64_t of_file = FILE_HASH_START, of_bytes = FILE_HASH_START;
+    for (int i = 0; i < 2; i++) {
+        assert_true(hash_file(&of_file, path));
+        hash_bytes(&of_bytes, bytes, SIZE);
+        assert_true(of_file == of_bytes);
+    }
+    close(file);
+    unlink(path);
+    assert_false(hash_file(&of_file, path));
 }
 
 static void files_appear_whole(void **state)
@@ -225,6 +249,65 @@ static void drafts_become_files_whole(void **state)
 }
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
+
+/* What the template makes of the data, or the error; into `text`. */
+static bool fill(const char *template, const char *data, char text[256], struct ear *ear)
+{
+    static const char path[] = "build/tests/fill.txt";
+    const struct dt_log log = log_to(ear);
+    FILE *out = fmemopen(text, 256, "w");
+    cJSON *json = cJSON_Parse(data);
+    assert_non_null(out);
+    assert_non_null(json);
+    assert_true(file_make_folders("build/tests", &log));
+    assert_true(file_write(path, template, strlen(template), &log));
+    bool good = fill_template(out, path, json, &log);
+    fclose(out);
+    cJSON_Delete(json);
+    remove(path);
+    return good;
+}
+
+/* Expected texts are those that mustache's specification has for the same tags. */
+static void templates_are_filled(void **state)
+{
+    (void)state;
+    static const char data[] =
+        "{\"name\": \"<a> & \\\"b\\\"\", \"count\": 3, \"none\": [], \"no\": false, \"list\":"
+        "[{\"name\": \"x\"}, {\"words\": [\"p\", \"q\"]}], \"inner\": {\"count\": 4}}";
+    static const struct {
+        const char *template, *text;
+    } cases[] = {
+        {"{{name}}, {{count}}", "&lt;a&gt; &amp; &quot;b&quot;, 3"},
+        {"{{#list}}[{{count}}]{{/list}}", "[3][3]"},
+        {"{{#list}}{{#@rest}}, {{/@rest}}{{#words}}{{.}}{{^@rest}}+{{/@rest}}{{/words}}{{/list}}",
+         ", p+q"},
+        {"{{#none}}a{{/none}}{{^none}}b{{/none}}{{#absent}}{{absent}}{{/absent}}", "b"},
+        {"{{#no}}a{{/no}}{{^no}}b{{/no}}{{#inner}}{{count}}{{/inner}}{{count}}", "b43"},
+        {"a\n  {{#inner}}\n  b\n  {{/inner}}\nc\n", "a\n  b\nc\n"},
+        {"a { b } {c}", "a { b } {c}"},
+    };
+    char text[256];
+    struct ear ear;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        assert_true(fill(cases[i].template, data, text, &ear));
+        assert_string_equal(text, cases[i].text);
+    }
+    static const struct {
+        const char *template, *said;
+    } wrong[] = {
+        {"a\n{{absent}}", ":2:1: error: no text or number `absent`"},
+        {"{{#list}}a", "not closed: the section `list`"},
+        {"a\n\n{{/list}}", ":3:1: error: no section is open of the name `list`"},
+        {"{{#list}}{{/lisd}}{{/list}}", "`lisd`"},
+        {"{{name", "this is no tag"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(wrong); i++) {
+        assert_false(fill(wrong[i].template, data, text, &ear));
+        assert_int_equal(ear.errors, 1);
+        assert_non_null(strstr(ear.last, wrong[i].said));
+    }
+}
 
 static void halves_are_ieee(void **state)
 {
@@ -469,10 +552,12 @@ int main(void)
         cmocka_unit_test(options_are_read),
         cmocka_unit_test(wrong_options_are_refused),
         cmocka_unit_test(names_are_guessed),
-        cmocka_unit_test(hash_is_fnv1a),
+        cmocka_unit_test(hash_is_xxh3),
+        cmocka_unit_test(a_file_hashes_as_its_bytes),
         cmocka_unit_test(files_appear_whole),
         cmocka_unit_test(files_keep_their_place),
         cmocka_unit_test(drafts_become_files_whole),
+        cmocka_unit_test(templates_are_filled),
         cmocka_unit_test(halves_are_ieee),
         cmocka_unit_test(components_are_named),
         cmocka_unit_test(live_parameters_are_checked),

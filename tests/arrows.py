@@ -11,7 +11,7 @@ ROOMS = [["base"], ["result"], ["build"], ["run"], ["compare", "truth", "measure
 BELOW = {
     "templates": [],
     "scenes": ["templates"],
-    "gen": ["templates"],
+    "gen": ["templates", "scenes"],
     "runtime_gl": ["templates"],
     "runtime_vk": ["templates"],
     "app": ["templates", "scenes", "gen", "runtime_gl", "runtime_vk"],

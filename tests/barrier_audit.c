@@ -31,7 +31,9 @@ enum silence {
     STORES = 2,      /* they leave out a store of a shader after another one */
     ATTACHMENTS = 4, /* they do not follow what a dynamic rendering does to its attachments */
     ALIASES = 8,     /* they do not know that an image shares its memory with something else */
-    LAYOUTS = 16     /* a change of layout may follow another one */
+    LAYOUTS = 16,    /* a change of layout may follow another one */
+    INDICES = 32,    /* newer ones do not know which indices an indirect draw reads */
+    FRAMES = 64 /* it lies between two submissions, which they do not hold against each other */
 };
 
 struct verdict {
@@ -43,7 +45,8 @@ struct verdict {
 
 struct counts {
     uint32_t all, core, sync, model, nobody;
-    uint32_t stores, attachments, aliases, layouts; /* of those that only the model sees */
+    uint32_t stores, attachments, aliases, layouts, indices,
+        frames; /* of those that only the model sees */
 };
 
 struct audit {
@@ -74,7 +77,7 @@ static void on_message(void *user, enum dt_level level, const char *message)
     (void)user;
     if (level != DT_ERROR)
         return;
-    if (strstr(message, "SYNC-HAZARD"))
+    if (strstr(message, "SYNC-HAZARD") || strstr(message, " hazard detected")) /* newer layers */
         audit.sync++;
     else
         audit.core++;
@@ -149,14 +152,13 @@ static void set_identity(float matrix[4][4])
 static void name_resources(void)
 {
     const struct dt_pipeline *info = audit.pipeline.info;
-    const struct vk_builtin *builtin = dt_vk_builtin(audit.rt);
+    const struct vk_builtin *builtin = &audit.rt->builtin;
 
     for (uint32_t i = 0; i < info->resource_count; i++) {
-        void *place = audit.rt->panel->resource(audit.rt->state, i);
+        const struct vk_resource *resource = dt_resource(&audit.rt->core, i);
 
-        tape_name(info->resources[i].kind == DT_BUFFER
-                      ? (uint64_t)((struct vk_buffer *)place)->handle
-                      : (uint64_t)((struct vk_image *)place)->handle,
+        tape_name(info->resources[i].kind == DT_BUFFER ? (uint64_t)resource->buffer.handle
+                                                       : (uint64_t)resource->image.handle,
                   info->resources[i].name);
     }
     tape_name((uint64_t)builtin->vertices.handle, "scene_vertices");
@@ -184,6 +186,36 @@ static void free_tape(struct tape *tape)
 {
     free(tape->resources);
     free(tape->entries);
+}
+
+/* The same frame twice, without a wait between the two: what a host's frames in flight are. */
+static struct tape twice(const struct tape *tape)
+{
+    struct tape both = *tape;
+    const uint32_t count = tape->entry_count;
+    uint32_t last = 0;
+
+    both.resources = malloc(tape->resource_count * sizeof *both.resources + 1);
+    both.entries = malloc(2 * count * sizeof *both.entries + 1);
+    if (!both.resources || !both.entries)
+        abort();
+    memcpy(both.resources, tape->resources, tape->resource_count * sizeof *both.resources);
+    memcpy(both.entries, tape->entries, count * sizeof *both.entries);
+    memcpy(both.entries + count, tape->entries, count * sizeof *both.entries);
+    both.entry_count = 2 * count;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct tape_entry *entry = &tape->entries[i];
+        uint32_t number = entry->is_barrier ? entry->barrier.call : entry->access.command;
+
+        last = number > last ? number : last;
+    }
+    for (uint32_t i = count; i < 2 * count; i++) {
+        struct tape_entry *entry = &both.entries[i];
+
+        entry->barrier.call += entry->is_barrier ? last + 1 : 0;
+        entry->access.command += entry->is_barrier ? 0 : last + 1;
+    }
+    return both;
 }
 
 /* One frame of fresh resources and the next one. Its commands go to tapes[0] and [1] unless that is
@@ -307,7 +339,10 @@ static bool record_tapes(void)
             fail("validation speaks with all barriers in place, %s: %s", live ? live : "defaults",
                  audit.last);
         for (int frame = 0; frame < 2; frame++) {
-            hazard_find(&tapes[frame], on_real_hazard, &tapes[frame]);
+            struct tape both = twice(&tapes[frame]);
+
+            hazard_find(&both, on_real_hazard, &both);
+            free_tape(&both);
             if (planned_count(&tapes[frame]) != planned_count(&audit.tapes[0]))
                 fail("the number of barriers depends on %s", live ? live : "the frame");
         }
@@ -412,6 +447,8 @@ static enum silence silence_about(const struct tape *tape, const struct hazard *
         (tape->resources[entry_resource(earlier)].image ||
          tape->resources[entry_resource(later)].image))
         return ALIASES;
+    if (!later->is_barrier && later->access.access == VK_ACCESS_2_INDEX_READ_BIT)
+        return INDICES;
     return earlier->is_barrier && later->is_barrier ? LAYOUTS : UNEXPLAINED;
 }
 
@@ -437,6 +474,13 @@ static void judge(enum change change, uint32_t index, struct verdict *verdict)
 
         apply(change, &tape, planned_entry(&tape, index));
         hazard_find(&tape, on_hazard, &(struct judgement){&tape, verdict});
+        if (!verdict->hazards) { /* then it orders one frame after another */
+            struct tape both = twice(&tape);
+
+            hazard_find(&both, on_hazard, &(struct judgement){&both, verdict});
+            verdict->silences = verdict->hazards ? FRAMES : verdict->silences;
+            free_tape(&both);
+        }
         free_tape(&tape);
     }
 }
@@ -454,6 +498,8 @@ static void count_verdict(struct counts *counts, const struct verdict *verdict)
         counts->attachments += (verdict->silences & ATTACHMENTS) != 0;
         counts->aliases += (verdict->silences & ALIASES) != 0;
         counts->layouts += (verdict->silences & LAYOUTS) != 0;
+        counts->indices += (verdict->silences & INDICES) != 0;
+        counts->frames += (verdict->silences & FRAMES) != 0;
     } else {
         counts->nobody++;
     }
@@ -643,9 +689,10 @@ static void print_counts(const char *what, const struct counts *counts)
         "%s: %u; found by core validation %u, synchronization validation %u, the model alone %u, "
         "nobody %u; layers silent about attachments %u, stores after stores %u, aliases %u, "
         "layouts "
-        "after layouts %u\n",
+        "after layouts %u, indices of indirect draws %u, from frame to frame %u\n",
         what, counts->all, counts->core, counts->sync, counts->model, counts->nobody,
-        counts->attachments, counts->stores, counts->aliases, counts->layouts);
+        counts->attachments, counts->stores, counts->aliases, counts->layouts, counts->indices,
+        counts->frames);
 }
 
 int main(int argc, char **argv)

@@ -54,7 +54,7 @@ check "... as its files are what they were" older build/gen/rsm/rsm* build/obj/p
 check "... and then there is nothing to do" nothing_to_do
 touch templates/shared/gbuffer.glsl
 check "a touched shader concerns the pipelines that include it" \
-    edges 2 2 'GENERATE templates/(rsm|ssvp)\.yaml' ninja
+    edges 3 3 'GENERATE templates/(rsm|ssvp|instant_radiosity)\.yaml' ninja
 
 sed -i 's/\(exposure: .*value: 0\.\)18/\136/' templates/rsm.yaml
 check "another default of a live parameter changes C" edges 2 4 'rsm' ninja
@@ -66,13 +66,13 @@ check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
 echo 'int extra(void);' >gen/extra.c
 # shellcheck disable=SC2016 # the variable is ninja's
 echo 'build $obj/gen/extra.o: cc gen/extra.c' >>gen/build.ninja
-check "a new source file is one line" edges 4 10 'build/obj/gen[/.]|build/diptych-gen|GENERATE' ninja
+check "a new source file is one line" edges 4 15 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
 check "... and is linked" bash -c 'ar t build/obj/gen.a | grep -Fx extra.o'
 sed -i '/extra[.]o/d' gen/build.ninja
-check "without it ..." edges 3 9 'build/obj/gen[/.]|build/diptych-gen|GENERATE' ninja
+check "without it ..." edges 3 14 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
 check "... it is not linked" bash -c '! ar t build/obj/gen.a | grep -Fx extra.o'
 touch gen/plan.h
 check "a touched header concerns those that include it" \
-    edges 3 100 'build/obj/gen[/.]|build/diptych-gen|GENERATE|build/obj/pipelines/' ninja -n
+    edges 3 100 'build/obj/gen[/.]|build/obj/app/build[/.]|build/diptych|GENERATE|build/obj/pipelines/' ninja -n
 check "... the planner among them" grep -F 'CC build/obj/gen/plan.o' "$work/edges"
 finish

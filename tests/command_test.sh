@@ -21,6 +21,7 @@ refused() { # status text command...
 }
 
 refused 2 'did you mean "render"?' "$diptych" rendre
+refused 2 'did you mean "render"?' "$diptych" help rendre
 refused 2 'did you mean "--scene"?' "$diptych" render --scen x
 refused 2 '--scene FILE is missing' "$diptych" compare
 refused 2 '--backend gx: unknown backend "gx"; did you mean "gl"?' "${render[@]}" --backend gx
@@ -36,9 +37,19 @@ refused 1 "$work/absent/a.png: cannot be written" "${render[@]}" --backend vk -o
 refused 1 "absent.yaml" "$diptych" render --scene "$work/absent.yaml" --backend vk -o "$work/a.png"
 refused 1 "--device none: no such Vulkan device" "${render[@]}" --backend vk -o "$work/a.png" --device none
 refused 1 "did you mean" "${render[@]}" --backend vk -o "$work/a.png" --show displai
-refused 1 "choose another --size" "${render[@]}" --backend vk -o "$work/a.png" --size 32768x32768
+refused 1 "choose another size" "${render[@]}" --backend vk -o "$work/a.png" --size 32768x32768
 refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"
 refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
+
+# `help` is another word for --help.
+# shellcheck disable=SC2317
+same_help() { # [verb]
+    diff <("$diptych" help "$@") <("$diptych" "$@" --help) && "$diptych" help "$@" | grep -q '^usage: diptych'
+}
+check "help is --help" same_help
+for verb in list render sweep; do
+    check "help $verb is $verb --help" same_help $verb
+done
 
 # What is wrong in a file is told with its place, as compilers tell it, and without a word before it: editors match that.
 cat >"$work/scene.yaml" <<END
@@ -97,127 +108,46 @@ assert m["ldr"]["yee"]["failing"] == 0' "$work/metrics.json"
 }
 check "a picture has no error against itself" no_error
 
-# A pipeline of one's own is compiled on the spot. Its cache is its own, too: a copy of the tools without sources beside them.
-mkdir -p "$work/project/build/glad" "$work/spec"
-cp "$build/diptych" "$build/diptych-gen" "$work/project/build/"
-cp "$build"/libdiptych_image.so "$work/project/build/"
-cp -r "$build/glad/include" "$work/project/build/glad/"
-ln -s "$root/templates" "$root/runtime_gl" "$root/runtime_vk" "$root/scenes" "$work/project/"
+# A pipeline of one's own is planned on the spot, without a C compiler. Its cache is its own, too: a copy of the tools.
+mkdir -p "$work/project/build" "$work/spec"
+cp "$build/diptych" "$build/diptych-gen" "$build"/libdiptych_image.so "$work/project/build/"
+ln -s "$root/templates" "$root/scenes" "$work/project/"
 cp "$root"/tests/specs/mips* "$work/spec/"
-own=("$work/project/build/diptych" render --scene "$scene" --size 8x8 --spec "$work/spec/mips.yaml" --backend vk -o "$work/own.png")
+cache=$work/project/build/cache
+own=(env CC=/bin/false "$work/project/build/diptych" render --scene "$scene" --size 8x8 --spec "$work/spec/mips.yaml" --backend vk -o "$work/own.png")
 
+check "no C compiler is needed" "${own[@]}"
 # shellcheck disable=SC2317
-nothing_left() {
-    ! find "$work" -mindepth 1 -name '*tmp*' | grep .
+only_spirv() {
+    [ "$(find "$cache" -type f | wc -l)" -gt 0 ] && ! find "$cache" -mindepth 1 ! -name '*.spv' | grep .
 }
-refused 1 "install a C compiler, or name one in the environment variable CC" env CC=no-such-compiler "${own[@]}"
-check "a compiler that cannot be started leaves nothing" nothing_left
-refused 1 "compiling the generated C failed" env CC=false "${own[@]}"
-check "a compiler that fails leaves nothing" nothing_left
-
-# A compiler that takes its time, and goes on writing if nobody ends it.
-cat >"$work/slow" <<'SLOW'
-#!/bin/sh
-for i in 1 2 3 4 5 6 7 8 9 10; do
-    sleep 0.3
-    for word; do case $word in *.o) mkdir -p "$(dirname "$word")" && echo >"$word.$i" ;; esac done
-done
-exit 1
-SLOW
-chmod +x "$work/slow"
-# shellcheck disable=SC2317
-interrupted() { # signal
-    local began=$SECONDS
-    CC=$work/slow "${own[@]}" &
-    local child=$!
-    for _ in $(seq 100); do
-        compgen -G "$work/project/build/cache/*/tmp-*/*.o.1" >/dev/null && break
-        sleep 0.1
-    done
-    kill "-$1" "$child"
-    wait "$child"
-    echo "exit status $? after $((SECONDS - began)) s"
-    sleep 0.7
-    nothing_left
-}
-for signal in INT TERM HUP; do
-    check "SIG$signal ends the compiler and leaves nothing" interrupted $signal
-done
-
-# What a killed process left is removed by the next one.
-# shellcheck disable=SC2317
-swept() {
-    local made folder
-    "${own[@]}" || return
-    for made in "$work"/project/build/cache/*/*/panels.so; do # one: no other compiler has got so far
-        folder=$(dirname "$(dirname "$made")")
-        mkdir "$folder/tmp-999999999"
-    done
-    echo "# changed" >>"$work/spec/mips.yaml"
-    "${own[@]}" && nothing_left
-}
-check "what a killed process left half built is swept" swept
+check "the cache holds SPIR-V alone" only_spirv
 # shellcheck disable=SC2317
 at_once() {
-    echo "# changed" >>"$work/spec/mips.yaml"
+    rm -rf "$cache"
     "${own[@]}" &
     local first=$!
-    "${own[@]}" && wait "$first" && nothing_left
+    "${own[@]}" && wait "$first" && only_spirv
 }
-check "two processes build one pipeline at once" at_once
-# The cache stays within its size: what was used last goes last, and what is in use not at all.
-versions() {
-    find "$work/project/build/cache" -mindepth 3 -maxdepth 3 -name panels.so -printf '%h\n' 2>/dev/null
-}
-variant() { # number option...: the folder of its version, which nothing else has; 2 MiB more than it was
-    local before
-    before=$(versions)
-    "${own[@]}" --set "images.picture.doc=version $1" >/dev/null || return
-    comm -13 <(sort <<<"$before") <(versions | sort)
-}
-rm -rf "$work/project/build/cache"
-for number in 1 2 3; do
-    folders[number]=$(variant $number)
-    head -c 2M /dev/zero >"${folders[number]}/spare"
-done
+check "two processes fill it at once" at_once
 # shellcheck disable=SC2317
-first_in_first_out() {
-    DIPTYCH_CACHE_MIB=6 variant 1 && DIPTYCH_CACHE_MIB=6 variant 4 &&
-        [ -d "${folders[1]}" ] && [ ! -d "${folders[2]}" ] && [ -d "${folders[3]}" ]
+unused() { # mode: of the folder, which is then left alone and told of, once
+    rm -rf "$cache"
+    mkdir -m "$1" "$cache"
+    "${own[@]}" 2>"$work/said" && [ "$(grep -c 'not used as a cache: others may write to it' "$work/said")" = 1 ] &&
+        [ -z "$(ls -A "$cache")" ]
 }
-check "the cache is kept within its size: what was not used for longest goes" first_in_first_out
+check "a cache that everybody may write to is not used" unused 777
+check "nor one that the group may" unused 770
+rm -rf "$cache"
 # shellcheck disable=SC2317
-in_use_stays() {
-    DIPTYCH_CACHE_MIB=0 flock --shared "${folders[1]}" "${own[@]}" --set 'images.picture.doc=version 5' &&
-        [ -d "${folders[1]}" ] && [ ! -d "${folders[3]}" ] && [ "$(versions | wc -l)" = 2 ]
+within_size() { # the least recently used go first
+    "${own[@]}" && head -c 2M /dev/zero >"$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&
+        echo killed >"$cache/.1-0" && touch -d '2 days ago' "$cache/.1-0" &&
+        sed -i 's/rgb, count/bgr, count/' "$work/spec/mips_show.glsl" && DIPTYCH_CACHE_MIB=1 "${own[@]}" &&
+        [ ! -e "$cache/old.spv" ] && only_spirv && sed -i 's/bgr, count/rgb, count/' "$work/spec/mips_show.glsl"
 }
-check "... but nothing that a process holds" in_use_stays
-
-# An edit compiles the C that it changes: shaders always, panels where their commands change.
-cat >"$work/counting" <<'COUNTING'
-#!/bin/sh
-for word; do case $word in *.c) basename "$word" >>"$0.log" ;; esac done
-exec cc "$@"
-COUNTING
-chmod +x "$work/counting"
-# shellcheck disable=SC2317
-compiles() { # file... after whatever was edited, and the picture is what a new cache makes of it
-    rm -f "$work/counting.log"
-    CC=$work/counting "${own[@]}" && diff <(printf '%s\n' "$@" | sort) <(sort "$work/counting.log") &&
-        cp "$work/own.png" "$work/kept.png" && rm -rf "$work/fresh" && mkdir "$work/fresh" &&
-        cp -r "$work/project" "$work/fresh/" && rm -rf "$work/fresh/project/build/cache" &&
-        "$work/fresh/project/build/diptych" "${own[@]:1}" >/dev/null && cmp "$work/own.png" "$work/kept.png"
-}
-mapfile -t sources < <(printf '%s\n' mips.c mips_{gl,vk}{,_shaders}.c)
-check "a new pipeline compiles everything" compiles "${sources[@]}"
-sed -i 's/rgb, count/bgr, count/' "$work/spec/mips_show.glsl"
-check "an edited body compiles shaders, and no panel" compiles mips_{gl,vk}_shaders.c
-sed -i 's/\[32, 32, 1\]/[16, 32, 1]/' "$work/spec/mips.yaml"
-check "another dispatch compiles the panels" compiles "${sources[@]}"
-sed -i 's/bgr, count/rgb, count/' "$work/spec/mips_show.glsl"
-find "$work/project/build/cache" -name object.o -delete
-check "objects that are gone are made again" compiles "${sources[@]}"
-check "what is gone is made again" variant 3
+check "the cache is kept within its size, and what a killed process left is removed" within_size
 
 # A body of the templates, then one of that name beside the spec.
 rm "$work/project/templates"

@@ -59,11 +59,6 @@ runs_vulkan() { # times option...
 }
 check "... nor was Vulkan started again" runs_vulkan 1
 check "which it is where they differ" runs_vulkan 2 --fault vk:compose:bit
-if command -v tcc >/dev/null; then
-    check "generated C is C to tcc, too" env CC=tcc "${features[@]}"
-else
-    skip "tcc" "tcc is not installed"
-fi
 check "a backend agrees with itself" ends 0 "$agreement" "${features[@]}" --backend vk,vk --json "$work/it.json"
 check "... under two names" holds "it['sides'] == ['vk', 'vk#2'] and len(it['devices']) == 2"
 check "four sides agree" ends 0 "$agreement" "${features[@]}" --backend gl,vk@0,osmesa,gl+glsl --json "$work/it.json"
@@ -157,8 +152,8 @@ while IFS='|' read -r what text; do
     damaged "$what"
     check "a dump with $what is refused" refuses "$text" "${here[@]}" --backend gl --against "$work/damaged"
 done <<'END'
-open(d + '/06.blur.blurred.raw', 'ab').truncate(100)|06.blur.blurred.raw: has 100 bytes where 1224 are due: the dump is damaged
-open(d + '/06.blur.blurred.raw', 'ab').write(b'x')|06.blur.blurred.raw: has 1225 bytes where 1224 are due: the dump is damaged
+open(d + '/06.blur.blurred.raw', 'ab').truncate(100)|06.blur.blurred.raw: has 100 bytes instead of 1224: the dump is damaged
+open(d + '/06.blur.blurred.raw', 'ab').write(b'x')|06.blur.blurred.raw: has 1225 bytes instead of 1224: the dump is damaged
 os.remove(d + '/08.follow.trail.raw')|08.follow.trail.raw: cannot be read: No such file or directory
 os.remove(d + '/history.trail.raw')|history.trail.raw: cannot be read: No such file or directory
 os.remove(d + '/manifest.json'); m = None|manifest.json: cannot be read: No such file or directory
@@ -171,9 +166,14 @@ m['entries'][0]['format'] = 'rgba16f'|manifest.json: "format" of color after pas
 [e for e in m['entries'] if e['resource'] == 'histogram'][0]['fields'][0]['offset'] = 4|manifest.json: "fields" of histogram after pass count is not the pipeline's
 m['entries'][0]['width'] = 16|manifest.json: "width" of color after pass scene is not the pipeline's
 m['pipeline'] = 'ssvp'|holds the pipeline ssvp, this is features; name its --spec
-m['code'] = '0'|holds another features (code 0 there,
+m['diptych'] = '0.0.1'|holds another features: diptych 0.0.1 made it, this is
+m['sources'][0]['hash'] = '0'|holds another features: features.yaml has other content; the spec, its GLSL, --set
+[f for f in m['sources'] if f['file'] == 'glsl/exact.glsl'][0]['hash'] = '0'|holds another features: glsl/exact.glsl has other content
+m['sources'].pop()|holds another features: it reads glsl/
+m['params']['bins'] = 17|holds another features: bins is 17 there, 16 here
+m['set'] = ['exactness=fast']|holds another features: --set ["exactness=fast"] there, [] here
 m['scene_file'] = '0'|was made of scenes/cornell.yaml, and scenes/cornell.yaml has other content
-del m['code']|says no "code"; make the dump again with this diptych
+del m['sources']|says no "sources"; make the dump again with this diptych
 del m['live']['weight']|says no value of the live parameter weight
 m['live']['weight'] = 7|--set weight=7: must be of type float, from 0 to 1
 m['width'] = -1|"width" is missing or no whole number; make the dump again with this diptych
@@ -186,13 +186,21 @@ check "another size is refused" refuses "--size 16x9: $work/dump holds a frame o
 check "another frame is refused" refuses "--frames 2: $work/dump holds the last of 3 frames" "${against[@]}" --frames 2
 check "another live parameter is refused" refuses "--set weight=0.25: $work/dump was made with 0.5" "${against[@]}" --set weight=0.25
 check "the same one is not" ends 0 "$agreement" "${against[@]}" --set weight=0.5 --size 17x9 --frames 3
-check "another parameter is refused" refuses "holds another features" "${against[@]}" --set bins=17
+check "another parameter is refused" refuses "holds another features: bins is 16 there, 17 here" "${against[@]}" --set bins=17
+check "the same one is not" ends 0 "$agreement" "${against[@]}" --set bins=16
+check "another key of the spec is refused" refuses 'holds another features: --set [] there, ["images.label.clear=8"] here' \
+    "${against[@]}" --set images.label.clear=8
+mkdir "$work/elsewhere" && cp tests/specs/features* "$work/elsewhere"
+elsewhere=("$diptych" compare --scene "$scene" --spec "$work/elsewhere/features.yaml" --backend gl --against "$work/dump")
+check "the same spec in another folder is not" ends 0 "$agreement" "${elsewhere[@]}"
+echo '// an edit' >>"$work/elsewhere/features_show.glsl"
+check "... edited, it is" refuses "holds another features: features_show.glsl has other content" "${elsewhere[@]}"
 check "another scene is refused" refuses "was made of $scene, and scenes/atrium.yaml has other content" \
     "$diptych" compare --scene scenes/atrium.yaml --spec $spec --backend gl --against "$work/dump"
 
 # ---- What cannot be compared -------------------------------------------------------------------------------------------
 
-check "one backend alone" refuses "one side has nothing to be compared with" "${features[@]}" --backend vk
+check "one backend alone" refuses "a comparison needs two sides" "${features[@]}" --backend vk
 check "a slip of the pen" refuses 'unknown backend "zinc"; did you mean "zink"?' "${features[@]}" --backend gl,zinc
 check "an empty entry" refuses "must be names with one comma between" "${features[@]}" --backend gl,,vk
 check "Vulkan takes no GLSL" refuses "only OpenGL takes GLSL text" "${features[@]}" --backend gl,vk+glsl
@@ -202,13 +210,18 @@ check "a device for nobody" refuses "--device 0: --backend names no side that ta
 check "a device that is not there" refuses "vk@none: --device none: no such Vulkan device" "${features[@]}" --backend gl,vk@none
 printf 'pipeline: nothing\npasses:\n  - {name: idle, dispatch: [1, 1, 1], shader: idle.glsl}\n' >"$work/nothing.yaml"
 echo 'void main() {}' >"$work/idle.glsl"
-check "a pipeline that writes nothing" refuses "nothing: no pass writes anything, there is nothing to compare" \
+check "a pipeline that writes nothing" refuses "nothing: no pass writes anything: nothing to compare" \
     "$diptych" compare --scene $scene --spec "$work/nothing.yaml" --size 8x8
-# shellcheck disable=SC2016 # expanded by the inner shell
-check "a pipeline that is not the same twice" bash -c '
-    "$@" >"$0/table" 2>&1
-    tail -n 1 "$0/table" | grep -E "^(gl|gl#2) is not repeatable: pass [a-z_]+ wrote another [a-z_]+ when it ran again, in frame 0$" || { cat "$0/table"; false; }' \
-    "$work" "$diptych" compare --scene $scene --spec tests/specs/racing.yaml --size 64x64 --backend gl,gl
+# shellcheck disable=SC2317
+strays() { # a race comes out otherwise now and then only
+    for _ in $(seq 10); do
+        "$diptych" compare --scene "$scene" --spec tests/specs/racing.yaml --size 64x64 --backend gl,gl >"$work/table" 2>&1
+        tail -n 1 "$work/table" | grep -E "^(gl|gl#2) is not repeatable: pass [a-z_]+ wrote another [a-z_]+ when it ran again, in frame 0$" && return
+    done
+    cat "$work/table"
+    return 1
+}
+check "a pipeline that is not the same twice" strays
 
 # ---- Processes ---------------------------------------------------------------------------------------------------------
 

@@ -17,52 +17,26 @@
 enum { THINGS, GLOW, DEPTH, CODES, RESOURCES };
 enum { ELEMENTS = 5, STRIDE = 32, WIDTH = 4, HEIGHT = 3 };
 
-static void extent_things(uint32_t width, uint32_t height, uint32_t extent[3])
+static void extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
+                   uint32_t height, uint32_t size[3])
 {
-    (void)width;
-    (void)height;
-    extent[0] = ELEMENTS;
-}
-
-static void extent_frame(uint32_t width, uint32_t height, uint32_t extent[3])
-{
-    extent[0] = width;
-    extent[1] = height;
-    extent[2] = 1;
-}
-
-static void extent_glow(uint32_t width, uint32_t height, uint32_t extent[3])
-{
-    extent_frame(width * 2, height * 2, extent);
-    extent[2] = 2;
+    uint32_t scale = resource == GLOW ? 2 : 1;
+    (void)pipeline;
+    size[0] = resource == THINGS ? ELEMENTS : width * scale;
+    size[1] = resource == THINGS ? 1 : height * scale;
+    size[2] = scale;
 }
 
 /* vec3 at 0, 4 bytes of nothing, int at 16, 12 bytes of nothing */
 static const struct dt_field fields[] = {{.name = "position", .type = DT_TYPE_VEC3, .offset = 0},
                                          {.name = "label", .type = DT_TYPE_INT, .offset = 16}};
 static const struct dt_resource resources[RESOURCES] = {
-    [THINGS] = {.name = "things",
-                .kind = DT_BUFFER,
-                .fields = fields,
-                .field_count = 2,
-                .stride = STRIDE,
-                .extent = extent_things},
-    [GLOW] = {.name = "glow",
-              .kind = DT_IMAGE,
-              .format = DT_FORMAT_RGBA16F,
-              .layered = true,
-              .mips = 2,
-              .extent = extent_glow},
-    [DEPTH] = {.name = "depth",
-               .kind = DT_IMAGE,
-               .format = DT_FORMAT_D32F,
-               .mips = 1,
-               .extent = extent_frame},
-    [CODES] = {.name = "codes",
-               .kind = DT_IMAGE,
-               .format = DT_FORMAT_RGBA8,
-               .mips = 1,
-               .extent = extent_frame},
+    [THINGS] =
+        {.name = "things", .kind = DT_BUFFER, .fields = fields, .field_count = 2, .stride = STRIDE},
+    [GLOW] =
+        {.name = "glow", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA16F, .layered = true, .mips = 2},
+    [DEPTH] = {.name = "depth", .kind = DT_IMAGE, .format = DT_FORMAT_D32F, .mips = 1},
+    [CODES] = {.name = "codes", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8, .mips = 1},
 };
 static const uint16_t writes[] = {THINGS, GLOW, DEPTH, CODES};
 static const uint8_t write_mips[] = {0, 1, 0, 0};
@@ -70,6 +44,7 @@ static const struct dt_pass passes[] = {
     {.name = "idle"},
     {.name = "paint", .writes = writes, .write_count = RESOURCES, .write_mips = write_mips}};
 static const struct dt_pipeline pipeline = {.name = "small",
+                                            .extent = extent,
                                             .resources = resources,
                                             .resource_count = RESOURCES,
                                             .passes = passes,
@@ -321,7 +296,7 @@ static void test_missing_writes_nothing(void **state)
     after = before;
     run_frame(&after, &(struct fault){.kind = FAULT_MISSING, .pass = 1}, 0);
     assert_int_equal(find_change(&before, &after).bytes, 0);
-    assert_string_equal(after.last, "fault in pass paint, frame 0: it does nothing");
+    assert_string_equal(after.last, "fault in pass paint, frame 0: skipped");
 }
 
 static void test_frames_before_the_first_are_whole(void **state)
@@ -418,7 +393,7 @@ static void test_a_device_that_does_not_take_it(void **state)
     const struct dt_observer observer = fault_observer(&run);
     assert_false(observer.after_pass(observer.user, 1));
     assert_int_equal(memory.errors, 1);
-    assert_non_null(strstr(memory.last, "did not take the change"));
+    assert_non_null(strstr(memory.last, "did not keep the change"));
 }
 
 /* ---- The option ------------------------------------------------------------------------------ */
@@ -459,10 +434,10 @@ static void test_option_errors(void **state)
     (void)state;
     static const char *const cases[][2] = {
         {"bit", "the pass is missing"},
-        {"zink:paint:bit", "no side \"zink\" takes part; there is gl, vk, vk@a, vk@a:b"},
+        {"zink:paint:bit", "there is no side \"zink\"; the sides are gl, vk, vk@a, vk@a:b"},
         {"gl:pint:bit", "small has no pass \"pint\"; did you mean \"paint\"?"},
         {"gl:zzzzzzzz:bit", "small has no pass \"zzzzzzzz\""},
-        {"gl:idle:bit", "the pass idle writes nothing"},
+        {"gl:idle:bit", "pass idle writes nothing"},
         {"gl:paint", "the kind is missing"},
         {"gl:paint:bits", "the kind \"bits\" must be one of bit|texel|sign|missing"},
         {"gl:paint:bit:", "the seed is no whole number"},

@@ -4,7 +4,6 @@
 # more clusters bring the picture nearer. Three frames, so that the clusters have settled. TAP. Long: more scenes.
 # shellcheck disable=SC2317 # functions are called through check
 . "$(dirname "$0")/tap.sh"
-compile_quickly
 size=160x90 samples=64 frames=3
 commented=$work/comments
 

@@ -165,12 +165,12 @@ static void nearest(void **state)
 {
     (void)state;
     static const char *const words[] = {"clusters", "bounces", "tile", "x"};
-    assert_string_equal(diag_nearest("clutsers", words, 4), "clusters");
-    assert_string_equal(diag_nearest("Tile", words, 4), "tile");
-    assert_string_equal(diag_nearest("bounce", words, 4), "bounces");
-    assert_null(diag_nearest("picture", words, 4));
-    assert_null(diag_nearest("q", words, 4));
-    assert_null(diag_nearest("anything", words, 0));
+    assert_string_equal(nearest_name("clutsers", words, 4), "clusters");
+    assert_string_equal(nearest_name("Tile", words, 4), "tile");
+    assert_string_equal(nearest_name("bounce", words, 4), "bounces");
+    assert_null(nearest_name("picture", words, 4));
+    assert_null(nearest_name("q", words, 4));
+    assert_null(nearest_name("anything", words, 0));
 }
 
 static void growing_text(void **state)

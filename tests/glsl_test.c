@@ -702,14 +702,7 @@ static void test_compile_error_place(void **state)
 static int start(void **state)
 {
     (void)state;
-    return spirv_init(BACKEND_GL, BACKEND_VK) ? 0 : 1;
-}
-
-static int finish(void **state)
-{
-    (void)state;
-    spirv_finish();
-    return 0;
+    return spirv_init() ? 0 : 1;
 }
 
 int main(void)
@@ -730,5 +723,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_global_variables, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_compile_error_place, set_up, tear_down),
     };
-    return cmocka_run_group_tests(tests, start, finish);
+    return cmocka_run_group_tests(tests, start, NULL);
 }

@@ -51,7 +51,7 @@ done
 check "sizes of resources and dispatches" has ssvp.dot 'rgba32f 1920×1080' '31.6 MiB' 'r32ui 256×256×8' '4.0 MiB' \
     'dispatch 240×135 workgroups of 8×8' 'draw of the scene, 8 instances'
 check "what a baked when leaves out" has ssvp.dot ' d_split [' '<b>shade_split</b>&nbsp; left out: when split == 1 &amp;&amp; bounces &gt; 0'
-check "what waits for what" has ssvp.dot 'colour attachment → compute storage read' 'GL: shader storage'
+check "what waits for what" has ssvp.dot 'colour attachment → compute storage read'
 check "with split and no bounces" draw split templates/ssvp.yaml --set split=1 --set bounces=0
 check "... passes are skipped by default" has split.dot ' p_gather [' 'SKIPPED by default: when bounces &gt; 0' \
     '<b>shade</b>&nbsp; left out: when split == 0'

@@ -169,7 +169,7 @@ build_host() { # gl|vk library...
     local api=$1 cflags sources=()
     shift
     read -ra cflags < <(pkg-config --cflags "diptych-$api" diptych-scene)
-    for name in "host_$api" "renderer_$api" ssvp "ssvp_$api" "ssvp_${api}_shaders" rsm "rsm_$api" "rsm_${api}_shaders"; do sources+=("$work/host/$name.c"); done
+    for name in "host_$api" "renderer_$api" ssvp "ssvp_${api}_shaders" rsm "rsm_${api}_shaders"; do sources+=("$work/host/$name.c"); done
     hide cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "-I$work/host" "${cflags[@]}" "${sources[@]}" \
         -o "$work/host/host_$api" "$@"
 }

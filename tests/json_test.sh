@@ -39,6 +39,27 @@ fails() { # reason status expression verb option...
     check "$4: $1" tells "$2" "errors and it['verb'] == '$4' and ($3)" "${@:4}"
 }
 
+# Names, types and sizes as tests/specs/features.yaml has them; kept_size is 17 * 9 + 300000.
+features=(list --spec "$root/tests/specs/features.yaml" --size 17x9)
+fine "[p['name'] for p in it['params']] == ['bins', 'tile', 'blur', 'weight'] and
+    [p['value'] for p in it['params']] == [16, [3, 2], False, 0.3] and
+    [p['live'] for p in it['params']] == [False, False, True, True] and it['params'][0]['doc'] == 'histogram bins' and
+    (it['params'][0]['min'], it['params'][0]['max']) == (2, 64) and it['output'] == {'linear': 'hdr', 'display': 'shown'}" \
+    "${features[@]}" --set blur=false --set weight=0.3
+fine "(lambda r: (r['kept']['kind'], r['kept']['count'], r['kept']['fields'][0]['type']) == ('buffer', 300153, 'uint') and
+    [f['name'] for f in r['histogram']['fields']] == ['count', 'mean', 'square', 'polar', 'concentric', 'apart'] and
+    (r['half_color']['format'], r['half_color']['width'], r['half_color']['height']) == ('rgba16f', 8, 4) and
+    r['slices']['layers'] == 3 and r['trail']['history'] and not r['hdr']['history'])({r['name']: r for r in it['resources']})" \
+    "${features[@]}"
+fine "(lambda p: len(p) == 12 and p['blur']['kind'] == 'draw fullscreen' and p['scene']['kind'] == 'draw scene' and
+    set(p['count']['reads']) == {'color', 'label'} and set(p['count']['writes']) == {'histogram', 'pattern', 'arguments'} and
+    p['count']['shader'] == 'features_count.glsl')({p['name']: p for p in it['passes']})" "${features[@]}"
+# shellcheck disable=SC2317
+table_has() { # in this order
+    "$diptych" "${features[@]}" >"$work/table" && grep -A1 '^  histogram *buffer' "$work/table" | grep 'mean: vec3' &&
+        grep -E '^  slices +image +rgba32f +8x8x3$' "$work/table" && grep -E '^  bins +int +16 +2 to 64 +histogram bins$' "$work/table"
+}
+check "list prints a table" table_has
 fine "it['width'] == 16 and it['output'].endswith('a.exr') and it['resource'] == 'radiance' and it['backend'] == 'vk'" \
     render "${small[@]}" --backend vk -o "$work/a.exr"
 fine "it['agree'] and it['guilty'] is None and it['devices']" compare "${small[@]}"
@@ -62,6 +83,7 @@ wrong=$work/templates/rsm.yaml
 sed -i 's/rgba8,/rgba9,/' "$wrong"
 line=$(grep -n rgba9 "$wrong" | cut -d: -f1)
 place="errors[0]['file'].endswith('rsm.yaml') and errors[0]['line'] == $line and errors[0]['column'] == 30 and 'did you mean' in errors[0]['message']"
+fails "a wrong spec" 1 "$place" list --spec "$wrong"
 for verb in render compare bench; do
     backend=gl,vk status=2 output=()
     [ $verb = compare ] || { backend=vk status=1; }

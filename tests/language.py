@@ -1,8 +1,10 @@
 """Checks for tests/language_test.sh: `files FILE...`: each names its schema as yaml-language-server reads it, and is valid by it;
 `misspelled FILE...`: and would not be with any one of its keys misspelled; `reference SCHEMA FILE` holds the reference's tables against the schema: the
 same keys in every section, and examples that the schema accepts; `keys SCHEMA... -- SOURCE...`: the schemas have the keys
-that the reader's tables in C have."""
+that the reader's tables in C have; `body REFERENCE SPEC`: the bodies beside the spec use every name that the reference's chapter on
+bodies lists, and the chapter lists every name that the generator's C and templates/glsl supply."""
 import copy
+import glob
 import json
 import os
 import re
@@ -41,6 +43,62 @@ def check_reference(schema, markdown):
             keys.add("NAME")
         if keys != found.get(anchor):
             sys.exit(f"section {anchor}: schema has {sorted(keys)}, reference has {sorted(found.get(anchor, []))}")
+
+
+def without_comments(text):
+    return re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
+
+
+def supplied_names():
+    """What bodies may name: what the emitters ask for with glsl_uses, what no parameter may be called because the generator
+    declares it, and what templates/glsl defines; less what is for the generator's own use."""
+    own = {"NAME", "NAME_quads", "Frame", "Live", "tile_gather_axis"}
+    names = set()
+    for path in glob.glob("gen/*.c"):
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        names |= {name.replace("%s", "NAME") for name in re.findall(r'glsl_uses\(glsl, "([^"]*)"', text) if name != "%.*s"}
+        declared = re.search(r"/\* what the generator declares in every body \*/(.*?);", text, re.S)
+        names |= set(re.findall(r"\w+", declared.group(1))) if declared else set()
+    for path in glob.glob("templates/glsl/*.glsl"):
+        with open(path, encoding="utf-8") as file:
+            text = without_comments(file.read())
+        if not path.endswith("exact.glsl"):
+            names |= set(re.findall(r"^\w+ (\w+)\(", text, re.M)) | set(re.findall(r"^struct (\w+)", text, re.M))
+            for members in re.findall(r"^    (?:View|Light|vec3|mat4|float|u?int) ([\w, ]+);$", text, re.M):
+                names |= set(members.split(", ")) if "struct" in text else set()
+    assert len(names) > 80 and {"NAME_size", "vertex_uv", "tile_split", "cos_outer", "invocation"} <= names, names
+    return names - own
+
+
+def check_body(markdown, path):
+    chapter = markdown[markdown.index('<a id="body"></a>'):]
+    listed = re.findall(r"^\| `([^`]+)` \|", chapter, re.M)
+    components = re.findall(r"^\| `SceneVertex.*", chapter, re.M)  # px, py, pz stand in one row
+    words = set(re.findall(r"\w+", " ".join(listed + components)))
+    missing = sorted(name for name in supplied_names() if name not in words)
+    if missing:
+        sys.exit(f"the chapter does not list {missing}")
+    with open(path, encoding="utf-8") as file:
+        spec = yaml.safe_load(file)
+    declared = "|".join(name for key in ("buffers", "images", "samplers", "metrics") for name in spec[key])
+    bodies = ""
+    for shader in {entry["shader"] for entry in spec["passes"]}:
+        with open(os.path.join(os.path.dirname(path), shader), encoding="utf-8") as file:
+            bodies += without_comments(file.read())
+    for name in listed:
+        call = re.sub(r"^(?:[iu]?vec\d|float|u?int|View|\w*sampler\w+|Scene\w+) ", "", name)
+        if call.startswith("for "):
+            pattern = r"for \(\w+ \w+ : \w+\)"
+        elif re.match(r"NAME\b", call):
+            pattern = rf"\b(?:{declared})" + (re.escape(call[4]) if call[4:] else " = ")
+        elif "." in call:
+            pattern = r"\." + call.split(".")[1] + r"\b"
+        else:
+            pattern = r"\b" + re.match(r"\w+", call).group().replace("NAME", r"\w+") + r"\b"
+        if not re.search(pattern, bodies):
+            sys.exit(f"no body of {path} uses {name}")
+    assert len(listed) > 80, listed
 
 
 def load(path):
@@ -121,6 +179,9 @@ def main():
             check_misspelled(path)
     elif sys.argv[1] == "keys":
         check_keys(arguments[:arguments.index("--")], arguments[arguments.index("--") + 1:])
+    elif sys.argv[1] == "body":
+        with open(arguments[0], encoding="utf-8") as file:
+            check_body(file.read(), arguments[1])
     else:
         with open(arguments[1], encoding="utf-8") as file:
             check_reference(load(arguments[0]), file.read())

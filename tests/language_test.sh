@@ -32,6 +32,9 @@ if $python -c 'import jsonschema, yaml' 2>/dev/null; then
     done
     check "keys and examples of the reference fit the schema" \
         $python tests/language.py reference "$work/schema.json" "$work/LANGUAGE.md"
+    check "the reference lists the names that bodies have, and bodies use each" \
+        $python tests/language.py body "$work/LANGUAGE.md" tests/specs/body.yaml
+    check "... which compiles for both backends" "$gen" tests/specs/body.yaml --check
 else
     skip "the schema accepts the shipped specs" "python3-jsonschema or python3-yaml is missing"
 fi
@@ -46,7 +49,7 @@ example_of_errors() (
 check "the README's example of errors" example_of_errors
 
 check_status 2 "an unknown option" "$gen" --chek
-check "... with a hint" says "did you mean \`--check\`?" "$gen" --chek
+check "... with a hint" says "did you mean \"--check\"?" "$gen" --chek
 check_status 2 "no spec" "$gen"
 check_status 2 "no -o" "$gen" templates/rsm.yaml
 check_status 1 "a missing spec" "$gen" --check "$work/absent.yaml"

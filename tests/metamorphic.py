@@ -38,8 +38,6 @@ class Workshop:
         self.build = os.path.abspath(build)
         self.folder = os.path.join(self.build, "tests/metamorphic")
         self.environment = {**os.environ, "XDG_CACHE_HOME": os.path.join(self.folder, "cache")}
-        if shutil.which("tcc"):   # in a tenth of the time; what is rewritten is what shaders compute
-            self.environment.setdefault("CC", "tcc")
         self.originals = {}
 
     def run(self, *command):

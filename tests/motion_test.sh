@@ -58,7 +58,7 @@ check "... alone" "${reference[@]}" --motion "$work/there.yaml" -o "$work/end.ex
 check "the first is the scene" cmp "$work/first.exr" "$work/scene.exr"
 check "the last is that place" cmp "$work/third.exr" "$work/end.exr"
 
-check "a frame of nothing that moves" complains "nothing moves" "${reference[@]}" --frame 2 -o "$work/no.exr"
+check "a frame of nothing that moves" complains "needs a --motion" "${reference[@]}" --frame 2 -o "$work/no.exr"
 for name in 'a%s.exr' 'a%d_%d.exr' 'a%.exr' 'a%12d.exr'; do
     check "$name is no pattern" complains "one %d or %04d" "${render[@]}" -o "$work/$name"
 done
@@ -87,7 +87,7 @@ fails() { # text command...
     "$@" 2>"$work/err"
     [ $? = 1 ] && grep -qF -- "$text" "$work/err"
 }
-check "one frame alone" fails "one frame does not change" "${flicker[@]}" --frames 1 --test "$work/frame_%02d.exr"
+check "one frame alone" fails "one frame has no change" "${flicker[@]}" --frames 1 --test "$work/frame_%02d.exr"
 check "a frame that is not there" fails "frame_04.exr" "${flicker[@]}" --frames 5 --test "$work/frame_%02d.exr"
 cp "$work/first.exr" "$work/small_00.exr"
 check "another size" fails "frame 0 of $work/small_%02d.exr has 24x16 pixels, not 48x27" "${flicker[@]}" \

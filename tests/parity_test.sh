@@ -2,7 +2,6 @@
 # Both backends must agree in every bit of every resource of every pass: over pipelines, scenes (one lit directionally, one by
 # a spot light), frame sizes that the tile divides and that it does not, and cluster counts. Validation must stay silent.
 . "$(dirname "$0")/tap.sh"
-compile_quickly
 cornell=$root/scenes/cornell.yaml
 atrium=$root/scenes/atrium.yaml
 ssvp=$root/templates/ssvp.yaml

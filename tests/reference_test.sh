@@ -48,9 +48,9 @@ interruption_leaves_no_trace() {
         cmp "$work/cut.exr" "$work/whole.exr"
 }
 check "an interruption leaves no trace" interruption_leaves_no_trace
-check "a checkpoint of another seed is refused" refuses 1 'is a checkpoint of other settings' \
+check "a checkpoint of another seed is refused" refuses 1 'is a checkpoint with other settings' \
     -o "$work/a.exr" --checkpoint "$work/sums" --spp 1000000 --seed 2
-check "a checkpoint that knows more is refused" refuses 1 'ask for more than --spp 1' -o "$work/a.exr" --checkpoint "$work/sums" --spp 1
+check "a checkpoint that knows more is refused" refuses 1 'give more than --spp 1' -o "$work/a.exr" --checkpoint "$work/sums" --spp 1
 
 # shellcheck disable=SC2317
 noise_is_reached() {

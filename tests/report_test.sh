@@ -91,7 +91,7 @@ check "... and the page is there, without their numbers" /usr/bin/python3 "$root
 check "a folder of something else" said 2 "holds files, but no report" "${small[@]}" -o "$folder"
 check "an outline that is not there" said 2 "it says what a report of this spec shows" "${small[@]}" --outline "$folder/none.yaml"
 printf 'pictures: [{name: ../a, title: A, set: [x=1]}]\n' >"$folder/bad.yaml"
-check "an outline that names a file elsewhere" said 2 "\`name\` is a word that can be the name of a file" "${small[@]}" --outline "$folder/bad.yaml"
+check "an outline that names a file elsewhere" said 2 "\`name\` must be valid as a file name" "${small[@]}" --outline "$folder/bad.yaml"
 printf 'pictures: [{name: a, title: A, set: [x=1]}]\nsweep: {parameter: x}\n' >"$folder/bad.yaml"
 check "a sweep without values" said 2 "\`sweep\` lacks the key \`values\`" "${small[@]}" --outline "$folder/bad.yaml"
 sed 's/total: .*/total: [1, 2]/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"

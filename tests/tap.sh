@@ -42,14 +42,6 @@ skip() { # description reason
     echo "ok $tap_count - $1 # SKIP $2"
 }
 
-# For tests of what pipelines compute, which make many: their C is compiled in a tenth of the time where tcc is installed.
-# Others, compare_test and command_test among them, leave it to cc.
-compile_quickly() {
-    if [ -z "${CC:-}" ] && command -v tcc >/dev/null; then
-        export CC=tcc
-    fi
-}
-
 finish() {
     echo "1..$tap_count"
     [ "$tap_failed" = 0 ]

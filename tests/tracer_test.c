@@ -813,7 +813,7 @@ static void test_other_checkpoints_are_refused(void **state)
     film.samples = 1;
     assert_true(film_save(&film, path, "seed=1", &loud));
     film_free(&film);
-    refuse_checkpoint(path, "seed=2", 3, "other settings, seed=1; these are seed=2");
+    refuse_checkpoint(path, "seed=2", 3, "other settings (seed=1, not seed=2)");
     refuse_checkpoint(path, "seed=1", 4, "wrong size");
     refuse_checkpoint("/tmp", "seed=1", 3, "cannot be read");
     FILE *file = fopen(path, "r+b");

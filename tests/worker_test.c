@@ -16,8 +16,6 @@
 #include <cmocka.h>
 
 #include "app/compare/blame.h"
-#include "runtime_gl/runtime.h"
-#include "runtime_vk/runtime.h"
 
 /* ---- A pipeline: numbers[i] = 10 * frame + i; doubled = 2 * numbers; kept += doubled ---------- */
 
@@ -25,24 +23,19 @@ enum { NUMBERS, DOUBLED, KEPT, RESOURCES };
 enum { COUNT, DOUBLE, KEEP, PASSES };
 enum { ELEMENTS = 4 };
 
-static void four(uint32_t width, uint32_t height, uint32_t extent[3])
+static void four(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
+                 uint32_t height, uint32_t extent[3])
 {
-    (void)width;
-    (void)height;
+    (void)pipeline, (void)resource, (void)width, (void)height;
     extent[0] = ELEMENTS;
     extent[1] = extent[2] = 1;
 }
 
 static const struct dt_field number[] = {{"", DT_TYPE_UINT, 0, 0, 0}};
 static struct dt_resource resources[] = {
-    {.name = "numbers", .fields = number, .field_count = 1, .stride = 4, .extent = four},
-    {.name = "doubled", .fields = number, .field_count = 1, .stride = 4, .extent = four},
-    {.name = "kept",
-     .fields = number,
-     .field_count = 1,
-     .stride = 4,
-     .extent = four,
-     .history = true}};
+    {.name = "numbers", .fields = number, .field_count = 1, .stride = 4},
+    {.name = "doubled", .fields = number, .field_count = 1, .stride = 4},
+    {.name = "kept", .fields = number, .field_count = 1, .stride = 4, .history = true}};
 static const uint16_t lists[RESOURCES] = {NUMBERS, DOUBLED, KEPT};
 static const struct dt_pass passes[] = {
     {.name = "count", .writes = &lists[NUMBERS], .write_count = 1},
@@ -57,6 +50,7 @@ static const struct dt_pass passes[] = {
      .writes = &lists[KEPT],
      .write_count = 1}};
 static const struct dt_pipeline pipeline_info = {.name = "made",
+                                                 .extent = four,
                                                  .resources = resources,
                                                  .resource_count = RESOURCES,
                                                  .passes = passes,
@@ -152,10 +146,10 @@ static bool set_scene(void *runtime, const struct dt_scene *scene)
     return true;
 }
 
-static bool create(void *runtime, const struct dt_panel *panel)
+static bool create(void *runtime, const struct dt_shaders *shaders)
 {
     (void)runtime;
-    (void)panel;
+    (void)shaders;
     return true;
 }
 

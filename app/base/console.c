@@ -1,6 +1,5 @@
-/* Log lines, progress and signals; see console.h. Signals are taken by a thread of their own with
- * sigtimedwait, so there is no handler and no global state, and the clean-up may use any
- * function. */
+/* Log lines, progress and signals; see console.h. A thread takes signals with sigtimedwait: there
+ * is no signal handler and no global state, and the clean-up may call any function. */
 #include "base/console.h"
 
 #include <errno.h>
@@ -71,7 +70,7 @@ void console_keep(struct console *console, enum dt_level level, const char *text
     pthread_mutex_unlock(&console->lock);
 }
 
-/* That of the thread, within the lock; NULL: it has none. */
+/* The capture of this thread; NULL: none. Call with the lock held. */
 static struct console_capture *capture_of(struct console *console, pthread_t owner)
 {
     for (int i = 0; i < CONSOLE_CAPTURES; i++) {
@@ -149,8 +148,8 @@ static void show_progress(struct console *console)
     pthread_mutex_unlock(&console->lock);
 }
 
-/* Until the child is gone it may still write into a temporary. It is left unreaped, so that its
- * number stays its own. */
+/* Ends the child's group and waits for the child: until then it may write temporaries. It is not
+ * reaped, so that its process number stays reserved. */
 static void end_child(pid_t child)
 {
     siginfo_t info;
@@ -161,7 +160,7 @@ static void end_child(pid_t child)
 
 static _Noreturn void end_by_signal(struct console *console, int signal)
 {
-    pthread_mutex_lock(&console->writing); /* never released: nothing else may begin to write */
+    pthread_mutex_lock(&console->writing); /* never released: no other write may start */
     pthread_mutex_lock(&console->lock);
     clear_line(console);
     for (int i = 0; i < CONSOLE_CHILDREN; i++)
@@ -351,7 +350,7 @@ static void become_child(struct console *console, pid_t parent)
     signal(SIGHUP, SIG_IGN);
     pthread_sigmask(SIG_UNBLOCK, &set, NULL);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) /* it ended before it could take us along */
+    if (getppid() != parent) /* the parent ended before prctl took effect */
         _exit(EXIT_FAILED);
 }
 
@@ -361,7 +360,7 @@ pid_t console_fork(struct console *console)
     pid_t parent = getpid();
     pthread_mutex_lock(&console->writing);
     pthread_mutex_lock(&console->lock);
-    fflush(stdout); /* or both would write what it holds */
+    fflush(stdout); /* else parent and child would both write the buffered output */
     pid_t child = fork();
     if (child == 0)
         become_child(console, parent);

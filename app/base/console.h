@@ -1,5 +1,5 @@
-/* What the command line says and how it ends: log lines and progress on stderr, and the tidy end on
- * SIGINT. One console per process, made by main and handed to every verb. */
+/* Log lines and progress on stderr, and the clean-up on SIGINT. main makes one console and hands it
+ * to every verb. */
 #ifndef DIPTYCH_CONSOLE_H
 #define DIPTYCH_CONSOLE_H
 
@@ -19,20 +19,20 @@ struct console {
     struct dt_log log;
     atomic_uint errors; /* DT_ERROR messages so far, from any thread */
     pthread_mutex_t lock;
-    pthread_mutex_t writing; /* held around every short write that has to end whole */
+    pthread_mutex_t writing; /* held around short writes that a signal must not interrupt */
     pthread_t watcher;
     atomic_bool done;
     bool watching;
     bool terminal;         /* stderr is one: show progress */
     bool quiet;            /* DIPTYCH_QUIET: warnings and errors only */
     bool shown;            /* a progress line stands on the screen */
-    struct timespec start; /* of the verb */
+    struct timespec start; /* when the verb started */
     char status[128];
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
     struct console_capture {
         bool open;
-        int file;             /* in memory; takes what these threads say; -1: out of memory */
-        pthread_t owner, too; /* the same where there is one */
+        int file;             /* in memory: messages of these threads; -1: out of memory */
+        pthread_t owner, too; /* equal when only one thread captures */
     } captures[CONSOLE_CAPTURES];
     /* each leads a process group, which a signal ends, too; 0: none */
     pid_t children[CONSOLE_CHILDREN];
@@ -42,7 +42,7 @@ struct console {
         char *text;
     } * kept;
     unsigned kept_count;
-    struct cJSON *result; /* an object: what the verb tells with --json; main frees it */
+    struct cJSON *result; /* JSON object that the verb returns for --json; main frees it */
 };
 
 /* Blocks SIGINT, SIGTERM and SIGHUP in this and all later threads, and starts the thread that waits
@@ -64,41 +64,41 @@ struct log_source {
 };
 struct dt_log log_from(struct log_source *source);
 
-/* From here to console_captured, what this thread logs, and what tools that it runs write to stderr, is
- * kept and not shown; NULL then when out of memory, else to be freed. Threads do so beside each other. False where
- * as many as can do already, or this one. */
+/* Keeps this thread's log messages, and stderr of the tools that it runs, until console_captured,
+ * which returns them: free(), NULL when out of memory. Several threads may capture at once. False
+ * when the thread captures already or CONSOLE_CAPTURES threads do. */
 bool console_capture(struct console *console);
 char *console_captured(struct console *console);
-/* What this thread logs goes the same way, while `owner` captures. One thread at a time beside each. */
+/* This thread's messages join those of `owner`, while that captures. At most one thread for each
+ * owner. */
 void console_capture_too(struct console *console, pthread_t owner);
-int console_capturing(
-    struct console *console); /* the file, when it is this thread that does; or -1 */
+int console_capturing(struct console *console); /* this thread's capture file, or -1 */
 
 /* Keeps a message for --json that another program has printed. */
 void console_keep(struct console *console, enum dt_level level, const char *text);
 
-/* What is being done, shown with the elapsed time once the verb takes longer than two seconds. */
+/* Sets the progress line, shown with the elapsed time once the verb takes longer than two
+ * seconds. */
 void console_status(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Seconds as a person says them: "40 s", "12 min", "3 h 20 min". */
+/* Rounded for people: "40 s", "12 min", "3 h 20 min". */
 void console_duration(double seconds, char *text, size_t size);
 
-/* A file or folder to remove should a signal end the process; forget it once it is renamed or
- * removed. */
+/* Registers a file or folder to remove when a signal ends the process; forget it after renaming or
+ * removing it. */
 void console_temporary(struct console *console, const char *path);
 void console_forget(struct console *console, const char *path);
 
-/* A child that leads a process group of its own: should a signal end this process before console_wait
- * has returned, it ends the group before the temporaries are removed. At most CONSOLE_CHILDREN. */
+/* Registers a child that leads a process group. A signal that ends this process before console_wait
+ * returns also ends the group, before temporaries are removed. At most CONSOLE_CHILDREN. */
 void console_adopt(struct console *console, pid_t child);
 /* Waits for it; returns the status as waitpid gives it, or -1 with errno. */
 int console_wait(struct console *console, pid_t child);
 
-/* Forks a process that goes on with this program's memory. In the child (0) the console has neither
- * watcher nor temporaries, SIGINT and SIGHUP are ignored, since a terminal sends them to both and
- * the end is the parent's business, and SIGKILL follows the parent's end, whatever that is. -1 with
- * errno. */
+/* Forks. In the child (returns 0) the console has no watcher and no temporaries. It ignores SIGINT
+ * and SIGHUP, which a terminal sends to both processes, and gets SIGKILL when the parent ends. -1
+ * with errno. */
 pid_t console_fork(struct console *console);
 
 double milliseconds_now(void); /* monotonic */

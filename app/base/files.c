@@ -10,6 +10,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 #include "base/console.h"
 
 char *format_string(const char *format, ...)
@@ -75,13 +78,14 @@ static bool write_and_close(int descriptor, const char *data, size_t size)
     return good;
 }
 
-/* A pipe, a terminal or the like, also by a link as /dev/stdout is one: nothing may take its place. */
+/* A pipe, a terminal or another special file, also through a link such as /dev/stdout: must not be
+ * replaced. */
 static bool is_stream(const struct stat *status)
 {
     return !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
 }
 
-/* Beside the file that it becomes, which is where a link leads, and with its permissions. */
+/* In the folder of the final file, with its permissions; links are followed. */
 static bool write_and_rename(const char *path, const struct stat *old, const void *data,
                              size_t size)
 {
@@ -90,8 +94,7 @@ static bool write_and_rename(const char *path, const struct stat *old, const voi
     char *temporary = format_string("%s.tmp-%d", place, (int)getpid());
     int descriptor =
         temporary ? open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
-    if (descriptor >= 0 &&
-        old) /* refused where the file system knows no permissions: there are none to lose */
+    if (descriptor >= 0 && old) /* fails on file systems without permissions: nothing is lost */
         (void)fchmod(descriptor, old->st_mode & 0777);
     bool good =
         descriptor >= 0 && write_and_close(descriptor, data, size) && rename(temporary, place) == 0;
@@ -210,9 +213,7 @@ bool file_remove_tree(const char *path)
 
 void hash_bytes(uint64_t *hash, const void *data, size_t size)
 {
-    const uint8_t *bytes = data;
-    for (size_t i = 0; i < size; i++)
-        *hash = (*hash ^ bytes[i]) * UINT64_C(0x100000001b3);
+    *hash = XXH3_64bits_withSeed(data, size, *hash);
 }
 
 void hash_string(uint64_t *hash, const char *text)
@@ -225,10 +226,14 @@ bool hash_file(uint64_t *hash, const char *path)
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return false;
+    XXH3_state_t state;
     uint8_t block[65536];
     size_t got;
+    XXH3_INITSTATE(&state);
+    XXH3_64bits_reset_withSeed(&state, *hash);
     while ((got = fread(block, 1, sizeof block, stream)) > 0)
-        hash_bytes(hash, block, got);
+        XXH3_64bits_update(&state, block, got);
+    *hash = XXH3_64bits_digest(&state);
     bool good = !ferror(stream);
     fclose(stream);
     return good;

@@ -14,15 +14,14 @@ char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)
 /* The whole file plus a terminating zero that *size does not count; free(). */
 char *file_read(const char *path, size_t *size, const struct dt_log *log);
 
-/* All that an open file holds, ended by a zero; NULL with errno; free(). */
+/* Content of an open file, with a terminating zero; NULL with errno; free(). */
 char *file_contents(int file);
 
-/* Writes beside `path` and renames, so that the file is there whole or not at all. */
+/* Writes a temporary file beside `path` and renames it: the file appears whole or not at all. */
 bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log);
 
-/* A file whose content is put together first: whatever goes into `out`. file_draft_end writes it as
- * file_write does, and ends the draft in any case; a path of NULL, or nothing in the draft, means that
- * memory ran out. */
+/* A file written in memory first, through `out`. file_draft_end writes it as file_write does and
+ * always frees the draft; a NULL path or an empty draft counts as out of memory. */
 struct file_draft {
     FILE *out;
     char *text;
@@ -30,20 +29,20 @@ struct file_draft {
 };
 bool file_draft_begin(struct file_draft *draft, const struct dt_log *log);
 bool file_draft_end(struct file_draft *draft, const char *path, const struct dt_log *log);
-void file_draft_discard(struct file_draft *draft); /* or end; also of one that could not begin */
+void file_draft_discard(struct file_draft *draft); /* in place of end; also after a failed begin */
 
-/* Whether file_write could put a file there, asked before hours of work; logs as it would. */
+/* Whether file_write could write the file, checked before hours of work; logs its error. */
 bool file_can_write(const char *path, const struct dt_log *log);
 
 bool file_exists(const char *path);
 bool file_make_folders(const char *path, const struct dt_log *log); /* mkdir -p */
-bool file_remove_tree(const char *path); /* true also when there was nothing */
+bool file_remove_tree(const char *path); /* true when there was nothing to remove */
 
-/* FNV-1a, 64 bit, over the content; *hash carries on from its former value. Start with
- * FILE_HASH_START. */
-#define FILE_HASH_START UINT64_C(0xcbf29ce484222325)
+/* XXH3, 64 bit, over the content, with *hash's former value as its seed. Start with FILE_HASH_START. A
+ * file hashes as its bytes do. */
+#define FILE_HASH_START UINT64_C(0)
 void hash_bytes(uint64_t *hash, const void *data, size_t size);
-void hash_string(uint64_t *hash, const char *text); /* with its end, so that a | bc is not ab | c */
+void hash_string(uint64_t *hash, const char *text); /* and the zero: "a", "bc" is not "ab", "c" */
 bool hash_file(uint64_t *hash, const char *path);   /* silent: false when it cannot be read */
 
 #endif

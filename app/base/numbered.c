@@ -39,11 +39,10 @@ bool is_numbered(const char *path, const char *option, bool *good, const struct 
     }
     *good = *good && conversions == 1;
     if (!*good)
-        report_error(
-            log,
-            "%s %s: a %% begins the place of the frame's number, one %%d or %%04d; write a "
-            "percent sign as %%%%",
-            option, path);
+        report_error(log,
+                     "%s %s: needs exactly one %%d or %%04d for the frame number; write a percent "
+                     "sign as %%%%",
+                     option, path);
     return true;
 }
 

@@ -1,15 +1,15 @@
-/* Names of the files of a sequence: a pattern like frame_%04d.exr, for frame 7 frame_0007.exr. Called
- * by render and flicker. */
+/* File names of a sequence: frame_%04d.exr gives frame_0007.exr for frame 7. Called by render and
+ * flicker. */
 #ifndef DIPTYCH_NUMBERED_H
 #define DIPTYCH_NUMBERED_H
 
 #include "diptych.h"
 
-/* Whether the path is a pattern, that is, has a % in it. A pattern must have one %d, or with a width
- * %3d or %04d, and no other % but %%: else *good becomes false, with `option`'s error logged. */
+/* Whether the path is a pattern: has a %. A pattern has one %d, or with a width %3d or %04d, and no
+ * other % except %%. Otherwise *good becomes false, with the error of `option` logged. */
 bool is_numbered(const char *path, const char *option, bool *good, const struct dt_log *log);
 
-/* The name for that number, of a pattern that was found good; free(). */
+/* The name for a number, of a valid pattern; free(). */
 char *numbered_path(const char *pattern, uint32_t number);
 
 #endif

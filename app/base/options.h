@@ -1,9 +1,10 @@
-/* The options of all verbs in one table, and the one parser that reads it. Called by main, which
- * hands the result to the verb. */
+/* The options of all verbs in one table, read by gen/command.h. Called by main, which hands the result
+ * to the verb. */
 #ifndef DIPTYCH_OPTIONS_H
 #define DIPTYCH_OPTIONS_H
 
 #include "base/console.h"
+#include "gen/command.h"
 
 /* A verb's bit in the option table. */
 enum verb_id {
@@ -16,17 +17,13 @@ enum verb_id {
     VERB_BENCH = 64,
     VERB_REPORT = 128,
     VERB_VIEW = 256,
-    VERB_FLICKER = 512
+    VERB_FLICKER = 512,
+    VERB_LIST = 1024,
+    VERB_HELP = 2048
 };
 
-/* The values of an option that may be repeated. */
-struct text_list {
-    const char **items;
-    uint32_t count;
-};
-
-/* Every option of every verb; a verb sees only what its bit in the table admits, the rest stays at
- * the default. Strings point into argv. */
+/* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
+ * Strings point into argv. */
 struct options {
     const char *scene;
     const char *motion;  /* file; NULL: nothing moves */
@@ -34,8 +31,13 @@ struct options {
     const char *output;
     const char *spec;      /* NULL: the project's own */
     const char *templates; /* folder of the GLSL library; NULL: the project's */
-    const char **sets;
-    uint32_t set_count;  /* NAME=VALUE each */
+    union {                /* two names of one list: the table stores text_list */
+        struct text_list set_list;
+        struct {
+            const char **sets; /* NAME=VALUE each */
+            uint32_t set_count;
+        };
+    };
     uint32_t size[2];    /* this and frames: 0 with --against where not given */
     uint32_t frames;     /* 0 with --motion where not given: all of it */
     uint32_t frame;      /* reference: of the motion */
@@ -48,7 +50,7 @@ struct options {
     const char *context;
     const char *json;
     const char *pictures;
-    uint32_t drop_barrier, drop_dependency; /* of Vulkan's frame, counted from 1; 0: none */
+    uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
     const char *fault;
     const char *bisect; /* folder to write */
     const char *folder; /* of an earlier bisect */
@@ -59,7 +61,7 @@ struct options {
     const char *noise;
     const char *bounces;
     const char *from_bounce;
-    const char *quantity; /* these three as their rows list them, or NULL */
+    const char *quantity; /* these three: one of the choices in the table, or NULL */
     const char *filter;
     const char *sampler;
     const char *checkpoint;
@@ -70,32 +72,32 @@ struct options {
     double exposure;             /* factor; 0: of the reference's log-average luminance */
     double pixels_per_degree;    /* metrics: 0: not given */
     uint32_t block;              /* flicker: 0: not given */
-    struct text_list scene_list; /* sweep, report: these two in place of scene and size */
+    struct text_list scene_list; /* sweep, report: instead of scene and size */
     struct text_list size_list;
     struct text_list grid;
     const char *verb;
+    const char *topic;                         /* help: a verb, or NULL */
     const char *measure;                       /* sweep: of agree,time,error,own; NULL: agree */
     const char *x;                             /* sweep: path of a grid; NULL: the first */
-    uint32_t random, memory, jobs, run_frames; /* sweep: 0: not given; bench, view, too */
+    uint32_t random, memory, jobs, run_frames; /* 0: not given; sweep, bench, view */
     uint32_t warmup;
     bool slurm, collect;
     const char *screenshot; /* view */
-    const char *outline;    /* report: of what to show; NULL: the spec's */
+    const char *outline;    /* report: NULL: the one beside the spec */
     bool glsl;
     bool debug;
     bool help;
 };
 
-/* Most that an option gives; a size is that of one side. */
-enum { OPTIONS_MAX_FRAMES = 1000000, OPTIONS_MAX_SIZE = 65536 };
+enum { OPTIONS_MAX_FRAMES = OPTIONS_MAX_COUNT };
 
 struct verb {
     const char *name;
     enum verb_id id;
     const char *summary; /* one line */
-    const char *details; /* for --help: what it writes, what it exits with */
+    const char *details; /* for --help: output and exit statuses */
     int (*run)(struct console *console, const struct options *options);
-    int failed; /* exit status when it could not do what it was asked for */
+    int failed; /* exit status of a failure */
 };
 
 int verb_render(struct console *console, const struct options *options);
@@ -107,6 +109,7 @@ int verb_flicker(struct console *console, const struct options *options);
 int verb_bench(struct console *console, const struct options *options);
 int verb_report(struct console *console, const struct options *options);
 int verb_view(struct console *console, const struct options *options);
+int verb_list(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
@@ -114,12 +117,7 @@ int verb_sweep(struct console *console, const struct options *options);
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
                    const struct dt_log *log);
 void options_free(struct options *options);
-void options_help(const struct verb *verb); /* on stdout */
-/* The same for app/manual.awk: a line "verb", name, summary, details, then one "option", name, argument,
- * required or "", help for each, with tabs between and "\\n" for newlines. */
-void options_describe(const struct verb *verb);
-
-/* Reads WIDTHxHEIGHT as --size has it; logs the error. */
-bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);
+void options_help(const struct verb *verb);     /* on stdout */
+void options_describe(const struct verb *verb); /* see command_describe */
 
 #endif

@@ -28,7 +28,8 @@ static void add_placed(cJSON *list, const char *line, const struct place *place)
     cJSON_AddItemToArray(list, item);
 }
 
-/* A message that begins with a place may be several, with lines of source and carets between them. */
+/* Text that begins with a place may hold several messages, with source lines and carets between
+ * them. */
 static void add_message(cJSON *list, const struct console_message *message)
 {
     struct place place;

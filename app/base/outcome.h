@@ -1,13 +1,13 @@
-/* --json: what a verb found out, or why it did not. The same for every verb:
- *   {"verb", "format": 1, "exit_status", "errors": [...], and what the verb itself has to tell}
- * An error, warning or note has "severity" and "message", and where it has a place "file", "line" and
- * "column". Called by main, after the verb. */
+/* --json: the result of a verb, or its errors, in one shape: {"verb", "format": 1, "exit_status",
+ * "errors": [...]} and the verb's own keys. An error, warning or note has "severity" and "message",
+ * and if it has a place, "file", "line" and "column". Called by main, after the verb. */
 #ifndef DIPTYCH_OUTCOME_H
 #define DIPTYCH_OUTCOME_H
 
 #include "base/console.h"
 
-/* Writes console->result, which may be NULL, with the errors that console kept; logs its error. */
+/* Writes console->result, which may be NULL, with the messages that the console kept; logs its
+ * error. */
 bool outcome_write(struct console *console, const char *verb, const char *path, int status);
 
 #endif

@@ -1,5 +1,5 @@
-/* Diagnostics as compilers write them, `file:line:column: error: text`: how editors find the place.
- * Called by console.c, so that they stay what they are, and by those who tell errors as JSON. */
+/* Parses diagnostics in compiler format, `file:line:column: error: text`, which editors follow.
+ * Called by console.c, which prints them without a prefix, and by the writers of JSON errors. */
 #ifndef DIPTYCH_PLACE_H
 #define DIPTYCH_PLACE_H
 
@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 struct place {
-    size_t path_length; /* of the line's first bytes, which are the file */
+    size_t path_length; /* bytes of the file's name at the start of the line */
     int line, column;   /* from 1 */
     const char *level;  /* error, warning or note, followed by a colon */
     const char *text;   /* to the end of the line */

@@ -127,12 +127,11 @@ uint32_t resource_stride(const struct dt_resource *resource)
     return resource->kind == DT_BUFFER ? resource->stride : format_size(resource->format);
 }
 
-void resource_extent(const struct dt_resource *resource, const uint32_t size[2], uint32_t mip,
-                     uint32_t extent[3])
+void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, const uint32_t size[2],
+                     uint32_t mip, uint32_t extent[3])
 {
-    memset(extent, 0, 3 * sizeof *extent);
-    resource->extent(size[0], size[1], extent);
-    for (int axis = 0; axis < 2 && resource->kind == DT_IMAGE; axis++)
+    pipeline->extent(pipeline, resource, size[0], size[1], extent);
+    for (int axis = 0; axis < 2 && pipeline->resources[resource].kind == DT_IMAGE; axis++)
         extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
 }
 

@@ -30,26 +30,26 @@ uint32_t resource_stride(const struct dt_resource *resource); /* bytes per eleme
 
 /* Extent of one mip in a frame of that size, as a runtime's read gives it: elements of a buffer, or
  * width, height and layers; and how many elements or texels that is. */
-void resource_extent(const struct dt_resource *resource, const uint32_t size[2], uint32_t mip,
-                     uint32_t extent[3]);
+void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, const uint32_t size[2],
+                     uint32_t mip, uint32_t extent[3]);
 uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3]);
 
-/* The mips that hold something before the pass runs, as a mask: those that an earlier pass of the
- * frame writes; with history all. A buffer has mip 0. */
+/* Mask of the mips that are defined before the pass: those that earlier passes of the frame write;
+ * with history, all. A buffer has mip 0. */
 uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
-/* The same once the pass has run. */
+/* The same after the pass. */
 uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
 
-/* How people find it: "[12]" in a buffer, "(3, 4)" in an image of that extent, "(3, 4, layer 5)" in
- * a layered one; malloc'ed, NULL when out of memory. */
+/* Position of an element as text: "[12]" in a buffer, "(3, 4)" in an image of that extent, "(3, 4,
+ * layer 5)" in a layered one; malloc'ed, NULL when out of memory. */
 char *element_place(const struct dt_resource *resource, const uint32_t extent[3], uint64_t element);
 
 /* All declared numbers of an element, padding left out; *list is malloc'ed. Returns their count, 0
  * when out of memory. */
 uint32_t resource_components(const struct dt_resource *resource, struct component **list);
 
-/* Sets the padding between the numbers to zero: it holds whatever the memory held before, and equal
- * content shall be equal bytes. False when out of memory. */
+/* Zeroes the padding between the numbers, whose content is undefined, so that equal content gives
+ * equal bytes. False when out of memory. */
 bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes);
 
 #endif

@@ -19,9 +19,10 @@
 
 extern char **environ;
 
-/* Its input is the file `input`, -1: ours. Its output goes to the file `output`, -1: nowhere; its
- * messages to `errors`, -1: to stderr. The child leads a process group, so that console_wait can end it
- * with all its own children; signals are unblocked in it. Returns 0 or an errno. */
+/* Starts a child. Descriptors: `input` for its stdin, -1: ours; `output` for its stdout, -1:
+ * /dev/null; `errors` for its stderr, -1: ours. The child leads a process group, so that
+ * console_wait can end it with its own children, and has no signals blocked. Returns 0 or an
+ * errno. */
 static int start(pid_t *child, char *const argv[], int input, int output, int errors)
 {
     sigset_t none;
@@ -47,13 +48,11 @@ static int start(pid_t *child, char *const argv[], int input, int output, int er
     return error;
 }
 
-/* What the child said goes where this process's own messages go, and is kept for --json: a message for
- * each place that it names, or all of it as the reason why it failed. */
-static void tell_errors(int file, bool failed, struct console *console)
+void tool_tell(int file, bool failed, struct console *console)
 {
     char *text = file_contents(file);
     int captured = console_capturing(console);
-    bool placed = captured >= 0; /* who captures keeps it in his own way */
+    bool placed = captured >= 0; /* a capture keeps the text itself */
     struct place place;
     for (char *line = placed ? NULL : text, *end; line && *line; line = end) {
         end = line + strcspn(line, "\n");
@@ -81,22 +80,20 @@ static void tell_errors(int file, bool failed, struct console *console)
 
 struct running {
     pid_t child;
-    int kept; /* file with what it says; -1: that went to stderr or is captured */
+    int kept; /* file with its messages; -1: on stderr, or captured */
 };
 
-/* What becomes of its messages. */
+/* Where the tool's messages go. */
 enum messages {
     MESSAGES_KEPT,  /* for --json, where that is given */
-    MESSAGES_SHOWN, /* at once: they are its progress, too */
-    MESSAGES_APART, /* told when it is done, so that they do not get between what others say */
+    MESSAGES_SHOWN, /* to stderr at once: they show progress */
 };
 
 static bool begin(struct running *running, const struct tool *tool, char *const argv[], int output,
                   enum messages messages, struct console *console)
 {
     int captured = console_capturing(console);
-    bool keep =
-        messages == MESSAGES_APART || (messages == MESSAGES_KEPT && captured < 0 && console->keeps);
+    bool keep = messages == MESSAGES_KEPT && captured < 0 && console->keeps;
     *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
     int error =
         start(&running->child, argv, -1, output, running->kept >= 0 ? running->kept : captured);
@@ -111,15 +108,13 @@ static bool begin(struct running *running, const struct tool *tool, char *const 
     return false;
 }
 
-/* Waits for it and tells what it said; the status as console_wait gives it. */
-static int finish(const struct running *running, const struct tool *tool, struct console *console)
+/* Waits for it and prints its messages; returns the status as console_wait does. */
+static int finish(const struct running *running, struct console *console)
 {
     int status = console_wait(console, running->child);
     int error = errno;
-    if (running->kept >= 0 && tool->optional && status != 0)
-        close(running->kept);
-    else if (running->kept >= 0)
-        tell_errors(running->kept, status != 0, console);
+    if (running->kept >= 0)
+        tool_tell(running->kept, status != 0, console);
     errno = error;
     return status;
 }
@@ -132,12 +127,10 @@ static bool judge(int status, const struct tool *tool, const char *name, const s
     }
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return true;
-    if (tool->optional)
-        return false;
     if (WIFSIGNALED(status))
         report_error(log, "%s was ended by signal %d", tool->what, WTERMSIG(status));
     else if (!tool->explains)
-        report_error(log, "%s failed with exit status %d; its messages stand above", tool->what,
+        report_error(log, "%s failed with exit status %d; see its messages above", tool->what,
                      WEXITSTATUS(status));
     return false;
 }
@@ -147,7 +140,7 @@ static bool run(const struct tool *tool, char *const argv[], int output, enum me
 {
     struct running running;
     return begin(&running, tool, argv, output, messages, console) &&
-           judge(finish(&running, tool, console), tool, argv[0], &console->log);
+           judge(finish(&running, console), tool, argv[0], &console->log);
 }
 
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
@@ -156,7 +149,7 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
                console);
 }
 
-/* A pipe's end, and who wants its lines. */
+/* Read end of a pipe, and the callback for its lines. */
 struct line_reader {
     FILE *in;
     void (*take)(void *user, const char *line);
@@ -190,7 +183,7 @@ bool tool_lines(const struct tool *tool, char *const argv[],
         report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
     bool good = reads && run(tool, argv, ends[1], MESSAGES_SHOWN, console);
     if (ends[1] >= 0)
-        close(ends[1]); /* the end of the lines, once all that the tool started are gone */
+        close(ends[1]); /* lines end when the tool and its children have closed the pipe */
     if (reads)
         pthread_join(thread, NULL);
     if (reader.in)
@@ -198,97 +191,6 @@ bool tool_lines(const struct tool *tool, char *const argv[],
     else if (ends[0] >= 0)
         close(ends[0]);
     return good;
-}
-
-/* ---- Ahead of the work ----------------------------------------------------------------------- */
-
-void tool_prepare(struct tool_waiting *waiting, const char *path, struct console *console)
-{
-    char *argv[] = {(char *)path, (char *)"--wait", NULL};
-    int ends[2] = {-1, -1};
-    *waiting = (struct tool_waiting){.messages = memfd_create("errors", MFD_CLOEXEC), .input = -1};
-    if (waiting->messages >= 0 && stat(path, &waiting->program) == 0 &&
-        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) == 0 &&
-        start(&waiting->child, argv, ends[0], -1, waiting->messages) == 0) {
-        console_adopt(console, waiting->child);
-        waiting->input = ends[1];
-    } else {
-        waiting->child = 0;
-        if (ends[1] >= 0)
-            close(ends[1]);
-        if (waiting->messages >= 0)
-            close(waiting->messages);
-    }
-    if (ends[0] >= 0)
-        close(ends[0]);
-}
-
-static bool send_word(int socket, const char *word)
-{
-    size_t left = strlen(word) + 1;
-    while (left) {
-        ssize_t sent = send(socket, word, left, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR)
-            return false;
-        word += sent > 0 ? sent : 0;
-        left -= sent > 0 ? (size_t)sent : 0;
-    }
-    return true;
-}
-
-/* Whether it has all its words. */
-static bool send_words(const struct tool_waiting *waiting, char *const argv[])
-{
-    struct stat now;
-    bool good = stat(argv[0], &now) == 0 && now.st_ino == waiting->program.st_ino &&
-                now.st_size == waiting->program.st_size &&
-                now.st_mtim.tv_sec == waiting->program.st_mtim.tv_sec &&
-                now.st_mtim.tv_nsec == waiting->program.st_mtim.tv_nsec;
-    for (size_t i = 1; good && argv[i]; i++)
-        good = send_word(waiting->input, argv[i]);
-    return good;
-}
-
-void tool_dismiss(struct tool_waiting *waiting, struct console *console)
-{
-    if (!waiting->child)
-        return;
-    kill(waiting->child, SIGKILL);
-    close(waiting->input);
-    console_wait(console, waiting->child);
-    close(waiting->messages);
-    waiting->child = 0;
-}
-
-bool tool_run_waiting(struct tool_waiting *waiting, const struct tool *tool, char *const argv[],
-                      struct console *console)
-{
-    if (!waiting || !waiting->child)
-        return tool_run(tool, argv, -1, console);
-    if (!send_words(waiting, argv)) {
-        tool_dismiss(waiting, console);
-        return tool_run(tool, argv, -1, console);
-    }
-    close(waiting->input);
-    const struct running running = {waiting->child, waiting->messages};
-    waiting->child = 0;
-    return judge(finish(&running, tool, console), tool, argv[0], &console->log);
-}
-
-bool tool_run_all(const struct tool *tool, char *const *const argvs[], uint32_t count,
-                  struct console *console)
-{
-    struct running running[CONSOLE_CHILDREN];
-    uint32_t started = 0;
-    int status = 0; /* of the first that fails */
-    while (started < count &&
-           begin(&running[started], tool, argvs[started], -1, MESSAGES_APART, console))
-        started++;
-    for (uint32_t i = 0; i < started; i++) {
-        int own = finish(&running[i], tool, console);
-        status = status ? status : own;
-    }
-    return judge(status, tool, argvs[0][0], &console->log) && started == count;
 }
 
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console)
@@ -332,7 +234,7 @@ char *tools_folder(const struct dt_log *log)
     return path;
 }
 
-/* A folder by its path in the project and where it was installed, both from beside the tools. */
+/* Finds a folder from beside the tools: its path in the project, or its installed path. */
 static char *brought_along(const char *in_project, const char *installed, const struct dt_log *log)
 {
     char *path = tools_folder(log);
@@ -364,9 +266,4 @@ char *templates_folder(const struct dt_log *log)
 char *headers_folder(const struct dt_log *log)
 {
     return brought_along("/templates/c", "/include/diptych", log);
-}
-
-char *runtimes_folder(const struct dt_log *log)
-{
-    return brought_along("", "/include/diptych", log);
 }

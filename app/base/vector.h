@@ -48,7 +48,7 @@ static inline float largest(struct vec3 v)
     return fmaxf(v.x, fmaxf(v.y, v.z));
 }
 
-/* Unit vector along v, or `otherwise` where v has no direction. */
+/* Unit vector along v, or `otherwise` for a zero vector. */
 static inline struct vec3 unit_or(struct vec3 v, struct vec3 otherwise)
 {
     float square = dot(v, v);

@@ -1,17 +1,26 @@
-/* Loads pipelines and sets their live parameters; see pipeline.h. */
+/* Loads pipelines; see pipeline.h. */
 #include "build/pipeline.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/files.h"
 #include "base/live.h"
 #include "base/tool.h"
-#include "build/cache.h"
+
+/* Processor time after which a spec hangs. */
+#define TRY_SECONDS "30"
+
+/* What a load needs, found from the options. */
+struct load {
+    char *tools, *spec, *templates, *cache;
+    const char **sets; /* those of no live parameter, sorted */
+    uint32_t set_count;
+};
 
 char *pipeline_spec_path(const char *spec, const struct dt_log *log)
 {
@@ -27,68 +36,37 @@ char *pipeline_spec_path(const char *spec, const struct dt_log *log)
     return path;
 }
 
-static int compare_strings(const void *a, const void *b)
+/* ---- Cache ----------------------------------------------------------------------------------- */
+
+static bool is_writable(const char *folder)
 {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
+    struct stat info;
+    return access(folder, W_OK) == 0 && stat(folder, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-static const struct dt_panel *find_panel(void *object, const char *name, const char *backend,
-                                         const struct dt_log *log)
+/* BASE/NAME where BASE is there, or can be made, and written; else NULL. */
+static char *folder_in(const char *base, const char *name)
 {
-    char *symbol = format_string("%s_%s", name, backend);
-    const struct dt_panel *panel = symbol ? dlsym(object, symbol) : NULL;
-    if (!panel)
-        report_error(log, "the generated pipeline has no symbol %s", symbol ? symbol : backend);
-    free(symbol);
-    return panel;
+    char *folder = base && *base == '/' ? format_string("%s%s", base, name) : NULL;
+    if (base && *base == '/' && mkdir(base, 0700) == 0)
+        return folder;
+    if (folder && (is_writable(folder) || (access(folder, F_OK) != 0 && is_writable(base))))
+        return folder;
+    free(folder);
+    return NULL;
 }
 
-/* One generation: the pipeline with exactly these overrides, live block at its defaults. Unload it
- * in any case. */
-static bool load_with(struct pipeline *pipeline, struct console *console,
-                      const struct build_request *request)
+/* build/cache where that can be written, else the user's own cache folder, as for what is installed. NULL:
+ * neither can; then there is no cache. */
+static char *cache_folder(const char *tools)
 {
-    *pipeline = (struct pipeline){0};
-    struct cache_entry entry;
-    if (!cache_get(&entry, request, console))
-        return false;
-    pipeline->object = dlopen(entry.object, RTLD_NOW | RTLD_LOCAL);
-    if (!pipeline->object) {
-        report_error(&console->log, "the compiled pipeline cannot be loaded: %s", dlerror());
-    } else {
-        pipeline->gl = find_panel(pipeline->object, entry.name, "gl", &console->log);
-        pipeline->vk = find_panel(pipeline->object, entry.name, "vk", &console->log);
-    }
-    pipeline->generated = entry.folder;
-    pipeline->held = entry.held;
-    pipeline->generator_ms = entry.generator_ms;
-    pipeline->compiler_ms = entry.compiler_ms;
-    entry.folder = NULL;
-    entry.held = NULL;
-    cache_entry_free(&entry);
-    if (pipeline->gl && pipeline->vk) {
-        pipeline->info = pipeline->gl->pipeline;
-        pipeline->live = malloc(pipeline->info->live_size);
-        if (pipeline->live) {
-            memcpy(pipeline->live, pipeline->info->live_defaults, pipeline->info->live_size);
-            return true;
-        }
-        report_error(&console->log, "out of memory");
-    }
-    return false;
-}
-
-void pipeline_unload(struct pipeline *pipeline)
-{
-    free(pipeline->live);
-    free(pipeline->generated);
-    free(pipeline->templates);
-    free(pipeline->spec);
-    if (pipeline->object)
-        dlclose(pipeline->object);
-    if (pipeline->held)
-        closedir(pipeline->held);
-    *pipeline = (struct pipeline){0};
+    const char *home = getenv("HOME");
+    char *own = home ? format_string("%s/.cache", home) : NULL;
+    char *folder = tools_installed(tools) ? NULL : folder_in(tools, "/cache");
+    folder = folder ? folder : folder_in(getenv("XDG_CACHE_HOME"), "/diptych");
+    folder = folder ? folder : folder_in(own, "/diptych");
+    free(own);
+    return folder;
 }
 
 /* ---- Overrides ------------------------------------------------------------------------------- */
@@ -100,47 +78,47 @@ static bool is_bare(const char *set)
     return strcspn(set, ".[") > strcspn(set, "=");
 }
 
-/* The names of the spec's live parameters, a line each, asked of the generator; free(). */
-static char *live_names(struct console *console, const struct build_request *request)
+static int compare_strings(const void *a, const void *b)
 {
-    static const struct tool generator = {
-        .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
-    char *tool = format_string("%s/diptych-gen", request->tools);
-    char **argv = calloc(request->set_count * 2 + 4, sizeof *argv);
-    char *names = NULL;
-    if (tool && argv) {
-        size_t n = 0;
-        argv[n++] = tool;
-        argv[n++] = (char *)request->spec;
-        argv[n++] = (char *)"--live";
-        for (uint32_t i = 0; i < request->set_count; i++) {
-            argv[n++] = (char *)"--set";
-            argv[n++] = (char *)request->sets[i];
-        }
-        names = tool_read(&generator, argv, console);
-    } else {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static struct plan_request request_of(const struct load *load, bool edited)
+{
+    return (struct plan_request){.spec = load->spec,
+                                 .templates = load->templates,
+                                 .sets = load->sets,
+                                 .set_count = load->set_count,
+                                 .cache = load->cache,
+                                 .for_edits = edited};
+}
+
+/* Those of live parameters are left out. Names that the spec does not know stay: planning judges them. */
+static bool sort_sets(struct load *load, const struct options *options, struct console *console)
+{
+    bool *live = calloc(options->set_count + 1, sizeof *live);
+    bool good = live && load->sets;
+    for (uint32_t i = 0; good && i < options->set_count; i++)
+        if (!is_bare(options->sets[i]))
+            load->sets[load->set_count++] = options->sets[i];
+    if (!good) {
         report_error(&console->log, "out of memory");
+    } else if (load->set_count < options->set_count) {
+        struct plan_request request = request_of(load, false);
+        good = plan_find_live(&request, (const char *const *)options->sets, options->set_count,
+                              live, console);
+        for (uint32_t i = 0; good && i < options->set_count; i++)
+            if (is_bare(options->sets[i]) && !live[i])
+                load->sets[load->set_count++] = options->sets[i];
     }
-    free(argv);
-    free(tool);
-    return names;
+    if (good)
+        qsort(load->sets, load->set_count, sizeof *load->sets, compare_strings);
+    free(live);
+    return good;
 }
 
-/* Whether the name that `set` begins with is one of the lines of `names`. */
-static bool is_listed(const char *names, const char *set)
-{
-    size_t length = strcspn(set, "=");
-    for (const char *at = names; *at; at += *at == '\n') {
-        const char *name = at;
-        at += strcspn(at, "\n");
-        if ((size_t)(at - name) == length && strncmp(name, set, length) == 0)
-            return true;
-    }
-    return false;
-}
-
-static bool set_live_ones(struct pipeline *pipeline, const struct options *options,
-                          const struct dt_log *log)
+static bool set_live(struct pipeline *pipeline, const struct options *options,
+                     const struct dt_log *log)
 {
     bool good = true;
     for (uint32_t i = 0; i < options->set_count && good; i++) {
@@ -154,72 +132,141 @@ static bool set_live_ones(struct pipeline *pipeline, const struct options *optio
     return good;
 }
 
-/* The pipeline is generated with all overrides but those of live parameters, which are set in it. Names that
- * the spec does not know are the generator's to judge. */
-static bool load_request(struct pipeline *pipeline, struct console *console,
-                         const struct options *options, struct build_request *request)
+/* ---- Load ------------------------------------------------------------------------------------ */
+
+static bool find(struct load *load, struct console *console, const struct options *options)
 {
-    for (uint32_t i = 0; i < options->set_count; i++) {
-        if (!is_bare(options->sets[i]))
-            request->sets[request->set_count++] = options->sets[i];
+    const struct dt_log *log = &console->log;
+    *load = (struct load){.sets = calloc(options->set_count + 1, sizeof *load->sets)};
+    load->tools = tools_folder(log);
+    load->spec = load->tools ? pipeline_spec_path(options->spec, log) : NULL;
+    load->templates = !load->spec          ? NULL
+                      : options->templates ? realpath(options->templates, NULL)
+                                           : templates_folder(log);
+    load->cache = load->tools ? cache_folder(load->tools) : NULL;
+    if (load->spec && !load->templates)
+        report_error(log, "%s: cannot be read: %s",
+                     options->templates ? options->templates : "templates", strerror(errno));
+    return load->templates && sort_sets(load, options, console);
+}
+
+static void forget(struct load *load)
+{
+    free(load->sets);
+    free(load->cache);
+    free(load->templates);
+    free(load->spec);
+    free(load->tools);
+}
+
+static bool take_plan(struct pipeline *pipeline, struct load *load, const struct options *options,
+                      const struct dt_log *log)
+{
+    pipeline->info = plan_pipeline(pipeline->plan);
+    pipeline->gl = plan_shaders(pipeline->plan, "gl");
+    pipeline->vk = plan_shaders(pipeline->plan, "vk");
+    pipeline->live = malloc(pipeline->info->live_size);
+    if (!pipeline->live) {
+        report_error(log, "out of memory");
+        return false;
     }
-    if (request->set_count < options->set_count) {
-        char *names = live_names(console, request);
-        if (!names)
-            return false;
-        for (uint32_t i = 0; i < options->set_count; i++) {
-            if (is_bare(options->sets[i]) && !is_listed(names, options->sets[i]))
-                request->sets[request->set_count++] = options->sets[i];
-        }
-        free(names);
-    }
-    qsort(request->sets, request->set_count, sizeof *request->sets, compare_strings);
-    return load_with(pipeline, console, request) && set_live_ones(pipeline, options, &console->log);
+    memcpy(pipeline->live, pipeline->info->live_defaults, pipeline->info->live_size);
+    pipeline->spec = load->spec;
+    pipeline->templates = load->templates;
+    load->spec = load->templates = NULL;
+    return set_live(pipeline, options, log);
 }
 
 static bool load(struct pipeline *pipeline, struct console *console, const struct options *options,
-                 bool edited, struct tool_waiting *generator)
+                 bool edited)
 {
+    struct load load;
+    double start = milliseconds_now();
     *pipeline = (struct pipeline){0};
-    char *tools = tools_folder(&console->log);
-    char *headers = tools ? headers_folder(&console->log) : NULL;
-    char *runtimes = headers ? runtimes_folder(&console->log) : NULL;
-    char *spec = runtimes ? pipeline_spec_path(options->spec, &console->log) : NULL;
-    char *templates = !spec                ? NULL
-                      : options->templates ? realpath(options->templates, NULL)
-                                           : templates_folder(&console->log);
-    const char **sets = calloc(options->set_count + 1, sizeof *sets);
-    struct build_request request = {.headers = {headers, runtimes},
-                                    .tools = tools,
-                                    .templates = templates,
-                                    .spec = spec,
-                                    .sets = sets,
-                                    .generator = generator,
-                                    .edited = edited,
-                                    .hurried = generator};
-    if (spec && (!templates || !sets))
-        report_error(&console->log, "%s: cannot be read: %s",
-                     options->templates ? options->templates : "templates", strerror(errno));
-    bool good = spec && templates && sets && load_request(pipeline, console, options, &request);
-    pipeline->templates = templates;
-    pipeline->spec = spec;
+    bool good = find(&load, console, options);
+    if (good) {
+        struct plan_request request = request_of(&load, edited);
+        console_status(console, "planning %s", load.spec);
+        pipeline->plan = plan_load(&request, console);
+        good = pipeline->plan && take_plan(pipeline, &load, options, &console->log);
+        pipeline->load_ms = milliseconds_now() - start;
+    }
+    forget(&load);
     if (!good)
         pipeline_unload(pipeline);
-    free(sets);
-    free(runtimes);
-    free(headers);
-    free(tools);
     return good;
 }
 
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options)
 {
-    return load(pipeline, console, options, false, NULL);
+    return load(pipeline, console, options, false);
 }
 
 bool pipeline_load_edited(struct pipeline *pipeline, struct console *console,
-                          const struct options *options, struct tool_waiting *generator)
+                          const struct options *options)
 {
-    return load(pipeline, console, options, true, generator);
+    return load(pipeline, console, options, true);
+}
+
+static bool run_generator(const struct load *load, struct console *console)
+{
+    static const struct tool generator = {
+        .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
+    char *tool = format_string("%s/diptych-gen", load->tools);
+    char **argv = calloc(load->set_count * 2 + 12, sizeof *argv);
+    bool good = false;
+    if (tool && argv) {
+        const char *const words[] = {tool,
+                                     load->spec,
+                                     "--check",
+                                     "--limit",
+                                     TRY_SECONDS,
+                                     "--templates",
+                                     load->templates,
+                                     "--edits",
+                                     load->cache ? "--cache" : NULL,
+                                     load->cache};
+        size_t n = 0;
+        for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+            if (words[i])
+                argv[n++] = (char *)words[i];
+        for (uint32_t i = 0; i < load->set_count; i++) {
+            argv[n++] = (char *)"--set";
+            argv[n++] = (char *)load->sets[i];
+        }
+        good = tool_run(&generator, argv, -1, console);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    free(argv);
+    free(tool);
+    return good;
+}
+
+/* Sorting the overrides reads the spec in this process; so all of them go to the other one first, where a
+ * live parameter's does no harm. */
+bool pipeline_try(struct console *console, const struct options *options)
+{
+    const struct dt_log *log = &console->log;
+    struct load load = {.sets = (const char **)options->sets, .set_count = options->set_count};
+    load.tools = tools_folder(log);
+    load.spec = load.tools ? pipeline_spec_path(options->spec, log) : NULL;
+    load.templates =
+        load.spec ? options->templates ? realpath(options->templates, NULL) : templates_folder(log)
+                  : NULL;
+    load.cache = load.tools ? cache_folder(load.tools) : NULL;
+    bool good = load.templates && run_generator(&load, console);
+    load.sets = NULL;
+    forget(&load);
+    return good;
+}
+
+void pipeline_unload(struct pipeline *pipeline)
+{
+    free(pipeline->live);
+    free(pipeline->templates);
+    free(pipeline->spec);
+    plan_free(pipeline->plan);
+    *pipeline = (struct pipeline){0};
 }

@@ -13,9 +13,8 @@
 #include <time.h>
 
 #include "base/files.h"
-#include "build/stamp.h"
 
-enum { LOOK_MS = 20, CALM_LOOKS = 50, MAX_FOLDERS = 64 };
+enum { LOOK_MS = 20, MAX_FOLDERS = 64 };
 
 /* Changes when a file is saved, comes or goes. */
 struct sight {
@@ -32,7 +31,6 @@ struct reload {
     enum reload_news news;
     struct reload_result result;
     /* the thread's own */
-    struct tool_waiting generator; /* for the next build */
     char *folders[MAX_FOLDERS];
     uint32_t folder_count;
     bool broken; /* the last build failed */
@@ -65,10 +63,11 @@ static bool add_folder(void *user, const char *file)
 
 static bool watch(struct reload *reload, const struct pipeline *pipeline)
 {
-    char *depfile = format_string("%s/gen.d", pipeline->generated);
-    bool good = depfile && add_folder(reload, pipeline->spec) &&
-                depfile_read(depfile, add_folder, reload, &reload->console->log);
-    free(depfile);
+    uint32_t count;
+    const char *const *sources = plan_sources(pipeline->plan, &count);
+    bool good = add_folder(reload, pipeline->spec);
+    for (uint32_t i = 0; good && i < count; i++)
+        good = add_folder(reload, sources[i]);
     return good;
 }
 
@@ -143,8 +142,8 @@ static void build(struct reload *reload, double start)
     struct reload_result result = {0};
     tell(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_load_edited(&result.pipeline, reload->console, reload->options,
-                                     &reload->generator);
+    bool good = pipeline_try(reload->console, reload->options) &&
+                pipeline_load_edited(&result.pipeline, reload->console, reload->options);
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
     console_status(reload->console, "%s", "");
@@ -152,17 +151,6 @@ static void build(struct reload *reload, double start)
         watch(reload, &result.pipeline); /* it may be made from files of more folders */
     reload->broken = !good;
     tell(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
-}
-
-/* So that the next edit need not wait until it is. Not at once: the first frame needs the processor. */
-static void prepare(struct reload *reload)
-{
-    char *tools = reload->generator.child ? NULL : tools_folder(&reload->console->log);
-    char *path = tools ? format_string("%s/diptych-gen", tools) : NULL;
-    if (path)
-        tool_prepare(&reload->generator, path, reload->console);
-    free(path);
-    free(tools);
 }
 
 static bool is_stopped(struct reload *reload)
@@ -177,16 +165,11 @@ static void *run(void *user)
 {
     struct reload *reload = user;
     struct sight built = look(reload);
-    uint32_t calm = 0;
     while (!is_stopped(reload)) {
         nanosleep(&(struct timespec){.tv_nsec = LOOK_MS * 1000000L}, NULL);
         struct sight seen = look(reload);
-        if (!is_other(reload, seen, built)) {
-            if (++calm == CALM_LOOKS)
-                prepare(reload);
+        if (!is_other(reload, seen, built))
             continue;
-        }
-        calm = 0;
         double start = milliseconds_now();
         for (struct sight before = built; is_other(reload, seen, before);) {
             before = seen; /* until it is written to its end */
@@ -198,7 +181,6 @@ static void *run(void *user)
         /* with more folders it is another number; else a file saved meanwhile has its turn next */
         built = reload->folder_count == folders ? seen : look(reload);
     }
-    tool_dismiss(&reload->generator, reload->console);
     return NULL;
 }
 

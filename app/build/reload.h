@@ -18,7 +18,7 @@ enum reload_news {
 struct reload_result {
     struct pipeline pipeline; /* DONE: the caller's to unload */
     char *
-        text; /* DONE, FAILED: what generator and compiler said; the caller's to free, may be NULL */
+        text; /* DONE, FAILED: the messages of reading it; the caller's to free, may be NULL */
     double ms; /* from the moment that the change was seen */
 };
 

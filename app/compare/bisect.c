@@ -1,4 +1,4 @@
-/* Gathers evidence; see bisect.h. */
+/* Reduces a difference to one pass; see bisect.h. */
 #include "compare/bisect.h"
 
 #include <stdlib.h>
@@ -14,7 +14,7 @@ struct gathering {
     struct dt_bytes *outputs[2];
 };
 
-/* With zeros between the fields, so that equal content gives equal files. */
+/* Zeroes the padding, so that equal content gives equal files. */
 static bool keep(const struct gathering *gathering, const struct row *row, struct dt_bytes *kept,
                  const struct dt_bytes *bytes)
 {
@@ -48,7 +48,7 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
             keep(gathering, row, &gathering->outputs[1][place], &copies[1]));
 }
 
-/* Narrows down and writes; returns the line for people. */
+/* Finds the region and writes the folder; returns the region as text. */
 static char *conclude(const struct gathering *gathering, const struct replay *replay,
                       uint32_t guilty, const char *const devices[2], const char *folder,
                       struct region *region)
@@ -74,8 +74,7 @@ static char *conclude(const struct gathering *gathering, const struct replay *re
         return NULL;
     if (!evidence.region.failing) {
         report_error(gathering->log,
-                     "--bisect %s: this time %s of pass %s agrees: a side is not "
-                     "repeatable",
+                     "--bisect %s: %s of pass %s agrees in this run: a side is not repeatable",
                      folder, outputs->list[guilty].name,
                      gathering->rows->pipeline->passes[gathering->pass].name);
         return NULL;

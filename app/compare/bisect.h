@@ -1,14 +1,14 @@
-/* compare --bisect: runs the guilty pass on both sides once more, narrows down what it left
- * differently, and keeps all that it takes to run it alone. Called by compare. */
+/* compare --bisect: runs the guilty pass on both sides again, finds the region that differs, and
+ * writes a folder with all that `replay` needs to run the pass alone. Called by compare. */
 #ifndef DIPTYCH_BISECT_H
 #define DIPTYCH_BISECT_H
 
 #include "compare/blame.h"
 #include "compare/evidence.h"
 
-/* Writes the folder and tells the region, as a malloc'ed line for people, too. `guilty` is a row of
- * replay->rows->outputs with an own error in replay->frame; devices are what the two sides ran on.
- * NULL, with the error logged, when it could not be done. */
+/* Writes the folder. `guilty` is a row of replay->rows->outputs with an own error in replay->frame;
+ * `devices` are the names of both sides' devices. Returns the region as text, malloc'ed, or NULL
+ * with the error logged. */
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
              const char *folder, struct region *region);
 

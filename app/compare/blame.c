@@ -1,8 +1,10 @@
-/* Runs a frame again, pass by pass on the first side's inputs, and judges; see blame.h. */
+/* Runs a frame again, each pass of the second side on the first side's inputs; see blame.h. */
 #include "compare/blame.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/files.h"
 
 /* ---- The second run -------------------------------------------------------------------------- */
 
@@ -53,7 +55,7 @@ static bool replay_pass(const struct replay *replay, struct source sources[2], u
     return true;
 }
 
-/* The second side needs no earlier frames: what a frame finds of them is among the inputs. */
+/* The second side runs no earlier frames: their results are among the inputs that it gets. */
 static bool start(const struct replay *replay, struct source sources[2])
 {
     for (int i = 0; i < 2; i++) {
@@ -88,23 +90,10 @@ bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
 
 bool fingerprint(const struct dt_resource *resource, struct dt_bytes *bytes, uint64_t *hash)
 {
-    enum { LANES = 4 }; /* their multiplications overlap */
-    uint64_t lanes[LANES] = {1, 2, 3, 4}, words[LANES];
     if (!resource_clear_padding(resource, bytes))
         return false;
-    for (size_t at = 0; at < bytes->size; at += sizeof words) {
-        size_t left = bytes->size - at;
-        if (left < sizeof words)
-            memset(words, 0, sizeof words);
-        memcpy(words, bytes->data + at, left < sizeof words ? left : sizeof words);
-        for (int i = 0; i < LANES; i++) {
-            lanes[i] = (lanes[i] ^ words[i]) * UINT64_C(0x9e3779b97f4a7c15);
-            lanes[i] ^= lanes[i] >> 32;
-        }
-    }
-    *hash = bytes->size;
-    for (int i = 0; i < LANES; i++)
-        *hash = (*hash ^ lanes[i]) * UINT64_C(0x100000001b3);
+    *hash = FILE_HASH_START;
+    hash_bytes(hash, bytes->data, bytes->size);
     return true;
 }
 
@@ -114,8 +103,8 @@ struct judge {
     struct blame *blame;
     const struct replay *replay;
     const struct first_run *first;
-    bool repeated;    /* the first side's second run was like its first so far */
-    uint32_t strayed; /* the first row that was not */
+    bool repeated;    /* the first side's second run equals its first so far */
+    uint32_t strayed; /* the first row that differed */
 };
 
 static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])

@@ -1,6 +1,5 @@
-/* `diptych compare`: the first side against each of the others, every resource compared after every
- * pass. The sides walk through the passes side by side, and no more than one resource of each is in
- * memory. */
+/* `diptych compare`: compares the first side with each of the others, every resource after every
+ * pass. All sides step through the passes together, so only one resource of each is in memory. */
 #include "compare/compare.h"
 
 #include <stdlib.h>
@@ -12,11 +11,11 @@
 
 enum { COULD_NOT_RUN = 2 };
 
-/* Resources without history are filled with these before the first frame, so that what no pass has
- * written differs in every pair. */
+/* Fills resources without history before the first frame: memory that no pass has written then
+ * differs in every pair. */
 enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
 
-/* A dump has one frame, the last. */
+/* A dump holds only the last frame. */
 static uint32_t first_frame(const struct compare *compare)
 {
     return compare->options.against ? compare->options.frames - 1 : 0;
@@ -35,7 +34,7 @@ static bool is_worse(const struct difference *a, const struct difference *b)
     return a->worst.valid && (!b->worst.valid || a->worst.error > b->worst.error);
 }
 
-/* All sides' copies of one row at the present stop: what each pair finds lies in pair->found. */
+/* Compares all sides' copies of one row at this stop; each pair's result goes to pair->found. */
 static bool compare_copies(struct compare *compare, const struct row *row, uint32_t frame,
                            uint64_t *hash)
 {
@@ -65,13 +64,13 @@ static bool bits_differ(const struct difference *found)
     return found->differing || found->size_differs;
 }
 
-/* What later frames look like is of no use for the blame. */
+/* Blame only uses the first frame that broke. */
 static bool wants_frame(const struct pair *pair, uint32_t frame)
 {
     return !pair->broken || pair->broken_frame == frame;
 }
 
-/* The margins by which the flips that were just found had been decided. */
+/* Adds the margins at which the flips found last were decided. */
 static bool add_margins(struct compare *compare, uint32_t index, const struct row *row)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
@@ -90,7 +89,7 @@ static bool add_margins(struct compare *compare, uint32_t index, const struct ro
     return true;
 }
 
-/* Whether what was just found is worse than in all frames before. */
+/* Whether the last result is worse than in all earlier frames. */
 static bool is_kept(const struct pair *pair, uint32_t index)
 {
     const struct difference *before = &pair->results[index].difference;
@@ -134,7 +133,8 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
     return true;
 }
 
-/* What later frames find was compared in the frames before them. */
+/* For the first frame only: later frames start from results that were compared after the frame
+ * before. */
 static void keep_history(struct pair *pair, uint32_t index, uint32_t frame)
 {
     pair->history[index].difference = pair->found;
@@ -146,7 +146,7 @@ static void keep_history(struct pair *pair, uint32_t index, uint32_t frame)
     }
 }
 
-/* What the frame finds of earlier ones. */
+/* Compares resources with history before the frame. */
 static bool compare_history(struct compare *compare, uint32_t frame)
 {
     for (uint32_t i = 0; i < compare->rows.history.count; i++) {
@@ -299,7 +299,7 @@ static bool keep_evidence(struct compare *compare)
     }
     if (folder)
         report_message(&compare->console->log, DT_INFO,
-                       "--bisect %s: no pass is guilty, nothing was written", folder);
+                       "--bisect %s: no pass is guilty; nothing was written", folder);
     return true;
 }
 
@@ -377,16 +377,16 @@ static bool find_fault(struct compare *compare)
     return good;
 }
 
-/* A comparison of nothing would agree, whatever is wrong. */
+/* Comparing no element would always agree: an error. */
 static bool compares_something(const struct compare *compare, uint64_t count, const char *what)
 {
     if (!count)
-        report_error(&compare->console->log, "%s: %s, there is nothing to compare",
+        report_error(&compare->console->log, "%s: %s: nothing to compare",
                      compare->pipeline.info->name, what);
     return count;
 }
 
-/* Before anything is loaded: size and frame are the dump's. */
+/* Takes size and frame from the dump; before the pipeline is loaded. */
 static bool open_dump(struct compare *compare)
 {
     const char *folder = compare->options.against;
@@ -395,17 +395,22 @@ static bool open_dump(struct compare *compare)
            identity_take_frame(compare->dump.manifest, folder, &compare->options, log);
 }
 
-/* That it is a dump of this very pipeline and scene, with these parameters. */
+/* Checks that the dump is of this pipeline, scene and parameters. */
 static bool check_dump(struct compare *compare)
 {
     const struct options *options = &compare->options;
     const struct dt_log *log = &compare->console->log;
     const cJSON *manifest = compare->dump.manifest;
+    uint32_t count;
+    const char *const *sources = plan_sources(compare->pipeline.plan, &count);
     const struct identity identity = {.pipeline = compare->pipeline.info,
                                       .live = compare->pipeline.live,
-                                      .generated = compare->pipeline.generated,
+                                      .spec = compare->pipeline.spec,
+                                      .templates = compare->pipeline.templates,
+                                      .sources = sources,
+                                      .source_count = count,
                                       .scene = &compare->scene,
-                                      .scene_path = options->scene,
+                                      .options = options,
                                       .size = {options->size[0], options->size[1]},
                                       .frame = options->frames - 1};
     compare->dump.pipeline = compare->pipeline.info;
@@ -456,7 +461,7 @@ int verb_compare(struct console *console, const struct options *options)
     struct compare compare = {.console = console, .options = *options};
     bool differ = false;
     bool good = run(&compare);
-    /* what was found out before something went wrong is worth knowing, too */
+    /* print partial results after an error, too */
     if (compare.complete && options->json)
         console->result = compare_json(&compare);
     console_status(console, "%s", "");

@@ -1,5 +1,5 @@
-/* What `diptych compare` found out, and how it is told: compare.c fills it, compare_table.c prints
- * it, compare_json.c writes it. */
+/* Results of `diptych compare`: compare.c fills them, compare_table.c prints them, compare_json.c
+ * writes them as JSON. */
 #ifndef DIPTYCH_COMPARE_H
 #define DIPTYCH_COMPARE_H
 
@@ -14,9 +14,9 @@
 
 /* One row of one pair over all frames. */
 struct result {
-    struct difference difference; /* of the frame in which the two are furthest apart */
+    struct difference difference; /* of the frame with the largest difference */
     uint32_t frame;               /* that frame */
-    uint32_t frames_differing;    /* in how many they are not bit for bit equal */
+    uint32_t frames_differing;    /* frames in which bits differ */
     char *picture;                /* file of that frame's strip, NULL: none; owned */
     struct strip strip;           /* what it shows */
 };
@@ -25,12 +25,12 @@ struct result {
 struct pair {
     const struct side *sides[2];
     struct result *results;  /* one per row of rows.outputs */
-    struct result *history;  /* one per row of rows.history: what the first frame found */
-    struct difference found; /* of the row and frame that is being compared */
-    /* the first that broke its contract: a row of rows.outputs, or of rows.history with broken_early */
+    struct result *history;  /* one per row of rows.history: before the first frame */
+    struct difference found; /* of the row and frame being compared */
+    /* first row that broke its contract: of rows.outputs, or of rows.history with broken_early */
     bool broken, broken_early;
     uint32_t broken_frame, broken_row;
-    /* of the frame that broke first, or else of the one that is being compared: see blame.h */
+    /* of the first frame that broke, else of the one being compared; see blame.h */
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
     struct blame blame;
@@ -44,24 +44,24 @@ struct compare {
     struct pipeline pipeline;
     struct scene scene;
     struct fault fault;
-    uint32_t faulty; /* index of the side that has it */
+    uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
     struct source *sources; /* one per side */
-    char **devices;         /* what the sides ran on */
+    char **devices;         /* names of the devices */
     struct pair *pairs;
     uint32_t pair_count;         /* sides.count - 1 */
-    uint64_t compared;           /* elements, over all rows, pairs and frames */
+    uint64_t compared;           /* compared elements of all rows, pairs and frames */
     bool complete;               /* all rows were compared */
-    char *region;                /* of the guilty resource, in words; with --bisect */
+    char *region;                /* --bisect: region of the guilty resource as text */
     struct region found;         /* the same, */
     const struct pair *bisected; /* of this pair */
 };
 
-/* With --pictures, and when what the pair found last, in this row of rows.outputs, is an image that
- * differs: writes its strip and notes that in the result. Logs its error. */
+/* --pictures: writes the strip of an image in this row of rows.outputs when the pair's last result
+ * differs, and notes it in the result. Logs its error. */
 bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
 
-/* The row at which a pair broke. */
+/* First row of a pair that broke its contract. */
 const struct row *broken_row(const struct compare *compare, const struct pair *pair);
 
 void compare_print(const struct compare *compare); /* on stdout */

@@ -1,9 +1,9 @@
-/* What `compare` tells with --json; see compare.h. */
+/* JSON of `compare`; see compare.h. */
 #include <cjson/cJSON.h>
 
 #include "compare/compare.h"
 
-/* Without a pass: what a frame found of earlier ones. */
+/* `pass` false: the resource before the frame, with "pass": null. */
 static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass)
 {
     const struct dt_resource *resource = &info->resources[row->resource];
@@ -51,7 +51,7 @@ static cJSON *result_json(const struct compare *compare, const struct pair *pair
     return root;
 }
 
-/* Adds where in the frames something is, or null without a row. */
+/* Adds pass, resource and frame of an event; null without a row. */
 static cJSON *add_event(cJSON *root, const char *name, const struct compare *compare,
                         const struct row *row, bool pass, uint32_t frame)
 {
@@ -88,7 +88,8 @@ static void add_corner(cJSON *region, const char *name, const uint32_t corner[3]
         cJSON_AddItemToArray(item, cJSON_CreateNumber(corner[i]));
 }
 
-/* What --bisect kept: axes are x, y and, where there are layers, the layer; or the index. */
+/* Adds the region of --bisect. Axes: x, y and, in layered images, the layer; or the index of an
+ * element. */
 static void add_region(cJSON *event, const struct compare *compare, const struct row *guilty)
 {
     const struct dt_resource *resource = &compare->pipeline.info->resources[guilty->resource];
@@ -122,8 +123,8 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
         cJSON_AddStringToObject(event, "side", blame->side->label);
 }
 
-/* One pair lies in the root itself; of several each lies in "pairs", and the root tells the outcome
- * of the first that differs. */
+/* A single pair stands in the root. Of several, each stands in "pairs", and the root has the
+ * outcome of the first that differs. */
 cJSON *compare_json(const struct compare *compare)
 {
     const struct pair *told = &compare->pairs[0];

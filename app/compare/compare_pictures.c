@@ -8,7 +8,8 @@
 
 #include "base/files.h"
 
-/* Labels hold paths and device names: what is no letter, digit or + becomes a dash. */
+/* Replaces characters other than letters, digits and + by a dash: labels hold paths and device
+ * names. */
 static char *word_of(const char *label)
 {
     char *word = strdup(label);
@@ -19,7 +20,8 @@ static char *word_of(const char *label)
     return word;
 }
 
-/* "07.shade.irradiance.png" as in a dump; of several pairs each has its second side's name in it. */
+/* "07.shade.irradiance.png", as in a dump; with several pairs, the second side's label stands in
+ * it. */
 static char *file_name(const struct compare *compare, const struct pair *pair,
                        const struct row *row)
 {

@@ -10,7 +10,7 @@ struct widths {
     int pass, resource;
 };
 
-/* Two more columns: were the inputs of the pass the same, and what it got wrong when they were. */
+/* Two columns: whether the pass's inputs differed, and its own error. */
 static void print_blame(const struct pair *pair, uint32_t index, uint32_t pass)
 {
     const struct difference *own = &pair->blame.own[index];
@@ -24,7 +24,7 @@ static void print_blame(const struct pair *pair, uint32_t index, uint32_t pass)
     printf("%-6s  %-12s  ", pair->blame.inputs_differ[pass] ? "differ" : "equal", error);
 }
 
-/* Where the strip is, and how to read it. */
+/* The strip's file, its layer and its amplification. */
 static void print_picture(const struct dt_resource *resource, const struct result *result)
 {
     if (!result->picture)
@@ -38,7 +38,7 @@ static void print_picture(const struct dt_resource *resource, const struct resul
         printf("differences are white\n");
 }
 
-/* What a resource was like: after a pass, or before the first one, which is no pass's doing. */
+/* One row: a resource after a pass, or before the first one. */
 static void print_result(const struct compare *compare, const struct pair *pair,
                          const struct row *row, const struct result *result,
                          const struct widths *widths)
@@ -107,7 +107,7 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
     }
 }
 
-/* How a pair ended. */
+/* The outcome of a pair. */
 static void print_outcome(const struct compare *compare, const struct pair *pair)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
@@ -124,24 +124,17 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     print_verdict(compare, pair);
 }
 
-/* Where to look next: the region and its folder, and what the backends made of the pass's body. */
+/* The region, the folder of --bisect, and the generated shaders of the guilty pass. */
 static void print_clues(const struct compare *compare, const struct pair *pair)
 {
-    static const char *const backends[] = {"gl", "vk"}, *const stages[] = {"comp", "vert", "frag"};
     const struct row *row = &compare->rows.outputs.list[pair->blame.row];
-    const char *pass = compare->pipeline.info->passes[row->pass].name;
     if (pair->blame.outcome != BLAME_GUILTY)
         return;
     if (compare->region)
         printf("%s: %s\nkept in %s: diptych replay %s --backend %s\n", row->name, compare->region,
                compare->options.bisect, compare->options.bisect, pair->sides[1]->label);
-    for (int i = 0; i < 6; i++) {
-        char *file = format_string("%s/%s/%s.%s", compare->pipeline.generated, backends[i / 3],
-                                   pass, stages[i % 3]);
-        if (file && file_exists(file))
-            printf("generated: %s\n", file);
-        free(file);
-    }
+    printf("body: %s; what each backend compiles of it: diptych-gen %s -o DIR\n",
+           compare->pipeline.info->passes[row->pass].shader, compare->pipeline.spec);
 }
 
 static struct widths measure(const struct compare *compare)

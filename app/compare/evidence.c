@@ -18,7 +18,6 @@
 
 #include "base/files.h"
 #include "base/folder.h"
-#include "build/stamp.h"
 #include "result/dump.h"
 
 #define OPTION "--bisect"
@@ -50,8 +49,8 @@ static bool out_of_memory(const struct writing *writing)
 
 /* ---- The spec and what it is made of --------------------------------------------------------- */
 
-/* Takes "." and ".." out of an absolute path, by its letters alone: the copies are plain folders, so
- * this is how the generator will find them. */
+/* Removes "." and ".." from an absolute path, textually: the copies are plain folders without
+ * links. */
 static char *plain_path(const char *path)
 {
     char *plain = calloc(strlen(path) + 2, 1);
@@ -93,7 +92,7 @@ static bool widen_root(void *user, const char *file)
     return true;
 }
 
-/* Where a file of the spec goes: templates/... or spec/.... */
+/* Path of a spec file in the folder: templates/... or spec/.... */
 static char *copied_name(const struct writing *writing, const char *file)
 {
     char *path = plain_path(file);
@@ -123,37 +122,48 @@ static bool copy_file(void *user, const char *file)
     return good;
 }
 
+/* Calls `take` for the spec and everything that it includes, until it returns false. */
+static bool each_source(const struct writing *writing, bool (*take)(void *user, const char *file),
+                        void *user)
+{
+    uint32_t count;
+    const char *const *sources = plan_sources(writing->evidence->pipeline->plan, &count);
+    bool good = true;
+    for (uint32_t i = 0; i < count && good; i++)
+        good = take(user, sources[i]);
+    return good;
+}
+
 static bool copy_spec(struct writing *writing)
 {
     const struct pipeline *pipeline = writing->evidence->pipeline;
-    char *depfile = format_string("%s/gen.d", pipeline->generated);
     writing->spec_root = strdup(pipeline->spec);
-    bool good = depfile && writing->spec_root;
+    bool good = writing->spec_root;
     if (!good)
         out_of_memory(writing);
     if (good)
         *strrchr(writing->spec_root, '/') = 0;
-    good = good && depfile_read(depfile, widen_root, writing, writing->log) &&
-           depfile_read(depfile, copy_file, writing, writing->log);
+    good = good && each_source(writing, widen_root, writing) &&
+           each_source(writing, copy_file, writing);
     if (good)
         writing->spec_name = copied_name(writing, pipeline->spec);
-    free(depfile);
     return good && writing->spec_name;
 }
 
 static bool copy_generated(const struct writing *writing)
 {
     static const char *const backends[] = {"gl", "vk"}, *const stages[] = {"comp", "vert", "frag"};
-    const char *pass = guilty_pass(writing->evidence)->name;
+    const struct pipeline *pipeline = writing->evidence->pipeline;
+    const struct dt_pass *pass = guilty_pass(writing->evidence);
     bool good = true;
     for (int i = 0; i < 6 && good; i++) {
-        char *file = format_string("%s/%s/%s.%s", writing->evidence->pipeline->generated,
-                                   backends[i / 3], pass, stages[i % 3]);
-        char *name = format_string("generated/%s/%s.%s", backends[i / 3], pass, stages[i % 3]);
-        good = file && name ? !file_exists(file) || copy_as(writing, file, name)
-                            : out_of_memory(writing);
+        const char *glsl = plan_glsl(pipeline->plan, backends[i / 3],
+                                     (uint32_t)(pass - pipeline->info->passes), stages[i % 3]);
+        char *name =
+            format_string("generated/%s/%s.%s", backends[i / 3], pass->name, stages[i % 3]);
+        good = name ? !glsl || folder_write(&writing->folder, name, glsl, strlen(glsl))
+                    : out_of_memory(writing);
         free(name);
-        free(file);
     }
     return good;
 }
@@ -284,21 +294,18 @@ static bool find_body(void *user, const char *file)
 static char *body_name(const struct writing *writing)
 {
     struct body_search search = {.writing = writing};
-    char *depfile = format_string("%s/gen.d", writing->evidence->pipeline->generated);
-    if (depfile)
-        depfile_read(depfile, find_body, &search, writing->log);
-    free(depfile);
+    each_source(writing, find_body, &search);
     return search.name;
 }
 
-/* How long the label of a side is as --backend takes it: "#2" tells repeated sides apart. */
+/* Length of a label without "#2", which --backend does not take. */
 static int label_length(const struct side *side)
 {
     return (int)strcspn(side->label, "#");
 }
 
-/* A fault that was put in on purpose is no property of the pass: it has to be put in again. Returns
- * what stands behind the side in it, with the colon, or NULL where it is none of this side's. */
+/* A --fault has to be repeated in the replay. Returns the part behind its side, with the colon, or
+ * NULL when the fault is not this side's. */
 static const char *fault_of(const struct evidence *evidence, const struct side *side)
 {
     const char *fault = evidence->options->fault;
@@ -353,7 +360,7 @@ static bool write_readme(const struct writing *writing)
     return write_text(writing, "README.txt", text);
 }
 
-/* Adds the lines that replay one side; of a dump there is nothing to replay. The text is freed. */
+/* Adds the lines that replay one side; none for a dump. Frees the text. */
 static char *add_side(const struct evidence *evidence, char *text, const struct side *side)
 {
     char *words = replay_words(evidence, side);

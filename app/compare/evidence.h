@@ -1,6 +1,6 @@
-/* One pass of one frame with all that it takes to run it alone, anywhere: written as a folder by
- * compare --bisect, read by replay. Its manifest.json names every other file in it, with the keys of
- * a dump where they describe a resource. */
+/* A folder with one pass of one frame and all that is needed to run it alone, on any machine.
+ * compare --bisect writes it, replay reads it. Its manifest.json names every other file, and
+ * describes resources with the keys of a dump. */
 #ifndef DIPTYCH_EVIDENCE_H
 #define DIPTYCH_EVIDENCE_H
 
@@ -13,7 +13,7 @@
 
 struct cJSON;
 
-/* Marks the manifest; its value tells the version of the format. */
+/* Key that marks the manifest; its value is the version of the format. */
 #define EVIDENCE_MARK    "diptych_pass"
 #define EVIDENCE_VERSION 1
 
@@ -24,8 +24,8 @@ struct evidence {
     const struct pipeline *pipeline;
     const struct scene *scene;
     const struct rows *rows;
-    const struct side *sides[2]; /* the first is held to be right */
-    const char *devices[2];      /* that they ran on */
+    const struct side *sides[2]; /* the first is taken as correct */
+    const char *devices[2];      /* names of their devices */
     uint32_t frame;
     uint32_t guilty;             /* row of rows->outputs */
     struct region region;        /* of that row */
@@ -33,7 +33,7 @@ struct evidence {
     struct dt_bytes *outputs[2]; /* of both sides given these inputs: one per output row */
 };
 
-/* Whether there is room for the folder, asked before hours of work; logs its error. */
+/* Whether the folder can be written, checked before hours of work; logs its error. */
 bool evidence_can_write(struct console *console, const char *place);
 
 /* Writes the folder whole or not at all; logs its error. */
@@ -44,20 +44,19 @@ struct evidence_case {
     struct console *console;
     const char *folder;
     struct cJSON *manifest;
-    struct options options; /* that the pipeline was loaded with: the folder's, not the command's */
+    struct options options; /* options that the pipeline was loaded with, from the folder */
     char *spec, *templates; /* of these options */
     struct pipeline pipeline;
     struct rows rows;
-    struct scene scene; /* nothing but its data; the least possible where the pass uses none */
+    struct scene scene; /* data only; a minimal scene when the pass uses none */
     struct dt_frame frame;
     uint32_t pass;
     struct dt_bytes *inputs;     /* one per input row of the pass */
-    struct dt_bytes *outputs[2]; /* one per output row: as expected, and as the other side had it */
+    struct dt_bytes *outputs[2]; /* one per output row: expected, and the other side's */
 };
 
-/* Reads options->folder, with its pipeline generated and compiled anew where it is not cached. The
- * rest of `options` goes along into the case. On false the error is logged; evidence_free either
- * way. */
+/* Reads options->folder and loads its pipeline. Copies the rest of `options` into the case. On
+ * false the error is logged; evidence_free either way. */
 bool evidence_read(struct evidence_case *evidence, struct console *console,
                    const struct options *options);
 void evidence_free(struct evidence_case *evidence); /* takes a zeroed one */

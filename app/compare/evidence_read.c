@@ -1,5 +1,5 @@
-/* Reads evidence folders; see evidence.h. Whatever is not as the manifest and the pipeline say is an
- * error that names the file: nobody should chase a difference that a damaged copy has made. */
+/* Reads evidence folders; see evidence.h. A mismatch with the manifest or the pipeline is an error
+ * that names the file: a damaged copy must not look like a difference. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,8 +59,7 @@ static bool read_manifest(struct evidence_case *evidence)
     bool good = text;
     evidence->manifest = text ? cJSON_Parse(text) : NULL;
     if (text && !cJSON_HasObjectItem(evidence->manifest, EVIDENCE_MARK)) {
-        report_error(log_of(evidence),
-                     "%s: was not written by compare --bisect; a replay needs that", path);
+        report_error(log_of(evidence), "%s: is no folder of compare --bisect", path);
         good = false;
     }
     good = good && read_number(evidence, evidence->manifest, EVIDENCE_MARK, &version);
@@ -132,9 +131,8 @@ static void *read_exactly(const struct evidence_case *evidence, const char *name
     char *path = path_within(evidence, name);
     void *data = path ? file_read(path, &found, log_of(evidence)) : NULL;
     if (data && found != size) {
-        report_error(log_of(evidence),
-                     "%s: holds %zu bytes where %zu are due: the folder is damaged", path, found,
-                     size);
+        report_error(log_of(evidence), "%s: has %zu bytes instead of %zu: the folder is damaged",
+                     path, found, size);
         free(data);
         data = NULL;
     }
@@ -179,7 +177,8 @@ static bool read_row(const struct evidence_case *evidence, const cJSON *entry, c
     const char *name = read_string(evidence, entry, key);
     if (!name)
         return false;
-    resource_extent(resource, evidence->options.size, row->mip, bytes->extent);
+    resource_extent(evidence->pipeline.info, row->resource, evidence->options.size, row->mip,
+                    bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
     bytes->data = read_exactly(evidence, name, bytes->size);
     return bytes->data;
@@ -216,7 +215,7 @@ static bool read_rows(struct evidence_case *evidence)
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
-/* One triangle of no area: what a runtime takes where nobody looks. */
+/* One triangle of no area, for passes that do not use the scene. */
 static bool make_scene(struct evidence_case *evidence)
 {
     struct dt_vertex *vertices = calloc(1, sizeof *vertices);

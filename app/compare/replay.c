@@ -1,5 +1,5 @@
-/* `diptych replay`: one pass alone on the inputs that compare --bisect has kept. All other passes
- * are skipped, so only the barriers and layouts around it are the pipeline's. */
+/* `diptych replay`: runs one pass on the inputs that compare --bisect kept, and skips all others:
+ * only the barriers and layouts around it are the pipeline's. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,8 +21,8 @@ struct lone_pass {
     struct fault fault;
     struct worker worker;
     char *device;
-    struct difference *differences; /* one per output row: from what was expected */
-    bool *recorded; /* one per output row: bit for bit as the folder says the other side had it */
+    struct difference *differences; /* one per output row: difference from the expected content */
+    bool *recorded; /* one per output row: equal to the other side's content in the folder */
 };
 
 static const struct dt_pipeline *pipeline_of(const struct lone_pass *alone)
@@ -49,7 +49,7 @@ static bool write_inputs(struct lone_pass *alone)
     return true;
 }
 
-/* Padding counts for nothing, and dumps have none: bit for bit means in all declared numbers. */
+/* Bit for bit means all declared numbers: padding does not count, and dumps have none. */
 static bool is_same(const struct dt_resource *resource, const struct dt_bytes copies[2], bool *same)
 {
     struct dt_resource exact = *resource;
@@ -84,7 +84,8 @@ static bool compare_outputs(struct lone_pass *alone)
     return good;
 }
 
-/* Until the pass, which gets its inputs, and over it. */
+/* Steps through the frame: skips all passes but one, and writes the inputs of that one before it
+ * runs. */
 static bool run_pass(struct lone_pass *alone)
 {
     struct worker *worker = &alone->worker;
@@ -142,7 +143,7 @@ static bool run(struct lone_pass *alone)
     bool good = worker_start(&alone->worker, &info) && run_pass(alone);
     worker_close(&alone->worker);
     if (good && !alone->differences)
-        report_error(&console->log, "%s: the runtime left out the pass", alone->side.label);
+        report_error(&console->log, "%s: the runtime skipped the pass", alone->side.label);
     return good && alone->differences && atomic_load(&console->errors) == 0;
 }
 

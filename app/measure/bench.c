@@ -1,6 +1,6 @@
-/* `diptych bench`: how long every pass of a pipeline takes. Every backend runs in processes of its
- * own that take turns frame by frame, so that whatever else goes on in the machine meets all of
- * them alike, and what is divided by each other was measured side by side. */
+/* `diptych bench`: times of every pass. Each backend runs in its own processes, and the processes
+ * take turns frame by frame: other load on the machine then affects all backends alike, and ratios
+ * compare times that were measured side by side. */
 #include "measure/bench.h"
 
 #include <math.h>
@@ -19,12 +19,9 @@ static bool lane_allocate(struct lane *lane, uint32_t frames, bool timing)
 {
     lane->frame_ms = calloc(frames, sizeof *lane->frame_ms);
     lane->record_ms = calloc(frames, sizeof *lane->record_ms);
-    lane->own_allocations = calloc(frames, sizeof *lane->own_allocations);
-    lane->all_allocations = calloc(frames, sizeof *lane->all_allocations);
     if (timing)
         lane->pass_ms = calloc((size_t)frames * lane->info->pass_count + 1, sizeof *lane->pass_ms);
-    return lane->frame_ms && lane->record_ms && lane->own_allocations && lane->all_allocations &&
-           (!timing || lane->pass_ms);
+    return lane->frame_ms && lane->record_ms && (!timing || lane->pass_ms);
 }
 
 static bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
@@ -59,14 +56,12 @@ static bool lane_take(struct lane *lane)
         return false;
     lane->frame_ms[at] = measure.frame_ms;
     lane->record_ms[at] = measure.record_ms;
-    lane->own_allocations[at] = (double)measure.allocations.own;
-    lane->all_allocations[at] = (double)measure.allocations.all;
     for (uint32_t i = 0; lane->pass_ms && i < lane->info->pass_count; i++)
         lane->pass_ms[(size_t)at * lane->info->pass_count + i] = measure.pass_ms[i];
     return true;
 }
 
-/* Runs to the end of the next frame, or behind the last to the end of all. */
+/* Runs to the end of the next frame; after the last frame, to WORKER_FINISHED. */
 static bool lane_advance(struct lane *lane, bool taken)
 {
     struct worker_place place;
@@ -79,8 +74,6 @@ static void lane_free(struct lane *lane)
     worker_close(&lane->worker);
     free(lane->frame_ms);
     free(lane->record_ms);
-    free(lane->own_allocations);
-    free(lane->all_allocations);
     free(lane->pass_ms);
 }
 
@@ -155,7 +148,7 @@ static void copy_on_cpu(struct bench *bench, uint32_t at)
     double start = milliseconds_now();
     memcpy(bench->original + COPY_BYTES, bench->original, COPY_BYTES);
     bench->copy_ms[at] = milliseconds_now() - start;
-    bench->original[at % COPY_BYTES]++; /* so that every copy has something to do */
+    bench->original[at % COPY_BYTES]++; /* so that every copy moves new data */
 }
 
 /* ---- The run --------------------------------------------------------------------------------- */
@@ -237,12 +230,12 @@ static bool prepare(struct bench *bench)
         report_error(log, "out of memory");
         return false;
     }
-    memset(bench->original, 1, 2 * (size_t)COPY_BYTES); /* or the first copy would find no pages */
+    memset(bench->original, 1, 2 * (size_t)COPY_BYTES); /* touches all pages before timing */
     return load_programmes(bench) &&
            session_load_scene(&bench->scene, bench->console, bench->options);
 }
 
-/* The first side's results are what the plain C is checked against. */
+/* The plain C is checked against the first side's results. */
 static bool prepare_limits(struct bench *bench)
 {
     const struct session_info session = {.side = &bench->sides.list[0],

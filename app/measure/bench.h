@@ -1,5 +1,5 @@
-/* What the files of `diptych bench` share: lanes, which run frames turn by turn, and what they
- * took. bench.c drives, bench_table.c and bench_json.c tell. */
+/* Shared by the files of `diptych bench`: lanes, which run one frame per turn, and the times that
+ * they measured. bench.c runs them; bench_table.c and bench_json.c report. */
 #ifndef DIPTYCH_BENCH_H
 #define DIPTYCH_BENCH_H
 
@@ -9,20 +9,19 @@
 #include "run/session.h"
 #include "run/worker.h"
 
-/* A pipeline and the options that it runs with: sizes, and warm-up and measured frames together. */
+/* A pipeline with its options; options.frames counts warm-up and measured frames. */
 struct programme {
     struct pipeline pipeline;
     struct options options;
 };
 
-/* A worker that runs frames of one pipeline, and what each of the measured frames took. */
+/* A worker that runs frames of one pipeline, with the times of each measured frame. */
 struct lane {
     struct worker worker;
     const struct dt_pipeline *info;
     uint32_t taken;   /* frames so far, at most bench.frames */
     double *frame_ms; /* these four: one per frame; owned */
     double *record_ms;
-    double *own_allocations, *all_allocations;
     double *pass_ms; /* frames x passes; owned, NULL without timestamps */
 };
 
@@ -33,7 +32,7 @@ struct bench_side {
     struct lane machine;
 };
 
-/* What a device, or the CPU, can do: the best that was measured. */
+/* Best measured rates of a device or the CPU. */
 struct ceiling {
     double bytes_per_ms, flops_per_ms; /* NAN: not measured */
 };
@@ -44,7 +43,7 @@ struct bench {
     uint32_t frames, warmup;
     struct sides sides;
     struct bench_side *list;           /* as many as there are sides */
-    struct programme subject, machine; /* what is measured; templates/machine.yaml */
+    struct programme subject, machine; /* to time; templates/machine.yaml */
     struct scene scene;
     struct limits limits; /* of the subject */
     double *copy_ms;      /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
@@ -62,11 +61,11 @@ double bench_copy_bytes_per_ms(const struct bench *bench); /* of the CPU */
 
 /* The pass in plain C, or NULL. */
 const struct limit_pass *bench_limit(const struct bench *bench, uint32_t pass);
-/* How many times as long as the plain C, frame by frame; and the ratio of both medians. */
+/* Time divided by the plain C's: per frame; *ratio is that of the medians. */
 struct spread bench_limit_ratio(const struct bench *bench, const struct bench_side *side,
                                 const struct limit_pass *limit, double *of_medians);
 
-/* How long a pass has to take at the least, by what the device can do. */
+/* Lower bound of a pass's time, from the device's measured rates. */
 double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);
 
 void bench_print(const struct bench *bench);         /* on stdout */

@@ -1,4 +1,4 @@
-/* What `bench` measured, as JSON; see bench.h. */
+/* JSON of `bench`; see bench.h. */
 #include <cjson/cJSON.h>
 #include <math.h>
 
@@ -26,7 +26,7 @@ static void add_spread(cJSON *parent, const char *name, struct spread spread)
     cJSON_AddNumberToObject(item, "count", spread.count);
 }
 
-/* Times the plain C's time: of medians, and frame by frame. */
+/* Time divided by the plain C's: of the medians, and per frame. */
 static void add_limit_ratio(cJSON *item, const struct bench *bench, const struct bench_side *side,
                             uint32_t pass)
 {
@@ -48,9 +48,6 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
     add_spread(item, "frame_ms", spread_of(whole->frame_ms, whole->taken, 1));
     add_spread(item, "timed_frame_ms", spread_of(side->passes.frame_ms, side->passes.taken, 1));
     add_spread(item, "record_ms", spread_of(whole->record_ms, whole->taken, 1));
-    cJSON *allocations = cJSON_AddObjectToObject(item, "allocations");
-    add_spread(allocations, "own", spread_of(whole->own_allocations, whole->taken, 1));
-    add_spread(allocations, "all", spread_of(whole->all_allocations, whole->taken, 1));
     const struct ceiling ceiling = bench_ceiling(bench, side);
     cJSON *machine = cJSON_AddObjectToObject(item, "machine");
     add_number(machine, "gb_s", ceiling.bytes_per_ms * 1e-6);

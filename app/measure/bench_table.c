@@ -15,7 +15,7 @@ static void print_number(double value, const char *format)
     printf("  %*s", COLUMN, text);
 }
 
-/* Enough digits for a thousandth of a millisecond, no more than a reader needs. */
+/* Digits by size: 123, 1.23, 0.1234. */
 static void print_spread(struct spread spread)
 {
     const char *format = spread.median >= 100 ? "%.0f" : spread.median >= 1 ? "%.2f" : "%.4f";
@@ -76,8 +76,8 @@ static void print_times(const struct bench *bench)
     printf("\n");
 }
 
-/* Rates if every resource is moved whole and once, and how many times as long the pass takes as the
- * device's own rates allow: below 1 where it looks at parts of a resource only. */
+/* Rates, with every resource counted whole and once, and the pass's time divided by its lower
+ * bound. Below 1: the pass reads only parts of a resource. */
 static void print_rates(const struct bench *bench, const struct bench_side *side,
                         const struct work *work, uint32_t pass)
 {
@@ -123,7 +123,7 @@ static void print_work(const struct bench *bench)
     print_ceilings(bench, width);
 }
 
-/* Plain C, and how many times as long the backends take. */
+/* Time of the plain C, and each backend's time divided by it. */
 static void print_limit(const struct bench *bench, const struct limit_pass *limit)
 {
     const struct dt_pass *pass = &bench->subject.pipeline.info->passes[limit->pass];
@@ -141,18 +141,14 @@ static void print_limit(const struct bench *bench, const struct limit_pass *limi
     }
 }
 
-/* What the CPU does for a frame besides the driver's work. */
+/* CPU time per frame. */
 static void print_costs(const struct bench_side *side)
 {
     const struct lane *lane = &side->whole;
     double record = spread_of(lane->record_ms, lane->taken, 1).median;
-    printf("%s: ", side->side->label);
     if (!isnan(record))
-        printf("recording a frame takes %.1f us of CPU time; ", record * 1e3);
-    printf("%.0f allocations per frame by the generated code and its runtime, %.0f with the "
-           "driver's\n",
-           spread_of(lane->own_allocations, lane->taken, 1).median,
-           spread_of(lane->all_allocations, lane->taken, 1).median);
+        printf("%s: recording a frame takes %.1f us of CPU time\n", side->side->label,
+               record * 1e3);
 }
 
 void bench_print(const struct bench *bench)

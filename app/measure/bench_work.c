@@ -9,7 +9,7 @@ static double bytes_of(const struct work_frame *frame, uint32_t resource, uint32
     double bytes = 0;
     for (uint32_t mip = 0; mips >> mip; mip++) {
         uint32_t extent[3];
-        resource_extent(info, frame->size, mip, extent);
+        resource_extent(frame->pipeline, resource, frame->size, mip, extent);
         if (mips >> mip & 1)
             bytes += (double)resource_elements(info, extent) * resource_stride(info);
     }
@@ -24,7 +24,8 @@ static double covered_texels(const struct work_frame *frame, const struct dt_pas
         uint32_t extent[3];
         if (target->kind != DT_IMAGE)
             continue;
-        resource_extent(target, frame->size, pass->write_mips ? pass->write_mips[i] : 0, extent);
+        resource_extent(frame->pipeline, pass->writes[i], frame->size,
+                        pass->write_mips ? pass->write_mips[i] : 0, extent);
         return (double)resource_elements(target, extent);
     }
     return 0;
@@ -32,7 +33,9 @@ static double covered_texels(const struct work_frame *frame, const struct dt_pas
 
 static double flops_of(const struct work_frame *frame, const struct dt_pass *pass)
 {
-    double runs = pass->runs ? (double)pass->runs(frame->size[0], frame->size[1], frame->live) : 0;
+    double runs =
+        (double)frame->pipeline->runs(frame->pipeline, (uint32_t)(pass - frame->pipeline->passes),
+                                      frame->size[0], frame->size[1], frame->live);
     if (pass->kind == DT_PASS_DISPATCH)
         return runs * (double)pass->flops[0];
     double corners = pass->kind == DT_PASS_DRAW_SCENE ? frame->vertex_count : 3;

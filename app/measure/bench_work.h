@@ -1,11 +1,11 @@
-/* How much a pass has to move and to compute at least, told from a pipeline's reflection. Called by
- * the files of bench. */
+/* Bytes and float operations of a pass, estimated from the pipeline's reflection. Called by the
+ * files of bench. */
 #ifndef DIPTYCH_BENCH_WORK_H
 #define DIPTYCH_BENCH_WORK_H
 
 #include "diptych.h"
 
-/* What the work depends on. */
+/* Inputs of the estimate. */
 struct work_frame {
     const struct dt_pipeline *pipeline;
     const void *live;
@@ -18,10 +18,9 @@ struct work {
     double flops;
 };
 
-/* Every resource that the pass reads and writes counts once and whole, and so do vertices and indices
- * of a scene that it draws; textures are left out. A draw is taken to transform every vertex once per
- * instance and to cover every texel of its targets once. A pass whose size only the GPU knows has
- * flops of its fragments alone. */
+/* Counts every resource of the pass whole and once, and the vertices and indices of a scene that it
+ * draws; textures count nothing. A draw transforms every vertex once per instance and covers every
+ * texel of its targets once. An indirect pass counts only the operations of its fragments. */
 struct work work_of(const struct work_frame *frame, uint32_t index);
 
 #endif

@@ -2,7 +2,7 @@
 #include "measure/limit.h"
 
 #include <dlfcn.h>
-#include <inttypes.h>
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,27 +17,59 @@
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
 
-/* argv of the compiler with a place for every pass's file; NULL when out of memory. All strings but
- * the first are owned. */
+static const char *compiler_name(void)
+{
+    const char *compiler = getenv("CC");
+    return compiler && *compiler ? compiler : "cc";
+}
+
+static bool write_text(const char *folder, const char *name, const char *tail, const char *text,
+                       const struct dt_log *log)
+{
+    char *path = format_string("%s/%s%s", folder, name, tail);
+    bool good = path && text && file_write(path, text, strlen(text), log);
+    if (!path || !text)
+        report_error(log, "out of memory");
+    free(path);
+    return good;
+}
+
+/* NAME.h, and PASS.c for every pass. */
+static bool write_sources(const struct limits *limits, const char *folder,
+                          const struct pipeline *pipeline, const struct dt_log *log)
+{
+    char *header = plan_header(pipeline->plan);
+    bool good = write_text(folder, pipeline->info->name, ".h", header, log);
+    free(header);
+    for (uint32_t i = 0; good && i < limits->count; i++) {
+        char *text = plan_limit(pipeline->plan, limits->list[i].pass);
+        good = write_text(folder, limits->info->passes[limits->list[i].pass].name, ".c", text, log);
+        free(text);
+    }
+    return good;
+}
+
+/* argv of the compiler, with slots for the files of a pass; NULL when out of memory. All strings
+ * but the first are owned. */
 static char **compiler_arguments(const struct limits *limits, const char *folder,
-                                 const char *headers, const char *object)
+                                 const char *headers)
 {
     static const char *const flags[] = {"-std=gnu11", "-O3",   "-march=native", "-ffast-math",
                                         "-fopenmp",   "-fPIC", "-shared"};
-    const char *compiler = getenv("CC");
     char **argv = calloc(DT_ARRAY_COUNT(flags) + limits->count + 8, sizeof *argv);
     size_t n = 0;
     bool good = argv;
     if (good)
-        argv[n++] = (char *)(compiler && *compiler ? compiler : "cc");
+        argv[n++] = (char *)compiler_name();
     for (size_t i = 0; i < DT_ARRAY_COUNT(flags) && good; i++)
         good = (argv[n++] = strdup(flags[i]));
     good = good && (argv[n++] = format_string("-I%s", folder));
     good = good && (argv[n++] = format_string("-I%s", headers));
     for (uint32_t i = 0; i < limits->count && good; i++)
-        good = (argv[n++] = format_string("%s/limit/%s.c", folder,
+        good = (argv[n++] = format_string("%s/%s.c", folder,
                                           limits->info->passes[limits->list[i].pass].name));
-    good = good && (argv[n++] = strdup("-o")) && (argv[n++] = strdup(object));
+    good =
+        good && (argv[n++] = strdup("-o")) && (argv[n++] = format_string("%s/limits.so", folder));
     if (good)
         return argv;
     for (size_t i = 1; argv && argv[i]; i++)
@@ -46,66 +78,55 @@ static char **compiler_arguments(const struct limits *limits, const char *folder
     return NULL;
 }
 
-/* Into the folder of what was generated, under a name of this process until it is whole. */
-static bool compile(const struct limits *limits, struct console *console, const char *folder,
-                    const char *object)
+static bool compile(const struct limits *limits, struct console *console, const char *folder)
 {
     static const struct tool c_compiler = {
         .what = "compiling the limits that the spec names",
         .hint = "install a C compiler, or name one in the environment variable CC"};
     char *headers = headers_folder(&console->log);
-    char *temporary = format_string("%s.%d", object, (int)getpid());
-    char **argv =
-        headers && temporary ? compiler_arguments(limits, folder, headers, temporary) : NULL;
-    bool good = argv;
+    char **argv = headers ? compiler_arguments(limits, folder, headers) : NULL;
     if (!argv && headers)
         report_error(&console->log, "out of memory");
-    if (good) {
-        console_temporary(console, temporary);
-        good = tool_run(&c_compiler, argv, -1, console) && rename(temporary, object) == 0;
-        console_forget(console, temporary);
-    }
+    bool good = argv && tool_run(&c_compiler, argv, -1, console);
     for (size_t i = 1; argv && argv[i]; i++)
         free(argv[i]);
     free(argv);
-    free(temporary);
     free(headers);
     return good;
 }
 
-/* The folder is named by what the C and the pipeline's header were made from; what else the C includes
- * gives the object its name. */
-static char *object_path(const struct pipeline *pipeline, const struct dt_log *log)
+/* Never unloaded: OpenMP's threads spin in its library for a while after the last loop. */
+static bool open_object(struct limits *limits, const char *folder, const struct dt_log *log)
 {
-    uint64_t hash = FILE_HASH_START;
-    char *headers = headers_folder(log);
-    char *header = headers ? format_string("%s/limit.h", headers) : NULL;
-    char *path = NULL;
-    if (header && !hash_file(&hash, header))
-        report_error(log, "%s: cannot be read", header);
-    else if (header)
-        path = format_string("%s/limits-%016" PRIx64 ".so", pipeline->generated, hash);
-    free(header);
-    free(headers);
-    return path;
+    char *object = format_string("%s/limits.so", folder);
+    limits->object = object ? dlopen(object, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE) : NULL;
+    if (!limits->object)
+        report_error(log, "the compiled limits cannot be loaded: %s",
+                     object ? dlerror() : "out of memory");
+    free(object);
+    return limits->object;
 }
 
+/* In a folder of its own, which nobody else can write to and which goes at once. */
 static bool load(struct limits *limits, struct console *console, const struct pipeline *pipeline)
 {
-    char *object = object_path(pipeline, &console->log);
-    bool good = object;
-    console_status(console, "compiling the limits");
-    /* idle threads shall leave the processor to the backends */
-    setenv("OMP_WAIT_POLICY", "passive", 0);
-    if (good && !file_exists(object))
-        good = compile(limits, console, pipeline->generated, object);
-    /* Never unloaded: the threads of OpenMP, which came with it, go on spinning in their library's code
-     * for a while after the last loop. */
-    if (good && !(limits->object = dlopen(object, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE))) {
-        report_error(&console->log, "the compiled limits cannot be loaded: %s", dlerror());
-        good = false;
+    const struct dt_log *log = &console->log;
+    const char *base = getenv("TMPDIR");
+    char *folder = format_string("%s/diptych-XXXXXX", base && *base == '/' ? base : "/tmp");
+    if (!folder || !mkdtemp(folder)) {
+        report_error(log, "%s: cannot be made: %s", folder ? folder : "a folder", strerror(errno));
+        free(folder);
+        return false;
     }
-    free(object);
+    console_temporary(console, folder);
+    console_status(console, "compiling the limits");
+    /* OpenMP threads must sleep when idle: the backends need the processor */
+    setenv("OMP_WAIT_POLICY", "passive", 0);
+    bool good = write_sources(limits, folder, pipeline, log) && compile(limits, console, folder) &&
+                open_object(limits, folder, log);
+    file_remove_tree(folder);
+    console_forget(console, folder);
+    free(folder);
     return good;
 }
 
@@ -117,7 +138,7 @@ static void *find(const struct limits *limits, const char *pass, const char *tai
     return symbol;
 }
 
-/* Keeps the passes whose file defines something. */
+/* Removes passes whose file has no code for this processor. */
 static bool find_functions(struct limits *limits, const struct dt_log *log)
 {
     uint32_t kept = 0;
@@ -166,6 +187,12 @@ bool limits_open(struct limits *limits, struct console *console, const struct pi
     for (uint32_t i = 0; limits->list && i < info->pass_count; i++) {
         if (info->passes[i].limit)
             limits->list[limits->count++] = (struct limit_pass){.pass = i, .live = pipeline->live};
+    }
+    if (limits->list && limits->count && !tool_is_there(compiler_name())) {
+        report_message(&console->log, DT_INFO,
+                       "no C compiler %s: passes are not held against their limits",
+                       compiler_name());
+        limits->count = 0;
     }
     if (limits->list && !limits->count)
         return true;
@@ -216,8 +243,8 @@ static bool take(struct worker *worker, struct dt_bytes *list, uint32_t resource
     return true;
 }
 
-/* At a stop beside the pass: what it reads, or what it has written, with room for the C to write
- * the same. */
+/* At a stop before or after the pass: reads its inputs, or its outputs, and allocates outputs for
+ * the C. */
 static bool take_all(struct worker *worker, struct limit_pass *limit, const struct dt_pass *pass,
                      bool before)
 {
@@ -232,7 +259,7 @@ static bool take_all(struct worker *worker, struct limit_pass *limit, const stru
     return good;
 }
 
-/* Of a pass that live parameters skip there is nothing to compare with. */
+/* A pass that live parameters skip has no results to compare with. */
 static bool drop_skipped(struct limits *limits, struct worker *worker)
 {
     struct worker_measure measure;
@@ -249,7 +276,7 @@ static bool drop_skipped(struct limits *limits, struct worker *worker)
     return true;
 }
 
-/* Walks through the first frame. */
+/* Steps through the first frame. */
 static bool take_frame(struct limits *limits, struct worker *worker)
 {
     struct worker_place place;
@@ -275,7 +302,7 @@ static bool take_frame(struct limits *limits, struct worker *worker)
 
 /* ---- The check ------------------------------------------------------------------------------- */
 
-/* What all compared numbers have in common. */
+/* State shared by all compared numbers. */
 struct tally {
     uint64_t numbers, outliers;
 };
@@ -338,8 +365,8 @@ static bool check(const struct limits *limits, struct limit_pass *limit, const s
     if (limit->outliers <= limit->tolerance->outliers)
         return true;
     report_error(log,
-                 "%s: %.3g %% of the numbers differ by more than %.3g %% from those of the pass "
-                 "%s, where %.3g %% may; it does not do the same work",
+                 "%s: %.3g %% of the numbers differ by more than %.3g %% from those of pass %s; at "
+                 "most %.3g %% may: it does not compute the same",
                  pass->limit, 100 * limit->outliers, 100 * limit->tolerance->relative, pass->name,
                  100 * limit->tolerance->outliers);
     return false;

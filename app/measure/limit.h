@@ -1,6 +1,6 @@
-/* Passes in plain C: what a spec's `limit` names, compiled for this processor, fed with what the
- * pass's shader reads, checked against what it writes, and timed. Called by bench.c; templates/c/limit.h
- * says what such a file holds. */
+/* Plain C versions of passes, named by `limit` in the spec: compiled for this processor, run on the
+ * inputs of the pass's shader, checked against its results, and timed. Called by bench.c; see
+ * templates/c/limit.h for the C side. */
 #ifndef DIPTYCH_LIMIT_RUN_H
 #define DIPTYCH_LIMIT_RUN_H
 
@@ -15,7 +15,7 @@ struct limit_pass {
     struct dt_frame frame;
     struct dt_bytes *inputs, *outputs, *expected; /* by resource, owned; see struct dt_limit */
     const void *live;
-    double outliers; /* share of numbers that differ from the shader's beyond the tolerance */
+    double outliers; /* share of numbers that differ from the shader's by more than the tolerance */
     double *ms;      /* one per measured frame; owned */
 };
 
@@ -26,16 +26,16 @@ struct limits {
     uint32_t count;
 };
 
-/* Compiles and loads what the pipeline names, if anything; a file that has nothing for this processor
- * is told and left out. On false the error is logged; limits_close either way. */
+/* Compiles and loads the files that the pipeline names, if any. A file without code for this
+ * processor is left out with a message. On false the error is logged; limits_close either way. */
 bool limits_open(struct limits *limits, struct console *console, const struct pipeline *pipeline,
                  uint32_t frames);
 
-/* Reads inputs and results of the passes from the first frame of one backend, in a process of its own,
- * and checks what the C makes of the inputs. */
+/* Reads inputs and results of the passes from the first frame of one backend, in a process of its
+ * own, and checks the C against them. */
 bool limits_check(struct limits *limits, const struct session_info *session);
 
-/* Runs one of them and keeps what it took as number `at`. */
+/* Runs one pass and stores its time at index `at`. */
 void limit_time(struct limit_pass *limit, uint32_t at);
 void limits_close(struct limits *limits); /* takes a zeroed one */
 

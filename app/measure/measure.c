@@ -17,7 +17,7 @@ bool grid_begin(struct grid *grid, struct steps *steps, uint32_t count)
     return grid->points;
 }
 
-/* Of what cannot stand in the name of a file, or would have to be quoted everywhere. */
+/* Replaces characters that file names cannot hold or that would need quotes. */
 static void make_plain(char *text)
 {
     for (; text && *text; text++) {
@@ -51,7 +51,7 @@ bool measure_add_reference(struct steps *steps, const struct reference *referenc
     const struct options *options = steps->options;
     const struct step_scene *scene = reference->scene;
     struct command command;
-    /* of its own, since it cannot be taken up with fewer samples, or for other light */
+    /* one per setting: it cannot continue with fewer samples or other light */
     char *film = format_string("%s/%s_%u_%s_%s_%s_%s.film", scene->name, reference->name,
                                options->spp, options->noise ? options->noise : "",
                                reference->from_bounce ? reference->from_bounce : "",
@@ -123,7 +123,7 @@ bool measure_add_metrics(struct steps *steps, int part, const char *picture, con
         command_file(&command, "--test", picture);
         if (maps)
             command_file(&command, "-o", maps);
-        fprintf(command.out, " --flip ldr"); /* nobody here looks at the other */
+        fprintf(command.out, " --flip ldr"); /* the picture of the other side is not used */
         command_file(&command, "--json", file);
     }
     free(reference);
@@ -135,7 +135,7 @@ bool measure_add_metrics(struct steps *steps, int part, const char *picture, con
                      &command);
 }
 
-/* That they differ is a result, too. */
+/* Exit status 1, they differ, is a result, too. */
 bool measure_add_comparison(struct steps *steps, const struct rendering *rendering, char *file)
 {
     struct command command;

@@ -1,16 +1,16 @@
-/* A grid of measurements: at each of its points, a scene with some values set, how long every pass takes and how far the
- * picture is from the path-traced one. Plans the steps, reads what they left, and writes it as CSV, a row for each point and
- * backend. Called by sweep_grid.c and by report*.c, which have no other way to measure. */
+/* A grid of measurements: at each point, a scene with some values set, the times of all passes and
+ * the error against a path-traced reference. Plans the steps, reads their results, and writes them
+ * as CSV, one row per point and backend. Called by sweep_grid.c and report*.c. */
 #ifndef DIPTYCH_MEASURE_H
 #define DIPTYCH_MEASURE_H
 
 #include "measure/steps.h"
 
 enum {
-    MEASURE_AGREE = 1, /* whether all backends have the same bits, by compare */
-    MEASURE_TIME = 2,  /* of all backends, turn by turn, by bench */
-    MEASURE_ERROR = 4, /* of the picture against the reference, by render and metrics */
-    MEASURE_OWN = 8    /* and against that of another point, the last of a row */
+    MEASURE_AGREE = 1, /* whether all backends agree, by compare */
+    MEASURE_TIME = 2,  /* times of all backends, by bench */
+    MEASURE_ERROR = 4, /* error of the picture against the reference, by render and metrics */
+    MEASURE_OWN = 8    /* and against the picture of another point, the last of a row */
 };
 
 struct grid_point {
@@ -20,9 +20,8 @@ struct grid_point {
     char **values; /* one for each column of the grid */
     cJSON *sets;   /* PATH=VALUE, those and others */
     unsigned measures;
-    const struct grid_point
-        *last;       /* MEASURE_OWN: the point that it is held against; itself: nothing to do */
-    char *reference; /* MEASURE_ERROR: file of the reference's step */
+    const struct grid_point *last; /* MEASURE_OWN: the point to compare with; itself: no step */
+    char *reference;               /* MEASURE_ERROR: file of the reference's step */
 };
 
 struct grid {
@@ -32,17 +31,18 @@ struct grid {
     struct grid_point *points; /* in the order of their rows */
     uint32_t count;
     unsigned measures; /* of any point */
-    uint32_t pictured; /* so many sides, the first ones, have their pictures measured */
-    uint32_t frames;   /* pictures are of the last of so many; 0: 1 */
-    const char *show;  /* image that they are of; NULL: the spec's own */
+    uint32_t pictured; /* number of sides, from the first, whose pictures are measured */
+    uint32_t frames;   /* frames to run; the picture is of the last. 0: 1 */
+    const char *show;  /* image to measure; NULL: the spec's output */
     int part_time, part_error, part_agree; /* of the steps */
-    char **passes;                         /* that any run has told times of, in their order */
+    char **passes;                         /* passes that any run has times of, in order */
     uint32_t pass_count;
 };
 
-/* Makes room for so many points, zeroed. False when out of memory, logged. grid_free either way. */
+/* Allocates `count` zeroed points. False with the error logged when out of memory. grid_free either
+ * way. */
 bool grid_begin(struct grid *grid, struct steps *steps, uint32_t count);
-/* A name for the files of a point: `before`, and COLUMN_VALUE of each column; free(). */
+/* Name for the files of a point: `before`, then COLUMN_VALUE of each column; free(). */
 char *grid_name(const struct grid *grid, const struct grid_point *point, const char *before);
 
 /* The path-traced picture of a scene, SCENE/NAME.exr, and the step SCENE/NAME.json. */
@@ -64,8 +64,8 @@ struct rendering {
     int part;
 };
 bool measure_add_render(struct steps *steps, const struct rendering *rendering, char *file);
-/* How far the picture of one step is from that of another: a reference's, whose step is its JSON, or a rendering's. `maps`: a
- * folder for error maps, or NULL. `file` is taken over. */
+/* Adds a step that compares the picture of one step with another's: a reference (named by its JSON)
+ * or a rendering. `maps`: folder for error maps, or NULL. Takes over `file`. */
 bool measure_add_metrics(struct steps *steps, int part, const char *picture, const char *against,
                          const char *maps, char *file);
 bool measure_add_comparison(struct steps *steps, const struct rendering *rendering, char *file);
@@ -88,7 +88,7 @@ double grid_number(const struct grid *grid, const struct grid_point *point, uint
 /* Of a pass: "median", "p5" or "p95", milliseconds. */
 double grid_pass_ms(const struct grid *grid, const struct grid_point *point, uint32_t side,
                     const char *pass, const char *of);
-/* Why a row is not whole; NULL when it is; free(). */
+/* Why a row is incomplete, or NULL; free(). */
 char *grid_reason(const struct grid *grid, const struct grid_point *point, uint32_t side);
 
 /* After the steps were run: which passes there are. Logs when out of memory. */

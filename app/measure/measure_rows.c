@@ -1,4 +1,4 @@
-/* The rows of a grid of measurements: what its steps left; see measure.h. */
+/* Rows of a grid of measurements, from the results of its steps; see measure.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +49,7 @@ char *grid_own_file(const struct grid *grid, const struct grid_point *point, uin
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* A column of one number, and where it is in what the measure's command told. */
+/* A column with one number, and its path in the JSON of the measure's command. */
 static const struct quantity {
     const char *name;
     unsigned measure;
@@ -259,7 +259,7 @@ static void put_row(FILE *out, const struct grid *grid, const struct grid_point 
     fputc('\n', out);
 }
 
-/* A side of which nothing is measured at a point has no row there. */
+/* A side without measurements at a point has no row there. */
 static bool has_row(const struct grid *grid, const struct grid_point *point, uint32_t side)
 {
     return side < grid->pictured || (point->measures & (MEASURE_TIME | MEASURE_AGREE));

@@ -10,8 +10,8 @@
 #include "base/files.h"
 #include "base/tool.h"
 
-/* What SVG from gnuplot has in black follows the reader's choice of a dark page, and what it has in white, around
- * points, goes; the lines of the data have colours that can be seen on both. */
+/* Makes gnuplot's SVG follow a dark page: black becomes the text colour, white around points is
+ * removed. The colours of the lines are visible on both. */
 static const char svg_style[] =
     "<style>[color=\"white\"]{display:none}text{fill:#24292f}[stroke=\"black\"]{stroke:#57606a}"
     "@media(prefers-color-scheme:dark){text{fill:#d6dce3}[stroke=\"black\"]{stroke:#9aa4ae}}"
@@ -176,8 +176,7 @@ bool plot_is_empty(const struct plot *plot)
 
 /* ---- Drawing --------------------------------------------------------------------------------- */
 
-/* Room for all of them, and ticks at round numbers, the closer the narrower the range, which is one of 2.5
- * at least. */
+/* Range that holds all values, at least a factor of 2.5, with ticks at round numbers. */
 static void put_range(FILE *out, const struct plot *plot)
 {
     static const double room = 1.6, round[] = {1, 2, 5, 1.5, 3, 7};
@@ -239,7 +238,7 @@ static bool write_script(const struct plot *plot, const char *path, const struct
     return file_draft_end(&draft, path, log);
 }
 
-/* A plot that nothing can be drawn in is not there. */
+/* A plot without points is removed. */
 static bool remove_plot(const char *folder, const char *name, const struct dt_log *log)
 {
     char *path = format_string("%s/%s.svg", folder, name);

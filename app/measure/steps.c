@@ -84,10 +84,10 @@ static bool add_scene(struct steps *steps, const char *path)
     if (!scene_find_mesh(scene->path, steps->scenes_folder, &scene->mesh, log))
         return false;
     if (!scene->mesh)
-        report_message(log, DT_WARNING,
-                       "%s is left out, its mesh is not here; --scenes or DIPTYCH_SCENES names the "
-                       "folder that holds it",
-                       scene->path);
+        report_message(
+            log, DT_WARNING,
+            "%s is left out: its mesh was not found; --scenes or DIPTYCH_SCENES names its folder",
+            scene->path);
     return true;
 }
 
@@ -106,7 +106,7 @@ bool steps_find_scenes(struct steps *steps, const char *const *paths, uint32_t c
     for (uint32_t i = 0; i < steps->scene_count; i++)
         here += steps->scenes[i].mesh != NULL;
     if (good && !here)
-        report_error(log, "no scene is left for the %s; name one by --scene FILE", steps->verb);
+        report_error(log, "no scene is left for the %s; name one with --scene FILE", steps->verb);
     return good && here;
 }
 
@@ -133,7 +133,7 @@ bool steps_check_spec(struct steps *steps)
     cJSON *answer = text ? cJSON_Parse(text) : NULL;
     steps->spec_files = cJSON_DetachItemFromObject(answer, "inputs");
     if (text && !steps->spec_files)
-        report_error(&console->log, "the generator's answer cannot be read");
+        report_error(&console->log, "the generator's output cannot be read");
     cJSON_Delete(answer);
     free(text);
     free(argv);
@@ -180,7 +180,7 @@ bool steps_make_folder(struct steps *steps)
     steps->folder = realpath(path, NULL);
     if (steps->folder && !strpbrk(steps->folder, "\n|"))
         return true;
-    report_error(log, "%s: a path with a line break or a | cannot stand in a ninja file", path);
+    report_error(log, "%s: a ninja file cannot hold a path with a line break or a |", path);
     return false;
 }
 
@@ -301,12 +301,11 @@ bool steps_add(struct steps *steps, const struct step *step, struct command *com
     }
     if (twice)
         report_error(log,
-                     "two steps would write %s; give pictures and values names of their own, other "
+                     "two steps would write %s; give pictures and values different names, other "
                      "than \"reference\"",
                      step->file);
     else if (broken)
-        report_error(log,
-                     "%s: a line break cannot stand in a ninja file; leave it out of the value",
+        report_error(log, "%s: a ninja file cannot hold a line break; remove it from the value",
                      command->text);
     else
         report_error(log, "out of memory");

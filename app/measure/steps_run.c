@@ -1,5 +1,5 @@
-/* Runs the steps of a folder by ninja, tells how far it is and how long it may take, and finds what the steps left; see
- * steps.h. */
+/* Runs the steps of a folder with ninja, shows progress and remaining time, and reads their
+ * results; see steps.h. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,8 +11,7 @@
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* A step whose command fails leaves no file, not even that of an earlier time; what it told of its errors is kept
- * beside it. */
+/* A failed step leaves no file, also none from an earlier run; its errors are kept beside it. */
 static void write_rules(FILE *out, const struct steps *steps)
 {
     const cJSON *item;
@@ -102,23 +101,23 @@ static bool make_folders(const struct steps *steps)
 
 /* ---- Progress -------------------------------------------------------------------------------- */
 
-/* What ninja has told; one of each per step. */
+/* Progress reported by ninja, per step. */
 struct progress {
     const struct steps *steps;
-    bool *waits;     /* it is to be done, and has not begun */
-    double *seconds; /* that it took; 0: it is not over, or was before */
+    bool *waits;     /* scheduled and not started */
+    double *seconds; /* duration; 0: not finished, or finished in an earlier run */
     uint32_t total, begun;
     const struct step *at; /* that runs, or NULL */
     struct timespec since;
-    bool planning; /* ninja tells what it would do */
-    bool skips;    /* the next line, the command of a step that failed */
+    bool planning; /* dry run: ninja lists what it would do */
+    bool skips;    /* skip the next line: the command of a failed step */
 };
 
-/* Stands before a step's file in what ninja says. */
+/* Prefix of a step's file in ninja's output. */
 static const char mark[] = "step ";
 
-/* Seconds from here to the end, when steps go on to take as long as those of their kind did, or where there was
- * none, as any. NAN before the first is over. */
+/* Estimated seconds to the end, from the durations of finished steps of the same verb, or of any
+ * verb. NAN before the first step has finished. */
 static double seconds_left(const struct progress *progress)
 {
     const struct steps *steps = progress->steps;
@@ -190,7 +189,7 @@ bool steps_run(struct steps *steps)
                                 .seconds = calloc(steps->count + 1, sizeof *progress.seconds)};
     unsigned errors = atomic_load(&console->errors);
     bool good = progress.waits && progress.seconds && setenv("NINJA_STATUS", "", 1) == 0 &&
-                /* what every one of them would say again */
+                /* a message that every step would repeat */
                 setenv("DIPTYCH_QUIET", "1", 1) == 0;
     if (!good)
         report_error(&console->log, "out of memory");
@@ -210,7 +209,7 @@ bool steps_run(struct steps *steps)
 
 /* ---- Results --------------------------------------------------------------------------------- */
 
-/* A step that failed leaves no file; one that waits for it was not run, whatever lies there. */
+/* A failed step has no file. A step that waits for it did not run, even if an old file exists. */
 bool steps_is_done(const struct steps *steps, const struct step *step)
 {
     char *path = format_string("%s/%s", steps->folder, step->file);
@@ -221,7 +220,7 @@ bool steps_is_done(const struct steps *steps, const struct step *step)
     return done;
 }
 
-/* Those that wait for another step are only counted: it is that one's fault. */
+/* Steps that wait for a failed one are only counted, not reported. */
 uint32_t steps_count_failures(const struct steps *steps)
 {
     uint32_t failures = 0;

@@ -1,6 +1,6 @@
-/* `diptych sweep`: one verb over many variations of a spec, scenes and sizes. It writes a folder whose ninja file
- * has an edge per run, starts ninja there, and sums up. What is over stays over: the same command goes on
- * where the last one was interrupted. With --measure it is sweep_grid.c's. */
+/* `diptych sweep`: runs a verb over many variations of a spec, scenes and sizes. Writes a folder
+ * with an edge per run in a ninja file, starts ninja there, and summarises. Finished runs are kept:
+ * the same command continues an interrupted sweep. sweep_grid.c does --measure. */
 #include "measure/sweep.h"
 
 #include <dirent.h>
@@ -41,7 +41,7 @@ static bool is_empty(const char *folder)
     return empty;
 }
 
-/* The sweep that the folder holds; NULL, with *good telling whether that is fine. */
+/* Reads the folder's sweep; NULL with *good true when there is none. */
 static cJSON *read_sweep(const char *folder, bool wanted, bool *good, const struct dt_log *log)
 {
     char *path = format_string("%s/sweep.json", folder);
@@ -53,7 +53,7 @@ static cJSON *read_sweep(const char *folder, bool wanted, bool *good, const stru
         sweep = text ? cJSON_Parse(text) : NULL;
         *good = cJSON_IsArray(cJSON_GetObjectItem(sweep, "runs"));
         if (text && !*good)
-            report_error(log, "%s: is not what diptych sweep writes", path);
+            report_error(log, "%s: is no file of diptych sweep", path);
         free(text);
     } else if (path && !is_empty(folder)) {
         report_error(log, "%s: holds files, but no sweep; give another folder", folder);
@@ -63,7 +63,7 @@ static cJSON *read_sweep(const char *folder, bool wanted, bool *good, const stru
     return sweep;
 }
 
-/* Whether the sweep in the folder is the one that is asked for; logs in what they differ. */
+/* Whether the folder's sweep has the same options; logs the first difference. */
 static bool is_same_sweep(const cJSON *former, const cJSON *wanted, const char *folder,
                           const struct dt_log *log)
 {
@@ -106,14 +106,13 @@ static void tell_redrawn(const struct console *console, const cJSON *sweep, cons
 {
     int redrawn = cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "redrawn"));
     if (redrawn)
-        report_message(
-            &console->log, DT_INFO,
-            "%d draws were no valid spec or too large, and were drawn again; %s/sweep.json "
-            "lists them",
-            redrawn, folder);
+        report_message(&console->log, DT_INFO,
+                       "%d draws were invalid specs or too large and were drawn again; "
+                       "%s/sweep.json lists them",
+                       redrawn, folder);
 }
 
-/* Plans a sweep, or takes up the one in the folder. NULL, logged. */
+/* Plans a sweep, or continues the folder's. NULL with the error logged. */
 static cJSON *make_sweep(struct console *console, const struct options *options)
 {
     const struct dt_log *log = &console->log;
@@ -142,7 +141,7 @@ static char *make_folder(const char *path, const struct dt_log *log)
 {
     char *real = file_make_folders(path, log) ? realpath(path, NULL) : NULL;
     if (real && strchr(real, '\n')) {
-        report_error(log, "%s: a path with a line break cannot stand in a ninja file", real);
+        report_error(log, "%s: a ninja file cannot hold a path with a line break", real);
         free(real);
         return NULL;
     }

@@ -18,7 +18,7 @@
 #include "base/console.h"
 #include "base/options.h"
 
-/* sweep.c: members that are there. */
+/* sweep.c: required members. */
 const char *sweep_text(const cJSON *object, const char *name);
 uint32_t sweep_number(const cJSON *object, const char *name);
 
@@ -32,9 +32,10 @@ bool sweep_check_row(const char *row, const struct dt_log *log);
 uint32_t sweep_row_width(const char *row);
 char *sweep_row_value(const char *row, uint32_t index);
 
-/* sweep_grid.c: whether --measure wants more than to see the backends agree; false when it is wrong, logged. */
+/* sweep_grid.c: *wanted says whether --measure asks for more than `agree`. False with the error
+ * logged when it is wrong. */
 bool sweep_measures(const struct options *options, bool *wanted, const struct dt_log *log);
-/* Such a sweep, whose folder has nothing of the above. Returns the exit status of the verb. */
+/* Runs such a sweep; its folder has none of the files above. Returns the exit status. */
 int sweep_measure(struct console *console, const struct options *options);
 
 /* sweep_files.c: gives every run its command, a line for /bin/sh that can be pasted anywhere. */

@@ -1,6 +1,5 @@
-/* The files of a sweep: its list of commands, the ninja file with an edge per run, the scripts of a Slurm job
- * array over the same runs, and the small script that all of them start a run with. Called by
- * sweep.c. */
+/* The files of a sweep: list of commands, ninja file with an edge per run, scripts of a Slurm job
+ * array over the same runs, and the script that starts one run. Called by sweep.c. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,8 +8,8 @@
 #include "base/quote.h"
 #include "measure/sweep.h"
 
-/* As many tasks as a Slurm array has at most by default (MaxArraySize less one); a task does every run
- * that is that far from its first. */
+/* Most tasks of a Slurm array by default (MaxArraySize - 1). With more runs, each task does every
+ * run at that distance. */
 enum { MOST_TASKS = 1000 };
 
 /* ---- Commands -------------------------------------------------------------------------------- */
@@ -58,7 +57,7 @@ bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *l
         if (out)
             put_command(out, sweep, run, folder, ++number);
         bool good = out && fclose(out) == 0;
-        cJSON_DeleteItemFromObject(run, "command"); /* of a folder that was elsewhere then */
+        cJSON_DeleteItemFromObject(run, "command"); /* the folder may have moved since */
         if (good)
             cJSON_AddStringToObject(run, "command", command);
         free(command);
@@ -72,8 +71,8 @@ bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *l
 
 /* ---- The files' contents --------------------------------------------------------------------- */
 
-/* A run that differs has its verdict and is done; one that could not run fails its edge, and is tried
- * again; an interrupt ends the script, too, which then leaves no result. */
+/* A run that differs is finished. A run that could not run fails its edge and is tried again. An
+ * interrupt also ends the script, which then leaves no result. */
 static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
 {
     (void)sweep;
@@ -225,7 +224,7 @@ bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struc
         {"commands", write_commands, false},   {"run.sh", write_runner, false},
         {"build.ninja", write_ninja, false},   {"array.sh", write_array, true},
         {"collect.sh", write_collect, true},   {"submit.sh", write_submit, true},
-        {"sweep.json", write_manifest, false}, /* last: with it the folder is a sweep's */
+        {"sweep.json", write_manifest, false}, /* last: marks the folder as a sweep's */
     };
     char *runs = format_string("%s/runs", folder);
     bool good = runs && file_make_folders(runs, log);

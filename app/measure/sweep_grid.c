@@ -1,5 +1,6 @@
-/* `diptych sweep --measure`: times and errors over a grid of values, scenes, sizes and backends, as CSV and plots. The work
- * is measure.h's; here stand the points, the plots and the table. Called by sweep.c. */
+/* `diptych sweep --measure`: times and errors over a grid of values, scenes, sizes and backends, as
+ * CSV and plots. measure.h plans and reads; this file has the points, the plots and the table.
+ * Called by sweep.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,7 +128,7 @@ static bool find_x(struct measured_sweep *sweep, const char *name, const struct 
     return !name;
 }
 
-/* The last axis turns fastest. */
+/* The last axis varies fastest. */
 static bool read_axes(struct measured_sweep *sweep, const struct options *options,
                       const struct dt_log *log)
 {
@@ -263,7 +264,7 @@ static const struct plotted {
     {"own_relative_mse", NULL, NULL, "relative MSE against the last value"},
 };
 
-/* Scene, size, backend and the values of the other axes, as far as there are several. */
+/* Title of a line: scene, size, backend and values of other axes, where there are several. */
 static char *line_title(const struct measured_sweep *sweep, const struct grid_point *point,
                         uint32_t side)
 {
@@ -285,7 +286,7 @@ static char *line_title(const struct measured_sweep *sweep, const struct grid_po
     return title;
 }
 
-/* Along the x axis from a point that has its first value. */
+/* Adds the points of a line, from the one at the first value of x. */
 static void put_line(struct plot *plot, const struct measured_sweep *sweep, uint32_t first,
                      uint32_t side, const struct plotted *what)
 {
@@ -355,7 +356,7 @@ static void print_row(const struct measured_sweep *sweep, const struct grid_poin
     printf("%s%s\n", reason ? "  " : "", reason ? reason : "");
 }
 
-/* Prints the rows; counts those that are not whole. */
+/* Prints the rows; returns the number of incomplete ones. */
 static uint32_t print_table(const struct measured_sweep *sweep)
 {
     uint32_t failed = 0, rows = 0;
@@ -401,7 +402,7 @@ static bool any_differs(const cJSON *rows)
     return differs;
 }
 
-/* Rows, plots and table of what there is. */
+/* Writes rows, plots and table from the available results. */
 static int summarise(struct measured_sweep *sweep)
 {
     struct console *console = sweep->steps.console;

@@ -1,5 +1,5 @@
-/* Which runs a sweep has: random variations of a spec, asked of the generator, or a grid over values. Called by
- * sweep.c. */
+/* Plans the runs of a sweep: random variations of a spec, made by the generator, or a grid over
+ * values. Called by sweep.c. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +34,7 @@ static bool add_path(cJSON *array, const char *path, const struct dt_log *log)
     if (!real)
         report_error(log, "%s: cannot be read: %s", path, strerror(errno));
     else if (strpbrk(real, "\n|"))
-        report_error(log, "%s: a path with a line break or a | cannot stand in a ninja file", real);
+        report_error(log, "%s: a ninja file cannot hold a path with a line break or a |", real);
     else
         cJSON_AddItemToArray(array, cJSON_CreateString(real));
     bool good = real && !strpbrk(real, "\n|");
@@ -85,7 +85,7 @@ static bool check_wanted(const struct options *options, const struct dt_log *log
     return !wrong;
 }
 
-/* What changes a run or its verdict, under the names of the command line. */
+/* Options that change a run or its verdict, under the names of the command line. */
 cJSON *sweep_options(const struct options *options, const struct dt_log *log)
 {
     if (!check_wanted(options, log))

@@ -1,6 +1,6 @@
-/* `diptych report`: one HTML page on a pipeline: pictures beside their reference, errors, times, and what was
- * published of it. The work is done by other verbs, as steps of the report's folder (steps.h); the page is
- * made of what they left. */
+/* `diptych report`: one HTML page on a pipeline: pictures beside their reference, errors, times,
+ * and published numbers. Other verbs do the work, as steps of the report's folder (steps.h); the
+ * page is made from their results. */
 #include "report/report.h"
 
 #include <stdlib.h>

@@ -1,7 +1,6 @@
-/* What the files of `diptych report` share. Internal to report*.c.
- *
- * A report's folder holds index.html; rows.csv, what was measured; a folder per scene with what the commands of its steps
- * wrote; plots in plots/; and what steps.h puts there. The page is made last, from the files alone. */
+/* Shared by the files of `diptych report`. A report's folder holds index.html; rows.csv with all
+ * measurements; a folder per scene with the results of its steps; plots/; and the files of steps.h.
+ * The page is made last, from the files alone. */
 #ifndef DIPTYCH_REPORT_H
 #define DIPTYCH_REPORT_H
 
@@ -20,7 +19,7 @@ enum report_part {
 struct report {
     struct steps steps;
     struct grid
-        grid; /* columns: picture, the sweep's parameter; of each scene, each picture, each value */
+        grid; /* columns: picture and the sweep's parameter; points by scene, picture, value */
     const char *columns[2];
     char *command;      /* that makes this report, for /bin/sh */
     char *outline_path; /* absolute */
@@ -30,12 +29,12 @@ struct report {
 /* report_outline.c: the outline beside the spec, or --outline; the scenes that it or --scene names. */
 bool report_read_outline(struct report *report);
 bool report_find_scenes(struct report *report);
-/* Element `index` of a list of numbers or words, as text; "" behind its end. */
+/* Element `index` of a list of numbers or words, as text; "" beyond its end. */
 const char *report_item(const cJSON *list, int index, char buffer[32]);
 
 /* A file that the outline names, beside it; free(). */
 char *report_outline_file(const struct report *report, const char *name);
-/* Motions of the outline that are of this scene, one after the other: the first after NULL. */
+/* Iterates over the outline's motions of a scene; NULL gives the first. */
 const cJSON *report_next_motion(const struct report *report, const struct step_scene *scene,
                                 const cJSON *motion);
 /* The sweep: its parameter, its values, and how many. */
@@ -50,9 +49,9 @@ char *report_file(const struct step_scene *scene, const char *name, const char *
 /* Of a run of a motion, or of its references. */
 char *report_motion_file(const struct step_scene *scene, const cJSON *motion, const char *name,
                          const char *ending);
-/* The picture that stands for the pipeline at its best, whose times are taken. */
+/* The last picture of the outline: the one whose times are taken. */
 const cJSON *report_last_picture(const struct report *report);
-/* Where a picture of a scene that is here was measured at a value of the sweep. */
+/* Point of the grid for a picture at a value of the sweep; the scene's mesh must be there. */
 const struct grid_point *report_point(const struct report *report, const struct step_scene *scene,
                                       const cJSON *picture, int value);
 
@@ -64,19 +63,18 @@ int report_change_plot_height(const struct report *report);
 /* report_page.c: index.html. */
 bool report_write_page(struct report *report);
 
-/* report_tables.c: parts of the page. */
-void report_put_text(FILE *out, const char *text); /* escaped */
-void report_put_link(FILE *out, const char *path); /* of a file in the report's folder */
-/* A number with as many digits as a reader needs, "-" for NaN. */
-void report_put_number(FILE *out, double value);
-/* The same, marked with the file and the place in it that it was read from. */
-void report_put_result(FILE *out, struct report *report, const char *file, const char *path);
-/* The same as a percentage. */
-void report_put_percentage(FILE *out, struct report *report, const char *file, const char *path);
-void report_put_overview(FILE *out, struct report *report);
-void report_put_errors(FILE *out, struct report *report);
-void report_put_flicker(FILE *out, struct report *report, const struct step_scene *scene,
+/* report_tables.c: parts of what the page's template is filled with. */
+void report_add_link(cJSON *item, const char *key, const char *path); /* of the report's folder */
+/* A number with as many digits as a reader needs, as text; a dash for NaN. */
+void report_add_number(cJSON *item, const char *key, double value);
+/* The same with the file and the place in it that it was read from: {"from": "FILE#PATH", "text"}. */
+void report_add_result(cJSON *item, const char *key, struct report *report, const char *file,
+                       const char *path);
+void report_add_errors(cJSON *page, struct report *report);
+void report_add_flicker(cJSON *item, struct report *report, const struct step_scene *scene,
                         const cJSON *motion);
-void report_put_stages(FILE *out, struct report *report, const struct step_scene *scene);
+void report_add_stages(cJSON *item, const struct report *report, const struct step_scene *scene);
+/* Who published numbers, and of which device; nothing for NULL. */
+void report_add_published(cJSON *item, const char *key, const cJSON *published);
 
 #endif

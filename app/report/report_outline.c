@@ -117,7 +117,7 @@ static void check_name(struct reader *reader, const struct key *keys)
     struct fy_node *name = keys[0].node;
     if (name && fy_node_is_scalar(name) &&
         !(is_text(name) && step_is_name(fy_node_get_scalar0(name))))
-        reader_report(reader, name, "`name` is a word that can be the name of a file");
+        reader_report(reader, name, "`name` must be valid as a file name");
 }
 
 /* Of a picture, or a run of a motion. */
@@ -173,7 +173,7 @@ static void read_motion(struct reader *reader, const struct key *self, const str
     }
     if (self->node && bounces->node && bounces->number[0] < 1)
         reader_report(reader, bounces->node,
-                      "`motion` is about indirect light, which takes 1 or more `bounces`");
+                      "`motion` shows indirect light: `bounces` must be 1 or more");
 }
 
 /* One number for each value of the sweep, or fewer. */
@@ -264,7 +264,7 @@ static void read_outline(struct reader *reader, struct fy_node *root, void *user
     report->outline = text ? cJSON_Parse(text) : NULL;
     free(text);
     if (!report->outline)
-        reader_report(reader, root, "the file cannot be kept as JSON");
+        reader_report(reader, root, "the file cannot be converted to JSON");
 }
 
 bool report_read_outline(struct report *report)

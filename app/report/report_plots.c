@@ -1,5 +1,5 @@
-/* The plots of a report: error against the values of the sweep over all scenes, frame time against them for each, change from
- * frame to frame over motions. Called by report.c. */
+/* Plots of a report: error over the sweep, for all scenes; frame time over the sweep, per scene;
+ * change from frame to frame, per motion. Called by report.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -201,7 +201,7 @@ static int step_count(const struct report *report)
            1;
 }
 
-/* Any run that there is tells of the reference. */
+/* The reference's change, from any run that has a result. */
 static double reference_change(struct report *report, const struct step_scene *scene,
                                const cJSON *motion, int step)
 {

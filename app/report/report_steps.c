@@ -84,8 +84,9 @@ static bool add_pictures(struct report *report, const struct step_scene *scene)
     return good;
 }
 
-/* What a picture sets, and behind it PARAMETER=VALUE of one value of the sweep, which wins. Of all pictures the errors
- * are measured, of the first side, since comparisons tell whether the others have the same bits; of the last the times. */
+/* Adds the points of a picture: its --set, then PARAMETER=VALUE of the sweep, which wins. Errors
+ * are measured for all pictures, on the first side only, since compare shows whether the others
+ * agree; times for the last picture. */
 static bool fill_point(struct report *report, struct grid_point *point, const cJSON *picture,
                        int value)
 {
@@ -149,7 +150,7 @@ static bool begin_grid(struct report *report)
 
 /* ---- Motions --------------------------------------------------------------------------------- */
 
-/* How many frames are traced a second time, with other noise, to tell how much of it there is. */
+/* Number of frames that are traced a second time with other noise, to measure the noise. */
 enum { NOISE_FRAMES = 3 };
 
 static const cJSON *motion_settings(const struct report *report)
@@ -171,7 +172,7 @@ static void put_motion(struct command *command, const struct report *report,
     free(file);
 }
 
-/* A pattern of the names of frames, in which a percent sign of the folder's must not count. */
+/* A pattern of frame names; doubles percent signs in the folder's name. */
 static void put_frames_of(struct command *command, const char *option,
                           const struct step_scene *scene, const cJSON *motion, const char *name)
 {
@@ -211,8 +212,8 @@ static bool add_motion_step(struct report *report, const struct step_scene *scen
     return good;
 }
 
-/* A frame of the indirect light, path-traced; each waits for the one before, so that the last stands
- * for all. */
+/* Path-traces indirect light of one frame. Each step waits for the one before, so that the last
+ * stands for all. */
 static bool add_motion_reference(struct report *report, const struct step_scene *scene,
                                  const cJSON *motion, const char *name, int frame)
 {

@@ -1,4 +1,4 @@
-/* The tables of a report's page. Called by report_page.c. */
+/* Numbers and tables of a report's page, as JSON for its template. Called by report_page.c. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -6,147 +6,62 @@
 #include "base/files.h"
 #include "report/report.h"
 
-/* ---- Text ------------------------------------------------------------------------------------ */
+/* ---- Numbers --------------------------------------------------------------------------------- */
 
-void report_put_text(FILE *out, const char *text)
-{
-    for (; *text; text++) {
-        switch (*text) {
-        case '&':
-            fputs("&amp;", out);
-            break;
-        case '<':
-            fputs("&lt;", out);
-            break;
-        case '>':
-            fputs("&gt;", out);
-            break;
-        case '"':
-            fputs("&quot;", out);
-            break;
-        default:
-            fputc(*text, out);
-        }
-    }
-}
-
-void report_put_link(FILE *out, const char *path)
+void report_add_link(cJSON *item, const char *key, const char *path)
 {
     static const char plain[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
-    for (; *path; path++)
-        fprintf(out, strchr(plain, *path) ? "%c" : "%%%02X", (unsigned char)*path);
+    char *text = malloc(3 * strlen(path) + 1), *to = text;
+    for (; text && *path; path++)
+        to += sprintf(to, strchr(plain, *path) ? "%c" : "%%%02X", (unsigned char)*path);
+    if (text)
+        *to = 0;
+    cJSON_AddStringToObject(item, key, text ? text : "");
+    free(text);
 }
 
-void report_put_number(FILE *out, double value)
+/* With as many digits as a reader needs; a dash for NaN. */
+static const char *number_text(double value, char buffer[32])
 {
     double size = fabs(value);
+    const char *format = size >= 100 || (size >= 2 && value == floor(value)) ? "%.0f"
+                         : size >= 10                                        ? "%.1f"
+                         : size >= 1 || size == 0                            ? "%.2f"
+                         : size >= 0.001                                     ? "%#.3g"
+                                                                             : "%.1e";
     if (isnan(value))
-        fputs("&ndash;", out);
-    else if (size >= 100 || (size >= 2 && value == floor(value)))
-        fprintf(out, "%.0f", value);
-    else if (size >= 10)
-        fprintf(out, "%.1f", value);
-    else if (size >= 1 || size == 0)
-        fprintf(out, "%.2f", value);
-    else if (size >= 0.001)
-        fprintf(out, "%#.3g", value);
-    else
-        fprintf(out, "%.1e", value);
+        return "\u2013";
+    snprintf(buffer, 32, format, value);
+    return buffer;
 }
 
-void report_put_result(FILE *out, struct report *report, const char *file, const char *path)
-{
-    fputs("<data value=\"", out);
-    report_put_text(out, file);
-    fprintf(out, "#%s\">", path);
-    report_put_number(out, steps_number(&report->steps, file, path));
-    fputs("</data>", out);
-}
-
-void report_put_percentage(FILE *out, struct report *report, const char *file, const char *path)
-{
-    fputs("<data value=\"", out);
-    report_put_text(out, file);
-    fprintf(out, "#%s\">", path);
-    double value = 100 * steps_number(&report->steps, file, path);
-    report_put_number(out, value);
-    fputs(isnan(value) ? "</data>" : "&nbsp;%</data>", out);
-}
-
-static void put_result_cell(FILE *out, struct report *report, const char *file, const char *path)
-{
-    fputs("<td>", out);
-    if (file)
-        report_put_result(out, report, file, path);
-    fputs("</td>", out);
-}
-
-static void put_value_heads(FILE *out, const struct report *report)
+void report_add_number(cJSON *item, const char *key, double value)
 {
     char buffer[32];
-    for (int i = 0; i < report_value_count(report); i++) {
-        fputs("<th scope=\"col\">", out);
-        report_put_text(out, report_item(report_values(report), i, buffer));
-        fputs("</th>", out);
-    }
+    cJSON_AddStringToObject(item, key, number_text(value, buffer));
 }
 
-/* ---- Overview -------------------------------------------------------------------------------- */
-
-static void put_overview_heads(FILE *out)
+/* {"from": "FILE#PATH", "text"}; a percentage has its sign. */
+static cJSON *result_json(struct report *report, const char *file, const char *path, bool percent)
 {
-    fputs("<thead><tr><th scope=\"col\">Scene</th><th class=\"word\" scope=\"col\">Picture</th>"
-          "<th scope=\"col\">Relative MSE</th><th scope=\"col\">FLIP</th>"
-          "<th scope=\"col\">Mean / reference</th></tr></thead>\n",
-          out);
+    double value = steps_number(&report->steps, file, path) * (percent ? 100 : 1);
+    char buffer[32];
+    char *from = format_string("%s#%s", file, path);
+    char *text = format_string("%s%s", number_text(value, buffer),
+                               percent && !isnan(value) ? "\u00a0%" : "");
+    cJSON *item = cJSON_CreateObject();
+    cJSON_AddStringToObject(item, "from", from ? from : "");
+    cJSON_AddStringToObject(item, "text", text ? text : "");
+    free(text);
+    free(from);
+    return item;
 }
 
-static void put_ratio_cell(FILE *out, struct report *report, const char *file)
+void report_add_result(cJSON *item, const char *key, struct report *report, const char *file,
+                       const char *path)
 {
-    fputs("<td>", out);
-    report_put_number(out, steps_number(&report->steps, file, "hdr.mean_test") /
-                               steps_number(&report->steps, file, "hdr.mean_reference"));
-    fputs("</td>", out);
-}
-
-static void put_overview_rows(FILE *out, struct report *report, const struct step_scene *scene)
-{
-    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
-    bool first = true;
-    fputs("<tbody>\n", out);
-    cJSON_ArrayForEach(picture, pictures)
-    {
-        char *file = report_file(scene, step_text(picture, "name"), ".json");
-        fputs("<tr>", out);
-        if (first) {
-            fprintf(out, "<th scope=\"rowgroup\" rowspan=\"%d\"><a href=\"#scene-%u\">",
-                    cJSON_GetArraySize(pictures), (unsigned)(scene - report->steps.scenes));
-            report_put_text(out, scene->name);
-            fputs("</a></th>", out);
-        }
-        fputs("<td class=\"word\">", out);
-        report_put_text(out, step_text(picture, "title"));
-        fputs("</td>", out);
-        put_result_cell(out, report, file, "hdr.relative_mse");
-        put_result_cell(out, report, file, "ldr.flip.mean");
-        put_ratio_cell(out, report, file ? file : "");
-        fputs("</tr>\n", out);
-        free(file);
-        first = false;
-    }
-    fputs("</tbody>\n", out);
-}
-
-void report_put_overview(FILE *out, struct report *report)
-{
-    fputs("<div class=\"scroll\"><table>\n", out);
-    put_overview_heads(out);
-    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
-        if (report->steps.scenes[i].mesh)
-            put_overview_rows(out, report, &report->steps.scenes[i]);
-    }
-    fputs("</table></div>\n", out);
+    cJSON_AddItemToObject(item, key, result_json(report, file, path, false));
 }
 
 /* ---- Errors over the sweep ------------------------------------------------------------------- */
@@ -157,47 +72,44 @@ struct error_table {
     char *(*file)(const struct grid *grid, const struct grid_point *point, uint32_t side);
 };
 
-/* Of all pictures of a scene. */
-static void put_error_rows(FILE *out, struct report *report, const struct step_scene *scene,
-                           const struct error_table *table)
+/* All pictures of a scene, a row each. */
+static cJSON *error_rows(struct report *report, const struct step_scene *scene,
+                         const struct error_table *table)
 {
-    const cJSON *picture, *pictures = cJSON_GetObjectItem(report->outline, "pictures");
-    fprintf(out, "<tbody><tr><th scope=\"rowgroup\" rowspan=\"%d\">", cJSON_GetArraySize(pictures));
-    report_put_text(out, scene->name);
-    fputs("</th>", out);
-    cJSON_ArrayForEach(picture, pictures)
+    const cJSON *picture;
+    cJSON *rows = cJSON_CreateArray();
+    cJSON_ArrayForEach(picture, cJSON_GetObjectItem(report->outline, "pictures"))
     {
-        fprintf(out, "%s<td class=\"word\">", picture == pictures->child ? "" : "<tr>");
-        report_put_text(out, step_text(picture, "title"));
-        fputs("</td>", out);
+        cJSON *row = cJSON_CreateObject();
+        cJSON_AddStringToObject(row, "scene", scene->name);
+        cJSON_AddStringToObject(row, "picture", step_text(picture, "title"));
+        cJSON *cells = cJSON_AddArrayToObject(row, "cells");
         for (int i = 0; i < report_value_count(report); i++) {
             char *file = table->file(&report->grid, report_point(report, scene, picture, i), 0);
-            put_result_cell(out, report, file, table->path);
+            cJSON_AddItemToArray(cells, result_json(report, file ? file : "", table->path, false));
             free(file);
         }
-        fputs("</tr>\n", out);
+        cJSON_AddItemToArray(rows, row);
     }
-    fputs("</tbody>\n", out);
+    return rows;
 }
 
-static void put_error_table(FILE *out, struct report *report, const struct error_table *table)
+static cJSON *error_table_json(struct report *report, const struct error_table *table)
 {
-    fprintf(out,
-            "<div class=\"scroll\"><table><caption>%s</caption>\n<thead><tr><th scope=\"col\">"
-            "Scene</th><th class=\"word\" scope=\"col\">",
-            table->caption);
-    report_put_text(out, report_parameter(report));
-    fputs("</th>", out);
-    put_value_heads(out, report);
-    fputs("</tr></thead>\n", out);
+    cJSON *item = cJSON_CreateObject();
+    cJSON_AddStringToObject(item, "caption", table->caption);
+    cJSON *groups = cJSON_AddArrayToObject(item, "groups");
     for (uint32_t i = 0; i < report->steps.scene_count; i++) {
-        if (report->steps.scenes[i].mesh)
-            put_error_rows(out, report, &report->steps.scenes[i], table);
+        if (!report->steps.scenes[i].mesh)
+            continue;
+        cJSON *group = cJSON_CreateObject();
+        cJSON_AddItemToObject(group, "rows", error_rows(report, &report->steps.scenes[i], table));
+        cJSON_AddItemToArray(groups, group);
     }
-    fputs("</table></div>\n", out);
+    return item;
 }
 
-void report_put_errors(FILE *out, struct report *report)
+void report_add_errors(cJSON *page, struct report *report)
 {
     static const struct error_table tables[] = {
         {"Relative MSE against the reference", "hdr.relative_mse", grid_error_file},
@@ -205,49 +117,56 @@ void report_put_errors(FILE *out, struct report *report)
         {"Relative MSE against the same picture of the last column", "hdr.relative_mse",
          grid_own_file},
     };
+    char buffer[32];
+    cJSON *values = cJSON_AddArrayToObject(page, "values");
+    for (int i = 0; i < report_value_count(report); i++)
+        cJSON_AddItemToArray(values,
+                             cJSON_CreateString(report_item(report_values(report), i, buffer)));
+    cJSON *list = cJSON_AddArrayToObject(page, "error_tables");
     for (size_t i = 0; i < DT_ARRAY_COUNT(tables); i++)
-        put_error_table(out, report, &tables[i]);
+        cJSON_AddItemToArray(list, error_table_json(report, &tables[i]));
 }
 
 /* ---- Flicker --------------------------------------------------------------------------------- */
 
-static void put_flicker_row(FILE *out, struct report *report, const char *file, const char *title)
+static cJSON *flicker_row(struct report *report, const char *file, const char *title)
 {
     static const char *const paths[] = {"relative_change", "relative_change_reference",
                                         "relative_excess", "relative_flicker"};
-    fputs("<tr><th scope=\"row\">", out);
-    report_put_text(out, title);
-    fputs("</th>", out);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(paths); i++) {
-        fputs("<td>", out);
-        report_put_percentage(out, report, file, paths[i]);
-        fputs("</td>", out);
-    }
-    fputs("</tr>\n", out);
+    cJSON *row = cJSON_CreateObject();
+    cJSON_AddStringToObject(row, "run", title);
+    cJSON *cells = cJSON_AddArrayToObject(row, "cells");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(paths); i++)
+        cJSON_AddItemToArray(cells, result_json(report, file, paths[i], true));
+    return row;
 }
 
-void report_put_flicker(FILE *out, struct report *report, const struct step_scene *scene,
+void report_add_flicker(cJSON *item, struct report *report, const struct step_scene *scene,
                         const cJSON *motion)
 {
     const cJSON *run, *settings = cJSON_GetObjectItem(report->outline, "motion");
-    fputs("<div class=\"scroll\"><table><caption>Means over all frames</caption>\n<thead><tr>"
-          "<th scope=\"col\">Run</th><th scope=\"col\">Change</th>"
-          "<th scope=\"col\">Reference&rsquo;s change</th><th scope=\"col\">Excess</th>"
-          "<th scope=\"col\">Flicker</th></tr></thead>\n<tbody>\n",
-          out);
+    cJSON *rows = cJSON_AddArrayToObject(item, "rows");
     cJSON_ArrayForEach(run, cJSON_GetObjectItem(settings, "runs"))
     {
         char *file = report_motion_file(scene, motion, step_text(run, "name"), ".json");
-        put_flicker_row(out, report, file ? file : "", step_text(run, "title"));
+        cJSON_AddItemToArray(rows, flicker_row(report, file ? file : "", step_text(run, "title")));
         free(file);
     }
     char *noise = report_motion_file(scene, motion, "noise", ".json");
-    put_flicker_row(out, report, noise ? noise : "", "The reference once more, with other noise");
+    cJSON_AddItemToArray(
+        rows, flicker_row(report, noise ? noise : "", "The reference once more, with other noise"));
     free(noise);
-    fputs("</tbody></table></div>\n", out);
 }
 
 /* ---- Stages ---------------------------------------------------------------------------------- */
+
+void report_add_published(cJSON *item, const char *key, const cJSON *published)
+{
+    static const char *const names[] = {"by", "device", "size"};
+    cJSON *copy = published ? cJSON_AddObjectToObject(item, key) : NULL;
+    for (size_t i = 0; copy && i < DT_ARRAY_COUNT(names); i++)
+        cJSON_AddStringToObject(copy, names[i], step_text(published, names[i]));
+}
 
 /* What was published of this scene, or NULL. */
 static const cJSON *published_of(const struct report *report, const struct step_scene *scene)
@@ -256,25 +175,13 @@ static const cJSON *published_of(const struct report *report, const struct step_
     return strcmp(step_text(published, "scene"), scene->name) == 0 ? published : NULL;
 }
 
-/* A row group of the table: one line per backend, and what was published. */
+/* A row group of the table: a line for each backend, and one for what was published. */
 struct stage_row {
     const char *name, *doc;
-    const cJSON *stage;     /* NULL: passes of none, or the whole frame */
+    const cJSON *stage;     /* NULL: the passes of no stage, or the whole frame */
     const cJSON *published; /* numbers, or NULL */
     bool whole;
 };
-
-static void put_row_head(FILE *out, const struct stage_row *row, uint32_t lines)
-{
-    fprintf(out, "<tbody><tr><th scope=\"rowgroup\" rowspan=\"%u\">", lines);
-    report_put_text(out, row->name);
-    if (*row->doc) {
-        fputs("<small>", out);
-        report_put_text(out, row->doc);
-        fputs("</small>", out);
-    }
-    fputs("</th>", out);
-}
 
 static bool stage_has(const cJSON *stage, const char *pass)
 {
@@ -287,7 +194,7 @@ static bool stage_has(const cJSON *stage, const char *pass)
     return false;
 }
 
-/* NULL has the passes that no stage has. */
+/* A stage of NULL has the passes that no stage has. */
 static bool belongs_to(const struct report *report, const cJSON *stage, const char *pass)
 {
     const cJSON *any;
@@ -315,95 +222,67 @@ static double stage_ms(const struct report *report, const cJSON *stage,
     return sum;
 }
 
-static void put_time_cell(FILE *out, const struct report *report, const struct stage_row *row,
-                          const struct grid_point *point, uint32_t side)
+/* A line of a row group; its cells are the caller's to add. */
+static void add_line(cJSON *lines, const char *label, bool published, cJSON **cells)
 {
-    fputs("<td>", out);
-    report_put_number(out, row->whole ? grid_number(&report->grid, point, side, "frame_ms")
-                                      : stage_ms(report, row->stage, point, side));
-    fputs("</td>", out);
+    cJSON *line = cJSON_CreateObject();
+    cJSON_AddStringToObject(line, "label", label);
+    cJSON_AddBoolToObject(line, "is_published", published);
+    *cells = cJSON_AddArrayToObject(line, "cells");
+    cJSON_AddItemToArray(lines, line);
 }
 
-static void put_published_row(FILE *out, const struct report *report, const cJSON *numbers)
+static void add_cell(cJSON *cells, double value)
 {
-    const cJSON *item;
-    fputs("<tr class=\"published\"><td class=\"word\">", out);
-    report_put_text(out, step_text(cJSON_GetObjectItem(report->outline, "published"), "by"));
-    fputs("</td>", out);
-    cJSON_ArrayForEach(item, numbers)
-    {
-        fputs("<td>", out);
-        report_put_number(out, item->valuedouble);
-        fputs("</td>", out);
-    }
-    fputs("</tr>\n", out);
+    char buffer[32];
+    cJSON_AddItemToArray(cells, cJSON_CreateString(number_text(value, buffer)));
 }
 
-static void put_stage(FILE *out, const struct report *report, const struct step_scene *scene,
-                      const struct stage_row *row)
+static cJSON *stage_json(const struct report *report, const struct step_scene *scene,
+                         const struct stage_row *row)
 {
-    put_row_head(out, row, report->steps.sides.count + (row->published != NULL));
+    const cJSON *number;
+    cJSON *cells, *item = cJSON_CreateObject();
+    cJSON_AddStringToObject(item, "stage", row->name);
+    cJSON_AddStringToObject(item, "doc", row->doc);
+    cJSON *lines = cJSON_AddArrayToObject(item, "lines");
     for (uint32_t side = 0; side < report->steps.sides.count; side++) {
-        fprintf(out, "%s<td class=\"word\">", side ? "<tr>" : "");
-        report_put_text(out, report->steps.sides.list[side].label);
-        fputs("</td>", out);
-        for (int i = 0; i < report_value_count(report); i++)
-            put_time_cell(out, report, row,
-                          report_point(report, scene, report_last_picture(report), i), side);
-        fputs("</tr>\n", out);
+        add_line(lines, report->steps.sides.list[side].label, false, &cells);
+        for (int i = 0; i < report_value_count(report); i++) {
+            const struct grid_point *point =
+                report_point(report, scene, report_last_picture(report), i);
+            add_cell(cells, row->whole ? grid_number(&report->grid, point, side, "frame_ms")
+                                       : stage_ms(report, row->stage, point, side));
+        }
     }
-    if (row->published)
-        put_published_row(out, report, row->published);
-    fputs("</tbody>\n", out);
+    if (row->published) {
+        add_line(lines, step_text(published_of(report, scene), "by"), true, &cells);
+        cJSON_ArrayForEach(number, row->published) add_cell(cells, number->valuedouble);
+    }
+    cJSON_AddNumberToObject(item, "line_count", cJSON_GetArraySize(lines));
+    return item;
 }
 
-static void put_stage_rows(FILE *out, const struct report *report, const struct step_scene *scene)
+void report_add_stages(cJSON *item, const struct report *report, const struct step_scene *scene)
 {
     const cJSON *stage, *published = published_of(report, scene);
-    const cJSON *stages = cJSON_GetObjectItem(published, "stages");
+    const cJSON *numbers = cJSON_GetObjectItem(published, "stages");
+    report_add_published(item, "scene_published", published);
+    cJSON *stages = cJSON_AddArrayToObject(item, "stages");
     cJSON_ArrayForEach(stage, cJSON_GetObjectItem(report->outline, "stages"))
     {
-        const char *name = step_text(stage, "name");
-        put_stage(out, report, scene,
-                  &(struct stage_row){.name = name,
+        const struct stage_row row = {.name = step_text(stage, "name"),
                                       .doc = step_text(stage, "doc"),
                                       .stage = stage,
-                                      .published = cJSON_GetObjectItem(stages, name)});
+                                      .published =
+                                          cJSON_GetObjectItem(numbers, step_text(stage, "name"))};
+        cJSON_AddItemToArray(stages, stage_json(report, scene, &row));
     }
-    put_stage(out, report, scene, &(struct stage_row){.name = "Other passes", .doc = ""});
-    put_stage(out, report, scene,
-              &(struct stage_row){.name = "Whole frame",
-                                  .doc = "without timestamps",
-                                  .published = cJSON_GetObjectItem(published, "total"),
-                                  .whole = true});
-}
-
-static void put_other_hardware(FILE *out, const cJSON *published)
-{
-    if (!published)
-        return;
-    fputs("<small>other hardware: ", out);
-    report_put_text(out, step_text(published, "by"));
-    fputs(" had a ", out);
-    report_put_text(out, step_text(published, "device"));
-    fputs(" at ", out);
-    report_put_text(out, step_text(published, "size"));
-    fputs("</small>", out);
-}
-
-void report_put_stages(FILE *out, struct report *report, const struct step_scene *scene)
-{
-    fputs("<div class=\"scroll\"><table><caption>", out);
-    report_put_text(out, scene->name);
-    fprintf(out, ": milliseconds at %ux%u", report->steps.options->size[0],
-            report->steps.options->size[1]);
-    put_other_hardware(out, published_of(report, scene));
-    fputs("</caption>\n<thead><tr><th scope=\"col\">Stage</th><th class=\"word\" scope=\"col\">",
-          out);
-    report_put_text(out, report_parameter(report));
-    fputs("</th>", out);
-    put_value_heads(out, report);
-    fputs("</tr></thead>\n", out);
-    put_stage_rows(out, report, scene);
-    fputs("</table></div>\n", out);
+    const struct stage_row other = {.name = "Other passes", .doc = ""};
+    const struct stage_row whole = {.name = "Whole frame",
+                                    .doc = "without timestamps",
+                                    .published = cJSON_GetObjectItem(published, "total"),
+                                    .whole = true};
+    cJSON_AddItemToArray(stages, stage_json(report, scene, &other));
+    cJSON_AddItemToArray(stages, stage_json(report, scene, &whole));
 }

@@ -1,5 +1,5 @@
-/* Measures differences; see difference.h. Nearly all copies are equal, so that is found out first and
- * fast. */
+/* Measures differences; see difference.h. Nearly all copies are equal, so equality is tested
+ * first. */
 #include "result/difference.h"
 
 #include <math.h>
@@ -88,7 +88,7 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
         return kind == NUMBER_UNORM8 ? codes : apart;
     case DT_CONTRACT_REL:
         return size > 0 ? apart / size : 0;
-    case DT_CONTRACT_FLIPS: /* labels have no distance: the first is the worst */
+    case DT_CONTRACT_FLIPS: /* discrete values have no distance: the first is the worst */
         return 1;
     case DT_CONTRACT_EXACT:
     case DT_CONTRACT_ABS:
@@ -98,8 +98,7 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
     return apart;
 }
 
-/* Whether a number that differs is beyond the tolerance of one number; how many elements may be is
- * another question. */
+/* Whether a differing number exceeds the tolerance; `allowed` says how many elements may. */
 static bool is_beyond(const struct dt_contract *contract, double error)
 {
     switch (contract->kind) {

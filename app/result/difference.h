@@ -1,5 +1,5 @@
-/* How far two copies of one resource are apart, under its contract, and how that is told: in words
- * and in JSON. Called by compare. */
+/* Difference of two copies of a resource under its contract, as text and as JSON. Called by
+ * compare. */
 #ifndef DIPTYCH_DIFFERENCE_H
 #define DIPTYCH_DIFFERENCE_H
 
@@ -10,7 +10,7 @@ struct cJSON;
 
 enum verdict {
     VERDICT_EQUAL,   /* bit for bit, and finite */
-    VERDICT_WITHIN,  /* apart, but within the contract's tolerance */
+    VERDICT_WITHIN,  /* bits differ, within the contract's tolerance */
     VERDICT_DIFFERS, /* beyond the contract, or NaN or Inf */
 };
 
@@ -34,7 +34,7 @@ struct flip {
     uint32_t margin_bits[2]; /* float */
 };
 
-enum { MOST_FLIPS = 16 }; /* that are kept; all are counted */
+enum { MOST_FLIPS = 16 }; /* kept in the list; all are counted */
 
 /* Of one resource after one pass, over all frames compared so far. Zero-initialise; holds no
  * memory. */
@@ -44,15 +44,15 @@ struct difference {
     uint64_t beyond;     /* with at least one number beyond the tolerance; flips: all that differ */
     uint64_t not_finite; /* numbers that are NaN or Inf in either copy */
     bool size_differs;   /* the copies have different sizes: nothing else was compared */
-    bool broken;         /* in some frame, more was beyond than the contract allows */
+    bool broken;         /* some frame broke the contract */
     uint32_t extent[3];
     struct number_pair worst; /* the largest error; the first NaN or Inf is the largest of all */
     struct flip flips[MOST_FLIPS];
     uint32_t flip_count;
 };
 
-/* Adds one frame's copies. Only declared fields count: padding is nobody's. NaN and Inf never pass,
- * not even with equal bits. False when out of memory. */
+/* Adds one frame's copies. Only declared fields count, not padding. NaN and Inf always fail, also
+ * with equal bits. False when out of memory. */
 bool difference_add(struct difference *difference, const struct dt_resource *resource,
                     uint32_t frame, const struct dt_bytes copies[2]);
 
@@ -83,7 +83,7 @@ char *difference_describe_worst(const struct difference *difference,
 char *difference_list_flips(const struct difference *difference, const struct dt_resource *resource,
                             const char *const labels[2]);
 
-/* `exact`, `ulp 4`, `image 0.0196, outliers 0.1 %`, `flips 1`: what was held to. */
+/* The contract as text: `exact`, `ulp 4`, `image 0.0196, outliers 0.1 %`, `flips 1`. */
 char *contract_describe(const struct dt_contract *contract);
 
 /* Adds to an object: contract, elements, differing, beyond, not_finite, size_differs, verdict, worst,

@@ -1,4 +1,4 @@
-/* Differences in words and in JSON; see difference.h. */
+/* Differences as text and JSON; see difference.h. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -114,7 +114,8 @@ char *contract_describe(const struct dt_contract *contract)
     return format_string("exact");
 }
 
-/* What is wrong, before where: "0.25", "2 ulp", "3 flips", "7 numbers are NaN or Inf, the first". */
+/* The error without its place: "0.25", "2 ulp", "3 flips", "7 numbers are NaN or Inf, the
+ * first". */
 static char *describe_size(const struct difference *difference, const struct dt_contract *contract)
 {
     const char *unit = contract->kind == DT_CONTRACT_ULP   ? " ulp"
@@ -174,7 +175,7 @@ static char *describe_flip(const struct difference *difference, const struct dt_
     return text;
 }
 
-/* Takes both; NULL when either is. */
+/* Joins and frees both; NULL when either is. */
 static char *join(char *first, char *second)
 {
     char *both = first && second ? format_string("%s%s", first, second) : NULL;

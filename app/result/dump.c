@@ -68,7 +68,7 @@ static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource
     return cJSON_AddItemToArray(pass == DUMP_HISTORY ? dump->history : dump->entries, entry);
 }
 
-/* The place in the order of the passes stands first, so that a folder's listing is in order. */
+/* The pass's number comes first, so that a listing is in order of execution. */
 static char *file_name(const struct dump *dump, uint32_t pass, const char *resource, uint32_t mip)
 {
     char number[16] = "history";

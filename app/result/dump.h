@@ -12,7 +12,7 @@ struct dump {
     struct console *console;
     const struct dt_pipeline *pipeline;
     struct folder folder;
-    cJSON *manifest;          /* what is dumped is the caller's to add; see identity.h */
+    cJSON *manifest;          /* the caller adds what was run; see identity.h */
     cJSON *history, *entries; /* of the manifest, last */
 };
 
@@ -27,8 +27,8 @@ bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipe
 bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
               struct dt_bytes *bytes);
 
-/* What lies in a file of one mip of a resource, as keys of a JSON object: resource, mip where there
- * are several, kind, fields or format, stride, and count or width, height and layers. */
+/* Describes the file of one mip as keys of a JSON object: resource, mip (if several), kind, fields
+ * or format, stride, and count or width, height and layers. */
 void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mip,
                    const uint32_t extent[3]);
 

@@ -1,5 +1,5 @@
-/* Dumps read back; see dump_reader.h. A dump may come from anywhere: nothing in it is believed
- * before it was compared with the pipeline. */
+/* Reads dumps; see dump_reader.h. A dump may come from another machine: every entry is checked
+ * against the pipeline. */
 #include "result/dump_reader.h"
 
 #include <stdlib.h>
@@ -64,7 +64,7 @@ static bool is_entry_of(const cJSON *entry, const struct dt_resource *resource, 
            (cJSON_IsNumber(number) ? cJSON_GetNumberValue(number) : 0) == mip;
 }
 
-/* In entries[]: what the pass left there; or NULL. */
+/* The entry of a resource after the pass, or NULL. */
 static const cJSON *find_after(const struct dump_reader *reader, uint32_t pass,
                                const struct row *row)
 {
@@ -80,7 +80,7 @@ static const cJSON *find_after(const struct dump_reader *reader, uint32_t pass,
     return NULL;
 }
 
-/* What the last earlier pass left there, or else earlier frames; or NULL. */
+/* The entry of the last earlier pass that wrote the resource, else its history; or NULL. */
 static const cJSON *find_before(const struct dump_reader *reader, const struct row *row)
 {
     const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
@@ -99,7 +99,7 @@ static const cJSON *find_before(const struct dump_reader *reader, const struct r
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-/* Whether the entry says of its file what the pipeline says of the resource. */
+/* Whether the entry describes the resource as the pipeline does. */
 static bool check_entry(const struct dump_reader *reader, const cJSON *entry, const struct row *row,
                         const uint32_t extent[3])
 {
@@ -128,7 +128,7 @@ static bool read_file(struct dump_reader *reader, const char *name, struct dt_by
     reader->data = path ? (uint8_t *)file_read(path, &size, reader->log) : NULL;
     bool good = reader->data && size == bytes->size;
     if (reader->data && !good)
-        report_error(reader->log, "%s: has %zu bytes where %zu are due: the dump is damaged", path,
+        report_error(reader->log, "%s: has %zu bytes instead of %zu: the dump is damaged", path,
                      size, bytes->size);
     free(path);
     bytes->data = reader->data;
@@ -142,7 +142,7 @@ bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool be
     const cJSON *entry = before ? find_before(reader, row) : find_after(reader, row->pass, row);
     const char *name = text_of(entry, "file");
     *bytes = (struct dt_bytes){0};
-    resource_extent(resource, reader->size, row->mip, bytes->extent);
+    resource_extent(reader->pipeline, row->resource, reader->size, row->mip, bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
     if (!name || strchr(name, '/')) {
         report_error(reader->log, "%s/manifest.json: names no file for %s %s pass %s",

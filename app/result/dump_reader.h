@@ -1,5 +1,4 @@
-/* Reads what render --dump wrote, here or on another machine, as one side of a comparison. Called by
- * compare --against. */
+/* Reads a folder of render --dump as one side of a comparison. Called by compare --against. */
 #ifndef DIPTYCH_DUMP_READER_H
 #define DIPTYCH_DUMP_READER_H
 
@@ -11,8 +10,8 @@ struct dump_reader {
     const char *folder; /* borrowed */
     const struct dt_log *log;
     cJSON *manifest;
-    char *device; /* who made it, in words */
-    /* set by the caller once they are known */
+    char *device; /* backend and device that made it */
+    /* the caller sets them when they are known */
     const struct dt_pipeline *pipeline;
     uint32_t size[2]; /* of the frame */
     uint8_t *data;    /* of the last row that was read */
@@ -22,8 +21,8 @@ struct dump_reader {
  * outlive it. */
 bool dump_reader_open(struct dump_reader *reader, const char *folder, const struct dt_log *log);
 
-/* The content of a row after its pass, or before it. The bytes stay the reader's, valid until its
- * next call. Whatever is not as the pipeline has it is an error. */
+/* Content of a row after its pass, or before it; valid until the reader's next call. Any mismatch
+ * with the pipeline is an error. */
 bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
                       struct dt_bytes *bytes);
 void dump_reader_close(struct dump_reader *reader); /* takes a zeroed one */

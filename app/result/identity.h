@@ -1,6 +1,7 @@
-/* What must be the same on two machines before their results can be held against each other: the
- * pipeline's generated code, its live parameters, the scene, the frame's size and index. Written
- * into the manifest of a dump, checked by compare --against. */
+/* What must be the same on two machines before their results can be compared: the spec and its GLSL,
+ * --set, live parameters, the scene, the frame's size and index, diptych's version. What tools make of
+ * that (SPIR-V, objects) has no part in it: their versions differ. Written into the manifest of a dump,
+ * checked by compare --against. */
 #ifndef DIPTYCH_IDENTITY_H
 #define DIPTYCH_IDENTITY_H
 
@@ -12,16 +13,18 @@
 struct identity {
     const char *backend, *device; /* that made it; told, not checked */
     const struct dt_pipeline *pipeline;
-    const void *live;      /* its live parameters */
-    const char *generated; /* folder of its generated code */
+    const void *live;             /* its live parameters */
+    const char *spec, *templates; /* real paths: where its files are looked up */
+    const char *const *sources;   /* paths of the spec and of all GLSL */
+    uint32_t source_count;
     const struct scene *scene;
-    const char *scene_path; /* as --scene names it */
-    uint32_t size[2];       /* of the frame */
+    const struct options *options; /* the scene as --scene names it, --set */
+    uint32_t size[2];              /* of the frame */
     uint32_t frame;
 };
 
-/* Adds backend, device, pipeline, code, live, scene, scene_file, scene_data, width, height and frame. False with the
- * error logged when something cannot be read. */
+/* Adds diptych, pipeline, params, sources, set, backend, device, live, scene, scene_file, scene_data,
+ * width, height and frame. False with the error logged when something cannot be read. */
 bool identity_add(cJSON *manifest, const struct identity *identity, const struct dt_log *log);
 
 /* Takes size, frame and live parameters from a manifest: what the options give must be the same, the
@@ -31,7 +34,7 @@ bool identity_take_frame(const cJSON *manifest, const char *folder, struct optio
 bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
                         const struct dt_pipeline *pipeline, void *live, const struct dt_log *log);
 
-/* Whether the code and the scene are the manifest's; the error says what is not. Another mesh or
+/* Whether the pipeline and the scene are the manifest's; the error says what differs. Another mesh or
  * other mathematics of the machine's library are but a warning. */
 bool identity_check(const cJSON *manifest, const char *folder, const struct identity *identity,
                     const struct dt_log *log);

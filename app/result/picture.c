@@ -9,7 +9,7 @@
 #include "base/console.h"
 #include "base/texels.h"
 
-/* Where the texels of a layered image come to stand: as square a sheet of layers as can be. */
+/* Layout of a layered image: a sheet of layers, as square as possible. */
 struct sheet {
     uint32_t width, height, columns;
 };
@@ -88,7 +88,7 @@ struct range {
     float least, most;
 };
 
-/* Of all finite numbers; a cleared depth of 1 does not count. */
+/* Range of all finite numbers, without a cleared depth of 1. */
 static struct range find_range(const float *numbers, size_t count, bool depth)
 {
     struct range range = {INFINITY, -INFINITY};
@@ -120,8 +120,8 @@ static float map_number(const struct dt_resource *resource, struct range range, 
     return srgb_encode(range.most > 1 ? value / (1 + value) : value);
 }
 
-/* Hues by the golden ratio, the most even way to go round a circle with any number of steps; light
- * and dark in turn, from step to step of another length. */
+/* Hues by steps of the golden ratio, which spreads any number of hues evenly; lightness
+ * alternates. */
 void picture_label(int64_t label, uint8_t codes[3])
 {
     if (label < 0) {

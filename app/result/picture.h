@@ -11,10 +11,10 @@ struct picture {
     float *linear;
 };
 
-/* 8 bit for looking at. 8-bit formats are shown as they are; numbers with negatives (normals,
- * positions) as v/2 + 1/2 of their largest magnitude, at least 1; depth stretched; HDR by Reinhard;
- * labels in colours; NaN and Inf in magenta. Layers are laid out as a contact sheet. `bytes` is
- * what the runtime's read gave. */
+/* 8-bit codes for display. 8-bit formats are shown unchanged. Signed numbers (normals, positions)
+ * become v/2 + 1/2, relative to their largest magnitude or 1; depth is stretched; HDR is
+ * tone-mapped (Reinhard); labels get colours; NaN and Inf are magenta. Layers form a contact sheet.
+ * `bytes` is the result of the runtime's read. */
 bool picture_codes(struct picture *picture, const struct dt_resource *resource,
                    const struct dt_bytes *bytes, const struct dt_log *log);
 

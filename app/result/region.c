@@ -1,4 +1,4 @@
-/* Narrows a difference down; see region.h. */
+/* Finds the smallest region that fails; see region.h. */
 #include "result/region.h"
 
 #include <stdlib.h>
@@ -77,9 +77,9 @@ static int longest_axis(const uint32_t low[AXES], const uint32_t high[AXES])
     return longest;
 }
 
-/* Halves the box along its longest side and goes on with the lower half, shrunk to what fails in it.
- * The box touches failing elements on all sides, so that half does fail, and in the end it is one
- * element. */
+/* Halves the box along its longest side and continues with the lower half, shrunk to its failing
+ * elements. The box touches failing elements on all sides, so the lower half always fails. Ends at
+ * one element. */
 static void halve(const struct map *map, uint32_t low[AXES], uint32_t high[AXES])
 {
     for (int axis = longest_axis(low, high); high[axis] > low[axis];

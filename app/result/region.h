@@ -1,5 +1,6 @@
-/* Where in a resource two copies fail their contract: how many elements, the box around them, and
- * the smallest region that still fails, found by halving that box. Called by bisect and replay. */
+/* Where two copies of a resource break their contract: the number of failing elements, their
+ * bounding box, and the smallest failing region, found by halving the box. Called by bisect and
+ * replay. */
 #ifndef DIPTYCH_REGION_H
 #define DIPTYCH_REGION_H
 

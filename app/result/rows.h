@@ -1,6 +1,5 @@
-/* What a comparison looks at, in order: for every pass the resources and mips that it writes, and
- * those that it finds defined when it begins. Called by compare, blame and whoever replays a
- * pass. */
+/* Rows of a comparison, in order: for each pass, the resources and mips that it writes, and those
+ * that are defined before it. Called by compare, blame and replay. */
 #ifndef DIPTYCH_ROWS_H
 #define DIPTYCH_ROWS_H
 
@@ -19,21 +18,20 @@ struct row_list {
 
 struct rows {
     const struct dt_pipeline *pipeline;
-    /* one per pass, resource that it writes and mip of it that holds something afterwards */
+    /* one per pass, written resource and mip that is defined afterwards */
     struct row_list outputs;
-    /* one per pass, resource that it reads, updates or writes and mip of it that holds something
-     * before: written by an earlier pass of the frame, or history */
+    /* one per pass, resource that it reads, updates or writes, and mip that is defined before: by
+     * an earlier pass of the frame, or by history */
     struct row_list inputs;
-    /* one per resource with history and mip of it: what a frame finds when it begins; `first` is
-     * NULL */
+    /* one per resource with history and mip, before the frame; `first` is NULL */
     struct row_list history;
 };
 
 /* False when out of memory, with the error logged; rows_free either way. */
 bool rows_make(struct rows *rows, const struct dt_pipeline *pipeline, const struct dt_log *log);
 
-/* The index in `outputs` of the row that gave an input its content, or in `history` when no earlier
- * pass of the frame did; true for `outputs`. */
+/* Finds the row that gave an input its content: true with its index in `outputs`, or false with its
+ * index in `history` when no earlier pass of the frame wrote it. */
 bool rows_origin(const struct rows *rows, const struct row *input, uint32_t *index);
 void rows_free(struct rows *rows); /* takes a zeroed one */
 

@@ -20,7 +20,7 @@ enum {
     FRAME = 8        /* pixels from the worst texel to the frame around it */
 };
 
-/* Both copies of the layer that is shown. */
+/* Both copies of the shown layer. */
 struct pair {
     const struct dt_resource *resource;
     const uint8_t *layers[2];
@@ -47,8 +47,8 @@ static double channel_difference(const struct dt_resource *resource, const uint8
     return isfinite(values[0]) && isfinite(values[1]) ? fabs(values[0] - values[1]) : NAN;
 }
 
-/* The exponent of the least power of two that is no smaller: no difference of floats is beyond
- * 2^129, or below 2^-149. */
+/* Exponent of the smallest power of two that is at least the number. Differences of floats lie
+ * between 2^-149 and 2^129. */
 enum { LEAST_EXPONENT = -149, EXPONENTS = 129 + 149 + 1 };
 
 static int exponent_of(double difference)
@@ -101,7 +101,7 @@ static void survey_layer(struct survey *survey, const struct dt_resource *resour
     }
 }
 
-/* A few outliers may be brighter than full, so that the others are seen. */
+/* Lets a few outliers saturate, so that the others stay visible. */
 static double amplify(const struct survey *survey)
 {
     size_t beyond = 0;
@@ -183,7 +183,7 @@ static uint8_t *paint_differences(const struct strip *strip, const struct pair *
     return codes;
 }
 
-/* Both copies as the two layers of one image: they share a mapping, and stand side by side. */
+/* Puts both copies into one image as two layers: they then share one mapping. */
 static bool paint_copies(struct picture *picture, const struct pair *pair, const struct dt_log *log)
 {
     size_t size = (size_t)pair->width * pair->height * format_size(pair->resource->format);
@@ -222,7 +222,7 @@ static void place_panel(struct canvas *canvas, uint32_t left, const uint8_t *cod
     }
 }
 
-/* A yellow square around the worst texel of the last panel: one texel in two million is not seen. */
+/* A yellow square around the worst texel of the last panel, which alone would not be seen. */
 static void frame_worst(struct canvas *canvas, const struct pair *pair, uint32_t panel)
 {
     static const uint8_t yellow[3] = {255, 255, 0};

@@ -1,5 +1,5 @@
-/* A difference as a picture: the first copy, the second and what is between them, side by side.
- * Called by compare for --pictures. */
+/* A picture of a difference: first copy, second copy and their difference, side by side. Called by
+ * compare for --pictures. */
 #ifndef DIPTYCH_STRIP_H
 #define DIPTYCH_STRIP_H
 

@@ -1,4 +1,4 @@
-/* Puts faults in; see fault.h. */
+/* Injects faults; see fault.h. */
 #include "run/fault.h"
 
 #include <errno.h>
@@ -8,8 +8,8 @@
 
 #include "base/console.h"
 #include "base/files.h"
-#include "base/names.h"
 #include "base/texels.h"
+#include "scenes/nearest.h"
 
 static const char *const kind_names[] = {[FAULT_BIT] = "bit",
                                          [FAULT_TEXEL] = "texel",
@@ -25,8 +25,8 @@ static bool wrong_form(const char *text, const char *what, const struct dt_log *
     return false;
 }
 
-/* The label that stands before a colon at the start of the text: the longest, since labels may hold
- * colons themselves. Returns what follows, or NULL. */
+/* Finds the label before a colon at the start of the text. Takes the longest match, since labels
+ * may contain colons. Returns the text behind the colon, or NULL. */
 static const char *read_side(const char *text, const char *const *labels, uint32_t count,
                              uint32_t *side)
 {
@@ -51,8 +51,8 @@ static bool unknown_side(const char *text, const char *const *labels, uint32_t c
         free(list);
         list = longer;
     }
-    report_error(log, "--fault %s: no side \"%s\" takes part; there is %s", text, word ? word : "",
-                 list ? list : "");
+    report_error(log, "--fault %s: there is no side \"%s\"; the sides are %s", text,
+                 word ? word : "", list ? list : "");
     free(list);
     free(word);
     return false;
@@ -68,14 +68,13 @@ static bool find_pass(struct fault *fault, const char *text, const char *word,
             free(names);
             if (pipeline->passes[i].write_count)
                 return true;
-            report_error(log, "--fault %s: the pass %s writes nothing that could be wrong", text,
-                         word);
+            report_error(log, "--fault %s: pass %s writes nothing", text, word);
             return false;
         }
         if (names)
             names[i] = pipeline->passes[i].name;
     }
-    const char *hint = names ? closest_name(word, names, pipeline->pass_count) : NULL;
+    const char *hint = names ? nearest_name(word, names, pipeline->pass_count) : NULL;
     if (hint)
         report_error(log, "--fault %s: %s has no pass \"%s\"; did you mean \"%s\"?", text,
                      pipeline->name, word, hint);
@@ -99,7 +98,7 @@ static bool find_kind(struct fault *fault, const char *text, const char *word,
     return false;
 }
 
-/* Takes the number after the last `mark` off the end of the text; without a mark nothing. */
+/* Cuts off the number behind the last `mark`, if there is one. */
 static bool take_number(char *text, char mark, uint64_t most, uint64_t *number)
 {
     char *place = strrchr(text, mark);
@@ -112,7 +111,7 @@ static bool take_number(char *text, char mark, uint64_t most, uint64_t *number)
     return !errno && end != place + 1 && !*end && place[1] != '-' && *number <= most;
 }
 
-/* PASS:KIND[:SEED][@FRAME]; `rest` is taken apart in place. */
+/* Parses PASS:KIND[:SEED][@FRAME]; modifies `rest`. */
 static bool parse_rest(struct fault *fault, const char *text, char *rest,
                        const struct dt_pipeline *pipeline, const struct dt_log *log)
 {
@@ -153,7 +152,7 @@ bool fault_parse(struct fault *fault, uint32_t *side, const char *text,
 
 struct place {
     uint32_t resource, mip;
-    uint64_t number; /* element after element, in each its components */
+    uint64_t number; /* by element, then by component */
 };
 
 /* splitmix64 (Steele, Lea, Flood 2014): seeds that follow each other give places far apart. */
@@ -172,7 +171,8 @@ static uint64_t count_numbers(const struct fault_run *run, const struct dt_resou
     struct component *components = NULL;
     uint64_t count = resource_components(resource, &components);
     free(components);
-    resource_extent(resource, run->size, mip, extent);
+    resource_extent(run->pipeline, (uint32_t)(resource - run->pipeline->resources), run->size, mip,
+                    extent);
     return count * resource_elements(resource, extent);
 }
 
@@ -240,7 +240,7 @@ static uint32_t with_other_sign(enum number_kind kind, uint32_t bits)
     return ~bits; /* -v - 1: also 0 changes */
 }
 
-/* Depth stays between 0 and 1, which is all that the APIs let anybody write. */
+/* Depth stays between 0 and 1: the APIs reject other values. */
 static uint32_t spoil_depth(enum fault_kind fault, uint32_t bits)
 {
     float depth;
@@ -263,7 +263,7 @@ static uint32_t spoil(const struct dt_resource *resource, enum fault_kind fault,
     return fault == FAULT_BIT ? bits ^ 1 : with_other_sign(kind, bits);
 }
 
-/* Changes one number, or all of its element; *change tells which and how. */
+/* Changes one number, or all of its element; *change gets the place and the bits. */
 static bool spoil_bytes(const struct fault_run *run, const struct dt_resource *resource,
                         uint64_t number, struct dt_bytes *bytes, char **change)
 {
@@ -293,8 +293,7 @@ static bool spoil_bytes(const struct fault_run *run, const struct dt_resource *r
     return *change;
 }
 
-/* What was written must be what is there: a driver that rounds or clamps it would leave a fault that
- * is none, and a test that counts it. */
+/* Reads the change back: when a driver rounds or clamps it away, there is no fault to find. */
 static bool is_there(const struct fault_run *run, const struct place *place,
                      const struct dt_bytes *wanted)
 {
@@ -304,7 +303,7 @@ static bool is_there(const struct fault_run *run, const struct place *place,
     bool same = found.size == wanted->size && memcmp(found.data, wanted->data, found.size) == 0;
     if (!same)
         report_error(run->log,
-                     "--fault: the device did not take the change in %s; choose another seed",
+                     "--fault: the device did not keep the change in %s; choose another seed",
                      run->pipeline->resources[place->resource].name);
     free(found.data);
     return same;
@@ -331,8 +330,7 @@ static bool put_in(const struct fault_run *run)
     return good;
 }
 
-/* A pass that did nothing leaves whatever lay there. Where that would be how much to draw, it is
- * nothing instead. */
+/* A skipped pass leaves old content. Where that controls work, it is set to zero instead. */
 static bool clear_arguments(const struct fault_run *run)
 {
     const struct dt_pass *pass = &run->pipeline->passes[run->fault->pass];
@@ -368,7 +366,7 @@ static enum dt_action before_pass(void *user, uint32_t pass)
     run->skipped = action != DT_RUN;
     if (action != DT_RUN || !is_due(run, pass) || run->fault->kind != FAULT_MISSING)
         return action;
-    report_message(run->log, DT_INFO, "fault in pass %s, frame %u: it does nothing",
+    report_message(run->log, DT_INFO, "fault in pass %s, frame %u: skipped",
                    run->pipeline->passes[pass].name, run->frame);
     return DT_SKIP;
 }

@@ -5,7 +5,6 @@
 #include <strings.h>
 
 #include "base/files.h"
-#include "base/names.h"
 #include "base/numbered.h"
 #include "base/options.h"
 #include "base/texels.h"
@@ -15,6 +14,7 @@
 #include "run/session.h"
 #include "run/timings.h"
 #include "scenes/image.h"
+#include "scenes/nearest.h"
 
 struct render {
     struct console *console;
@@ -27,13 +27,13 @@ struct render {
     struct timings timings; /* of frames without an observer, when there are any */
     struct dump dump;
     bool exr;
-    bool numbered;       /* the picture is one of every frame */
-    bool last;           /* the frame that runs is the last */
-    uint32_t shown;      /* resource that becomes the picture */
-    uint32_t shown_pass; /* the last that writes it: resources may share memory, so it is read then;
-                            pass_count without a picture */
+    bool numbered;  /* the picture is one of every frame */
+    bool last;      /* the frame that runs is the last */
+    uint32_t shown; /* resource that becomes the picture */
+    /* last pass that writes it; read then, since resources may share memory. pass_count: no picture */
+    uint32_t shown_pass;
     struct dt_bytes picture; /* its bytes */
-    pthread_t images;        /* loads what writes it, meanwhile */
+    pthread_t images;        /* loads the image library in the background */
     bool loads_images;
 };
 
@@ -50,7 +50,7 @@ static bool check_output(struct render *render)
     if (!path) {
         if (!render->options.show && (render->options.dump || render->options.timings))
             return true;
-        report_error(&render->console->log, "-o FILE is missing: where the picture goes");
+        report_error(&render->console->log, "-o FILE is missing: the file of the picture");
         return false;
     }
     bool good = true;
@@ -62,10 +62,9 @@ static bool check_output(struct render *render)
         return false;
     }
     if (good && render->numbered && render->options.timings) {
-        report_error(&render->console->log,
-                     "--timings: to look at every frame would slow them down; time them without -o "
-                     "%s",
-                     path);
+        report_error(
+            &render->console->log,
+            "--timings: pictures of every frame would slow the frames down; leave out -o %s", path);
         return false;
     }
     return good;
@@ -75,8 +74,8 @@ static bool check_poison(const struct render *render)
 {
     if (render->options.poison <= UINT8_MAX)
         return true;
-    report_error(&render->console->log, "--poison %u: must be a byte, from 1 to %d",
-                 render->options.poison, UINT8_MAX);
+    report_error(&render->console->log, "--poison %u: must be from 1 to %d", render->options.poison,
+                 UINT8_MAX);
     return false;
 }
 
@@ -114,7 +113,7 @@ static bool find_shown_by_name(struct render *render)
         if (names)
             names[i] = info->resources[i].name;
     }
-    const char *hint = names ? closest_name(wanted, names, info->resource_count) : NULL;
+    const char *hint = names ? nearest_name(wanted, names, info->resource_count) : NULL;
     if (hint)
         report_error(log, "--show %s: %s has no such resource; did you mean \"%s\"?", wanted,
                      info->name, hint);
@@ -184,7 +183,7 @@ static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32
     return good;
 }
 
-/* Of the last frame only: what it finds of earlier ones is dumped, too. */
+/* Before the last frame: dumps resources with history. */
 static enum dt_action before_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
@@ -198,7 +197,7 @@ static enum dt_action before_pass(void *user, uint32_t pass)
     return DT_RUN;
 }
 
-/* In the last frame, or in all that are shown: reads what is dumped and what is shown. */
+/* After a pass of the last frame, or of every shown frame: reads what is dumped or shown. */
 static bool after_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
@@ -232,7 +231,7 @@ static bool write_picture(const struct render *render, const char *path)
     return good;
 }
 
-/* The picture of one frame; the next one's takes its place. */
+/* Writes the picture of one frame. */
 static bool write_numbered(struct render *render, uint32_t frame)
 {
     char *path = numbered_path(render->options.output, frame);
@@ -248,8 +247,8 @@ static bool run_frames(struct render *render)
     const struct options *options = &render->options;
     const struct dt_observer observer = {
         .before_pass = before_pass, .after_pass = after_pass, .user = render};
-    /* Looking at the passes makes each of them wait for all before it, which hides a dropped barrier: a
-     * frame that nobody looks at comes first. */
+    /* An observer makes every pass wait for all before it, which hides a dropped barrier: run a
+     * frame without one first. */
     if ((options->drop_barrier || options->drop_dependency) &&
         !session_frame(&render->session, NULL))
         return false;
@@ -260,8 +259,8 @@ static bool run_frames(struct render *render)
         if (!session_frame(&render->session, looks ? &observer : NULL) ||
             (render->numbered && !write_numbered(render, i)))
             return false;
-        /* the observer makes every pass wait, so the last frame is timed only when it is the first,
-         * too */
+        /* the observer makes every pass wait, so the last frame is timed only when it is also the
+         * first */
         if (options->timings && (!render->last || i == 0) &&
             !timings_take(&render->timings, &render->session, milliseconds_now() - start))
             return false;
@@ -283,18 +282,23 @@ static bool find_fault(struct render *render)
                        (const char *const *)&render->side.label, 1, &render->console->log);
 }
 
-/* The dump's manifest tells what it is of. */
+/* Adds backend, pipeline, scene and frame to the dump's manifest. */
 static bool identify(struct render *render)
 {
     const struct options *options = &render->options;
     const struct session *session = &render->session;
+    uint32_t count;
+    const char *const *sources = plan_sources(render->pipeline.plan, &count);
     const struct identity identity = {.backend = render->side.label,
                                       .device = session->runtime->device_name(session->handle),
                                       .pipeline = render->pipeline.info,
                                       .live = render->pipeline.live,
-                                      .generated = render->pipeline.generated,
+                                      .spec = render->pipeline.spec,
+                                      .templates = render->pipeline.templates,
+                                      .sources = sources,
+                                      .source_count = count,
                                       .scene = &render->scene,
-                                      .scene_path = options->scene,
+                                      .options = options,
                                       .size = {options->size[0], options->size[1]},
                                       .frame = options->frames - 1};
     return identity_add(render->dump.manifest, &identity, &render->console->log);

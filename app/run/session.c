@@ -4,8 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "runtime_gl/runtime.h"
-#include "runtime_vk/runtime.h"
+#include "front.h"
 #include "scenes/motion.h"
 
 static const struct dt_runtime *find_runtime(const char *backend)
@@ -21,6 +20,8 @@ bool session_open(struct session *session, const struct session_info *info)
         .info = *info, .runtime = find_runtime(side->backend), .frame = info->first_frame};
     session->source = (struct log_source){.log = &info->console->log, .name = side->label};
     session->log = info->name_in_log ? log_from(&session->source) : info->console->log;
+    if (options->debug) /* newer validation layers leave out what shaders access otherwise */
+        setenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC", "1", 0);
     console_status(info->console, "%s: opening the device", side->label);
     session->handle = session->runtime->open(&(struct dt_runtime_options){
         .log = session->log,
@@ -39,14 +40,14 @@ bool session_open(struct session *session, const struct session_info *info)
 bool session_prepare(struct session *session)
 {
     const struct session_info *info = &session->info;
-    const struct dt_panel *panel =
+    const struct dt_shaders *shaders =
         session->runtime == &runtime_gl ? info->pipeline->gl : info->pipeline->vk;
     const uint32_t *size = info->options->size;
     console_status(info->console, "%s: uploading the scene", info->side->label);
     if (!session->runtime->set_scene(session->handle, &info->scene->data))
         return false;
     console_status(info->console, "%s: creating the programs", info->side->label);
-    return session->runtime->create(session->handle, panel) &&
+    return session->runtime->create(session->handle, shaders) &&
            session->runtime->resize(session->handle, size[0], size[1]);
 }
 
@@ -80,8 +81,8 @@ bool session_is_silent(const struct session *session)
 {
     uint32_t count = session->runtime->messages(session->handle);
     if (count)
-        report_error(&session->log,
-                     "%u debug or validation messages, see above: the run does not count", count);
+        report_error(&session->log, "%u debug or validation messages, see above: the run failed",
+                     count);
     return count == 0;
 }
 

@@ -1,5 +1,5 @@
-/* One backend at work on one pipeline and one scene: open, upload, create, resize, frames, close.
- * Called by the verbs; a session is used from one thread. */
+/* One backend with one pipeline and one scene: open, upload, create, resize, frames, close. Called
+ * by the verbs; use a session from one thread. */
 #ifndef DIPTYCH_SESSION_H
 #define DIPTYCH_SESSION_H
 
@@ -19,7 +19,7 @@ struct session_info {
     bool timing;
     int poison;           /* see struct dt_runtime_options */
     bool name_in_log;     /* put the side's label before its messages */
-    uint32_t first_frame; /* index of the first frame to run, mostly 0 */
+    uint32_t first_frame; /* index of the first frame, usually 0 */
     struct fault fault;
     const struct dt_frame *frame_block; /* NULL: as the scene and the frame's number make it */
 };
@@ -33,8 +33,8 @@ struct session {
     uint32_t frame; /* index of the next one */
 };
 
-/* session_open only makes the context or device; session_prepare takes it to where the first frame
- * can run. On false the error is logged; close it in any case. */
+/* session_open creates the context or device; session_prepare uploads and creates everything up to
+ * the first frame. On false the error is logged; close it in any case. */
 bool session_open(struct session *session, const struct session_info *info);
 bool session_prepare(struct session *session);
 
@@ -48,7 +48,7 @@ void session_close(struct session *session); /* takes a zeroed one */
 /* The scene of --scene, looked up with --scenes or DIPTYCH_SCENES, with the motion of --motion. */
 bool session_load_scene(struct scene *scene, struct console *console,
                         const struct options *options);
-/* What --frames asks for, of this scene. */
+/* Number of frames: --frames, else all of the motion, else 1. */
 uint32_t session_frames(const struct options *options, const struct scene *scene);
 
 #endif

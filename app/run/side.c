@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/names.h"
+#include "scenes/nearest.h"
 
 static const struct {
     const char *name, *backend, *context;
@@ -28,7 +28,7 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
             return true;
         }
     }
-    const char *hint = closest_name(name, names, DRIVERS);
+    const char *hint = nearest_name(name, names, DRIVERS);
     if (hint)
         report_error(log, "--backend %s: unknown backend \"%s\"; did you mean \"%s\"?", side->label,
                      name, hint);
@@ -38,7 +38,7 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
     return false;
 }
 
-/* What stands behind the driver's name: NULL where there is nothing. */
+/* The text behind the driver's name; NULL: none. */
 static bool refine(struct side *side, const char *form, const char *device,
                    const struct dt_log *log)
 {
@@ -200,11 +200,10 @@ bool sides_read(struct sides *sides, const struct options *options, const struct
         return false;
     if (sides->count > 1)
         return true;
-    report_error(
-        log,
-        "--backend %s: one side has nothing to be compared with; name two, like gl,vk, or a dump "
-        "by --against",
-        backend_list(options));
+    report_error(log,
+                 "--backend %s: a comparison needs two sides; name two, like gl,vk, or a dump with "
+                 "--against",
+                 backend_list(options));
     return false;
 }
 

@@ -1,36 +1,34 @@
-/* Which backend, driver and device one side of a comparison is, or which dump: read from --backend,
- * --against and the options that refine them. Called by render and compare; a session opens what a
- * side says. */
+/* One side of a comparison: backend, driver and device, or a dump, from --backend, --against and
+ * the options that refine them. Called by render and compare; a session opens a side. */
 #ifndef DIPTYCH_SIDE_H
 #define DIPTYCH_SIDE_H
 
 #include "base/options.h"
 
 struct side {
-    char *label;         /* as typed: what messages, tables and JSON call it */
+    char *label;         /* as typed; used in messages, tables and JSON */
     char *text;          /* owns the strings below that are not literals */
     const char *backend; /* "gl" or "vk"; NULL: a dump */
     const char *context; /* gl: "egl" (NULL), "osmesa", "zink" or "window" */
     const char *device;  /* vk: part of a name, or index; NULL: the first */
     bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
-    const char *folder;  /* of a dump; NULL: a live backend */
+    const char *folder;  /* folder of a dump; NULL: a live backend */
 };
 
-/* Reads one entry, `gl`, `vk`, `osmesa` or `zink`, with `+glsl` or `@DEVICE` behind it where that
- * makes sense; --context, --glsl and --device fill in what an entry leaves open. On false the error
- * is logged; side_free either way. */
+/* Reads one entry: `gl`, `vk`, `osmesa` or `zink`, with `+glsl` or `@DEVICE` where they apply.
+ * --context, --glsl and --device set what the entry leaves open. On false the error is logged;
+ * side_free either way. */
 bool side_read(struct side *side, const char *entry, const struct options *options,
                const struct dt_log *log);
 void side_free(struct side *side); /* takes a zeroed one */
 
-/* False, with the error logged, when --device, --context or --glsl say something that none of these
- * sides takes. */
+/* False with the error logged when --device, --context or --glsl applies to none of these sides. */
 bool sides_heed(const struct side *list, uint32_t count, const struct options *options,
                 const struct dt_log *log);
 
-/* The sides of a comparison, the first of which is held against each of the others: --against, if
- * given, then the entries of --backend, "gl,vk" by default. Labels are unique: a repeated one has
- * "#2", "#3" behind it. */
+/* The sides of a comparison; the first is compared with each of the others. --against, if given,
+ * comes first, then the entries of --backend, by default "gl,vk". Labels are unique: repeated ones
+ * get "#2", "#3". */
 struct sides {
     struct side *list;
     uint32_t count; /* at least two */

@@ -1,6 +1,6 @@
-/* Worker processes; see worker.h. Parent and child send each other struct messages over a socket
- * pair, bytes of resources lie in a shared mapping. The child serves commands while it stands at a
- * stop, the parent hands on what the child says while it waits for an answer. */
+/* Worker processes; see worker.h. Parent and child exchange struct messages over a socket pair;
+ * bytes of resources are in shared memory. The child serves commands while it waits at a stop.
+ * While the parent waits for an answer, it prints the child's messages. */
 #include "run/worker.h"
 
 #include <errno.h>
@@ -21,9 +21,9 @@ enum message_kind {
     SAY,      /* code: enum dt_level; text */
     DEVICE,   /* text: its name */
     STOP,     /* code: enum worker_stop; frame, pass */
-    BYTES,    /* good; size, extent of what lies in the shared memory */
+    BYTES,    /* good; size and extent of the bytes in shared memory */
     WRITTEN,  /* good */
-    MEASURED, /* good; frame_ms, record_ms, allocations; pass_ms lie in the shared memory */
+    MEASURED, /* good; frame_ms, record_ms; pass_ms lie in the shared memory */
     /* from the parent */
     RESUME, /* code: enum dt_action */
     READ,   /* resource, mip */
@@ -40,8 +40,7 @@ struct message {
     uint32_t extent[3];
     uint64_t size;
     double frame_ms, record_ms;
-    struct allocations allocations;
-    uint64_t text; /* bytes of text that follow */
+    uint64_t text; /* length of the text that follows */
 };
 
 /* ---- Messages -------------------------------------------------------------------------------- */
@@ -88,11 +87,10 @@ struct child {
     size_t capacity;
     uint32_t frame;
     double frame_ms; /* of the last frame without a stop inside */
-    struct allocations allocations;
-    bool ended; /* by the parent's command */
+    bool ended;      /* by the parent's command */
 };
 
-/* Nothing can be told to a parent that is gone, and nobody needs the rest. */
+/* Ends when the parent is gone: nobody needs the result. */
 static void tell(const struct child *child, const struct message *message)
 {
     if (!send_all(child->socket, message, sizeof *message))
@@ -142,14 +140,13 @@ static void serve_measure(const struct child *child)
     const struct session *session = &child->session;
     struct message answer = {.kind = MEASURED,
                              .frame_ms = child->frame_ms,
-                             .record_ms = session->runtime->record_ms(session->handle),
-                             .allocations = child->allocations};
+                             .record_ms = session->runtime->record_ms(session->handle)};
     answer.good = !session->info.timing ||
                   session->runtime->timings(session->handle, (double *)(void *)child->shared);
     tell(child, &answer);
 }
 
-/* Tells the parent where we are and serves it until it lets us go. */
+/* Reports the stop to the parent and serves its commands until it resumes us. */
 static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32_t pass)
 {
     struct message message = {.kind = STOP, .code = (int)stop, .frame = child->frame, .pass = pass};
@@ -189,12 +186,9 @@ static bool after_pass(void *user, uint32_t pass)
 
 static bool measured_frame(struct child *child)
 {
-    const struct pipeline *pipeline = child->info->session.pipeline;
-    allocations_begin(pipeline->info);
     double start = milliseconds_now();
     bool good = session_frame(&child->session, NULL);
     child->frame_ms = milliseconds_now() - start;
-    child->allocations = allocations_end();
     return good;
 }
 
@@ -226,7 +220,7 @@ static bool run_session(struct child *child)
            run_frames(child) && stop_at(child, WORKER_FINISHED, 0) != DT_STOP;
 }
 
-/* Ends without the parent's exit handlers, which are not ours to run. */
+/* Ends without the parent's exit handlers, which must not run here. */
 static _Noreturn void be_child(const struct worker *worker, int socket)
 {
     struct child child = {.info = &worker->info,
@@ -296,7 +290,7 @@ static bool is_crash(int signal)
            signal == SIGILL || signal == SIGTRAP || signal == SIGSYS;
 }
 
-/* The child's end of the socket is closed: it is dead or dying. */
+/* The child closed its end of the socket: it has ended or is ending. */
 static void report_end(struct worker *worker)
 {
     int status = 0;
@@ -336,8 +330,8 @@ static bool receive_text(const struct worker *worker, const struct message *mess
     return receive_all(worker->socket, *text, message->text);
 }
 
-/* The next message that is an answer; hands on what comes before it. False at the child's end,
- * silently. */
+/* Returns the next answer; prints messages that come before it. False, silently, when the child has
+ * ended. */
 static bool receive_answer(struct worker *worker, struct message *message)
 {
     const struct dt_log *log = log_of(worker);
@@ -370,14 +364,14 @@ static bool answer(struct worker *worker, struct message *message)
     return false;
 }
 
-/* Bytes to share with the process: the largest resource, or the times of all passes. */
+/* Size of the shared memory: the largest resource, or the times of all passes. */
 static size_t largest_exchange(const struct dt_pipeline *pipeline, const uint32_t size[2])
 {
     size_t largest = (pipeline->pass_count + 1) * sizeof(double);
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct dt_resource *resource = &pipeline->resources[i];
         uint32_t extent[3] = {1, 1, 1};
-        resource->extent(size[0], size[1], extent);
+        pipeline->extent(pipeline, i, size[0], size[1], extent);
         size_t bytes = (size_t)extent[0] * resource_stride(resource);
         if (resource->kind == DT_IMAGE)
             bytes *= (size_t)extent[1] * extent[2];
@@ -490,9 +484,8 @@ bool worker_measure(struct worker *worker, struct worker_measure *measure)
     if (!command(worker, &(struct message){.kind = MEASURE}) || !answer(worker, &message) ||
         !message.good)
         return false;
-    *measure = (struct worker_measure){.frame_ms = message.frame_ms,
-                                       .record_ms = message.record_ms,
-                                       .allocations = message.allocations};
+    *measure =
+        (struct worker_measure){.frame_ms = message.frame_ms, .record_ms = message.record_ms};
     if (worker->info.session.timing)
         measure->pass_ms = (const double *)(const void *)worker->shared;
     return true;
@@ -505,7 +498,7 @@ void worker_close(struct worker *worker)
     if (finished && command(worker, &(struct message){.kind = END})) {
         while (receive_answer(worker, &message))
             continue;
-        worker->spoke = true; /* or its end would be news */
+        worker->spoke = true; /* else its end would be reported */
         report_end(worker);
     }
     if (worker->process) {

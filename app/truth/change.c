@@ -5,15 +5,15 @@
 #include <stdlib.h>
 
 static const double least_cosine = 0.9;     /* of two normals of one surface */
-static const double most_off_plane = 0.005; /* of the depth */
-static const double least_weight = 1e-3;    /* of a neighbour that counts: rounding is less */
+static const double most_off_plane = 0.005; /* relative to the depth */
+static const double least_weight = 1e-3;    /* of a neighbour that counts; above rounding errors */
 
 static double dot3(const float a[3], const float b[3])
 {
     return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
 }
 
-/* The place in the picture, in pixels from the centre of its first one; false behind the camera. */
+/* Position in the picture, in pixels from the centre of the first one; false behind the camera. */
 static bool project(const struct seen *seen, const float x[3], double place[2])
 {
     double clip[4];
@@ -63,7 +63,7 @@ struct taps change_reproject(const struct seen *before, const struct seen_point 
     return taps;
 }
 
-/* What a pixel had before, and has now. */
+/* Values of a pixel in both frames. */
 static bool values_of(const struct rgb_image images[2], const struct taps *taps, size_t pixel,
                       double before[3], double now[3])
 {
@@ -121,7 +121,7 @@ bool change_measure(struct change *change, const struct seen seen[2],
                       reference);
         }
     for (size_t i = 0; i < columns * rows; i++)
-        for (int channel = 0; channel < 3; channel++) { /* a mean times its weight is a sum */
+        for (int channel = 0; channel < 3; channel++) { /* mean times weight is the sum */
             change->change += fabs(blocks[i].test[channel]);
             change->change_reference += fabs(blocks[i].reference[channel]);
             change->flicker += fabs(blocks[i].test[channel] - blocks[i].reference[channel]);

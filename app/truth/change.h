@@ -26,7 +26,7 @@
 
 #include "truth/flip.h"
 
-/* What a pixel's centre sees. */
+/* The surface at a pixel's centre. */
 struct seen_point {
     float position[3];
     float depth;     /* along the view; 0: background */
@@ -34,15 +34,15 @@ struct seen_point {
     float plane[3];  /* unit, of the triangle */
 };
 
-/* What a frame sees, row 0 at the top. Borrowed. */
+/* Surfaces of a frame, row 0 at the top. Borrowed. */
 struct seen {
     uint32_t width, height;
     const struct seen_point *points;
     float view_projection[4][4]; /* clip space as in struct dt_view */
 };
 
-/* Pixels of a frame, and how they are weighted to give what a point had there; 0 taps: it was not
- * seen. The weights' sum is 1. */
+/* Pixels of a frame and their weights, which interpolate the value at a point; the weights sum to
+ * 1. 0 taps: the point was not visible. */
 struct taps {
     uint32_t count;
     size_t pixel[4];
@@ -50,17 +50,16 @@ struct taps {
 };
 struct taps change_reproject(const struct seen *before, const struct seen_point *point);
 
-/* From one frame to the next, see above; also sums over many of them. */
+/* Change between two frames, see above; or sums over many pairs. */
 struct change {
-    uint64_t surfaces; /* pixels that show one */
-    uint64_t
-        compared; /* of these, whose point was seen before, with finite values; 0: all below is 0 */
-    double mean, mean_reference; /* of these, in the later frame, W/m2 */
+    uint64_t surfaces; /* pixels that show a surface */
+    uint64_t compared; /* of these, those visible before, with finite values; 0: all below is 0 */
+    double mean, mean_reference; /* mean of the compared pixels in the later frame, W/m2 */
     double change, change_reference, flicker;
 };
 
-/* Frames t and t + 1, seen and shown; all of one size. `reference` may be NULL: without its numbers.
- * False when out of memory. block: 1 and up. */
+/* Compares frames t and t + 1: surfaces and pictures, all of one size. `reference` may be NULL: its
+ * numbers are then left out. block: 1 and up. False when out of memory. */
 bool change_measure(struct change *change, const struct seen seen[2],
                     const struct rgb_image test[2], const struct rgb_image reference[2],
                     uint32_t block);

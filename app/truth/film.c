@@ -45,7 +45,7 @@ void film_mean(const struct film *film, float *texels)
 void film_add(struct film *film, size_t pixel, uint32_t sample, const float rgb[3])
 {
     double *earlier = film->sums[0] + pixel * 3, *later = film->sums[1] + pixel * 3;
-    bool power = (sample & (sample - 1)) == 0; /* 0 too, when there is nothing to move */
+    bool power = (sample & (sample - 1)) == 0; /* 0 also when nothing moves */
     for (int c = 0; c < 3; c++) {
         if (power) {
             earlier[c] += later[c];
@@ -142,11 +142,9 @@ bool film_load(struct film *film, const char *path, const char *settings, const 
     const char *made_with = title && strcmp(title, magic) == 0 ? next_line(&rest, end) : NULL;
     const char *samples = made_with ? next_line(&rest, end) : NULL;
     if (!samples)
-        report_error(log, "%s: is no checkpoint of this program, or it is damaged; remove it",
-                     path);
+        report_error(log, "%s: is no checkpoint, or is damaged; remove it", path);
     else if (strcmp(made_with, settings) != 0)
-        report_error(log,
-                     "%s: is a checkpoint of other settings, %s; these are %s: name another file",
+        report_error(log, "%s: is a checkpoint with other settings (%s, not %s); name another file",
                      path, made_with, settings);
     else if ((size_t)(end - rest) != 2 * half + sizeof(uint64_t))
         report_error(log, "%s: has the wrong size for its settings; remove it", path);

@@ -1,6 +1,6 @@
-/* What the path tracer has summed up so far: per pixel, in double, in the order of the samples. Also
- * how noisy it is, and the checkpoint file that a later run carries on from. Called by tracer, which
- * adds, and by reference. */
+/* Sums of the path tracer per pixel, in double, in order of the samples; their noise; and the
+ * checkpoint file from which a later run continues. Called by tracer, which adds, and by
+ * reference. */
 #ifndef DIPTYCH_FILM_H
 #define DIPTYCH_FILM_H
 
@@ -22,8 +22,8 @@ void film_free(struct film *film); /* takes a zeroed one */
 /* The picture: width * height * 3 floats. There is at least one sample. */
 void film_mean(const struct film *film, float *texels);
 
-/* Adds one sample to a pixel. All samples of a pixel come in their order, from 0, and all pixels get
- * the same number before `samples` is raised. */
+/* Adds one sample to a pixel. Samples of a pixel come in order, from 0; `samples` is raised after
+ * all pixels have the same number. */
 void film_add(struct film *film, size_t pixel, uint32_t sample, const float rgb[3]);
 
 /* Standard error of a pixel's luminance (ITU-R BT.709), root mean square over the picture, relative
@@ -32,9 +32,9 @@ void film_add(struct film *film, size_t pixel, uint32_t sample, const float rgb[
  * avoid one another, as Sobol points do, up to half more than the truth. */
 double film_noise(const struct film *film);
 
-/* Checkpoints: all or nothing. `settings` is one line that tells everything that the sums depend on
- * but for the number of samples; a file with another line is refused. film_load wants a film of the
- * right size and leaves it alone on false. */
+/* Checkpoints, whole or not at all. `settings` is one line with everything that the sums depend on
+ * except the number of samples; a file with another line is refused. film_load needs a film of the
+ * right size and leaves it unchanged on false. */
 bool film_save(const struct film *film, const char *path, const char *settings,
                const struct dt_log *log);
 bool film_load(struct film *film, const char *path, const char *settings, const struct dt_log *log);

@@ -1,6 +1,6 @@
-/* `diptych flicker`: how much the pictures of a motion change from frame to frame where they show the
- * same surface, beside what the reference changes there. What a pixel sees is found by casting rays
- * into the scene, so the pictures may come from any pipeline. */
+/* `diptych flicker`: change of pictures from frame to frame where both show the same surface,
+ * compared with the reference's change. Rays into the scene find the surface of each pixel, so the
+ * pictures may come from any pipeline. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@
 #include "truth/rays.h"
 #include "truth/tracer.h"
 
-/* A frame: what it sees, and what both pictures show. */
+/* A frame: its surfaces, its picture and its reference. */
 struct flicker_frame {
     struct seen_point *points; /* owned, as are the texels */
     struct seen seen;
@@ -30,7 +30,7 @@ struct flicker {
     uint32_t frames, block;
     struct scene scene;
     struct ray_scene *rays;
-    struct change *changes; /* one less than there are frames */
+    struct change *changes; /* number of frames minus one */
 };
 
 static bool check_patterns(const struct flicker *flicker)
@@ -42,7 +42,7 @@ static bool check_patterns(const struct flicker *flicker)
     for (int i = 0; i < 2; i++) {
         bool good = true;
         if (paths[i] && !is_numbered(paths[i], names[i], &good, log)) {
-            report_error(log, "%s %s: names one picture; put %%04d where frames have their number",
+            report_error(log, "%s %s: names one picture; put %%04d in place of the frame number",
                          names[i], paths[i]);
             return false;
         }
@@ -168,7 +168,8 @@ static bool measure(struct flicker *flicker)
 
 /* ---- Output ---------------------------------------------------------------------------------- */
 
-/* Of what the reference shows, or without one, the pictures themselves: comparable between scenes. */
+/* Relative to the reference's mean, or without one, the pictures' own: comparable between
+ * scenes. */
 static double relative(const struct flicker *flicker, const struct change *change, double value)
 {
     double mean = flicker->options->reference ? change->mean_reference : change->mean;
@@ -258,7 +259,7 @@ static bool prepare(struct flicker *flicker)
     flicker->frames = session_frames(options, &flicker->scene);
     flicker->block = options->block ? options->block : 1;
     if (flicker->frames < 2) {
-        report_error(log, "one frame does not change; give --frames 2 or more, or a --motion");
+        report_error(log, "one frame has no change; give --frames 2 or more, or a --motion");
         return false;
     }
     flicker->changes = calloc(flicker->frames, sizeof *flicker->changes);

@@ -12,7 +12,7 @@
 #include "scenes/image.h"
 #include "truth/image_metrics.h"
 
-/* What a viewer of the Yee metric looks at: OpenImageIO's default white, cd/m2. */
+/* Luminance of the Yee metric's display: OpenImageIO's default white, cd/m2. */
 static const float yee_luminance = 100;
 
 /* HDR metrics are of the images times the exposure, LDR metrics of the same after tone mapping. */
@@ -21,7 +21,7 @@ struct metrics {
     const struct options *options;
     struct rgb_image images[2]; /* reference, test: exposed, linear */
     struct rgb_image mapped[2]; /* tone-mapped, linear, 0..1 */
-    bool hdr;                   /* the files hold light rather than 8-bit codes */
+    bool hdr;                   /* the files hold linear light, not 8-bit codes */
     double exposure;
     double pixels_per_degree;
     struct image_errors hdr_errors, ldr_errors;
@@ -87,14 +87,13 @@ static bool read_images(struct metrics *metrics)
     }
     metrics->hdr = holds_light(options->reference);
     if (metrics->hdr != holds_light(options->test)) {
-        report_error(log,
-                     "%s and %s: one holds light and the other 8-bit codes; compare two of a "
-                     "kind (.exr, or .png)",
-                     options->reference, options->test);
+        report_error(
+            log, "%s and %s: one holds light and the other 8-bit codes; give two .exr or two .png",
+            options->reference, options->test);
         return false;
     }
     if (!metrics->hdr && options->exposure > 0) {
-        report_error(log, "--exposure: %s holds 8-bit codes, which have been exposed already",
+        report_error(log, "--exposure: %s holds 8-bit codes, which are exposed already",
                      options->reference);
         return false;
     }
@@ -156,7 +155,7 @@ static bool measure_flip(struct metrics *metrics, int which)
     return good && distribution_measure(&metrics->flip[which], map, count);
 }
 
-/* It takes ten times as long as all else together. */
+/* Takes ten times as long as everything else. */
 static bool measures_hdr_flip(const struct metrics *metrics)
 {
     const char *flip = metrics->options->flip;
@@ -200,7 +199,7 @@ static uint8_t encode(float linear)
     return (uint8_t)(255 * fminf(fmaxf(code, 0), 1) + 0.5f);
 }
 
-/* Either errors as colours, or a picture as the LDR metrics saw it. */
+/* Writes errors as colours, or a picture as the LDR metrics used it. */
 static bool write_picture(const struct metrics *metrics, const char *name, const float *errors,
                           const struct rgb_image *picture)
 {

@@ -1,5 +1,5 @@
-/* Rays against a scene; see rays.h. Triangles whose texture has holes are a geometry of their own,
- * so that only they pay for looking into the texture. */
+/* Rays against a scene; see rays.h. Triangles with alpha-tested textures are a geometry of their
+ * own: only their hits look into the texture. */
 #include "truth/rays.h"
 
 #include <float.h>
@@ -94,8 +94,8 @@ static void surface_texel(const struct ray_scene *rays, const struct place *plac
     sample_texture(rays, material->texture, uv, texel);
 }
 
-/* Embree's filter: a hit where the texture has a hole is none. Rays come one by one here, so the hit
- * is a single one. */
+/* Embree's filter: rejects hits in holes of the texture. Rays are single, so each call has one
+ * hit. */
 static void pass_holes(const struct RTCFilterFunctionNArguments *arguments)
 {
     const struct ray_scene *rays = arguments->geometryUserPtr;

@@ -1,23 +1,22 @@
-/* The triangles of a scene as rays see them, by Embree (version 3 or 4): closest hits with the
- * surface's material, and shadows. Called by tracer, from any number of threads. */
+/* Ray queries on a scene's triangles, by Embree (version 3 or 4): closest hits with materials, and
+ * shadows. Called by tracer, from any number of threads. */
 #ifndef DIPTYCH_RAYS_H
 #define DIPTYCH_RAYS_H
 
 #include "base/vector.h"
 #include "diptych.h"
 
-/* A point on a surface, turned to the side that the ray came from, whichever way the triangle is
- * wound and its normals point. */
+/* A point on a surface. Its normals are on the side that the ray came from. */
 struct ray_hit {
     struct vec3 position;
     struct vec3 geometric; /* unit normal of the triangle */
     struct vec3 normal;    /* unit, interpolated; on the side of `geometric` */
     struct vec3 albedo;    /* 0..1 */
     struct vec3 emission;  /* radiance, W/(m2 sr) */
-    /* How far the position may lie off the triangle, with room to spare: 32 units in the last place
-     * of the triangle's largest coordinate. The interpolation errs by about 7 (Pharr et al.,
-     * "Physically Based Rendering", on managing rounding error), the subtraction of the next ray's
-     * origin by a few more. Scales with the scene. */
+    /* Upper bound of the position's distance from the triangle: 32 units in the last place of the
+     * triangle's largest coordinate. The interpolation errs by about 7 (Pharr et al., "Physically
+     * Based Rendering", on managing rounding error), the subtraction of the next ray's origin by a
+     * few more. */
     float clearance;
 };
 
@@ -28,8 +27,8 @@ struct ray_scene;
 struct ray_scene *ray_scene_open(const struct dt_scene *scene, const struct dt_log *log);
 void ray_scene_close(struct ray_scene *rays); /* takes NULL */
 
-/* The first surface that a ray meets; `direction` is a unit vector. Holes of alpha-tested textures
- * are none. Textures are read from mip 0, bilinear, repeated. */
+/* Closest hit; `direction` is a unit vector. Holes of alpha-tested textures do not count. Textures
+ * are read from mip 0, bilinear, repeated. */
 bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
                  struct ray_hit *hit);
 
@@ -37,8 +36,8 @@ bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 d
 bool ray_blocked(const struct ray_scene *rays, struct vec3 origin, struct vec3 direction,
                  float farthest);
 
-/* Where a ray starts that leaves the hit on the side of `geometric`: off the surface by `clearance`,
- * so that it does not find the surface that it leaves. */
+/* Origin of a ray that leaves the hit on the side of `geometric`: moved off the surface by
+ * `clearance`, so that the ray does not hit it again. */
 struct vec3 ray_origin(const struct ray_hit *hit);
 
 #endif

@@ -1,5 +1,5 @@
-/* `diptych reference`: the same scene, path-traced until it is known well enough to judge a pipeline
- * by. The work is the tracer's; here are its options, progress, checkpoints and files. */
+/* `diptych reference`: path-traces a scene as ground truth for pipelines. The tracer does the work;
+ * this file has options, progress, checkpoints and output. */
 #include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <math.h>
@@ -29,10 +29,10 @@ struct reference {
     struct tracer_info info;
     struct tracer *tracer;
     struct film film;
-    char *settings;   /* all that the film's sums depend on, one line */
-    uint32_t samples; /* to stop at, whatever the noise */
-    double noise;     /* to stop at; 0: none */
-    uint32_t resumed; /* samples that the checkpoint brought */
+    char *settings;   /* one line with everything that the film's sums depend on */
+    uint32_t samples; /* most samples, whatever the noise */
+    double noise;     /* noise to stop at; 0: none */
+    uint32_t resumed; /* samples from the checkpoint */
     double start, checkpoint_time, checkpoint_cost;
 };
 
@@ -99,7 +99,7 @@ static bool check_options(struct reference *reference)
     const struct dt_log *log = &reference->console->log;
     size_t length = strlen(options->output);
     if (length < 4 || strcasecmp(options->output + length - 4, ".exr") != 0) {
-        report_error(log, "-o %s: must end in .exr, it is linear", options->output);
+        report_error(log, "-o %s: must end in .exr: the picture is linear", options->output);
         return false;
     }
     reference->info = (struct tracer_info){
@@ -117,7 +117,7 @@ static bool check_options(struct reference *reference)
         .threads = options->threads,
     };
     if (options->frame && !options->motion) {
-        report_error(log, "--frame %u: nothing moves; name a --motion", options->frame);
+        report_error(log, "--frame %u: needs a --motion", options->frame);
         return false;
     }
     return check_bounces(reference) && check_goal(reference);
@@ -162,11 +162,11 @@ static bool resume(struct reference *reference)
         return false;
     reference->resumed = reference->film.samples;
     if (reference->resumed > reference->samples) {
-        report_error(log, "%s: holds %u samples per pixel already; ask for more than --spp %u",
-                     path, reference->resumed, reference->samples);
+        report_error(log, "%s: already has %u samples per pixel; give more than --spp %u", path,
+                     reference->resumed, reference->samples);
         return false;
     }
-    report_message(log, DT_INFO, "going on from %u samples per pixel in %s", reference->resumed,
+    report_message(log, DT_INFO, "continuing from %u samples per pixel in %s", reference->resumed,
                    path);
     return true;
 }
@@ -185,8 +185,8 @@ static bool save_checkpoint(struct reference *reference)
 
 /* ---- Tracing --------------------------------------------------------------------------------- */
 
-/* The numbers of samples at which the noise is looked at: sixteen and up in steps of a quarter
- * octave. They must not depend on time, or the picture would. */
+/* Sample counts at which the noise is tested: from sixteen in steps of a quarter octave. They must
+ * not depend on time, or the picture would. */
 static bool looks_at_noise(uint32_t samples)
 {
     uint32_t octave = 16;
@@ -204,7 +204,7 @@ static bool is_finished(const struct reference *reference)
            film_noise(film) <= reference->noise;
 }
 
-/* How many samples to trace before the next look at the clock or the noise. */
+/* Samples to trace before the next look at the clock or the noise. */
 static uint32_t next_samples(const struct reference *reference, double seconds_per_sample)
 {
     uint32_t done = reference->film.samples, most = reference->samples - done, count = 1;
@@ -220,7 +220,7 @@ static void show_progress(const struct reference *reference)
     const struct film *film = &reference->film;
     double noise = film_noise(film), goal = reference->samples;
     double elapsed = seconds_now() - reference->start;
-    if (reference->noise > 0) /* the error falls with the square root at least */
+    if (reference->noise > 0) /* the error falls at least with the square root of the samples */
         goal = fmin(goal, film->samples * pow(noise / reference->noise, 2));
     double left = fmax(goal - film->samples, 0) * elapsed / (film->samples - reference->resumed);
     char time_left[32];

@@ -1,5 +1,5 @@
-/* The numbers that the path tracer draws: a function of seed, pixel, sample and dimension alone, so
- * that no thread and no order of work has a say in them. Called by tracer. */
+/* Random numbers of the path tracer: a function of seed, pixel, sample and dimension only, so that
+ * threads and order of work do not change them. Called by tracer. */
 #ifndef DIPTYCH_SEQUENCE_H
 #define DIPTYCH_SEQUENCE_H
 

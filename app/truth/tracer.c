@@ -14,7 +14,7 @@ static const float pi = 3.14159265358979f;
 
 enum {
     TILE = 16,         /* pixels per side */
-    FIRST_ROULETTE = 4 /* from this leg of a path on it may end by chance */
+    FIRST_ROULETTE = 4 /* first leg of a path at which Russian roulette may end it */
 };
 
 /* Pairs of dimensions; the k-th leg of a path, k from 1, adds 2 k to its two. */
@@ -27,7 +27,7 @@ struct tracer {
     uint64_t ray_count;
 };
 
-/* A thread's part of one tracer_add. */
+/* Work of one thread in tracer_add. */
 struct tracer_thread {
     struct tracer *tracer;
     struct film *film;
@@ -108,7 +108,7 @@ static struct vec3 reflect(const struct ray_hit *hit, struct vec3 irradiance)
 
 /* ---- Points that the light sees -------------------------------------------------------------- */
 
-/* The point of a view's volume at normalized device coordinates. */
+/* World position of a point given in normalized device coordinates of the view. */
 static void unproject(const struct dt_view *view, const double ndc[3], double point[3])
 {
     const float(*m)[4] = view->inverse_view_projection;
@@ -152,8 +152,7 @@ static bool lit_point(struct tracer_thread *thread, const float square[2], struc
     return ray_closest(thread->tracer->rays, origin, direction, hit);
 }
 
-/* How many of the points that lit_point draws fall on a unit area about a hit, which the light
- * sees. */
+/* Density of the points of lit_point on the surface at a hit, per unit area. */
 static float lit_density(const struct tracer_thread *thread, const struct ray_hit *hit)
 {
     const struct dt_light *light = &thread->tracer->frame.light;
@@ -180,7 +179,7 @@ static float share_of_point(const struct tracer_thread *thread, const struct ray
     return cosines / (cosines + pi * square * square * lit_density(thread, point));
 }
 
-/* The second way: what the hit gets from a point that the light sees, as radiance averaged over the
+/* The second way: radiance at the hit from a point that the light sees, averaged over the
  * hemisphere with the cosine as weight. */
 static struct vec3 joined_radiance(struct tracer_thread *thread, const struct ray_hit *hit,
                                    const struct ray_hit *point)
@@ -232,12 +231,12 @@ static bool next_hit(struct tracer_thread *thread, const struct ray_hit *hit, co
 {
     struct vec3 direction = cosine_direction(hit->normal, square);
     if (dot(direction, hit->geometric) <= 0)
-        return false; /* into the body that an interpolated normal leans over */
+        return false; /* below the surface, because the interpolated normal is tilted */
     thread->rays++;
     return ray_closest(thread->tracer->rays, ray_origin(hit), direction, next);
 }
 
-/* Whether a path that may not be limited goes on; *weight is divided by the probability. */
+/* Russian roulette: whether the path continues; divides *weight by the probability. */
 static bool survives(const struct sequence *sequence, uint32_t pair, struct vec3 *weight)
 {
     float survival = fminf(largest(*weight), 0.95f), chance[2];
@@ -304,7 +303,7 @@ void tracer_camera_ray(const struct dt_frame *frame, double x, double y, float o
     }
 }
 
-/* What the camera sees at a place of the picture. */
+/* Closest hit of the camera's ray through a place of the picture. */
 static bool camera_hit(struct tracer_thread *thread, double x, double y, struct ray_hit *hit)
 {
     float origin[3], direction[3];
@@ -313,7 +312,7 @@ static bool camera_hit(struct tracer_thread *thread, double x, double y, struct 
     return ray_closest(thread->tracer->rays, vec3_of(origin), vec3_of(direction), hit);
 }
 
-/* What a pixel shows of light that has come by no other surface. */
+/* Direct light and emission at a pixel. */
 static struct vec3 first_light(struct tracer_thread *thread, const struct ray_hit *hit)
 {
     const struct tracer_info *info = &thread->tracer->info;
@@ -337,7 +336,7 @@ static void add_pixel(struct tracer_thread *thread, uint32_t x, uint32_t y)
     bool found = false;
     for (uint32_t i = 0; i < thread->samples; i++) {
         sequence.sample = film->samples + i;
-        if (info->box_filter || i == 0) { /* through the centre, all samples see the same */
+        if (info->box_filter || i == 0) { /* rays through the centre have the same hit */
             float place[2] = {0.5f, 0.5f};
             if (info->box_filter)
                 sequence_pair(&sequence, PAIR_PIXEL, place);
@@ -398,7 +397,7 @@ bool tracer_add(struct tracer *tracer, struct film *film, uint32_t samples)
     }
     for (uint32_t i = 0; i < count; i++)
         parts[i] = (struct tracer_thread){tracer, film, samples, &next_tile, 0};
-    /* where no further thread can be had, fewer do the same */
+    /* if no more threads can be started, fewer do the work */
     while (started < count && pthread_create(&threads[started], NULL, work, &parts[started]) == 0)
         started++;
     work(&parts[0]);

@@ -1,4 +1,4 @@
-/* Flies a camera and saves it; see camera.h. */
+/* Moves a camera and saves it to a scene file; see camera.h. */
 #include "view/camera.h"
 
 #include <libfyaml.h>
@@ -64,14 +64,14 @@ void camera_turn(struct scene_camera *camera, float right, float up)
 
 /* ---- Saving ---------------------------------------------------------------------------------- */
 
-/* Where the reader of a scene file is, event by event. */
+/* State while reading the YAML events of a scene file. */
 struct place {
-    int depth;       /* of mappings and sequences that are open */
-    bool is_key;     /* at depth 1: the next scalar is one */
+    int depth;       /* open mappings and sequences */
+    bool is_key;     /* depth 1: the next scalar is a key */
     bool is_camera;  /* the last key was camera */
-    bool inside;     /* between the camera's first and last event */
-    size_t last;     /* where the last thing ended that is more than blanks and comments */
-    size_t from, to; /* of the camera; to == 0: not found */
+    bool inside;     /* inside the camera's mapping */
+    size_t last;     /* end of the last event that is not blank or a comment */
+    size_t from, to; /* the camera's bytes; to == 0: not found */
 };
 
 static void widen(struct place *place, struct fy_token *token)
@@ -91,7 +91,7 @@ static void begin_node(struct place *place, struct fy_token *token)
     place->depth++;
 }
 
-/* Nothing of a block mapping marks its end: that is where its last value ends. */
+/* A block mapping has no end mark: it ends with its last value. */
 static void end_node(struct place *place, struct fy_token *token)
 {
     widen(place, token);
@@ -159,7 +159,7 @@ static bool find_camera(const char *text, size_t size, struct place *place)
     return place->from < place->to && place->to <= size;
 }
 
-/* As few digits as give the same number back, which is read with that factor. */
+/* Shortest decimal number that gives the same value after multiplication by the factor. */
 static void print_number(char out[24], float number, double factor)
 {
     for (int digits = 4; digits <= 9; digits++) {
@@ -190,7 +190,7 @@ bool camera_save(const struct scene_camera *camera, const char *path, const stru
     if (!text)
         return false;
     if (!find_camera(text, size, &place)) {
-        report_error(log, "%s: has no camera that could be replaced; nothing is written", path);
+        report_error(log, "%s: has no camera to replace; nothing was written", path);
         free(text);
         return false;
     }

@@ -23,7 +23,7 @@ struct overlay *overlay_open(void *window)
         return nullptr;
     overlay->context = ImGui::CreateContext();
     ImGui::SetCurrentContext(overlay->context);
-    ImGui::GetIO().IniFilename = nullptr; /* leaves no file behind */
+    ImGui::GetIO().IniFilename = nullptr; /* no imgui.ini */
     ImGui::StyleColorsDark();
     ImGui::GetStyle().WindowRounding = 0;
     ImGui_ImplGlfw_InitForOther(static_cast<GLFWwindow *>(window), true);
@@ -192,7 +192,7 @@ static void panel(struct overlay_model *model)
     ImGui::End();
 }
 
-/* Along the bottom, in the font's fixed width, so that carets stand where they should. */
+/* At the bottom, in a fixed-width font, so that carets stand at their column. */
 static void error(const char *title, const char *text)
 {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;

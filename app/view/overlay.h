@@ -1,6 +1,6 @@
-/* What stands over the picture in the window: times, parameters, what is shown, errors. A C
- * interface to Dear ImGui: build describes it once more in every frame, and the triangles that it
- * comes to are drawn by the runtime that has the window. Called by view. */
+/* The panel over the picture: times, parameters, the image shown, errors. C interface to Dear
+ * ImGui: build describes the panel anew in every frame, and the window's runtime draws its
+ * triangles. Called by view. */
 #ifndef DIPTYCH_OVERLAY_H
 #define DIPTYCH_OVERLAY_H
 
@@ -34,9 +34,9 @@ struct overlay_model {
     bool hidden; /* all but the error */
     const char *title;
     const char *shown;  /* the resource and which part of it */
-    const char *doc;    /* what it is; "" or more */
-    const char *state;  /* paused, reloading, ...; "" or more */
-    const char *points; /* those that are shown; "" or more */
+    const char *doc;    /* its description, or "" */
+    const char *state;  /* paused, reloading, ..., or "" */
+    const char *points; /* points that are shown, or "" */
     const char *error;  /* of a reload that failed; NULL: none */
     const char *error_title;
     const char *const *sides;
@@ -50,19 +50,19 @@ struct overlay_model {
 
 struct overlay;
 
-/* Over a GLFWwindow, whose callbacks, if any, have to be set before. NULL when out of memory. */
+/* For a GLFWwindow; set its own callbacks before. NULL when out of memory. */
 struct overlay *overlay_open(void *window);
 void overlay_close(struct overlay *overlay); /* takes NULL; before the window goes */
 
 /* The texture that its draws name 0: RGBA8; lives as long as the overlay. */
 const uint8_t *overlay_atlas(struct overlay *overlay, uint32_t *width, uint32_t *height);
 
-/* Describes a frame; the model's params are changed by the user's hand. */
+/* Builds the panel of a frame; the user's input changes the model's params. */
 void overlay_build(struct overlay *overlay, struct overlay_model *model);
 /* The last one's triangles, in pixels of the window; live until the next build. */
 struct dt_window_frame overlay_frame(const struct overlay *overlay);
 
-/* Whether mouse or keys are the overlay's at the moment, and not the camera's. */
+/* Whether the panel, not the camera, takes mouse or keys now. */
 bool overlay_takes_mouse(const struct overlay *overlay);
 bool overlay_takes_keys(const struct overlay *overlay);
 

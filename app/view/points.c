@@ -19,7 +19,7 @@ static void fetch(const uint8_t *element, uint32_t offset, float out[3])
     memcpy(out, element + offset, 3 * sizeof *out);
 }
 
-/* Where the picture shows it, from the top left corner; false: nowhere. */
+/* Pixel of a point, from the top left corner; false: outside. */
 static bool project(const struct dots *dots, const float position[3], float place[2])
 {
     const float(*m)[4] = dots->camera->view_projection;

@@ -7,10 +7,10 @@
 enum point_label {
     POINT_UNLABELLED,
     POINT_INDEX, /* the element's own */
-    POINT_BUFFER /* what another buffer holds at that index: one number, negative: hidden */
+    POINT_BUFFER /* the number in another buffer at the same index; negative: hidden */
 };
 
-/* What makes a point of an element; offsets are bytes from its start, fields of floats and ints. */
+/* How an element becomes a point; offsets are bytes from its start, fields are floats and ints. */
 struct point_source {
     uint32_t buffer; /* resources of the pipeline */
     uint32_t position;
@@ -21,7 +21,7 @@ struct point_source {
     float radius; /* pixels of a picture that is 540 high */
 };
 
-/* Draws all of them as the camera sees them; what is behind it, or out of the picture, is not. */
+/* Draws all points through the camera; points behind it or outside the picture are left out. */
 void points_draw(const struct picture *picture, const struct dt_view *camera,
                  const struct dt_pipeline *info, const struct point_source *source,
                  const struct dt_bytes *elements, const struct dt_bytes *labels);

@@ -1,6 +1,6 @@
-/* `diptych view`: a window on one backend, or on two of them beside each other, from a camera that
- * flies. Frames run one after the other on this thread, which is also the window's, but for the first
- * that two backends have; wishes that keys and mouse leave behind are carried out between them. */
+/* `diptych view`: a window on one backend, or on two side by side, with a camera that flies. Frames
+ * run one after the other on this thread, which owns the window; only the first frame of two
+ * backends uses a second thread. Keys and mouse leave wishes, carried out between frames. */
 #include "view/view.h"
 
 #include <math.h>
@@ -49,7 +49,7 @@ bool view_open_side(struct view *view, uint32_t index)
     struct session *session = &side->session;
     return session_open(session, &info) &&
            session->runtime->set_scene(session->handle, &view->scene.data) &&
-           session->runtime->create(session->handle, view_panel_of(side, &view->pipeline));
+           session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline));
 }
 
 static bool open_overlay(struct view *view)
@@ -77,39 +77,13 @@ bool view_open_window(struct view *view, int width, int height)
     return open_overlay(view);
 }
 
-/* Two backends keep two processors busy. */
-static void start_warming(struct view *view)
-{
-    const struct view_side *side = &view->side[0];
-    const struct dt_runtime *runtime = side->session.runtime;
-    if (view->side_count == 1 && runtime->is_software(side->session.handle) &&
-        sysconf(_SC_NPROCESSORS_ONLN) > 1)
-        view->warm = warm_start(runtime, view->sides.list, &view->scene.data);
-    view_warm(view);
-}
-
-void view_warm(struct view *view)
-{
-    struct dt_frame frame;
-    if (!view->warm)
-        return;
-    memset(&frame, 0, sizeof frame);
-    const uint32_t *size = view->size[0] ? view->size : view->options->size;
-    scene_frame(&view->scene, size[0], size[1], &frame);
-    frame.width = size[0];
-    frame.height = size[1];
-    warm_begin(view->warm, view_panel_of(&view->side[0], &view->pipeline), &frame,
-               view->pipeline.live);
-}
-
 static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
     if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
-        !pipeline_load_edited(&view->pipeline, view->console, options, NULL) ||
-        !view_find_home(view) || !view_outline_read(view) ||
-        !session_load_scene(&view->scene, view->console, options))
+        !pipeline_load_edited(&view->pipeline, view->console, options) || !view_find_home(view) ||
+        !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!view_open_side(view, i))
@@ -117,7 +91,6 @@ static bool open_view(struct view *view)
     int panels = view->side_count > 1 ? 2 : 1;
     if (!view_open_window(view, (int)options->size[0] * panels, (int)options->size[1]))
         return false;
-    start_warming(view);
     view->reload = reload_start(view->console, options, &view->pipeline);
     console_status(view->console, "%s", "");
     return view->reload && view_times_create(view);
@@ -130,18 +103,11 @@ struct watch {
     struct view_side *side;
 };
 
-/* Resources may share memory: what is shown is read after the pass that wrote it. */
+/* Resources may share memory: read the shown one after the pass that wrote it. */
 static bool after_pass(void *user, uint32_t pass)
 {
     const struct watch *watch = user;
     return view_take(watch->view, watch->side, pass);
-}
-
-static enum dt_action before_pass(void *user, uint32_t pass)
-{
-    const struct watch *watch = user;
-    warm_meet(watch->view->warm, pass);
-    return DT_RUN;
 }
 
 static bool render_side(struct view *view, struct view_side *side, const struct dt_frame *frame)
@@ -149,14 +115,12 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
     struct watch watch = {view, side};
     const struct dt_pipeline *info = view->pipeline.info;
     bool output = (int)view->resource == info->display_output; /* lives on after the frame */
-    bool takes = !output || view->shown_points, meets = view->warm && frame->index == 0;
-    const struct dt_observer observer = {.before_pass = meets ? before_pass : NULL,
-                                         .after_pass = takes ? after_pass : NULL,
-                                         .user = &watch};
+    bool takes = !output || view->shown_points;
+    const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
     double start = milliseconds_now();
     view_forget(side);
     return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
-                                         takes || meets ? &observer : NULL) &&
+                                         takes ? &observer : NULL) &&
            view_times_take(side, milliseconds_now() - start);
 }
 
@@ -165,7 +129,7 @@ struct side_frame {
     struct view *view;
     struct view_side *side;
     const struct dt_frame *frame;
-    pthread_t waits; /* for it */
+    pthread_t waits; /* the thread that waits for the frame */
     bool good;
 };
 
@@ -177,9 +141,9 @@ static void *render_apart(void *user)
     return NULL;
 }
 
-/* The first frame of a pipeline is mostly the drivers' compiling, each on one thread, so Vulkan does that
- * on another one than OpenGL, whose context is this thread's. Later frames take turns: their times are
- * shown. */
+/* The first frame mostly compiles shaders in the drivers, each on one thread: Vulkan does that on
+ * another thread than OpenGL, whose context belongs to this one. Later frames take turns, since
+ * their times are shown. */
 static bool render_both(struct view *view, const struct dt_frame *frame)
 {
     struct view_side *second = &view->side[1];
@@ -224,10 +188,7 @@ bool view_render(struct view *view)
     frame.index = view->frame++;
     view->frames++;
     view->camera = frame.camera;
-    bool good = render_sides(view, &frame) && view_pictures(view);
-    if (view->warm && frame.index == 0)
-        warm_end(view->warm);
-    return good;
+    return render_sides(view, &frame) && view_pictures(view);
 }
 
 /* The overlay's triangles behind those of the pictures. */
@@ -271,7 +232,7 @@ static bool present(struct view *view)
     return good;
 }
 
-/* diptych-NNN.png, the first number that is free. */
+/* Writes diptych-NNN.png with the first free number. */
 static bool take_screenshot(struct view *view)
 {
     char *path = NULL;
@@ -288,7 +249,7 @@ static bool take_screenshot(struct view *view)
     return good;
 }
 
-/* Once what stands there is of what is asked for. What fails here is told and goes on. */
+/* Carries out wishes that need a finished frame. Errors are logged and ignored. */
 static void fulfil_wishes(struct view *view)
 {
     const struct dt_log *log = &view->console->log;
@@ -307,7 +268,7 @@ static bool is_over(const struct view *view)
     return view->quit || glfwWindowShouldClose(view->window) || (frames && view->frames >= frames);
 }
 
-/* Also while a pipeline is made, where frames would take the processor away from it. */
+/* Whether no frame runs: paused, or a reload on a software driver, which frames would slow down. */
 static bool rests(const struct view *view)
 {
     const struct session *window = &view->side[0].session;
@@ -357,7 +318,7 @@ static bool run(struct view *view)
         else
             glfwPollEvents();
         measure_window(view);
-        if (is_minimised(view)) { /* nobody looks, so the camera stays where it is, too */
+        if (is_minimised(view)) { /* minimised: the camera stands still, too */
             glfwWaitEventsTimeout(0.2);
             view->time = glfwGetTime();
         } else if (!run_frame(view) && !view_revive(view)) {
@@ -384,7 +345,7 @@ void view_close_side(struct view *view, uint32_t index)
 
 static void close_sides(struct view *view)
 {
-    for (uint32_t i = view->side_count; i-- > 0;) { /* the window's last */
+    for (uint32_t i = view->side_count; i-- > 0;) { /* last: it owns the window */
         view_close_side(view, i);
         view_times_free(&view->side[i].times);
     }
@@ -403,7 +364,6 @@ int verb_view(struct console *console, const struct options *options)
     if (good)
         view_tell(&view);
     reload_stop(view.reload);
-    warm_stop(view.warm);
     close_sides(&view);
     view_outline_forget(&view);
     free(view.error);

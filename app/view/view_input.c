@@ -1,5 +1,5 @@
-/* Keys and mouse of the window: what is held moves the camera, what is pressed becomes a wish that
- * view.c carries out between frames. Called by view.c. */
+/* Keys and mouse of the window: held keys move the camera, pressed keys become wishes that view.c
+ * carries out between frames. Called by view.c. */
 #include "view/view.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static void change_mip(struct view *view, int way)
     view->mip = (view->mip + mips + (uint32_t)way) % mips;
 }
 
-/* Sets the live parameter of the outline, where the number is one that it takes. */
+/* Sets the outline's live parameter, if the number is valid for it. */
 static void set_digit(struct view *view, int digit)
 {
     const struct dt_param *param = view->digits;
@@ -168,7 +168,7 @@ void view_input_open(struct view *view)
     glfwSetScrollCallback(view->window, on_scroll);
 }
 
-/* With Ctrl a letter is a command, until it is let go of, also where Ctrl was before. */
+/* A letter pressed with Ctrl is a command until it is released, even if Ctrl is released first. */
 static bool is_held(const struct view *view, int key)
 {
     unsigned letter = 1u << (key - GLFW_KEY_A);
@@ -182,7 +182,7 @@ static float held(const struct view *view, int forth, int back)
 
 void view_input_fly(struct view *view, double seconds)
 {
-    static const double longest = 0.25; /* a slow frame is no leap */
+    static const double longest = 0.25; /* limits the step after a slow frame */
     bool fast = glfwGetKey(view->window, GLFW_KEY_LEFT_SHIFT) ||
                 glfwGetKey(view->window, GLFW_KEY_RIGHT_SHIFT);
     float right = held(view, GLFW_KEY_D, GLFW_KEY_A), up = held(view, GLFW_KEY_E, GLFW_KEY_Q),

@@ -1,5 +1,5 @@
-/* What the overlay says, and what is left of it at the end: times of every pass, the live
- * parameters, what is shown, and why a reload failed. Called by view.c. */
+/* Content of the overlay, and the summary at the end: times of every pass, live parameters, the
+ * shown image, and errors of a reload. Called by view.c. */
 #include "view/view.h"
 
 #include <cjson/cJSON.h>

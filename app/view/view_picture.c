@@ -1,6 +1,6 @@
-/* Pictures of what a frame left: fetched from each side, turned into codes where they are none yet,
- * and laid out in the window. The pipeline's own display output of a lone side, or of two side by
- * side, stays on the device that has the window. Called by view.c. */
+/* Pictures of a frame: read from each side, converted to codes if necessary, and laid out in the
+ * window. The display output of a single side, or of the first of two side by side, stays on the
+ * device that has the window. Called by view.c. */
 #include "view/view.h"
 
 #include <math.h>
@@ -50,7 +50,7 @@ uint32_t view_mips(const struct view *view)
 uint32_t view_layers(const struct view *view)
 {
     uint32_t extent[3];
-    resource_extent(&view->pipeline.info->resources[view->resource], view->size, 0, extent);
+    resource_extent(view->pipeline.info, view->resource, view->size, 0, extent);
     return extent[2];
 }
 
@@ -113,7 +113,7 @@ bool view_take(const struct view *view, struct view_side *side, uint32_t pass)
     return true;
 }
 
-/* Over pictures of the frame alone: others are of other views. */
+/* Only over pictures of the frame's size: others may show another view. */
 static void draw_points(const struct view *view, const struct view_side *side)
 {
     const struct picture *picture = &side->picture;
@@ -126,7 +126,7 @@ static void draw_points(const struct view *view, const struct view_side *side)
                         &side->elements[i], &side->labels[i]);
 }
 
-/* The bytes of one layer, or of all: a part of `shown`. */
+/* The bytes of one layer, or of all, in `shown`. */
 static struct dt_bytes chosen_layer(const struct view *view, const struct dt_bytes *shown)
 {
     struct dt_bytes part = *shown;
@@ -138,7 +138,8 @@ static struct dt_bytes chosen_layer(const struct view *view, const struct dt_byt
     return part;
 }
 
-/* Makes the side's picture of what was read in the frame, or now of an output, which lives on. */
+/* Makes the side's picture from the bytes read in the frame, or reads an output now, which stays
+ * valid. */
 static bool make_picture(struct view *view, struct view_side *side)
 {
     const struct session *session = &side->session;
@@ -232,7 +233,8 @@ void view_panel_size(const struct view *view, uint32_t size[2])
     size[1] = size[1] ? size[1] : 1;
 }
 
-/* As large as fits, with black around. A directly copied texture has its bottom row first. */
+/* As large as fits, with a black border. In a texture copied on the device the bottom row comes
+ * first. */
 static void fit(const struct view *view, uint32_t index, float left, float quad[4])
 {
     const struct picture *picture = &view->side[index].picture;

@@ -1,5 +1,5 @@
-/* Takes a pipeline that was made anew in place of the present one, between two frames; the present
- * one stays when a driver refuses the new one. Called by view.c. */
+/* Replaces the pipeline by a newly made one, between two frames. The old one stays when a driver
+ * refuses the new one. Called by view.c. */
 #include "view/view.h"
 
 #include <stdio.h>
@@ -9,7 +9,8 @@
 #include "base/live.h"
 #include "base/texels.h"
 
-const struct dt_panel *view_panel_of(const struct view_side *side, const struct pipeline *pipeline)
+const struct dt_shaders *view_shaders_of(const struct view_side *side,
+                                         const struct pipeline *pipeline)
 {
     return strcmp(side->session.runtime->name, "gl") == 0 ? pipeline->gl : pipeline->vk;
 }
@@ -28,7 +29,7 @@ void view_set_live(struct view *view, const struct dt_param *param, const double
     live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
 }
 
-/* By --set, so that it does not begin as in the spec. */
+/* Whether --set gave its initial value. */
 static bool is_set(const struct options *options, const char *name)
 {
     size_t length = strlen(name);
@@ -38,7 +39,7 @@ static bool is_set(const struct options *options, const char *name)
     return false;
 }
 
-/* What the user has changed stays so, where the new pipeline takes it. */
+/* Keeps values that the user changed, if the new pipeline accepts them. */
 static void keep_live(struct view *view, const struct pipeline *old)
 {
     for (uint32_t i = 0; i < old->info->param_count; i++) {
@@ -82,14 +83,14 @@ static bool create(const struct view *view)
     for (uint32_t i = 0; i < view->side_count; i++) {
         const struct view_side *side = &view->side[i];
         const struct session *session = &side->session;
-        if (!session->runtime->create(session->handle, view_panel_of(side, &view->pipeline)) ||
+        if (!session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline)) ||
             !session->runtime->resize(session->handle, view->size[0], view->size[1]))
             return false;
     }
     return true;
 }
 
-/* Takes the text, which may be NULL. */
+/* Takes over the text, which may be NULL. */
 static void set_error(struct view *view, char *text)
 {
     free(view->error);
@@ -98,30 +99,22 @@ static void set_error(struct view *view, char *text)
         fputs(text, stderr);
 }
 
-/* Puts view->pipeline to work, up to its first picture. A wrong outline leaves it at work with
- * nothing offered. */
+/* Starts view->pipeline, up to its first picture. With a wrong outline it runs, with no points and
+ * keys. */
 static bool start(struct view *view, const char *shown, bool *offered)
 {
     uint32_t points = view->shown_points;
     *offered = view_outline_read(view);
     view->shown_points = points <= view->points_count ? points : 0;
     view->frame = 0; /* history starts anew */
-    view_warm(view);
     double begun = milliseconds_now();
     bool created = create(view);
     view->device_ms = milliseconds_now() - begun;
     return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
 }
 
-static void let_go(struct view *view, struct pipeline *pipeline)
-{
-    if (view->warm)
-        warm_settle(view->warm);
-    pipeline_unload(pipeline);
-}
-
-/* What a driver or runtime says against the new pipeline is an error like one of the generator, and
- * the old one goes on. False: neither runs. */
+/* Errors of a driver or runtime for the new pipeline are shown like the generator's, and the old
+ * pipeline continues. False: neither runs. */
 static bool swap(struct view *view, struct pipeline *next)
 {
     struct pipeline old = view->pipeline;
@@ -140,17 +133,17 @@ static bool swap(struct view *view, struct pipeline *next)
         free(text);
     }
     if (good) {
-        let_go(view, &old);
+        pipeline_unload(&old);
         return true;
     }
     struct pipeline refused = view->pipeline;
     view->pipeline = old;
     good = start(view, shown, &offered);
-    let_go(view, &refused); /* its panels were at work until now */
+    pipeline_unload(&refused); /* its panels were in use until now */
     return good;
 }
 
-/* Of the same pipeline; its errors are shown like those of the pipeline. */
+/* Reloads the outline of the same pipeline; its errors are shown like the pipeline's. */
 static void read_outline(struct view *view)
 {
     uint32_t points = view->shown_points;
@@ -166,20 +159,18 @@ static void read_outline(struct view *view)
     view->step = true;
 }
 
-/* One line, as a person who waits wants it. */
+/* Prints one line about the reload. */
 static void tell_times(const struct view *view, bool same, double made_ms, double taken_ms)
 {
-    const struct pipeline *pipeline = &view->pipeline;
     if (same) {
-        report_message(&view->console->log, DT_INFO, "reloaded in %.0f ms: it is the same pipeline",
-                       view->reload_ms);
+        report_message(&view->console->log, DT_INFO,
+                       "reloaded in %.0f ms: the pipeline is unchanged", view->reload_ms);
         return;
     }
-    report_message(&view->console->log, DT_INFO,
-                   "reloaded in %.0f ms: made in %.0f (generator %.0f, C compiler %.0f), "
-                   "device %.0f, first frame %.0f",
-                   view->reload_ms, made_ms, pipeline->generator_ms, pipeline->compiler_ms,
-                   view->device_ms, taken_ms - view->device_ms);
+    report_message(
+        &view->console->log, DT_INFO,
+        "reloaded in %.0f ms: checked and planned in %.0f, device %.0f, first frame %.0f",
+        view->reload_ms, made_ms, view->device_ms, taken_ms - view->device_ms);
 }
 
 static bool take(struct view *view, struct reload_result *result)
@@ -189,9 +180,9 @@ static bool take(struct view *view, struct reload_result *result)
         fputs(result->text, stderr); /* warnings */
     free(result->text);
     set_error(view, NULL);
-    bool same = result->pipeline.info == view->pipeline.info;
-    if (same) {                             /* only its outline, or nothing */
-        pipeline_unload(&result->pipeline); /* which is loaded twice */
+    bool same = plan_hash(result->pipeline.plan) == plan_hash(view->pipeline.plan);
+    if (same) { /* only its outline, or nothing */
+        pipeline_unload(&result->pipeline);
         read_outline(view);
     } else if (!swap(view, &result->pipeline)) {
         return false;

@@ -1,8 +1,8 @@
-/* Opens a device again that was lost, as when a pass ran too long or somebody else's work brought the
- * driver down. The window is closed with its device and comes back where it was. Called by view.c. */
+/* Reopens a lost device: a pass ran too long, or another program's work brought the driver down.
+ * The window closes with its device and reopens at its place. Called by view.c. */
 #include "view/view.h"
 
-/* Frames between two losses that make them two accidents; sooner, the pipeline is to blame. */
+/* Fewest frames between two unrelated losses; with fewer, the pipeline is the likely cause. */
 enum { PATIENCE = 60 };
 
 struct place {
@@ -27,7 +27,7 @@ static bool reopen(struct view *view, uint32_t index)
 {
     struct place place = place_of(view->window);
     report_message(&view->side[index].session.log, DT_WARNING,
-                   "opening the device anew; what frames keep of each other begins anew, too");
+                   "reopening the device; resources with history start from zero");
     view_close_side(view, index);
     if (!view_open_side(view, index))
         return false;
@@ -39,8 +39,7 @@ static bool reopen(struct view *view, uint32_t index)
     return true;
 }
 
-/* All of the pipeline's content is gone on the lost side, and goes on the others, which have to agree
- * with it. */
+/* The lost side lost the pipeline's content; the other sides reset theirs to agree. */
 static bool start_over(struct view *view)
 {
     view->frame = 0;
@@ -52,7 +51,7 @@ static bool start_over(struct view *view)
     return true;
 }
 
-/* False when there is nobody who could try something else, or no frame came out since last time. */
+/* False when no user could act, or no frame finished since the last loss. */
 static bool has_patience(struct view *view)
 {
     bool soon = view->losses && view->frames - view->loss_frames < PATIENCE;

@@ -120,9 +120,6 @@ struct dt_resource {
     enum dt_format format;
     bool layered; /* an array image, also with one layer */
     uint32_t mips;
-    /* Size at a frame of width x height. Buffers: extent[0] elements. Images: width, height,
-     * layers. */
-    void (*extent)(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
 };
 
 enum dt_pass_kind { DT_PASS_DRAW_SCENE, DT_PASS_DRAW_FULLSCREEN, DT_PASS_DISPATCH };
@@ -142,9 +139,6 @@ struct dt_pass {
      * content is undefined, except with history */
     const uint8_t *write_mips;
     const char *limit; /* C file that does the same on the CPU, see limit.h; NULL: none */
-    /* Dispatch: invocations of its shader that are asked for, in a frame of that size and with that
-     * live block; draw: instances. NULL: an indirect buffer tells the GPU. */
-    uint64_t (*runs)(uint32_t frame_width, uint32_t frame_height, const void *live);
     /* float operations, at least, of one invocation that does not return early: of the compute or
      * vertex shader, and of the fragment shader; one turn of every loop, the cheapest way through
      * other branches */
@@ -176,24 +170,30 @@ struct dt_pipeline {
     uint32_t block_size;       /* and of those behind that a frame cannot change */
     int linear_output;         /* resource shown as linear HDR, for EXR; -1: none */
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
+    /* Size of a resource at a frame of width x height. Buffers: extent[0] elements. Images: width,
+     * height, layers. */
+    void (*extent)(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
+                   uint32_t height, uint32_t extent[3]);
+    /* Dispatch: invocations of the pass's shader in a frame of that size with that live block. Draw:
+     * instances. 0 also where an indirect buffer tells the GPU. */
+    uint64_t (*runs)(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t width,
+                     uint32_t height, const void *live);
 };
 
 /* For generated C, which includes math.h. Words of SPIR-V are a string: compilers read one in a quarter of
  * the time that a list of numbers takes. Bounds are those of a parameter whose spec gives none. */
-#ifdef __TINYC__ /* has 32-bit characters as wide ones only, and no constant -INFINITY */
-#define DT_WORDS(text) L##text
-#define DT_NO_MIN      (-1.0 / 0.0)
-#else
 #define DT_WORDS(text) U##text
 #define DT_NO_MIN      (-INFINITY)
-#endif
-#define DT_NO_MAX INFINITY
+#define DT_NO_MAX      INFINITY
 
-/* One stage of one pass: NAME_gl_shaders.c and NAME_vk_shaders.c, for NAME_gl.c and NAME_vk.c. */
+/* The code of one pass, from NAME_gl_shaders.c or NAME_vk_shaders.c. */
 struct dt_code {
     const uint32_t *words; /* SPIR-V */
     size_t size;           /* bytes; 0: the stage is absent */
     const char *glsl;      /* the same as text, for OpenGL's options.glsl; else NULL */
+};
+struct dt_stages {
+    struct dt_code compute, vertex, fragment;
 };
 
 /* ---- What a scene hands to a pipeline -------------------------------------------------------- */
@@ -273,29 +273,13 @@ struct dt_scene {
 
 /* ---- Runtimes -------------------------------------------------------------------------------- */
 
-/* What a pass needs of a device beyond what every pipeline does. */
-struct dt_need {
-    uint32_t pass;
-    const char *feature; /* of VkPhysicalDeviceFeatures or VkPhysicalDeviceVulkan1?Features */
-};
-
-/* One backend's half of a generated pipeline. `runtime` is the struct gl_runtime or vk_runtime that
- * the panel was made for, `state` is state_size zeroed bytes that belong to the panel. destroy
- * takes any state that create or resize left behind, complete or not. */
-struct dt_panel {
+/* What a backend takes: the panel, which is the same for all, and its own shaders. All of it must live
+ * as long as a runtime has it. */
+struct dt_panel; /* panel.h */
+struct dt_shaders {
     const char *backend; /* "gl" or "vk" */
-    const struct dt_pipeline *pipeline;
-    size_t state_size;
-    bool (*create)(void *runtime, void *state); /* programs, pipelines */
-    bool (*resize)(void *runtime, void *state, uint32_t width,
-                   uint32_t height); /* resources; also the first time */
-    bool (*record)(void *runtime, void *state, const void *live); /* one frame: all passes */
-    void *(*resource)(
-        void *state,
-        uint32_t index); /* struct gl_buffer *, gl_image *, vk_buffer * or vk_image * */
-    void (*destroy)(void *runtime, void *state);
-    const struct dt_need *needs; /* vk only */
-    uint32_t need_count;
+    const struct dt_panel *panel;
+    const struct dt_stages *stages; /* one per pass */
 };
 
 struct dt_runtime_options {
@@ -377,7 +361,7 @@ struct dt_runtime {
     bool (*set_scene)(void *runtime,
                       const struct dt_scene *scene); /* before resize; replaces the former scene */
     bool (*create)(void *runtime,
-                   const struct dt_panel *panel); /* one panel per runtime at a time */
+                   const struct dt_shaders *shaders); /* one pipeline per runtime at a time */
     bool (*resize)(void *runtime, uint32_t width, uint32_t height);
     bool (*render)(void *runtime, const struct dt_frame *frame, const void *live,
                    const struct dt_observer *observer);

@@ -17,7 +17,7 @@
 enum { MAX_PIPELINES = 2 };
 
 struct pipeline {
-    const struct dt_panel *panel;
+    const struct dt_shaders *shaders;
     uint32_t output;
 };
 
@@ -88,7 +88,7 @@ static struct gl_runtime *open_pipeline(const struct geometry *geometry,
         .materials = {geometry->buffer, 0, materials},
         .textures = geometry->textures,
     };
-    check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, pipeline->panel) &&
+    check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, pipeline->shaders) &&
               dt_gl_import_image(rt, pipeline->output, picture) && dt_gl_resize(rt, width, height),
           "opening a pipeline");
     return rt;

@@ -16,7 +16,7 @@
 enum { MAX_PIPELINES = 2 };
 
 struct pipeline {
-    const struct dt_panel *panel;
+    const struct dt_shaders *shaders;
     uint32_t output;
 };
 
@@ -42,7 +42,7 @@ static void open_renderer(struct renderer *renderer)
     VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
                                           .pNext = &vulkan11};
     for (int i = 0; i < MAX_PIPELINES; i++)
-        dt_vk_need_features(pipelines[i].panel, &features.features, &vulkan11, &vulkan12,
+        dt_vk_need_features(pipelines[i].shaders, &features.features, &vulkan11, &vulkan12,
                             &vulkan13);
     renderer_open(renderer, &features);
 }
@@ -100,7 +100,7 @@ static struct vk_runtime *open_pipeline(const struct renderer *renderer,
         .mips = 1,
         .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
     };
-    check(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, pipeline->panel) &&
+    check(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, pipeline->shaders) &&
               dt_vk_import_image(rt, pipeline->output, &image) &&
               dt_vk_resize(rt, renderer->width, renderer->height),
           "opening a pipeline");

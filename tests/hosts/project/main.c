@@ -18,5 +18,5 @@ int main(void)
     for (uint32_t i = 0; i < wave_pipeline.pass_count; i++)
         printf("pass %s, %llu operations\n", wave_pipeline.passes[i].name,
                (unsigned long long)wave_pipeline.passes[i].flops[0]);
-    return dt_vk_open(&nobody) != NULL || wave_vk.pipeline != &wave_pipeline;
+    return dt_vk_open(&nobody) != NULL || wave_vk.panel != &wave_panel;
 }

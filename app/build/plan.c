@@ -1,0 +1,196 @@
+/* The app's way into gen/; see plan.h. */
+#include "build/plan.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "base/tool.h"
+#include "build/play.h"
+#include "gen/load.h"
+
+enum { DEFAULT_CACHE_MIB = 64 };
+
+struct plan {
+    struct spec spec;
+};
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+/* They go where those of a child process would go: to the terminal, a window, or --json. */
+static void tell(struct diag *diag, bool failed, struct console *console)
+{
+    int file = memfd_create("messages", MFD_CLOEXEC);
+    int copy = file >= 0 ? dup(file) : -1;
+    FILE *out = copy >= 0 ? fdopen(copy, "w") : NULL;
+    diag_write(diag, out ? out : stderr);
+    if (out)
+        fclose(out);
+    else if (copy >= 0)
+        close(copy);
+    if (file >= 0)
+        tool_tell(file, failed, console);
+}
+
+/* ---- Cache ----------------------------------------------------------------------------------- */
+
+static uint32_t cache_mebibytes(void)
+{
+    const char *text = getenv("DIPTYCH_CACHE_MIB");
+    char *end = NULL;
+    unsigned long value = text ? strtoul(text, &end, 10) : DEFAULT_CACHE_MIB;
+    return text && (end == text || *end || value > 1 << 20) ? DEFAULT_CACHE_MIB : (uint32_t)value;
+}
+
+static struct shader_cache *open_cache(const char *folder, struct console *console)
+{
+    static bool said;
+    const char *problem = NULL;
+    struct shader_cache *cache =
+        folder ? shader_cache_open(folder, cache_mebibytes(), &problem) : NULL;
+    if (problem && !said) {
+        report_message(&console->log, DT_WARNING, "%s: not used as a cache: %s", folder, problem);
+        said = true;
+    }
+    return cache;
+}
+
+/* ---- Load ------------------------------------------------------------------------------------ */
+
+static struct spec_request spec_request(const struct plan_request *request)
+{
+    return (struct spec_request){.path = request->spec,
+                                 .sets = request->sets,
+                                 .set_count = request->set_count,
+                                 .templates = request->templates,
+                                 .for_edits = request->for_edits};
+}
+
+struct plan *plan_load(const struct plan_request *request, struct console *console)
+{
+    struct spec_request wanted = spec_request(request);
+    struct plan *plan = calloc(1, sizeof *plan);
+    struct diag *diag = diag_create();
+    bool good = plan && diag;
+    if (good) {
+        wanted.cache = open_cache(request->cache, console);
+        good = spec_load(&plan->spec, &wanted, true, diag);
+        shader_cache_close(wanted.cache);
+        tell(diag, !good, console);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    diag_free(diag);
+    if (good) {
+        play_prepare(plan->spec.tables);
+        return plan;
+    }
+    plan_free(plan);
+    return NULL;
+}
+
+void plan_free(struct plan *plan)
+{
+    if (plan)
+        spec_free(&plan->spec);
+    free(plan);
+}
+
+const struct dt_pipeline *plan_pipeline(const struct plan *plan)
+{
+    return &plan->spec.tables->pipeline;
+}
+
+static enum backend backend_of(const char *name)
+{
+    return strcmp(name, "gl") == 0 ? BACKEND_GL : BACKEND_VK;
+}
+
+const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend)
+{
+    return &plan->spec.tables->shaders[backend_of(backend)];
+}
+
+const char *const *plan_sources(const struct plan *plan, uint32_t *count)
+{
+    *count = plan->spec.model.input_count;
+    return plan->spec.model.inputs;
+}
+
+const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pass,
+                      const char *suffix)
+{
+    static const char *const suffixes[] = {"comp", "vert", "frag"};
+    const struct pass_shaders *shaders = &plan->spec.shaders[backend_of(backend)][pass];
+    for (size_t stage = 0; stage < DT_ARRAY_COUNT(suffixes); stage++)
+        if (strcmp(suffix, suffixes[stage]) == 0 && shaders->stage[stage].word_count)
+            return shaders->stage[stage].glsl.data;
+    return NULL;
+}
+
+char *plan_limit(const struct plan *plan, uint32_t pass)
+{
+    struct text text = {0};
+    if (!plan->spec.model.pipeline.order[pass]->limit_body)
+        return NULL;
+    emit_limit(plan->spec.model.pipeline.order[pass], &text);
+    if (text.failed)
+        text_free(&text);
+    return text.data;
+}
+
+uint64_t plan_hash(const struct plan *plan)
+{
+    const struct spec *spec = &plan->spec;
+    struct text text = {0};
+    emit_c_panel(spec->tables, &text);
+    for (uint32_t i = 0; i < spec->model.pipeline.pass_count; i++)
+        for (int stage = 0; stage < 3; stage++)
+            for (int backend = 0; backend < 2; backend++) {
+                const struct text *glsl = &spec->shaders[backend][i].stage[stage].glsl;
+                text_add_bytes(&text, glsl->data ? glsl->data : "", glsl->length);
+            }
+    uint64_t hash = text.failed ? 0 : XXH3_64bits(text.data, text.length);
+    text_free(&text);
+    return hash;
+}
+
+char *plan_header(const struct plan *plan)
+{
+    struct text text = {0};
+    emit_header(&plan->spec.model, &text);
+    if (text.failed)
+        text_free(&text);
+    return text.data;
+}
+
+static bool is_live(const struct pipeline *pipeline, const char *set)
+{
+    size_t length = strcspn(set, "=");
+    for (uint32_t i = 0; i < pipeline->param_count; i++) {
+        const struct param *param = &pipeline->params[i];
+        if (strlen(param->name) == length && !strncmp(param->name, set, length))
+            return param->live;
+    }
+    return false;
+}
+
+bool plan_find_live(const struct plan_request *request, const char *const *sets, uint32_t set_count,
+                    bool *live, struct console *console)
+{
+    struct spec_request wanted = spec_request(request);
+    struct spec spec = {0};
+    struct diag *diag = diag_create();
+    bool good = diag && spec_read(&spec, &wanted, diag) && !diag_error_count(diag);
+    for (uint32_t i = 0; good && i < set_count; i++)
+        live[i] = is_live(&spec.model.pipeline, sets[i]);
+    if (!good && diag)
+        tell(diag, true, console);
+    else if (!good)
+        report_error(&console->log, "out of memory");
+    diag_free(diag);
+    spec_free(&spec);
+    return good;
+}

@@ -1,0 +1,41 @@
+/* A spec, read, checked and planned in this process, ready to be played: the one file of the app's headers
+ * that stands for gen/, whose own names stay behind it. Called by pipeline.c. */
+#ifndef DIPTYCH_PLAN_BUILD_H
+#define DIPTYCH_PLAN_BUILD_H
+
+#include "base/console.h"
+
+struct plan;
+
+struct plan_request {
+    const char *spec, *templates; /* real paths */
+    const char *const *sets;
+    uint32_t set_count;
+    const char *cache; /* folder of compiled shaders; NULL: none */
+    bool for_edits;    /* heed `edits` of ranges */
+};
+
+/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
+struct plan *plan_load(const struct plan_request *request, struct console *console);
+void plan_free(struct plan *plan); /* takes NULL */
+
+const struct dt_pipeline *plan_pipeline(const struct plan *plan);
+const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
+/* The paths of all files that were read. */
+const char *const *plan_sources(const struct plan *plan, uint32_t *count);
+/* What a backend ("gl", "vk") compiles for a pass; suffix: "comp", "vert" or "frag". NULL: it has none. */
+const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pass,
+                      const char *suffix);
+/* The pass's `limit` file with a #line that names it; free(). NULL: it has none, or out of memory. */
+char *plan_limit(const struct plan *plan, uint32_t pass);
+
+/* Of all that a frame depends on: equal for a spec that was saved without a change. 0: out of memory. */
+uint64_t plan_hash(const struct plan *plan);
+/* NAME.h, for such a file; free(). */
+char *plan_header(const struct plan *plan);
+
+/* Whether the name before `=` of each --set is a live parameter of the spec, into live[]. */
+bool plan_find_live(const struct plan_request *request, const char *const *sets, uint32_t set_count,
+                    bool *live, struct console *console);
+
+#endif

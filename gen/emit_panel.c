@@ -1,0 +1,413 @@
+/* NAME.c, the panel for all backends: the reflection (emit_pipeline.c), the tables of lower.h, and
+ * `record`, a function per pass. Called by main.c. */
+#include <inttypes.h>
+#include <string.h>
+
+#include "emit_c.h"
+
+/* In the order of the bits of enum dt_access and enum dt_stage. */
+static const char *const accesses[] = {"DT_READ_STORAGE", "DT_WRITE_STORAGE", "DT_READ_TEXTURE",
+                                       "DT_READ_UNIFORM", "DT_READ_COLOR",    "DT_WRITE_COLOR",
+                                       "DT_READ_DEPTH",   "DT_WRITE_DEPTH",   "DT_READ_INDIRECT",
+                                       "DT_READ_INDEX",   "DT_WRITE_CLEAR"};
+static const char *const stages[] = {"DT_STAGE_COMPUTE", "DT_STAGE_VERTEX", "DT_STAGE_FRAGMENT",
+                                     "DT_STAGE_COLOR",   "DT_STAGE_DEPTH",  "DT_STAGE_INDIRECT",
+                                     "DT_STAGE_INDEX",   "DT_STAGE_CLEAR"};
+static const char *const layouts[] = {
+    [DT_LAYOUT_NONE] = "DT_LAYOUT_NONE",   [DT_LAYOUT_GENERAL] = "DT_LAYOUT_GENERAL",
+    [DT_LAYOUT_READ] = "DT_LAYOUT_READ",   [DT_LAYOUT_COLOR] = "DT_LAYOUT_COLOR",
+    [DT_LAYOUT_DEPTH] = "DT_LAYOUT_DEPTH",
+};
+
+static void emit_accesses(struct text *out, unsigned mask)
+{
+    c_flags(out, mask, accesses, DT_ARRAY_COUNT(accesses), "0");
+}
+
+static void emit_stages(struct text *out, unsigned mask)
+{
+    c_flags(out, mask, stages, DT_ARRAY_COUNT(stages), "0");
+}
+
+/* ---- Storage and samplers -------------------------------------------------------------------- */
+
+static void emit_storage(const struct c_output *c)
+{
+    if (!c->pipeline->resource_count)
+        return;
+    text_add(c->out, "static const struct dt_storage storage[] = {\n");
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
+        const struct dt_storage *storage = &c->tables->panel.storage[i];
+        uint32_t count = 4;
+        text_add(c->out, "    [");
+        c_resource(c, i);
+        text_add(c->out, "] = {.usage = ");
+        emit_accesses(c->out, storage->usage);
+        text_add(c->out, ", .slot = %u, .share = %d", storage->slot, storage->share);
+        if (storage->block)
+            text_add(c->out, ", .block = %" PRIu32, storage->block);
+        while (count > 0 && storage->clear[count - 1] == 0)
+            count--;
+        for (uint32_t k = 0; k < count; k++) {
+            text_add(c->out, k ? ", " : ", .clear = {");
+            c_float(c->out, (double)storage->clear[k]);
+        }
+        text_add(c->out, count ? "}},\n" : "},\n");
+    }
+    text_add(c->out, "};\n\n");
+}
+
+static void emit_samplers(const struct c_output *c)
+{
+    static const char *const wraps[] = {[DT_WRAP_CLAMP] = "DT_WRAP_CLAMP",
+                                        [DT_WRAP_REPEAT] = "DT_WRAP_REPEAT",
+                                        [DT_WRAP_MIRROR] = "DT_WRAP_MIRROR"};
+    if (!c->tables->panel.sampler_count)
+        return;
+    text_add(c->out, "static const struct dt_sampler samplers[] = {\n");
+    for (uint32_t i = 0; i < c->tables->panel.sampler_count; i++) {
+        const struct dt_sampler *sampler = &c->tables->panel.samplers[i];
+        text_add(c->out, "    {.name = \"%s\"%s%s, .wrap = %s%s, .anisotropy = ", sampler->name,
+                 sampler->linear ? ", .linear = true" : "",
+                 sampler->linear_mip ? ", .linear_mip = true" : "", wraps[sampler->wrap],
+                 sampler->compare ? ", .compare = true" : "");
+        c_float(c->out, (double)sampler->anisotropy);
+        text_add(c->out, "},\n");
+    }
+    text_add(c->out, "};\n\n");
+}
+
+/* ---- Programs -------------------------------------------------------------------------------- */
+
+static void emit_binding(const struct c_output *c, const struct dt_binding *binding)
+{
+    static const char *const kinds[] = {[DT_BIND_UNIFORM] = "DT_BIND_UNIFORM",
+                                        [DT_BIND_STORAGE] = "DT_BIND_STORAGE",
+                                        [DT_BIND_TEXTURE] = "DT_BIND_TEXTURE",
+                                        [DT_BIND_IMAGE] = "DT_BIND_IMAGE"};
+    text_add(c->out, "            {.binding = %u, .resource = ", binding->binding);
+    c_resource(c, binding->resource);
+    text_add(c->out, ", .kind = %s", kinds[binding->kind]);
+    if (binding->mip == DT_ALL_MIPS)
+        text_add(c->out, ", .mip = DT_ALL_MIPS");
+    else if (binding->mip)
+        text_add(c->out, ", .mip = %u", binding->mip);
+    if (binding->layout != DT_LAYOUT_NONE)
+        text_add(c->out, ", .layout = %s", layouts[binding->layout]);
+    if (binding->kind == DT_BIND_IMAGE) {
+        text_add(c->out, ", .access = ");
+        emit_accesses(c->out, binding->access);
+    } else if (binding->kind == DT_BIND_TEXTURE) {
+        text_add(c->out, ", .sampler = %d", binding->sampler);
+    }
+    text_add(c->out, "},\n");
+}
+
+static void emit_target(const struct c_output *c, const struct dt_target *target)
+{
+    text_add(c->out, "{.resource = ");
+    c_resource(c, target->resource);
+    if (target->mip)
+        text_add(c->out, ", .mip = %u", target->mip);
+    text_add(c->out, target->load ? ", .load = true}" : "}");
+}
+
+static void emit_draw_state(const struct c_output *c, const struct dt_program *program)
+{
+    static const char *const compares[] = {[DT_COMPARE_LESS] = "DT_COMPARE_LESS",
+                                           [DT_COMPARE_LESS_EQUAL] = "DT_COMPARE_LESS_EQUAL",
+                                           [DT_COMPARE_GREATER] = "DT_COMPARE_GREATER",
+                                           [DT_COMPARE_ALWAYS] = "DT_COMPARE_ALWAYS"};
+    static const char *const culls[] = {[DT_CULL_NONE] = "DT_CULL_NONE",
+                                        [DT_CULL_BACK] = "DT_CULL_BACK",
+                                        [DT_CULL_FRONT] = "DT_CULL_FRONT"};
+    if (program->color_count)
+        text_add(c->out, "        .colors = (const struct dt_target[]){");
+    for (uint32_t i = 0; i < program->color_count; i++) {
+        text_add(c->out, i ? ", " : "");
+        emit_target(c, &program->colors[i]);
+    }
+    if (program->color_count)
+        text_add(c->out, "},\n        .color_count = %" PRIu32 ",\n", program->color_count);
+    if (program->depth) {
+        text_add(c->out, "        .depth = &(const struct dt_target)");
+        emit_target(c, program->depth);
+        text_add(c->out, ",\n");
+    }
+    if (program->depth_test)
+        text_add(c->out, "        .depth_test = true, .depth_write = %s, .compare = %s,\n",
+                 program->depth_write ? "true" : "false", compares[program->compare]);
+    text_add(c->out, "        .cull = %s%s%s", culls[program->cull],
+             program->blend_add ? ", .blend_add = true" : "",
+             program->layered ? ", .layered = true" : "");
+    if (program->clip_distances)
+        text_add(c->out, ", .clip_distances = %" PRIu32, program->clip_distances);
+    text_add(c->out, ",\n");
+}
+
+static void emit_programs(const struct c_output *c)
+{
+    if (!c->pipeline->pass_count)
+        return;
+    text_add(c->out, "static const struct dt_program programs[] = {\n");
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct dt_program *program = &c->tables->panel.programs[i];
+        text_add(c->out, "    [");
+        c_pass(c, i);
+        text_add(c->out, "] = {\n        .bindings = (const struct dt_binding[]){\n");
+        for (uint32_t b = 0; b < program->binding_count; b++)
+            emit_binding(c, &program->bindings[b]);
+        text_add(c->out, "        },\n        .binding_count = %" PRIu32 ",\n",
+                 program->binding_count);
+        if (pass_draws(c->pipeline->order[i]))
+            emit_draw_state(c, program);
+        text_add(c->out, "    },\n");
+    }
+    text_add(c->out, "};\n\n");
+}
+
+static void emit_needs(const struct c_output *c)
+{
+    if (!c->tables->panel.need_count)
+        return;
+    text_add(c->out, "static const struct dt_need needs[] = {\n");
+    for (uint32_t i = 0; i < c->tables->panel.need_count; i++) {
+        text_add(c->out, "    {");
+        c_pass(c, c->tables->panel.needs[i].pass);
+        text_add(c->out, ", \"%s\"},\n", c->tables->panel.needs[i].feature);
+    }
+    text_add(c->out, "};\n\n");
+}
+
+/* ---- Record ---------------------------------------------------------------------------------- */
+
+static void emit_barrier(const struct c_output *c, const struct barrier *plan,
+                         const struct dt_barrier *barrier)
+{
+    text_add(c->out, "        {");
+    c_resource(c, barrier->resource);
+    text_add(c->out, ", ");
+    emit_stages(c->out, barrier->from_stages);
+    text_add(c->out, ", ");
+    emit_accesses(c->out, barrier->from);
+    text_add(c->out, ", ");
+    emit_stages(c->out, barrier->to_stages);
+    text_add(c->out, ", ");
+    emit_accesses(c->out, barrier->to);
+    text_add(c->out, ", %s, %s},", layouts[barrier->layout],
+             barrier->discard ? "DT_DISCARD" : "DT_KEEP");
+    if (plan->alias)
+        text_add(c->out, " /* in the memory of %s */", plan->alias->name);
+    text_add(c->out, "\n");
+}
+
+static void emit_barriers(const struct c_output *c, const struct pass *pass)
+{
+    if (!pass->barrier_count)
+        return;
+    text_add(c->out, "    static const struct dt_barrier barriers[] = {\n");
+    for (uint32_t i = 0; i < pass->barrier_count; i++)
+        emit_barrier(c, &pass->barriers[i], &c->tables->barriers[pass->index][i]);
+    text_add(c->out, "    };\n");
+}
+
+/* The call of a verb up to its last arguments. */
+static void emit_verb(const struct c_output *c, const struct pass *pass, const char *verb)
+{
+    text_add(c->out, "v->%s(r->runtime, ", verb);
+    c_pass(c, pass->index);
+}
+
+static void emit_groups(const struct c_output *c, const struct pass *pass, int axis)
+{
+    struct groups groups = pass_groups(pass, axis);
+    text_add(c->out, ", ");
+    if (groups.kind == GROUPS_NUMBER) {
+        text_add(c->out, "%" PRIu32, groups.divisor);
+        return;
+    }
+    text_add(c->out, "dt_groups(");
+    if (groups.kind == GROUPS_IMAGE)
+        text_add(c->out, "size[%d]", axis);
+    else if (groups.kind == GROUPS_FRAME)
+        text_add(c->out, axis == 0 ? "width" : "height");
+    else
+        c_expr(c->out, groups.expr);
+    text_add(c->out, ", %" PRIu32 ")", groups.divisor);
+}
+
+static void emit_layers(const struct c_output *c, const struct pass *pass)
+{
+    text_add(c->out, ", ");
+    c_expr(c->out, pass->layers);
+}
+
+static void emit_work(const struct c_output *c, const struct pass *pass)
+{
+    if (pass->kind == PASS_FULLSCREEN) {
+        emit_verb(c, pass, "draw_fullscreen");
+        emit_layers(c, pass);
+    } else if (pass->kind == PASS_SCENE && pass->indirect_resource) {
+        emit_verb(c, pass, "draw_indirect");
+        emit_layers(c, pass);
+        text_add(c->out, ", ");
+        c_resource(c, pass->index_resource ? pass->index_resource->index : DT_SCENE_INDICES);
+        text_add(c->out, ", ");
+        c_resource(c, pass->indirect_resource->index);
+    } else if (pass->kind == PASS_SCENE) {
+        emit_verb(c, pass, "draw_scene");
+        emit_layers(c, pass);
+    } else if (pass->size == SIZE_INDIRECT) {
+        emit_verb(c, pass, "dispatch_indirect");
+        text_add(c->out, ", ");
+        c_resource(c, pass->indirect_resource->index);
+    } else {
+        emit_verb(c, pass, "dispatch");
+        for (int axis = 0; axis < 3; axis++)
+            emit_groups(c, pass, axis);
+    }
+    text_add(c->out, ")");
+}
+
+/* What a pass that does not run leaves cleared. */
+static void emit_clears(const struct c_output *c, const struct pass *pass)
+{
+    uint32_t at = 0;
+    const struct access *access;
+    if (pass_draws(pass) && pass_clears_targets(pass)) {
+        text_add(c->out, "        ok = ok && ");
+        emit_verb(c, pass, "clear_targets");
+        emit_layers(c, pass);
+        text_add(c->out, ");\n");
+    }
+    while ((access = pass_clears(pass, &at))) {
+        bool image = access->resource->kind == DT_IMAGE;
+        text_add(c->out, "        ok = ok && ");
+        emit_verb(c, pass, image ? "clear_image" : "clear_buffer");
+        text_add(c->out, ", ");
+        c_resource(c, access->resource->index);
+        text_add(c->out, image ? ", %" PRIu32 ");\n" : ");\n", access->mip_value);
+    }
+}
+
+static void emit_run(const struct c_output *c, const struct pass *pass)
+{
+    struct text clears = {0};
+    struct c_output inner = *c;
+    const char *indent = pass->conditional ? "        " : "    ";
+    text_add(c->out, "%s%sok = ok && ", pass->conditional ? "    if (runs) {\n" : "", indent);
+    emit_verb(c, pass, "bind");
+    text_add(c->out, ");\n%sok = ok && ", indent);
+    emit_work(c, pass);
+    text_add(c->out, ";\n");
+    if (!pass->conditional)
+        return;
+    inner.out = &clears;
+    emit_clears(&inner, pass);
+    text_add(c->out, clears.data ? "    } else {\n%s    }\n" : "    }\n", clears.data);
+    c->out->failed |= clears.failed;
+    text_free(&clears);
+}
+
+static void emit_body(const struct c_output *c, const struct pass *pass)
+{
+    bool image = !pass_draws(pass) && pass->size == SIZE_IMAGE;
+    if (pass->conditional) {
+        text_add(c->out, "    const bool runs = (");
+        c_expr(c->out, pass->when);
+        text_add(c->out, ") != 0;\n");
+    }
+    text_add(c->out, image ? "    uint32_t size[3];\n" : "");
+    text_add(c->out, "    bool ok = ");
+    emit_verb(c, pass, "begin");
+    text_add(c->out, ", %s);\n\n", pass->conditional ? "runs" : "true");
+    if (image) {
+        text_add(c->out, "    extent(&%s_pipeline, ", c->pipeline->name);
+        c_resource(c, pass->size_resource->index);
+        text_add(c->out, ", r->width, r->height, size);\n");
+    }
+    if (pass->barrier_count) {
+        text_add(c->out, "    ok = ok && ");
+        emit_verb(c, pass, "barriers");
+        text_add(c->out, ", barriers, %" PRIu32 ");\n", pass->barrier_count);
+    }
+    emit_run(c, pass);
+    text_add(c->out, "    return ok && ");
+    emit_verb(c, pass, "end");
+    text_add(c->out, ");\n");
+}
+
+static void emit_pass(const struct c_output *c, const struct pass *pass)
+{
+    struct text body = {0};
+    struct c_output inner = *c;
+    inner.out = &body;
+    emit_body(&inner, pass);
+    if (pass->doc) {
+        text_add(c->out, "/* ");
+        c_comment(c->out, pass->doc);
+        text_add(c->out, " */\n");
+    }
+    text_add(c->out, "static bool record_%s(const struct dt_recording *r)\n{\n", pass->name);
+    emit_barriers(c, pass);
+    text_add(c->out, "    const struct dt_verbs *v = r->verbs;\n");
+    c_frame_locals(c, body.data);
+    text_add(c->out, "%s}\n\n", body.data ? body.data : "");
+    c->out->failed |= body.failed;
+    text_free(&body);
+}
+
+static void emit_record(const struct c_output *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        emit_pass(c, c->pipeline->order[i]);
+    text_add(c->out, "static bool record(const struct dt_recording *r)\n{\n    return ");
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        text_add(c->out, "%srecord_%s(r)", i ? " &&\n        " : "", c->pipeline->order[i]->name);
+    text_add(c->out, c->pipeline->pass_count ? ";\n}\n\n" : "r != NULL;\n}\n\n");
+}
+
+/* ---- The file -------------------------------------------------------------------------------- */
+
+static void emit_table(const struct c_output *c, const char *name, const char *count, uint32_t n)
+{
+    if (n)
+        text_add(c->out, "    .%s = %s,\n    .%s = %" PRIu32 ",\n", name, name, count, n);
+}
+
+void emit_c_panel(const struct lowered *tables, struct text *out)
+{
+    const struct pipeline *pipeline = &tables->model->pipeline;
+    struct c_output c = {tables->model, pipeline, tables, out};
+    c_head(&c, ": the panel, for all backends.");
+    text_add(out,
+             "#include \"%s.h\"\n\n#include <math.h>\n\n#include \"panel.h\"\n\n"
+             "/* ---- What the pipeline is made of ---- */\n\n",
+             pipeline->name);
+    emit_reflection(&c);
+    text_add(out, "/* ---- How it is stored, bound and drawn ---- */\n\n");
+    emit_storage(&c);
+    emit_samplers(&c);
+    emit_programs(&c);
+    emit_needs(&c);
+    text_add(out,
+             "/* ---- One frame. Barriers: resource; stages and writes that are waited for; stages "
+             "and accesses that wait; layout ---- */\n\n");
+    emit_record(&c);
+    text_add(out, "const struct dt_panel %s_panel = {\n    .pipeline = &%s_pipeline,\n%s%s",
+             pipeline->name, pipeline->name,
+             pipeline->resource_count ? "    .storage = storage,\n" : "",
+             pipeline->pass_count ? "    .programs = programs,\n" : "");
+    emit_table(&c, "samplers", "sampler_count", tables->panel.sampler_count);
+    emit_table(&c, "needs", "need_count", tables->panel.need_count);
+    text_add(out, "    .slot_count = %" PRIu32 ",\n    .record = record,\n};\n",
+             pipeline->slot_count);
+}
+
+void emit_limit(const struct pass *pass, struct text *out)
+{
+    text_add(out, "#line 1 ");
+    c_string(out, pass->limit);
+    text_add(out, "\n");
+    text_add_bytes(out, pass->limit_body->text, pass->limit_body->length);
+}

@@ -1,0 +1,38 @@
+/* From a spec to tables; see load.h. */
+#include "load.h"
+
+bool spec_read(struct spec *spec, const struct spec_request *request, struct diag *diag)
+{
+    spec->model.arena = spec->model.arena ? spec->model.arena : arena_create();
+    if (!spec->model.arena) {
+        diag_error(diag, (struct loc){0}, "out of memory");
+        return false;
+    }
+    spec->model.templates_dir = request->templates;
+    return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
+}
+
+bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
+               struct diag *diag)
+{
+    struct model *model = &spec->model;
+    if (!spec_read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
+        diag_error_count(diag))
+        return false;
+    model->pipeline.for_edits = request->for_edits;
+    layout_model(model);
+    if (!plan_model(model, diag) || diag_error_count(diag) ||
+        !shaders_compile(model, spec->shaders, request->cache, diag))
+        return false;
+    spec->tables = tables ? lower(model, spec->shaders) : NULL;
+    if (tables && !spec->tables)
+        diag_error(diag, (struct loc){0}, "out of memory");
+    return !tables || spec->tables;
+}
+
+void spec_free(struct spec *spec)
+{
+    shaders_free(&spec->model, spec->shaders);
+    arena_free(spec->model.arena);
+    *spec = (struct spec){0};
+}

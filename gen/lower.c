@@ -1,0 +1,635 @@
+/* From the planned model to tables; see lower.h. */
+#include "lower.h"
+
+#include <spirv/unified1/spirv.h>
+#include <string.h>
+
+#include "expr.h"
+#include "plan.h"
+
+struct lowering {
+    const struct model *model;
+    const struct pipeline *from;
+    struct arena *arena;
+    bool failed;
+};
+
+/* Zeroed; on failure a place to write one element to, so that callers go on to the end. */
+static void *table(struct lowering *l, size_t count, size_t size)
+{
+    static _Alignas(16) char scratch[512];
+    void *memory = arena_alloc(l->arena, count * size + 1);
+    l->failed |= !memory;
+    return memory ? memory : scratch;
+}
+
+/* ---- Passes ---------------------------------------------------------------------------------- */
+
+bool pass_draws(const struct pass *pass)
+{
+    return pass->kind != PASS_DISPATCH;
+}
+
+const struct expr *resource_size(const struct resource *resource, int axis)
+{
+    const struct expr *const image[3] = {resource->width, resource->height, resource->layers};
+    return resource->kind == DT_IMAGE ? image[axis] : axis == 0 ? resource->count : NULL;
+}
+
+struct groups pass_groups(const struct pass *pass, int axis)
+{
+    uint32_t local = pass->size == SIZE_GROUPS ? 1 : pass->local[axis];
+    const struct expr *expr = pass->dispatch[axis];
+    if (pass->size == SIZE_IMAGE)
+        return axis == 2 && !pass->size_resource->layers
+                   ? (struct groups){.divisor = 1}
+                   : (struct groups){GROUPS_IMAGE, .image = pass->size_resource, .divisor = local};
+    if (pass->size == SIZE_INTERLEAVE) {
+        const uint32_t *tile = pass->interleave->tile;
+        /* A group covers local pixels of one class; a class has every tile-th pixel of the frame. */
+        return axis == 2 ? (struct groups){.divisor = tile[0] * tile[1]}
+                         : (struct groups){GROUPS_FRAME, .divisor = tile[axis] * local};
+    }
+    if (expr && expr_reach(expr) != EXPR_BAKED)
+        return (struct groups){GROUPS_EXPR, .expr = expr, .divisor = local};
+    return (struct groups){
+        .divisor = dt_groups(expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1), local)};
+}
+
+bool pass_clears_targets(const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].kind & (ACCESS_COLOR | ACCESS_DEPTH) &&
+            pass->accesses[i].mode == MODE_WRITE)
+            return true;
+    return false;
+}
+
+const struct access *pass_clears(const struct pass *pass, uint32_t *at)
+{
+    while (*at < pass->access_count) {
+        const struct access *access = &pass->accesses[(*at)++];
+        if (access->resource && access->mode == MODE_WRITE &&
+            !(access->kind & (ACCESS_COLOR | ACCESS_DEPTH)))
+            return access;
+    }
+    return NULL;
+}
+
+/* ---- Uses ------------------------------------------------------------------------------------ */
+
+static unsigned accesses_of(unsigned kinds)
+{
+    static const struct {
+        unsigned kinds, accesses;
+    } map[] = {
+        {ACCESS_STORAGE_READ, DT_READ_STORAGE},
+        {ACCESS_STORAGE_WRITE, DT_WRITE_STORAGE},
+        {ACCESS_FETCH | ACCESS_SAMPLED, DT_READ_TEXTURE},
+        {ACCESS_UNIFORM, DT_READ_UNIFORM},
+        {ACCESS_COLOR, DT_WRITE_COLOR},
+        {ACCESS_DEPTH, DT_READ_DEPTH | DT_WRITE_DEPTH},
+        {ACCESS_INDIRECT, DT_READ_INDIRECT},
+        {ACCESS_INDEX, DT_READ_INDEX},
+        {ACCESS_CLEAR, DT_WRITE_CLEAR},
+    };
+    unsigned accesses = 0;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(map); i++)
+        accesses |= kinds & map[i].kinds ? map[i].accesses : 0;
+    return accesses;
+}
+
+/* A colour target is read when its content is kept or blended with. */
+static bool reads_color(const struct pass *pass, const struct access *access)
+{
+    return access->kind & ACCESS_COLOR && (access->mode == MODE_UPDATE || pass->blend_add);
+}
+
+/* An image has one layout in a pass, for everything that the pass does to it. */
+static uint8_t layout_in_pass(const struct pass *pass, const struct resource *resource)
+{
+    static const uint8_t layouts[] = {[LAYOUT_GENERAL] = DT_LAYOUT_GENERAL,
+                                      [LAYOUT_READ] = DT_LAYOUT_READ,
+                                      [LAYOUT_COLOR] = DT_LAYOUT_COLOR,
+                                      [LAYOUT_DEPTH] = DT_LAYOUT_DEPTH};
+    unsigned kinds = 0;
+    if (resource && resource->kind == DT_BUFFER)
+        return DT_LAYOUT_NONE;
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        kinds |= pass->accesses[i].resource == resource ? pass->accesses[i].kind : 0;
+    return layouts[layout_of(kinds)];
+}
+
+static struct dt_barrier barrier_of(const struct pass *pass, const struct barrier *barrier)
+{
+    const unsigned writes = DT_WRITE_STORAGE | DT_WRITE_COLOR | DT_WRITE_DEPTH | DT_WRITE_CLEAR;
+    unsigned to = accesses_of(barrier->to);
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].resource == barrier->resource && to & DT_WRITE_COLOR &&
+            reads_color(pass, &pass->accesses[i]))
+            to |= DT_READ_COLOR;
+    return (struct dt_barrier){
+        .resource = (uint16_t)barrier->resource->index,
+        .from_stages = (uint16_t)(barrier->from_stages ? barrier->from_stages : barrier->to_stages),
+        .from = (uint16_t)(barrier->from_writes ? accesses_of(barrier->from) & writes : 0),
+        .to_stages = (uint16_t)barrier->to_stages,
+        .to = (uint16_t)to,
+        .layout = layout_in_pass(pass, barrier->resource),
+        .discard = barrier->discard && barrier->resource->kind == DT_IMAGE,
+    };
+}
+
+static void lower_barriers(struct lowering *l, struct lowered *out)
+{
+    out->barriers = table(l, l->from->pass_count, sizeof *out->barriers);
+    for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
+        const struct pass *pass = l->from->order[p];
+        struct dt_barrier *barriers = table(l, pass->barrier_count, sizeof *barriers);
+        for (uint32_t i = 0; i < pass->barrier_count && !l->failed; i++)
+            barriers[i] = barrier_of(pass, &pass->barriers[i]);
+        out->barriers[p] = barriers;
+    }
+}
+
+/* ---- Storage, samplers ----------------------------------------------------------------------- */
+
+static void lower_storage(struct lowering *l, struct dt_panel *panel)
+{
+    struct dt_storage *storage = table(l, l->from->resource_count, sizeof *storage);
+    for (uint32_t i = 0; i < l->from->resource_count && !l->failed; i++) {
+        const struct resource *resource = &l->from->resources[i];
+        unsigned usage = accesses_of(resource->usage);
+        bool image = resource->kind == DT_IMAGE;
+        storage[i] = (struct dt_storage){
+            .usage = (uint16_t)(usage   ? usage
+                                : image ? DT_READ_TEXTURE
+                                        : DT_READ_STORAGE),
+            .slot = (uint16_t)resource->slot,
+            .share = (int16_t)resource->share,
+            .block = resource->block,
+        };
+        for (int c = 0; c < 4 && image; c++)
+            storage[i].clear[c] = (float)resource->clear[c];
+    }
+    panel->storage = storage;
+    panel->slot_count = l->from->slot_count;
+}
+
+static void lower_samplers(struct lowering *l, struct dt_panel *panel)
+{
+    static const enum dt_wrap wraps[] = {[WRAP_CLAMP] = DT_WRAP_CLAMP,
+                                         [WRAP_REPEAT] = DT_WRAP_REPEAT,
+                                         [WRAP_MIRROR] = DT_WRAP_MIRROR};
+    struct dt_sampler *samplers = table(l, l->from->sampler_count, sizeof *samplers);
+    for (uint32_t i = 0; i < l->from->sampler_count && !l->failed; i++) {
+        const struct sampler *sampler = &l->from->samplers[i];
+        if (sampler->kind == SAMPLER_FILTER)
+            samplers[panel->sampler_count++] = (struct dt_sampler){
+                .name = sampler->name,
+                .linear = sampler->linear,
+                .linear_mip = sampler->linear_mip,
+                .wrap = wraps[sampler->wrap],
+                .compare = sampler->compare,
+                .anisotropy = (float)sampler->anisotropy,
+            };
+    }
+    panel->samplers = samplers;
+}
+
+static int16_t sampler_index(const struct pipeline *pipeline, const struct sampler *sampler)
+{
+    int16_t index = 0;
+    if (!sampler)
+        return -1;
+    for (const struct sampler *at = pipeline->samplers; at != sampler; at++)
+        index = (int16_t)(index + (at->kind == SAMPLER_FILTER));
+    return index;
+}
+
+/* ---- Programs -------------------------------------------------------------------------------- */
+
+static bool is_image(const struct access *access)
+{
+    return access->resource ? access->resource->kind == DT_IMAGE
+                            : access->builtin == BUILTIN_TEXTURES;
+}
+
+static uint16_t object_of(const struct access *access)
+{
+    static const uint16_t builtins[BUILTIN_COUNT] = {
+        [BUILTIN_VERTICES] = DT_SCENE_VERTICES,
+        [BUILTIN_INDICES] = DT_SCENE_INDICES,
+        [BUILTIN_MATERIALS] = DT_SCENE_MATERIALS,
+        [BUILTIN_TEXTURES] = DT_SCENE_TEXTURES,
+    };
+    return access->resource ? (uint16_t)access->resource->index : builtins[access->builtin];
+}
+
+static struct dt_binding binding_of(const struct pipeline *pipeline, const struct pass *pass,
+                                    const struct access *access)
+{
+    bool texture = access->kind & (ACCESS_FETCH | ACCESS_SAMPLED);
+    struct dt_binding binding = {
+        .binding = (uint16_t)access->binding,
+        .resource = object_of(access),
+        .kind = !is_image(access)
+                    ? access->kind & ACCESS_UNIFORM ? DT_BIND_UNIFORM : DT_BIND_STORAGE
+                : texture ? DT_BIND_TEXTURE
+                          : DT_BIND_IMAGE,
+    };
+    if (!is_image(access))
+        return binding;
+    binding.mip =
+        texture && !access_sees_one_mip(access) ? DT_ALL_MIPS : (uint8_t)access->mip_value;
+    binding.layout = access->resource ? layout_in_pass(pass, access->resource) : DT_LAYOUT_READ;
+    if (texture)
+        binding.sampler = sampler_index(pipeline, access->filter);
+    else
+        binding.access = (uint16_t)accesses_of(access->kind);
+    return binding;
+}
+
+static struct dt_binding block_of(int binding, enum dt_builtin block, bool uniform)
+{
+    return (struct dt_binding){.binding = (uint16_t)binding,
+                               .resource = (uint16_t)block,
+                               .kind = uniform ? DT_BIND_UNIFORM : DT_BIND_STORAGE};
+}
+
+/* A scene draw always binds materials and textures, also when its reads name them. */
+static void lower_bindings(struct lowering *l, const struct pass *pass, struct dt_program *program)
+{
+    struct dt_binding *bindings = table(l, pass->access_count + 4, sizeof *bindings);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < pass->access_count && !l->failed; i++) {
+        const struct access *access = &pass->accesses[i];
+        if (access->binding >= 0 && access->binding != pass->materials_binding &&
+            access->binding != pass->textures_binding)
+            bindings[count++] = binding_of(l->from, pass, access);
+    }
+    if (!l->failed) {
+        bindings[count++] = block_of(pass->frame_binding, DT_FRAME, true);
+        bindings[count++] = block_of(pass->live_binding, DT_LIVE, true);
+    }
+    if (pass->kind == PASS_SCENE && !l->failed) {
+        bindings[count++] =
+            block_of(pass->materials_binding, DT_SCENE_MATERIALS, pass->uniform_materials);
+        bindings[count++] = (struct dt_binding){.binding = (uint16_t)pass->textures_binding,
+                                                .resource = DT_SCENE_TEXTURES,
+                                                .kind = DT_BIND_TEXTURE,
+                                                .mip = DT_ALL_MIPS,
+                                                .layout = DT_LAYOUT_READ,
+                                                .sampler = -1};
+    }
+    program->bindings = bindings;
+    program->binding_count = count;
+}
+
+static void lower_targets(struct lowering *l, const struct pass *pass, struct dt_program *program)
+{
+    struct dt_target *colors = table(l, pass->access_count, sizeof *colors);
+    for (uint32_t i = 0; i < pass->access_count && !l->failed; i++) {
+        const struct access *access = &pass->accesses[i];
+        struct dt_target *depth = access->kind & ACCESS_DEPTH ? table(l, 1, sizeof *depth) : NULL;
+        struct dt_target *target =
+            access->kind & ACCESS_COLOR ? &colors[access->attachment] : depth;
+        if (!target)
+            continue;
+        *target = (struct dt_target){.resource = (uint16_t)access->resource->index,
+                                     .mip = (uint8_t)access->mip_value,
+                                     .load = access->mode == MODE_UPDATE};
+        program->color_count += access->kind & ACCESS_COLOR ? 1 : 0;
+        program->depth = depth ? depth : program->depth;
+    }
+    program->colors = colors;
+}
+
+static void lower_program(struct lowering *l, const struct pass *pass, struct dt_program *program)
+{
+    static const enum dt_compare compares[] = {[COMPARE_OFF] = DT_COMPARE_ALWAYS,
+                                               [COMPARE_LESS] = DT_COMPARE_LESS,
+                                               [COMPARE_LESS_EQUAL] = DT_COMPARE_LESS_EQUAL,
+                                               [COMPARE_GREATER] = DT_COMPARE_GREATER,
+                                               [COMPARE_ALWAYS] = DT_COMPARE_ALWAYS};
+    static const enum dt_cull culls[] = {
+        [CULL_NONE] = DT_CULL_NONE, [CULL_BACK] = DT_CULL_BACK, [CULL_FRONT] = DT_CULL_FRONT};
+    *program = (struct dt_program){0};
+    lower_bindings(l, pass, program);
+    if (!pass_draws(pass))
+        return;
+    lower_targets(l, pass, program);
+    program->cull = culls[pass->cull];
+    program->blend_add = pass->blend_add;
+    program->layered = pass->layers != NULL;
+    program->clip_distances = pass->clip_distances;
+    if (program->depth && pass->depth_compare != COMPARE_OFF) {
+        program->depth_test = true;
+        program->depth_write = pass->depth_write;
+        program->compare = compares[pass->depth_compare];
+    }
+}
+
+static void lower_programs(struct lowering *l, struct dt_panel *panel)
+{
+    struct dt_program *programs = table(l, l->from->pass_count, sizeof *programs);
+    for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++)
+        lower_program(l, l->from->order[i], &programs[i]);
+    panel->programs = programs;
+}
+
+/* ---- Features of a device -------------------------------------------------------------------- */
+
+/* Vulkan 1.3, appendix "Vulkan Environment for SPIR-V": the capabilities that come with a feature, of
+ * those that GLSL 4.60 without extensions leads to. */
+static const struct {
+    SpvCapability capability;
+    const char *feature;
+} capabilities[] = {
+    {SpvCapabilityGeometry, "geometryShader"}, /* gl_PrimitiveID in a fragment shader */
+    {SpvCapabilityFloat64, "shaderFloat64"},
+    {SpvCapabilityImageGatherExtended, "shaderImageGatherExtended"},
+    {SpvCapabilityStorageImageExtendedFormats, "shaderStorageImageExtendedFormats"},
+    {SpvCapabilityClipDistance, "shaderClipDistance"},
+    {SpvCapabilityCullDistance, "shaderCullDistance"},
+    {SpvCapabilitySampleRateShading, "sampleRateShading"},
+    {SpvCapabilityDrawParameters, "shaderDrawParameters"},
+    {SpvCapabilityShaderLayer, "shaderOutputLayer"},
+};
+
+static bool has_capability(const struct pass_shaders *shaders, SpvCapability capability)
+{
+    const uint32_t declaration = 2u << 16 | SpvOpCapability; /* they stand first */
+    for (size_t stage = 0; stage < DT_ARRAY_COUNT(shaders->stage); stage++) {
+        const struct shader *shader = &shaders->stage[stage];
+        for (size_t at = 5; at + 1 < shader->word_count && shader->words[at] == declaration;
+             at += 2)
+            if (shader->words[at + 1] == (uint32_t)capability)
+                return true;
+    }
+    return false;
+}
+
+static bool filters_anisotropic(const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].filter && pass->accesses[i].filter->anisotropy > 1)
+            return true;
+    return false;
+}
+
+static bool stores(const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].kind & ACCESS_STORAGE_WRITE)
+            return true;
+    return false;
+}
+
+static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
+                        struct dt_panel *panel)
+{
+    const size_t most = DT_ARRAY_COUNT(capabilities) + 5;
+    struct dt_need *needs = table(l, l->from->pass_count * most, sizeof *needs);
+    for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
+        const struct pass *pass = l->from->order[p];
+        bool scene = pass->kind == PASS_SCENE, indirect = scene && pass->indirect_resource;
+        const struct {
+            const char *feature;
+            bool needed;
+        } others[] = {
+            {"samplerAnisotropy", filters_anisotropic(pass)},
+            {"fragmentStoresAndAtomics", pass_draws(pass) && stores(pass)},
+            {"fullDrawIndexUint32", scene},
+            {"multiDrawIndirect", indirect},
+            {"drawIndirectFirstInstance", indirect},
+        };
+        for (size_t i = 0; i < DT_ARRAY_COUNT(capabilities); i++)
+            if (has_capability(&shaders[p], capabilities[i].capability))
+                needs[panel->need_count++] = (struct dt_need){p, capabilities[i].feature};
+        for (size_t i = 0; i < DT_ARRAY_COUNT(others); i++)
+            if (others[i].needed)
+                needs[panel->need_count++] = (struct dt_need){p, others[i].feature};
+    }
+    panel->needs = needs;
+}
+
+/* ---- Code ------------------------------------------------------------------------------------ */
+
+static struct dt_code code_of(const struct shader *shader, enum backend backend)
+{
+    return (struct dt_code){
+        .words = shader->words,
+        .size = shader->word_count * sizeof *shader->words,
+        .glsl = backend == BACKEND_GL && shader->word_count ? shader->glsl.data : NULL,
+    };
+}
+
+static void lower_shaders(struct lowering *l, const struct pass_shaders *from, enum backend backend,
+                          struct lowered *out)
+{
+    struct dt_stages *stages = table(l, l->from->pass_count, sizeof *stages);
+    for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++)
+        stages[i] = (struct dt_stages){code_of(&from[i].stage[STAGE_IS_COMPUTE], backend),
+                                       code_of(&from[i].stage[STAGE_IS_VERTEX], backend),
+                                       code_of(&from[i].stage[STAGE_IS_FRAGMENT], backend)};
+    out->shaders[backend] = (struct dt_shaders){
+        .backend = backend == BACKEND_GL ? "gl" : "vk", .panel = &out->panel, .stages = stages};
+}
+
+/* ---- Reflection ------------------------------------------------------------------------------ */
+
+static void lower_params(struct lowering *l, struct dt_pipeline *pipeline)
+{
+    struct dt_param *params = table(l, l->from->param_count, sizeof *params);
+    for (uint32_t i = 0; i < l->from->param_count && !l->failed; i++) {
+        const struct param *param = &l->from->params[i];
+        params[i] = (struct dt_param){.name = param->name,
+                                      .doc = param->doc ? param->doc : "",
+                                      .type = param->type,
+                                      .live = param->live,
+                                      .offset = param->live ? param->offset : 0,
+                                      .min = param->min,
+                                      .max = param->max,
+                                      .step = param->step > 0 ? param->step : 0};
+        memcpy(params[i].value, param->value, param->components * sizeof *param->value);
+    }
+    pipeline->params = params;
+    pipeline->param_count = l->from->param_count;
+}
+
+static uint32_t scalar_bits(enum dt_type type, double value)
+{
+    float number = (float)value;
+    uint32_t bits;
+    if (type > DT_TYPE_VEC4)
+        return value < 0 ? (uint32_t)(int32_t)value : (uint32_t)value;
+    memcpy(&bits, &number, sizeof bits);
+    return bits;
+}
+
+static void lower_block(struct lowering *l, struct dt_pipeline *pipeline)
+{
+    char *block = table(l, l->from->block_size, 1);
+    for (uint32_t i = 0; i < l->from->param_count && !l->failed; i++) {
+        const struct param *param = &l->from->params[i];
+        for (uint32_t c = 0; c < param->components && (param->live || param->uniform); c++) {
+            uint32_t bits = scalar_bits(param->type, param->value[c]);
+            memcpy(block + param->offset + 4 * c, &bits, sizeof bits);
+        }
+    }
+    pipeline->live_defaults = block;
+    pipeline->live_size = l->from->live_size;
+    pipeline->block_size = l->from->block_size;
+}
+
+static void lower_fields(struct lowering *l, const struct resource *from, struct dt_resource *to)
+{
+    const struct structure *structure = from->structure;
+    uint32_t count = structure ? structure->field_count : 1;
+    struct dt_field *fields = table(l, count, sizeof *fields);
+    if (l->failed)
+        return;
+    if (!structure)
+        fields[0] = (struct dt_field){.name = "", .type = from->type};
+    for (uint32_t i = 0; structure && i < count; i++) {
+        const struct field *field = &structure->fields[i];
+        fields[i] = (struct dt_field){field->name, field->type, field->offset, field->array_count,
+                                      field->array_stride};
+    }
+    to->fields = fields;
+    to->field_count = count;
+    to->stride = from->stride;
+    to->controls_work = from->usage & (ACCESS_INDIRECT | ACCESS_INDEX);
+}
+
+static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
+{
+    struct dt_resource *resources = table(l, l->from->resource_count, sizeof *resources);
+    for (uint32_t i = 0; i < l->from->resource_count && !l->failed; i++) {
+        const struct resource *from = &l->from->resources[i];
+        resources[i] = (struct dt_resource){.name = from->name,
+                                            .doc = from->doc ? from->doc : "",
+                                            .kind = from->kind,
+                                            .history = from->history,
+                                            .contract = from->contract.allowed};
+        if (from->kind == DT_BUFFER) {
+            lower_fields(l, from, &resources[i]);
+            continue;
+        }
+        resources[i].format = from->format;
+        resources[i].layered = from->layers;
+        resources[i].mips = expr_value(from->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+    }
+    pipeline->resources = resources;
+    pipeline->resource_count = l->from->resource_count;
+}
+
+static bool reads(const struct pass *pass, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].resource == resource && pass->accesses[i].mode == MODE_READ)
+            return true;
+    return pass->indirect_resource == resource || pass->index_resource == resource;
+}
+
+/* The access by which the pass writes the resource, NULL: none. No pass writes two mips of an image,
+ * since its body could not tell them apart. */
+static const struct access *written_by(const struct pass *pass, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
+            return &pass->accesses[i];
+    return NULL;
+}
+
+static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pass *to)
+{
+    uint32_t count = l->from->resource_count;
+    uint16_t *read = table(l, count, sizeof *read), *written = table(l, count, sizeof *written);
+    uint8_t *mips = table(l, count, sizeof *mips);
+    bool any_mip = false;
+    for (uint16_t i = 0; i < count && !l->failed; i++) {
+        const struct access *write = written_by(from, &l->from->resources[i]);
+        if (reads(from, &l->from->resources[i]))
+            read[to->read_count++] = i;
+        if (!write)
+            continue;
+        any_mip |= write->mip_value > 0;
+        mips[to->write_count] = (uint8_t)write->mip_value;
+        written[to->write_count++] = i;
+    }
+    to->reads = read;
+    to->writes = written;
+    to->write_mips = any_mip ? mips : NULL;
+}
+
+static bool uses_scene(const struct pass *pass)
+{
+    bool uses = pass->kind == PASS_SCENE;
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        uses |= pass->accesses[i].builtin >= 0;
+    return uses;
+}
+
+static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
+                         struct dt_pipeline *pipeline)
+{
+    static const enum dt_pass_kind kinds[] = {[PASS_SCENE] = DT_PASS_DRAW_SCENE,
+                                              [PASS_FULLSCREEN] = DT_PASS_DRAW_FULLSCREEN,
+                                              [PASS_DISPATCH] = DT_PASS_DISPATCH};
+    struct dt_pass *passes = table(l, l->from->pass_count, sizeof *passes);
+    for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++) {
+        const struct pass *from = l->from->order[i];
+        const struct shader *stages = shaders[i].stage;
+        bool draws = pass_draws(from);
+        passes[i] = (struct dt_pass){.name = from->name,
+                                     .doc = from->doc ? from->doc : "",
+                                     .shader = from->shader,
+                                     .kind = kinds[from->kind],
+                                     .uses_scene = uses_scene(from),
+                                     .limit = from->limit};
+        lower_uses(l, from, &passes[i]);
+        l->failed |= !count_flops(&stages[draws ? STAGE_IS_VERTEX : STAGE_IS_COMPUTE],
+                                  &passes[i].flops[0]) ||
+                     (draws && !count_flops(&stages[STAGE_IS_FRAGMENT], &passes[i].flops[1]));
+    }
+    pipeline->passes = passes;
+    pipeline->pass_count = l->from->pass_count;
+}
+
+static int output_index(const struct pipeline *pipeline, const char *name)
+{
+    for (uint32_t i = 0; name && i < pipeline->resource_count; i++)
+        if (strcmp(pipeline->resources[i].name, name) == 0)
+            return (int)i;
+    return -1;
+}
+
+struct lowered *lower(const struct model *model, struct pass_shaders *const shaders[2])
+{
+    const struct pipeline *from = &model->pipeline;
+    struct lowering l = {.model = model, .from = from, .arena = model->arena};
+    struct lowered *out = arena_alloc(model->arena, sizeof *out);
+    if (!out)
+        return NULL;
+    *out = (struct lowered){.model = model};
+    out->pipeline = (struct dt_pipeline){
+        .name = from->name,
+        .doc = from->doc ? from->doc : "",
+        .linear_output = output_index(from, from->linear_output),
+        .display_output = output_index(from, from->display_output),
+    };
+    lower_params(&l, &out->pipeline);
+    lower_block(&l, &out->pipeline);
+    lower_resources(&l, &out->pipeline);
+    lower_passes(&l, shaders[BACKEND_VK], &out->pipeline);
+    out->panel.pipeline = &out->pipeline;
+    lower_storage(&l, &out->panel);
+    lower_samplers(&l, &out->panel);
+    lower_programs(&l, &out->panel);
+    lower_needs(&l, shaders[BACKEND_VK], &out->panel);
+    lower_barriers(&l, out);
+    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
+        lower_shaders(&l, shaders[backend], backend, out);
+    return l.failed ? NULL : out;
+}

@@ -1,0 +1,44 @@
+/* The planned model as the tables that runtimes take (templates/c/panel.h). emit_panel.c and
+ * emit_pipeline.c print them as C; app/build/play.c plays them. Both follow the same few functions for
+ * what is no table: sizes, runs, and the steps of a pass. Called by main.c and by the app. */
+#ifndef DIPTYCH_GEN_LOWER_H
+#define DIPTYCH_GEN_LOWER_H
+
+#include "panel.h"
+#include "stages.h"
+
+struct lowered {
+    const struct model *model;
+    struct dt_pipeline pipeline;  /* without extent and runs */
+    struct dt_panel panel;        /* without record */
+    struct dt_shaders shaders[2]; /* by enum backend */
+    const struct dt_barrier *
+        *barriers; /* by pass in order of execution; pass->barrier_count of them */
+};
+
+/* All tables, in the model's arena; they borrow from the model and from the shaders' words. NULL: out of
+ * memory. */
+struct lowered *lower(const struct model *model, struct pass_shaders *const shaders[2]);
+
+/* ---- What a pass does ------------------------------------------------------------------------ */
+
+bool pass_draws(const struct pass *pass);
+const struct expr *resource_size(const struct resource *resource, int axis); /* NULL: 1 */
+
+/* One axis of the workgroups of a dispatch: dt_groups(of, divisor), where `of` is an expression, an axis
+ * of an image, or the frame's width or height; or the number `divisor` alone. */
+enum groups_kind { GROUPS_NUMBER, GROUPS_EXPR, GROUPS_IMAGE, GROUPS_FRAME };
+struct groups {
+    enum groups_kind kind;
+    const struct expr *expr;
+    const struct resource *image;
+    uint32_t divisor;
+};
+struct groups pass_groups(const struct pass *pass, int axis);
+
+/* What a conditional pass clears where it does not run. The targets of a draw, unless all load; and what
+ * else it writes: returns the next such access from place *at on, NULL after the last. */
+bool pass_clears_targets(const struct pass *pass);
+const struct access *pass_clears(const struct pass *pass, uint32_t *at);
+
+#endif

@@ -1,0 +1,389 @@
+/* The verbs of a frame as Vulkan commands: labels and timestamps around passes, barriers, dispatches,
+ * draws and clears. Called by the front while a frame is recorded, into rt->frame_commands. */
+#include "internal.h"
+
+#include <string.h>
+
+enum { BARRIER_BATCH = 64 };
+
+/* ---- Passes ---------------------------------------------------------------------------------- */
+
+static const char *pass_name(const struct vk_runtime *rt, uint32_t pass)
+{
+    return rt->core.pipeline->passes[pass].name;
+}
+
+static void write_timestamp(const struct vk_runtime *rt, uint32_t query)
+{
+    rt->vk.CmdWriteTimestamp2(rt->frame_commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, rt->queries,
+                              query);
+}
+
+static bool begin(void *runtime, uint32_t pass, bool runs)
+{
+    const struct vk_runtime *rt = runtime;
+    VkDebugUtilsLabelEXT label = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+        .pLabelName = pass_name(rt, pass),
+    };
+    if (rt->begin_label)
+        rt->begin_label(rt->frame_commands, &label);
+    if (!rt->core.timing || !runs)
+        return true;
+    write_timestamp(rt, 2 * pass);
+    /* lavapipe draws later, but dispatches at once, and notes the time when it draws: a dispatch
+     * that waits for nothing would be over before its time begins. Any barrier makes it draw; one
+     * of nothing hides no hazard from validation. */
+    const VkDependencyInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+    if (rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
+        rt->vk.CmdPipelineBarrier2(rt->frame_commands, &nothing);
+    return true;
+}
+
+static bool end(void *runtime, uint32_t pass)
+{
+    const struct vk_runtime *rt = runtime;
+    if (rt->core.timing && rt->core.ran[pass])
+        write_timestamp(rt, 2 * pass + 1);
+    if (rt->end_label)
+        rt->end_label(rt->frame_commands);
+    return true;
+}
+
+/* ---- Barriers -------------------------------------------------------------------------------- */
+
+struct flag {
+    uint16_t from;
+    VkFlags64 to;
+};
+
+static VkFlags64 translate(unsigned mask, const struct flag *flags, size_t count)
+{
+    VkFlags64 bits = 0;
+    for (size_t i = 0; i < count; i++)
+        bits |= mask & flags[i].from ? flags[i].to : 0;
+    return bits;
+}
+
+/* Clears: vkCmdFillBuffer runs in the stage of clears or in that of copies, depending on whom one asks
+ * (validation layers 1.3.239: copies). */
+static VkPipelineStageFlags2 stages_of(unsigned stages)
+{
+    static const struct flag flags[] = {
+        {DT_STAGE_COMPUTE, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT},
+        {DT_STAGE_VERTEX, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT},
+        {DT_STAGE_FRAGMENT, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT},
+        {DT_STAGE_COLOR, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT},
+        {DT_STAGE_DEPTH, VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
+                             VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT},
+        {DT_STAGE_INDIRECT, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT},
+        {DT_STAGE_INDEX, VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT},
+        {DT_STAGE_CLEAR, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT},
+    };
+    return translate(stages, flags, DT_ARRAY_COUNT(flags));
+}
+
+static VkAccessFlags2 accesses_of(unsigned accesses)
+{
+    static const struct flag flags[] = {
+        {DT_READ_STORAGE, VK_ACCESS_2_SHADER_STORAGE_READ_BIT},
+        {DT_WRITE_STORAGE, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
+        {DT_READ_TEXTURE, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT},
+        {DT_READ_UNIFORM, VK_ACCESS_2_UNIFORM_READ_BIT},
+        {DT_READ_COLOR, VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT},
+        {DT_WRITE_COLOR, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT},
+        {DT_READ_DEPTH, VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT},
+        {DT_WRITE_DEPTH, VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT},
+        {DT_READ_INDIRECT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
+        {DT_READ_INDEX, VK_ACCESS_2_INDEX_READ_BIT},
+        {DT_WRITE_CLEAR, VK_ACCESS_2_TRANSFER_WRITE_BIT},
+    };
+    return translate(accesses, flags, DT_ARRAY_COUNT(flags));
+}
+
+static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
+                                             const struct vk_buffer *buffer)
+{
+    return (VkBufferMemoryBarrier2){
+        .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
+        .srcStageMask = stages_of(barrier->from_stages),
+        .srcAccessMask = accesses_of(barrier->from),
+        .dstStageMask = stages_of(barrier->to_stages),
+        .dstAccessMask = accesses_of(barrier->to),
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .buffer = buffer->handle,
+        .size = VK_WHOLE_SIZE,
+    };
+}
+
+static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, struct vk_image *image)
+{
+    VkImageLayout old = barrier->discard ? VK_IMAGE_LAYOUT_UNDEFINED : image->layout;
+    image->layout = vk_layout(barrier->layout);
+    return (VkImageMemoryBarrier2){
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+        .srcStageMask = stages_of(barrier->from_stages),
+        .srcAccessMask = accesses_of(barrier->from),
+        .dstStageMask = stages_of(barrier->to_stages),
+        .dstAccessMask = accesses_of(barrier->to),
+        .oldLayout = old,
+        .newLayout = image->layout,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = image->handle,
+        .subresourceRange = {image->aspect, 0, image->mips, 0, image->layers},
+    };
+}
+
+/* Leaves out what options.drop_barrier and drop_dependency name. False: nothing is left of the
+ * barrier; all that follows in the frame takes its layout for granted, as hand-written code would. */
+static bool keep_barrier(struct vk_runtime *rt, uint32_t pass, struct dt_barrier *barrier)
+{
+    const char *name = rt->core.pipeline->resources[barrier->resource].name;
+    struct vk_image *image = &vk_resource_at(rt, barrier->resource)->image;
+    VkImageLayout layout = image->handle ? vk_layout(barrier->layout) : image->layout;
+    rt->barriers++;
+    if (rt->barriers == rt->drop_dependency) {
+        dt_log(&rt->core, DT_INFO, "barrier %u waits for nothing: pass %s, resource %s",
+               rt->barriers, pass_name(rt, pass), name);
+        barrier->from_stages = barrier->from = 0;
+    }
+    if (rt->barriers != rt->drop_barrier)
+        return true;
+    dt_log(&rt->core, DT_INFO, "dropped barrier %u: pass %s, resource %s, %s", rt->barriers,
+           pass_name(rt, pass), name,
+           image->layout != layout ? "layout change" : "no layout change");
+    image->layout = layout;
+    return false;
+}
+
+/* One vkCmdPipelineBarrier2 for up to BARRIER_BATCH of them. */
+static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
+{
+    struct vk_runtime *rt = runtime;
+    VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
+    VkImageMemoryBarrier2 images[BARRIER_BATCH];
+    for (uint32_t at = 0; at < count; at += BARRIER_BATCH) {
+        VkDependencyInfo info = {
+            .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+            .pBufferMemoryBarriers = buffers,
+            .pImageMemoryBarriers = images,
+        };
+        for (uint32_t i = at; i < count && i < at + BARRIER_BATCH; i++) {
+            struct dt_barrier barrier = list[i];
+            struct vk_resource *resource = vk_resource_at(rt, barrier.resource);
+            if (!keep_barrier(rt, pass, &barrier))
+                continue;
+            if (resource->image.handle)
+                images[info.imageMemoryBarrierCount++] = image_barrier(&barrier, &resource->image);
+            else
+                buffers[info.bufferMemoryBarrierCount++] =
+                    buffer_barrier(&barrier, &resource->buffer);
+        }
+        if (info.bufferMemoryBarrierCount + info.imageMemoryBarrierCount > 0)
+            rt->vk.CmdPipelineBarrier2(rt->frame_commands, &info);
+    }
+    return true;
+}
+
+/* ---- Dispatches ------------------------------------------------------------------------------ */
+
+static bool bind(void *runtime, uint32_t pass)
+{
+    const struct vk_runtime *rt = runtime;
+    const struct vk_program *program = dt_program(&rt->core, pass);
+    VkPipelineBindPoint point = rt->core.pipeline->passes[pass].kind == DT_PASS_DISPATCH
+                                    ? VK_PIPELINE_BIND_POINT_COMPUTE
+                                    : VK_PIPELINE_BIND_POINT_GRAPHICS;
+    rt->vk.CmdBindPipeline(rt->frame_commands, point, program->pipeline);
+    if (program->set)
+        rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->layout, 0, 1,
+                                     &program->set, 0, NULL);
+    return true;
+}
+
+static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
+{
+    const struct vk_runtime *rt = runtime;
+    (void)pass;
+    rt->vk.CmdDispatch(rt->frame_commands, x, y, z);
+    return true;
+}
+
+static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
+{
+    const struct vk_runtime *rt = runtime;
+    (void)pass;
+    rt->vk.CmdDispatchIndirect(rt->frame_commands, vk_resource_at(rt, arguments)->buffer.handle, 0);
+    return true;
+}
+
+/* ---- Draws ----------------------------------------------------------------------------------- */
+
+static VkClearColorValue clear_color(const struct vk_image *image, const float clear[4])
+{
+    VkClearColorValue value;
+    for (int i = 0; i < 4; i++) {
+        switch (image->texel) {
+        case DT_FORMAT_R32UI:
+        case DT_FORMAT_RG32UI:
+        case DT_FORMAT_RGBA32UI:
+            value.uint32[i] = (uint32_t)clear[i];
+            break;
+        case DT_FORMAT_R32I:
+            value.int32[i] = (int32_t)clear[i];
+            break;
+        default:
+            value.float32[i] = clear[i];
+        }
+    }
+    return value;
+}
+
+static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
+                                            const struct dt_target *target)
+{
+    const struct vk_image *image = &vk_resource_at(rt, target->resource)->image;
+    const float *clear = rt->core.panel->storage[target->resource].clear;
+    VkRenderingAttachmentInfo info = {
+        .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+        .imageView = image->mip_views[target->mip],
+        .imageLayout = image->layout,
+        .loadOp = target->load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
+        .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+    };
+    if (image->aspect & VK_IMAGE_ASPECT_DEPTH_BIT)
+        info.clearValue.depthStencil.depth = clear[0];
+    else
+        info.clearValue.color = clear_color(image, clear);
+    return info;
+}
+
+static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t layers)
+{
+    const struct dt_program *program = &rt->core.panel->programs[pass];
+    VkRenderingAttachmentInfo colors[DT_MAX_COLOR_TARGETS], depth;
+    const struct dt_target *first = program->color_count ? &program->colors[0] : program->depth;
+    const struct vk_image *image = &vk_resource_at(rt, first->resource)->image;
+    uint32_t width = image->width >> first->mip, height = image->height >> first->mip;
+    VkRect2D area = {.extent = {width ? width : 1, height ? height : 1}};
+    VkViewport viewport = {0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1};
+    for (uint32_t i = 0; i < program->color_count; i++)
+        colors[i] = attachment(rt, &program->colors[i]);
+    if (program->depth)
+        depth = attachment(rt, program->depth);
+    VkRenderingInfo info = {
+        .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+        .renderArea = area,
+        .layerCount = layers,
+        .colorAttachmentCount = program->color_count,
+        .pColorAttachments = colors,
+        .pDepthAttachment = program->depth ? &depth : NULL,
+    };
+    rt->vk.CmdBeginRendering(rt->frame_commands, &info);
+    rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
+    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &area);
+}
+
+static void bind_scene(const struct vk_runtime *rt, const struct vk_buffer *indices)
+{
+    const struct vk_buffer *vertices = &rt->builtin.vertices;
+    rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &vertices->handle, &vertices->offset);
+    rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, indices->offset,
+                              VK_INDEX_TYPE_UINT32);
+}
+
+static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
+{
+    const struct vk_runtime *rt = runtime;
+    begin_rendering(rt, pass, layers);
+    bind_scene(rt, &rt->builtin.indices);
+    rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, layers, 0, 0, 0);
+    rt->vk.CmdEndRendering(rt->frame_commands);
+    return true;
+}
+
+/* lavapipe 22.3.6 binds an index buffer at an offset for direct draws only: indirect ones count from the
+ * start of the buffer, and draw something else without a word. */
+static bool counts_from_start(const struct vk_runtime *rt, uint32_t pass,
+                              const struct vk_buffer *indices)
+{
+    return !indices->offset || strncmp(rt->core.device_name, "llvmpipe", 8) != 0 ||
+           dt_error(&rt->core,
+                    "pass %s: scene indices at byte %llu, but indirect draws of %s count from the "
+                    "start of the buffer; give them a buffer of their own",
+                    pass_name(rt, pass), (unsigned long long)indices->offset, rt->core.device_name);
+}
+
+static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
+                          uint32_t arguments)
+{
+    const struct vk_runtime *rt = runtime;
+    const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
+    const struct vk_buffer *from =
+        indices == DT_SCENE_INDICES ? &rt->builtin.indices : &vk_resource_at(rt, indices)->buffer;
+    if (!counts_from_start(rt, pass, from))
+        return false;
+    begin_rendering(rt, pass, layers);
+    bind_scene(rt, from);
+    rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, draws->handle, 0,
+                                  (uint32_t)(draws->size / DT_DRAW_BYTES), DT_DRAW_BYTES);
+    rt->vk.CmdEndRendering(rt->frame_commands);
+    return true;
+}
+
+static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
+{
+    const struct vk_runtime *rt = runtime;
+    begin_rendering(rt, pass, layers);
+    rt->vk.CmdDraw(rt->frame_commands, 3, layers, 0, 0); /* one triangle that covers all */
+    rt->vk.CmdEndRendering(rt->frame_commands);
+    return true;
+}
+
+/* ---- Clears ---------------------------------------------------------------------------------- */
+
+static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
+{
+    const struct vk_runtime *rt = runtime;
+    begin_rendering(rt, pass, layers);
+    rt->vk.CmdEndRendering(rt->frame_commands);
+    return true;
+}
+
+/* The plan's barriers order the clears of a pass that may be skipped, too. */
+static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
+{
+    const struct vk_runtime *rt = runtime;
+    const struct vk_image *image = &vk_resource_at(rt, resource)->image;
+    VkClearColorValue value = clear_color(image, rt->core.panel->storage[resource].clear);
+    VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
+    (void)pass;
+    rt->vk.CmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
+    return true;
+}
+
+static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
+{
+    const struct vk_runtime *rt = runtime;
+    (void)pass;
+    rt->vk.CmdFillBuffer(rt->frame_commands, vk_resource_at(rt, resource)->buffer.handle, 0,
+                         VK_WHOLE_SIZE, 0);
+    return true;
+}
+
+const struct dt_verbs vk_verbs = {
+    .begin = begin,
+    .barriers = barriers,
+    .bind = bind,
+    .dispatch = dispatch,
+    .dispatch_indirect = dispatch_indirect,
+    .draw_scene = draw_scene,
+    .draw_indirect = draw_indirect,
+    .draw_fullscreen = draw_fullscreen,
+    .clear_targets = clear_targets,
+    .clear_buffer = clear_buffer,
+    .clear_image = clear_image,
+    .end = end,
+};

@@ -1,0 +1,755 @@
+/* The checks above every backend, and the walk over a panel's tables; see front.h. Compiled into each
+ * runtime. */
+#include "front.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+static void log_list(const struct dt_core *core, enum dt_level level, const char *format,
+                     va_list list)
+{
+    va_list again;
+    char line[1024], *text = line;
+    va_copy(again, list);
+    int length = vsnprintf(line, sizeof line, format, list);
+    if (length >= (int)sizeof line && (text = malloc((size_t)length + 1)))
+        vsnprintf(text, (size_t)length + 1, format, again);
+    if (core->log.message)
+        core->log.message(core->log.user, level, text ? text : line);
+    if (text != line)
+        free(text);
+    va_end(again);
+}
+
+void dt_log(const struct dt_core *core, enum dt_level level, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    log_list(core, level, format, list);
+    va_end(list);
+}
+
+bool dt_error(const struct dt_core *core, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    log_list(core, DT_ERROR, format, list);
+    va_end(list);
+    return false;
+}
+
+/* ---- Around every verb ----------------------------------------------------------------------- */
+
+static bool enter(struct dt_core *core)
+{
+    return !core->backend->enter || core->backend->enter(core);
+}
+
+/* What a verb did, once a host's state is back. */
+static bool leave(struct dt_core *core, bool good)
+{
+    return (!core->backend->leave || core->backend->leave(core)) && good;
+}
+
+/* ---- Limits ---------------------------------------------------------------------------------- */
+
+static const char *pass_name(const struct dt_core *core, uint32_t pass)
+{
+    return core->pipeline->passes[pass].name;
+}
+
+static bool check_bindings(const struct dt_core *core, uint32_t pass)
+{
+    static const char *const kinds[] = {[DT_BIND_UNIFORM] = "uniform buffers",
+                                        [DT_BIND_STORAGE] = "storage buffers",
+                                        [DT_BIND_TEXTURE] = "textures",
+                                        [DT_BIND_IMAGE] = "storage images"};
+    const struct dt_program *program = &core->panel->programs[pass];
+    uint32_t count[DT_ARRAY_COUNT(kinds)] = {0};
+    if (program->binding_count > DT_MAX_BINDINGS)
+        return dt_error(core, "pass %s: %u resources, but at most %d can be bound; split the pass",
+                        pass_name(core, pass), program->binding_count, DT_MAX_BINDINGS);
+    for (uint32_t i = 0; i < program->binding_count; i++)
+        count[program->bindings[i].kind]++;
+    for (size_t kind = 0; kind < DT_ARRAY_COUNT(kinds); kind++)
+        if (count[kind] > core->limits.bindings[kind])
+            return dt_error(core, "pass %s: %u %s, but %s binds at most %u; split the pass",
+                            pass_name(core, pass), count[kind], kinds[kind], core->device_name,
+                            core->limits.bindings[kind]);
+    return true;
+}
+
+static bool check_program(const struct dt_core *core, uint32_t pass)
+{
+    const struct dt_program *program = &core->panel->programs[pass];
+    uint32_t colors = core->limits.color_targets < DT_MAX_COLOR_TARGETS ? core->limits.color_targets
+                                                                        : DT_MAX_COLOR_TARGETS;
+    if (program->color_count > colors)
+        return dt_error(core, "pass %s: %u color targets, but the limit is %u; split the pass",
+                        pass_name(core, pass), program->color_count, colors);
+    if (program->clip_distances > core->limits.clip_distances)
+        return dt_error(core, "pass %s: %u clip distances, but %s allows %u", pass_name(core, pass),
+                        program->clip_distances, core->device_name, core->limits.clip_distances);
+    return check_bindings(core, pass);
+}
+
+static bool check_sampler(const struct dt_core *core, const struct dt_sampler *sampler)
+{
+    return sampler->anisotropy <= core->limits.anisotropy ||
+           dt_error(core, "sampler %s: anisotropy %g, but %s allows up to %g; use less",
+                    sampler->name, (double)sampler->anisotropy, core->device_name,
+                    (double)core->limits.anisotropy);
+}
+
+static uint32_t full_mips(const uint32_t extent[3])
+{
+    uint32_t mips = 1;
+    for (uint32_t size = extent[0] > extent[1] ? extent[0] : extent[1]; size > 1; size /= 2)
+        mips++;
+    return mips;
+}
+
+static bool check_image(const struct dt_core *core, const struct dt_resource *image, unsigned usage,
+                        const uint32_t extent[3])
+{
+    const struct dt_limits *limits = &core->limits;
+    const uint32_t *target = limits->target_size;
+    uint32_t side = limits->image_size, layers = image->layered ? limits->image_layers : 1;
+    if (extent[0] > side || extent[1] > side)
+        return dt_error(core,
+                        "image %s: %ux%u texels, but %s allows 1x1 to %ux%u; choose another size",
+                        image->name, extent[0], extent[1], core->device_name, side, side);
+    if (extent[2] > layers)
+        return dt_error(core, "image %s: %u layers, but %s allows 1 to %u; choose another number",
+                        image->name, extent[2], core->device_name, layers);
+    if (image->mips < 1 || image->mips > full_mips(extent))
+        return dt_error(core, "image %s: %u mips, but %ux%u texels have 1 to %u", image->name,
+                        image->mips, extent[0], extent[1], full_mips(extent));
+    if (usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH) &&
+        (extent[0] > target[0] || extent[1] > target[1]))
+        return dt_error(core,
+                        "image %s: %ux%u texels, but %s draws into at most %ux%u; choose "
+                        "another size",
+                        image->name, extent[0], extent[1], core->device_name, target[0], target[1]);
+    return true;
+}
+
+static bool check_buffer(const struct dt_core *core, const struct dt_resource *buffer,
+                         const struct dt_storage *storage, uint32_t count)
+{
+    const struct dt_limits *limits = &core->limits;
+    uint64_t bytes = (uint64_t)count * buffer->stride;
+    uint64_t block = storage->block > bytes ? storage->block : bytes;
+    if (storage->usage & (DT_READ_STORAGE | DT_WRITE_STORAGE) && bytes > limits->storage_bytes)
+        return dt_error(core,
+                        "buffer %s: %llu bytes, but %s binds at most %llu; use fewer elements",
+                        buffer->name, (unsigned long long)bytes, core->device_name,
+                        (unsigned long long)limits->storage_bytes);
+    if (storage->usage & DT_READ_UNIFORM && block > limits->uniform_bytes)
+        return dt_error(core,
+                        "buffer %s: %llu bytes, but %s allows %llu in a uniform block; make it a "
+                        "storage buffer",
+                        buffer->name, (unsigned long long)block, core->device_name,
+                        (unsigned long long)limits->uniform_bytes);
+    return true;
+}
+
+/* ---- The pipeline ---------------------------------------------------------------------------- */
+
+/* What was made for a panel, apart from resources: kept while another one takes its place. */
+struct made {
+    const struct dt_shaders *shaders;
+    void *programs;
+};
+
+static bool same_code(const struct dt_code *a, const struct dt_code *b)
+{
+    if (a->size != b->size || !a->glsl != !b->glsl)
+        return false;
+    return (!a->size || memcmp(a->words, b->words, a->size) == 0) &&
+           (!a->glsl || strcmp(a->glsl, b->glsl) == 0);
+}
+
+static bool same_bindings(const struct dt_program *a, const struct dt_program *b)
+{
+    bool same = a->binding_count == b->binding_count;
+    for (uint32_t i = 0; same && i < a->binding_count; i++)
+        same = a->bindings[i].binding == b->bindings[i].binding &&
+               a->bindings[i].kind == b->bindings[i].kind;
+    return same;
+}
+
+static bool same_state(const struct dt_program *a, const struct dt_program *b)
+{
+    return a->compare == b->compare && a->cull == b->cull && a->depth_test == b->depth_test &&
+           a->depth_write == b->depth_write && a->blend_add == b->blend_add &&
+           a->clip_distances == b->clip_distances;
+}
+
+static enum dt_format format_of(const struct dt_panel *panel, const struct dt_target *target)
+{
+    return panel->pipeline->resources[target->resource].format;
+}
+
+static bool same_targets(const struct dt_panel *a, const struct dt_program *pa,
+                         const struct dt_panel *b, const struct dt_program *pb)
+{
+    bool same = pa->color_count == pb->color_count && !pa->depth == !pb->depth;
+    for (uint32_t i = 0; same && i < pa->color_count; i++)
+        same = format_of(a, &pa->colors[i]) == format_of(b, &pb->colors[i]);
+    return same && (!pa->depth || format_of(a, pa->depth) == format_of(b, pb->depth));
+}
+
+static bool same_program(const struct dt_shaders *a, uint32_t pa, const struct dt_shaders *b,
+                         uint32_t pb)
+{
+    const struct dt_program *first = &a->panel->programs[pa], *second = &b->panel->programs[pb];
+    const struct dt_stages *one = &a->stages[pa], *other = &b->stages[pb];
+    return a->panel->pipeline->passes[pa].kind == b->panel->pipeline->passes[pb].kind &&
+           same_bindings(first, second) && same_state(first, second) &&
+           same_targets(a->panel, first, b->panel, second) &&
+           same_code(&one->compute, &other->compute) && same_code(&one->vertex, &other->vertex) &&
+           same_code(&one->fragment, &other->fragment);
+}
+
+static bool is_zero(const void *bytes, size_t size)
+{
+    const char *at = bytes;
+    for (size_t i = 0; i < size; i++)
+        if (at[i])
+            return false;
+    return true;
+}
+
+/* An edit leaves most programs as they are, so these go from the panel before to the new one. */
+static bool take_program(struct dt_core *core, const struct made *before, uint32_t pass)
+{
+    size_t size = core->backend->program_size;
+    uint32_t count = before->programs ? before->shaders->panel->pipeline->pass_count : 0;
+    for (uint32_t i = 0; i < count; i++) {
+        char *old = (char *)before->programs + i * size;
+        if (is_zero(old, size) || !same_program(before->shaders, i, core->shaders, pass))
+            continue;
+        memcpy(dt_program(core, pass), old, size);
+        memset(old, 0, size);
+        core->backend->adopt_program(core, dt_program(core, pass), pass);
+        return true;
+    }
+    return false;
+}
+
+static void release_resources(struct dt_core *core)
+{
+    for (uint32_t i = 0; core->programs && i < core->pipeline->pass_count; i++)
+        core->backend->disconnect_program(core, dt_program(core, i));
+    for (uint32_t i = core->pipeline->resource_count; core->resources && i-- > 0;)
+        core->backend->destroy_resource(core, i);
+    if (core->backend->release_memory)
+        core->backend->release_memory(core);
+    core->width = core->height = 0;
+    core->sized = core->rendered = false;
+}
+
+static void destroy_programs(struct dt_core *core, const struct made *made)
+{
+    uint32_t count = made->programs ? made->shaders->panel->pipeline->pass_count : 0;
+    for (uint32_t i = 0; i < count; i++)
+        core->backend->destroy_program(core,
+                                       (char *)made->programs + i * core->backend->program_size);
+    free(made->programs);
+}
+
+/* All but the programs, which it returns. */
+static struct made take_apart(struct dt_core *core)
+{
+    struct made made = {core->shaders, core->programs};
+    if (!core->panel)
+        return made;
+    core->backend->rest(core, "create"); /* a lost device says so, and is torn down all the same */
+    release_resources(core);
+    for (uint32_t i = 0; core->samplers && i < core->panel->sampler_count; i++)
+        core->backend->destroy_sampler(core, dt_sampler(core, i));
+    core->backend->end_panel(core);
+    free(core->resources);
+    free(core->samplers);
+    free(core->ran);
+    core->resources = core->programs = core->samplers = NULL;
+    core->ran = NULL;
+    core->shaders = NULL;
+    core->panel = NULL;
+    core->pipeline = NULL;
+    return made;
+}
+
+void dt_front_destroy(struct dt_core *core)
+{
+    struct made made = take_apart(core);
+    destroy_programs(core, &made);
+}
+
+static bool allocate(struct dt_core *core)
+{
+    const struct dt_backend *backend = core->backend;
+    core->resources = calloc(core->pipeline->resource_count + 1, backend->resource_size);
+    core->programs = calloc(core->pipeline->pass_count + 1, backend->program_size);
+    core->samplers = calloc(core->panel->sampler_count + 1, backend->sampler_size);
+    core->ran = calloc(core->pipeline->pass_count + 1, sizeof *core->ran);
+    return (core->resources && core->programs && core->samplers && core->ran) ||
+           dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
+}
+
+static bool make(struct dt_core *core, const struct made *before)
+{
+    bool good = allocate(core);
+    for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
+        good = check_program(core, i);
+    good = good && core->backend->begin_panel(core);
+    for (uint32_t i = 0; good && i < core->panel->sampler_count; i++)
+        good = check_sampler(core, &core->panel->samplers[i]) &&
+               core->backend->create_sampler(core, dt_sampler(core, i), &core->panel->samplers[i]);
+    for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
+        good = take_program(core, before, i) ||
+               core->backend->create_program(core, dt_program(core, i), i);
+    return good;
+}
+
+bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders)
+{
+    const struct dt_pipeline *pipeline = shaders->panel->pipeline;
+    if (strcmp(shaders->backend, core->backend->name) != 0)
+        return dt_error(core, "pipeline %s: the shaders are for %s; give %s_%s", pipeline->name,
+                        shaders->backend, pipeline->name, core->backend->name);
+    bool good = enter(core);
+    if (good) {
+        struct made before = take_apart(core);
+        core->shaders = shaders;
+        core->panel = shaders->panel;
+        core->pipeline = pipeline;
+        good = make(core, &before);
+        destroy_programs(core, &before);
+        if (!good)
+            dt_front_destroy(core);
+    }
+    return leave(core, good);
+}
+
+/* ---- Resources ------------------------------------------------------------------------------- */
+
+static void extent_of(const struct dt_core *core, uint32_t resource, uint32_t extent[3])
+{
+    core->pipeline->extent(core->pipeline, resource, core->width, core->height, extent);
+}
+
+static bool create_resource(struct dt_core *core, uint32_t index)
+{
+    const struct dt_resource *resource = &core->pipeline->resources[index];
+    const struct dt_storage *storage = &core->panel->storage[index];
+    uint32_t extent[3];
+    extent_of(core, index, extent);
+    return (resource->kind == DT_IMAGE ? check_image(core, resource, storage->usage, extent)
+                                       : check_buffer(core, resource, storage, extent[0])) &&
+           core->backend->create_resource(core, index, extent);
+}
+
+static bool create_resources(struct dt_core *core)
+{
+    const struct dt_backend *backend = core->backend;
+    uint32_t count = core->pipeline->resource_count;
+    bool good = true;
+    for (uint32_t i = 0; good && i < count; i++)
+        good = create_resource(core, i);
+    good = good && (!backend->place_resources || backend->place_resources(core));
+    for (uint32_t i = 0; good && i < count; i++)
+        good = backend->fill_resource(core, i);
+    for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
+        good = backend->connect_program(core, dt_program(core, i), i);
+    return good;
+}
+
+static bool lacks_scene(const struct dt_core *core)
+{
+    for (uint32_t i = 0; i < core->pipeline->pass_count && !core->has_scene; i++)
+        if (core->pipeline->passes[i].uses_scene)
+            return true;
+    return false;
+}
+
+bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
+{
+    uint32_t limit = core->limits.image_size;
+    if (!core->panel || lacks_scene(core))
+        return dt_error(core, "resize: no pipeline or no scene yet; create and %s come first",
+                        core->hosted ? "import_scene" : "set_scene");
+    if (width < 1 || height < 1 || width > limit || height > limit)
+        return dt_error(core, "frame of %ux%u: %s takes 1x1 to %ux%u; choose another size", width,
+                        height, core->device_name, limit, limit);
+    bool good = enter(core) && core->backend->rest(core, "resize");
+    if (good) {
+        release_resources(core);
+        core->width = width;
+        core->height = height;
+        good = create_resources(core);
+        if (!good)
+            release_resources(core);
+        memset(core->ran, 0, core->pipeline->pass_count * sizeof *core->ran);
+        core->sized = good;
+    }
+    return leave(core, good);
+}
+
+bool dt_front_import(struct dt_core *core, uint32_t resource)
+{
+    if (!core->pipeline || resource >= core->pipeline->resource_count ||
+        core->pipeline->resources[resource].kind != DT_IMAGE)
+        return dt_error(core, "import_image: the pipeline has no image %u; create comes first",
+                        resource);
+    core->sized = false; /* until the next resize */
+    return true;
+}
+
+bool dt_front_import_scene(struct dt_core *core, uint32_t index_count)
+{
+    core->sized = false; /* programs are connected with the former scene until the next resize */
+    return (index_count && index_count % 3 == 0) ||
+           dt_error(core, "import_scene: %u indices, but triangles have three each", index_count);
+}
+
+static uint32_t texel_size(enum dt_format format)
+{
+    static const uint8_t sizes[DT_FORMAT_COUNT] = {
+        [DT_FORMAT_R8] = 1,         [DT_FORMAT_RG8] = 2,   [DT_FORMAT_RGBA8] = 4,
+        [DT_FORMAT_RGBA8_SRGB] = 4, [DT_FORMAT_R16F] = 2,  [DT_FORMAT_RG16F] = 4,
+        [DT_FORMAT_RGBA16F] = 8,    [DT_FORMAT_R32F] = 4,  [DT_FORMAT_RG32F] = 8,
+        [DT_FORMAT_RGBA32F] = 16,   [DT_FORMAT_R32UI] = 4, [DT_FORMAT_RG32UI] = 8,
+        [DT_FORMAT_RGBA32UI] = 16,  [DT_FORMAT_R32I] = 4,  [DT_FORMAT_D32F] = 4,
+    };
+    return sizes[format];
+}
+
+bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
+                   struct dt_bytes *shape)
+{
+    if (!core->pipeline || resource >= core->pipeline->resource_count)
+        return dt_error(core, "%s: the pipeline has no resource %u", verb, resource);
+    const struct dt_resource *what = &core->pipeline->resources[resource];
+    bool image = what->kind == DT_IMAGE;
+    uint32_t mips = image ? what->mips : 1, *extent = shape->extent;
+    if (!core->width)
+        return dt_error(core, "%s %s: it does not exist yet; resize comes first", verb, what->name);
+    if (mip >= mips)
+        return dt_error(core, "%s %s: mip %u, and it has %u", verb, what->name, mip, mips);
+    extent_of(core, resource, extent);
+    if (image) {
+        extent[0] = extent[0] >> mip ? extent[0] >> mip : 1;
+        extent[1] = extent[1] >> mip ? extent[1] >> mip : 1;
+        shape->size = (size_t)extent[0] * extent[1] * extent[2] * texel_size(what->format);
+    } else {
+        shape->size = (size_t)extent[0] * what->stride;
+    }
+    return true;
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+bool dt_front_ready(const struct dt_core *core, const char *verb)
+{
+    return core->sized || dt_error(core,
+                                   "%s: the pipeline has no resources; resize comes first, also "
+                                   "after a new scene, an import and a frame that failed",
+                                   verb);
+}
+
+struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame)
+{
+    struct dt_frame block = *frame;
+    block.width = core->width;
+    block.height = core->height;
+    return block;
+}
+
+static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
+{
+    const struct dt_observer *observer = core->observer;
+    if (!observer || !observer->before_pass)
+        return DT_RUN;
+    enum dt_action action = observer->before_pass(observer->user, pass);
+    return enter(core) ? action : DT_STOP; /* it may have used other contexts */
+}
+
+static bool begin(void *runtime, uint32_t pass, bool runs)
+{
+    struct dt_core *core = runtime;
+    enum dt_action action = ask_observer(core, pass);
+    core->pass = pass;
+    core->skips = action == DT_SKIP;
+    core->ran[pass] = runs && action == DT_RUN;
+    return action != DT_STOP && core->backend->verbs.begin(core, pass, core->ran[pass]);
+}
+
+static bool end(void *runtime, uint32_t pass)
+{
+    struct dt_core *core = runtime;
+    const struct dt_observer *observer = core->observer;
+    if (!core->backend->verbs.end(core, pass))
+        return false;
+    return !observer || (core->backend->pause(core) &&
+                         (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
+                         enter(core) && core->backend->resume(core));
+}
+
+static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
+{
+    struct dt_core *core = runtime;
+    return core->backend->verbs.barriers(core, pass, list, count);
+}
+
+static bool bind(void *runtime, uint32_t pass)
+{
+    struct dt_core *core = runtime;
+    return core->skips || core->backend->verbs.bind(core, pass);
+}
+
+static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
+{
+    struct dt_core *core = runtime;
+    const uint32_t *most = core->limits.groups;
+    if (core->skips)
+        return true;
+    if (x > most[0] || y > most[1] || z > most[2])
+        return dt_error(core,
+                        "pass %s: %u x %u x %u workgroups, but %s allows %u x %u x %u; use larger "
+                        "workgroups or a smaller frame",
+                        pass_name(core, pass), x, y, z, core->device_name, most[0], most[1],
+                        most[2]);
+    return core->backend->verbs.dispatch(core, pass, x, y, z);
+}
+
+static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
+{
+    struct dt_core *core = runtime;
+    return core->skips || core->backend->verbs.dispatch_indirect(core, pass, arguments);
+}
+
+static bool check_target(const struct dt_core *core, uint32_t pass, const struct dt_target *target,
+                         uint32_t layers)
+{
+    uint32_t extent[3];
+    extent_of(core, target->resource, extent);
+    return (layers >= 1 && layers <= extent[2]) ||
+           dt_error(core, "pass %s: draws into %u layers, and image %s has %u",
+                    pass_name(core, pass), layers, core->pipeline->resources[target->resource].name,
+                    extent[2]);
+}
+
+static bool check_layers(const struct dt_core *core, uint32_t pass, uint32_t layers)
+{
+    const struct dt_program *program = &core->panel->programs[pass];
+    for (uint32_t i = 0; i < program->color_count; i++)
+        if (!check_target(core, pass, &program->colors[i], layers))
+            return false;
+    return !program->depth || check_target(core, pass, program->depth, layers);
+}
+
+static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
+{
+    struct dt_core *core = runtime;
+    return core->skips || (check_layers(core, pass, layers) &&
+                           core->backend->verbs.draw_scene(core, pass, layers));
+}
+
+static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
+                          uint32_t arguments)
+{
+    struct dt_core *core = runtime;
+    uint32_t extent[3];
+    if (core->skips)
+        return true;
+    extent_of(core, arguments, extent);
+    uint64_t draws =
+        (uint64_t)extent[0] * core->pipeline->resources[arguments].stride / DT_DRAW_BYTES;
+    if (draws > core->limits.draws)
+        return dt_error(core, "pass %s: %llu indirect draws, but %s allows %u; use fewer",
+                        pass_name(core, pass), (unsigned long long)draws, core->device_name,
+                        core->limits.draws);
+    return check_layers(core, pass, layers) &&
+           core->backend->verbs.draw_indirect(core, pass, layers, indices, arguments);
+}
+
+static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
+{
+    struct dt_core *core = runtime;
+    return core->skips || (check_layers(core, pass, layers) &&
+                           core->backend->verbs.draw_fullscreen(core, pass, layers));
+}
+
+static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
+{
+    struct dt_core *core = runtime;
+    return core->skips || core->backend->verbs.clear_targets(core, pass, layers);
+}
+
+static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
+{
+    struct dt_core *core = runtime;
+    return core->skips || core->backend->verbs.clear_buffer(core, pass, resource);
+}
+
+static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
+{
+    struct dt_core *core = runtime;
+    return core->skips || core->backend->verbs.clear_image(core, pass, resource, mip);
+}
+
+static const struct dt_verbs checked = {
+    .begin = begin,
+    .barriers = barriers,
+    .bind = bind,
+    .dispatch = dispatch,
+    .dispatch_indirect = dispatch_indirect,
+    .draw_scene = draw_scene,
+    .draw_indirect = draw_indirect,
+    .draw_fullscreen = draw_fullscreen,
+    .clear_targets = clear_targets,
+    .clear_buffer = clear_buffer,
+    .clear_image = clear_image,
+    .end = end,
+};
+
+bool dt_front_record(struct dt_core *core, const void *live)
+{
+    const struct dt_recording recording = {.verbs = &checked,
+                                           .runtime = core,
+                                           .width = core->width,
+                                           .height = core->height,
+                                           .live = live,
+                                           .panel = core->panel};
+    memset(core->ran, 0, core->pipeline->pass_count * sizeof *core->ran);
+    return core->panel->record(&recording);
+}
+
+bool dt_front_timings(struct dt_core *core, double *pass_ms)
+{
+    if (!core->timing || !core->rendered)
+        return dt_error(core, "timings: none; open with timing and %s a frame first",
+                        core->hosted ? "record" : "render");
+    return leave(core, enter(core) && core->backend->timings(core, pass_ms));
+}
+
+/* ---- The app's verbs ------------------------------------------------------------------------- */
+
+const char *dt_verb_device_name(void *runtime)
+{
+    return ((struct dt_core *)runtime)->device_name;
+}
+
+bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
+{
+    struct dt_core *core = runtime;
+    core->sized = false; /* programs are connected with the former scene until the next resize */
+    return leave(core, enter(core) && core->backend->upload_scene(core, scene));
+}
+
+bool dt_verb_create(void *runtime, const struct dt_shaders *shaders)
+{
+    return dt_front_create(runtime, shaders);
+}
+
+bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height)
+{
+    return dt_front_resize(runtime, width, height);
+}
+
+bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *live,
+                    const struct dt_observer *observer)
+{
+    struct dt_core *core = runtime;
+    if (!dt_front_ready(core, "render"))
+        return false;
+    const struct dt_frame sized = dt_front_frame(core, frame);
+    core->observer = observer;
+    core->rendered =
+        leave(core, enter(core) && core->backend->render(
+                                       core, &sized, live ? live : core->pipeline->live_defaults));
+    core->observer = NULL;
+    core->sized = core->rendered; /* else layouts as recorded may never have come about */
+    return core->rendered;
+}
+
+bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)
+{
+    struct dt_core *core = runtime;
+    *out = (struct dt_bytes){0};
+    return dt_front_find(core, "read", resource, mip, out) &&
+           leave(core, enter(core) && core->backend->read(core, resource, mip, out));
+}
+
+bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    struct dt_core *core = runtime;
+    struct dt_bytes own = {0};
+    if (!dt_front_find(core, "write", resource, mip, &own))
+        return false;
+    const uint32_t *given = bytes->extent;
+    if (bytes->size != own.size || memcmp(given, own.extent, sizeof own.extent) != 0)
+        return dt_error(core,
+                        "write %s: %zu bytes of %ux%ux%u, but it takes %zu of %ux%ux%u; give what "
+                        "read gives",
+                        core->pipeline->resources[resource].name, bytes->size, given[0], given[1],
+                        given[2], own.size, own.extent[0], own.extent[1], own.extent[2]);
+    return leave(core, enter(core) && core->backend->write(core, resource, mip, bytes));
+}
+
+bool dt_verb_timings(void *runtime, double *pass_ms)
+{
+    return dt_front_timings(runtime, pass_ms);
+}
+
+static bool has_window(const struct dt_core *core, const char *verb)
+{
+    return core->window || dt_error(core, "%s: the %s runtime was opened without a window", verb,
+                                    core->backend->api);
+}
+
+bool dt_verb_window_copy(void *runtime, uint32_t texture, uint32_t resource)
+{
+    struct dt_core *core = runtime;
+    struct dt_bytes shape;
+    if (!has_window(core, "window_copy") ||
+        !dt_front_find(core, "window_copy", resource, 0, &shape))
+        return false;
+    const struct dt_resource *image = &core->pipeline->resources[resource];
+    if (image->kind != DT_IMAGE || image->format != DT_FORMAT_RGBA8 || image->layered)
+        return dt_error(core,
+                        "window_copy %s: is no image of RGBA8; read it, and use window_upload",
+                        image->name);
+    return leave(core, enter(core) && core->backend->window_copy(core, texture, resource));
+}
+
+bool dt_verb_window_upload(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
+                           const uint8_t *pixels)
+{
+    struct dt_core *core = runtime;
+    return has_window(core, "window_upload") &&
+           leave(core,
+                 enter(core) && core->backend->window_upload(core, texture, width, height, pixels));
+}
+
+bool dt_verb_present(void *runtime, const struct dt_window_frame *frame)
+{
+    struct dt_core *core = runtime;
+    return has_window(core, "present") &&
+           leave(core, enter(core) && core->backend->present(core, frame));
+}
+
+bool dt_verb_is_lost(void *runtime)
+{
+    return ((struct dt_core *)runtime)->lost;
+}
+
+uint32_t dt_verb_messages(void *runtime)
+{
+    return ((struct dt_core *)runtime)->messages;
+}

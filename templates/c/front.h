@@ -1,0 +1,171 @@
+/* What stands above every backend: the state of a runtime as far as all backends share it, the checks of
+ * arguments, states and limits, with one set of messages, and the walk over a panel's tables. A backend
+ * implements struct dt_backend; struct gl_runtime and struct vk_runtime begin with a struct dt_core.
+ * Called by the app through struct dt_runtime, by other programs through diptych_gl.h and diptych_vk.h. */
+#ifndef DIPTYCH_FRONT_H
+#define DIPTYCH_FRONT_H
+
+#include "panel.h"
+
+/* What the device can do; filled by open. */
+struct dt_limits {
+    uint32_t image_size, image_layers; /* texels along a side; layers of an array */
+    uint32_t target_size[2];           /* of what is drawn into */
+    uint32_t color_targets;
+    uint32_t bindings
+        [4]; /* by enum dt_binding_kind: in one shader stage; numbers are below for OpenGL */
+    uint64_t uniform_bytes, storage_bytes; /* bound as one block */
+    uint32_t groups[3];                    /* of a dispatch */
+    uint32_t draws;                        /* of one indirect draw call */
+    uint32_t clip_distances;
+    float anisotropy;
+};
+
+struct dt_core {
+    const struct dt_backend *backend;
+    struct dt_log log;
+    struct dt_limits limits;
+    char device_name[256];
+    bool hosted; /* device or context are a host's */
+    bool timing, window;
+    int poison;        /* see struct dt_runtime_options */
+    uint32_t messages; /* of validation or KHR_debug so far */
+    bool lost;         /* a call has said that the device is */
+    bool has_scene;
+
+    /* The pipeline; NULL before create. */
+    const struct dt_shaders *shaders;
+    const struct dt_panel *panel;
+    const struct dt_pipeline *pipeline;
+    /* Arrays of the backend's own structs, zero where nothing was made: one per resource, pass, sampler. */
+    void *resources, *programs, *samplers;
+    uint32_t width, height; /* 0: the resources do not exist */
+    bool sized;             /* a frame may be rendered: nothing has changed since resize */
+    bool rendered;          /* a frame has been, since resize */
+
+    /* While a frame is recorded. */
+    const struct dt_observer *observer;
+    uint32_t pass; /* as of the last begin */
+    bool skips;    /* the observer wants nothing but its barriers */
+    bool *ran;     /* per pass, in the last frame */
+};
+
+/* Every bool function logs its error. All take the core that open made. */
+struct dt_backend {
+    const char *name; /* "gl", "vk" */
+    const char *api;  /* "OpenGL", "Vulkan": in messages */
+    /* Of one element of dt_core's arrays. */
+    size_t resource_size, program_size, sampler_size;
+
+    /* Around every verb: makes the context current, keeps and gives back a host's state. leave runs
+     * also after a failed enter. NULL: nothing to do. */
+    bool (*enter)(struct dt_core *core);
+    bool (*leave)(struct dt_core *core);
+    bool (*rest)(struct dt_core *core, const char *verb); /* afterwards no frame is on its way */
+
+    bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene);
+
+    /* The pipeline. core->panel is set. end_panel takes what a failed begin_panel left. */
+    bool (*begin_panel)(
+        struct dt_core *core); /* features, uniform block of live parameters, queries */
+    void (*end_panel)(struct dt_core *core);
+    bool (*create_sampler)(struct dt_core *core, void *sampler, const struct dt_sampler *info);
+    void (*destroy_sampler)(struct dt_core *core, void *sampler);
+    bool (*create_program)(struct dt_core *core, void *program, uint32_t pass);
+    void (*destroy_program)(struct dt_core *core, void *program);
+    /* The program was made for another panel's pass of the same code and state, and is this pass's now. */
+    void (*adopt_program)(struct dt_core *core, void *program, uint32_t pass);
+
+    /* Resources for frames of core->width x height: all are created, then placed, then filled; then
+     * programs are connected with them. */
+    bool (*create_resource)(struct dt_core *core, uint32_t resource, const uint32_t extent[3]);
+    bool (*place_resources)(struct dt_core *core); /* memory of all slots; NULL: they have theirs */
+    /* First content: zero with history; else core->poison in every byte when it is set. */
+    bool (*fill_resource)(struct dt_core *core, uint32_t resource);
+    bool (*connect_program)(struct dt_core *core, void *program, uint32_t pass);
+    void (*disconnect_program)(struct dt_core *core, void *program);
+    void (*destroy_resource)(struct dt_core *core, uint32_t resource);
+    void (*release_memory)(struct dt_core *core); /* after all resources; NULL: nothing to do */
+
+    /* A frame: calls dt_front_record between its own first and last commands. */
+    bool (*render)(struct dt_core *core, const struct dt_frame *frame, const void *live);
+    struct dt_verbs verbs; /* arguments are right, and nothing is skipped */
+    /* For an observer: all work so far is done; and recording goes on. */
+    bool (*pause)(struct dt_core *core);
+    bool (*resume)(struct dt_core *core);
+
+    /* The resource and the mip exist; size and extent of `out` are given, data is to be allocated. */
+    bool (*read)(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
+    bool (*write)(struct dt_core *core, uint32_t resource, uint32_t mip,
+                  const struct dt_bytes *bytes);
+    bool (*timings)(struct dt_core *core, double *pass_ms);
+
+    bool (*window_copy)(struct dt_core *core, uint32_t texture, uint32_t resource);
+    bool (*window_upload)(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
+                          const uint8_t *pixels);
+    bool (*present)(struct dt_core *core, const struct dt_window_frame *frame);
+};
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+void dt_log(const struct dt_core *core, enum dt_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* Logs one DT_ERROR and returns false. */
+bool dt_error(const struct dt_core *core, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* ---- What both ways in call ------------------------------------------------------------------ */
+
+bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
+bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
+/* Whether a frame may be recorded. */
+bool dt_front_ready(const struct dt_core *core, const char *verb);
+/* In a backend's render: all passes, by the checked verbs. */
+bool dt_front_record(struct dt_core *core, const void *live);
+/* The frame's block with the size filled in. */
+struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame);
+/* Whether the resource and the mip exist; `shape` gets size and extent. */
+bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
+                   struct dt_bytes *shape);
+/* Whether an image of the pipeline may be replaced by a host's: after create; resize comes next. */
+bool dt_front_import(struct dt_core *core, uint32_t resource);
+/* Whether the scene is one of triangles; resize comes next. */
+bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
+bool dt_front_timings(struct dt_core *core, double *pass_ms);
+void dt_front_destroy(
+    struct dt_core *core); /* the pipeline with all that was made for it; for close */
+
+static inline void *dt_resource(const struct dt_core *core, uint32_t resource)
+{
+    return (char *)core->resources + resource * core->backend->resource_size;
+}
+static inline void *dt_program(const struct dt_core *core, uint32_t pass)
+{
+    return (char *)core->programs + pass * core->backend->program_size;
+}
+static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
+{
+    return (char *)core->samplers + sampler * core->backend->sampler_size;
+}
+
+/* ---- The app's verbs, those that are alike for all backends ---------------------------------- */
+
+const char *dt_verb_device_name(void *runtime);
+bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);
+bool dt_verb_create(void *runtime, const struct dt_shaders *shaders);
+bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height);
+bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *live,
+                    const struct dt_observer *observer);
+bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out);
+bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
+bool dt_verb_timings(void *runtime, double *pass_ms);
+bool dt_verb_window_copy(void *runtime, uint32_t texture, uint32_t resource);
+bool dt_verb_window_upload(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
+                           const uint8_t *pixels);
+bool dt_verb_present(void *runtime, const struct dt_window_frame *frame);
+bool dt_verb_is_lost(void *runtime);
+uint32_t dt_verb_messages(void *runtime);
+
+extern const struct dt_runtime runtime_gl, runtime_vk;
+
+#endif

@@ -1,0 +1,215 @@
+/* One pipeline as tables, for every backend: how its resources are stored, what each pass binds and
+ * draws into, which features it needs, and `record`, which does a frame by calling verbs. diptych-gen
+ * writes these tables into NAME.c, and the app fills them from a spec in memory (gen/lower.h). The
+ * front (front.h) checks and walks them; a backend implements the verbs. No graphics API in here.
+ *
+ * Resources and passes are named by their index in the pipeline's reflection (struct dt_pipeline). */
+#ifndef DIPTYCH_PANEL_H
+#define DIPTYCH_PANEL_H
+
+#include "diptych.h"
+
+/* ---- How passes use resources ---------------------------------------------------------------- */
+
+enum dt_access {                           /* masks */
+                 DT_READ_STORAGE = 1 << 0, /* a storage buffer, or imageLoad */
+                 DT_WRITE_STORAGE = 1 << 1,
+                 DT_READ_TEXTURE = 1 << 2, /* texelFetch, or through a sampler */
+                 DT_READ_UNIFORM = 1 << 3,
+                 DT_READ_COLOR = 1 << 4, /* a colour target that is blended with or kept */
+                 DT_WRITE_COLOR = 1 << 5,
+                 DT_READ_DEPTH = 1 << 6,
+                 DT_WRITE_DEPTH = 1 << 7,
+                 DT_READ_INDIRECT = 1 << 8, /* arguments of a draw or dispatch */
+                 DT_READ_INDEX = 1 << 9,
+                 DT_WRITE_CLEAR = 1 << 10 /* a clear in place of a skipped pass */
+};
+
+enum dt_stage { /* masks */
+                DT_STAGE_COMPUTE = 1 << 0,
+                DT_STAGE_VERTEX = 1 << 1,
+                DT_STAGE_FRAGMENT = 1 << 2,
+                DT_STAGE_COLOR = 1 << 3, /* writing and blending of colour targets */
+                DT_STAGE_DEPTH = 1 << 4, /* depth tests, early and late */
+                DT_STAGE_INDIRECT = 1 << 5,
+                DT_STAGE_INDEX = 1 << 6,
+                DT_STAGE_CLEAR = 1 << 7
+};
+
+enum dt_layout {                 /* what an image is laid out for while a pass runs */
+                 DT_LAYOUT_NONE, /* a buffer */
+                 DT_LAYOUT_GENERAL,
+                 DT_LAYOUT_READ, /* textures */
+                 DT_LAYOUT_COLOR,
+                 DT_LAYOUT_DEPTH
+};
+
+enum { DT_KEEP = 0, DT_DISCARD = 1 }; /* of an image's content, in a barrier */
+
+/* Before a pass: its use of `resource` waits for earlier work. The first use in a frame waits, stage
+ * by stage, for whatever happened before the frame: its `from` is 0 and its stages are the pass's own.
+ * A frame opens with a barrier for all that came before, and these chain to it. */
+struct dt_barrier {
+    uint16_t resource;
+    uint16_t from_stages; /* enum dt_stage of the earlier accesses */
+    uint16_t
+        from; /* enum dt_access of the earlier writes; 0: order alone, nothing to make visible */
+    uint16_t to_stages, to; /* of the accesses that wait */
+    uint8_t layout;         /* enum dt_layout that an image has from here on */
+    bool discard;           /* images: the old content is not needed */
+};
+
+/* ---- Storage --------------------------------------------------------------------------------- */
+
+struct dt_storage { /* of one resource */
+    uint16_t usage; /* enum dt_access over all passes */
+    uint16_t
+        slot; /* resources of one slot are never alive in the same pass: they may share memory */
+    /* an earlier resource of the same format and size, never alive at the same time, whose texture this
+     * image may take where memory cannot be shared (OpenGL); -1: none */
+    int16_t share;
+    uint32_t block; /* bytes that uniform blocks of the buffer declare; 0: as many as it has */
+    float clear[4]; /* what a target, or a skipped pass, is cleared to; depth: the first */
+};
+
+enum dt_wrap { DT_WRAP_CLAMP, DT_WRAP_REPEAT, DT_WRAP_MIRROR };
+
+struct dt_sampler {
+    const char *name;
+    bool linear, linear_mip; /* filtering within and between mips; else nearest */
+    enum dt_wrap wrap;
+    bool compare;     /* a shadow sampler: less or equal */
+    float anisotropy; /* 1: off */
+};
+
+/* ---- Programs: one per pass ------------------------------------------------------------------ */
+
+/* What bindings name beside resources: what every runtime brings along. */
+enum dt_builtin {
+    DT_FRAME = 0xff00,  /* uniform block struct dt_frame */
+    DT_LIVE,            /* uniform block of the live parameters */
+    DT_SCENE_VERTICES,  /* struct dt_vertex[] */
+    DT_SCENE_INDICES,   /* uint32_t[] */
+    DT_SCENE_MATERIALS, /* struct dt_material[DT_MAX_MATERIALS] */
+    DT_SCENE_TEXTURES,  /* array texture, with a trilinear, repeating sampler */
+    DT_NO_RESOURCE
+};
+
+enum dt_binding_kind { DT_BIND_UNIFORM, DT_BIND_STORAGE, DT_BIND_TEXTURE, DT_BIND_IMAGE };
+enum { DT_ALL_MIPS = 0xff, DT_MAX_MIPS = 16, DT_MAX_COLOR_TARGETS = 8, DT_MAX_BINDINGS = 64 };
+enum { DT_DRAW_BYTES = 20 }; /* of one indirect draw: VkDrawIndexedIndirectCommand */
+
+struct dt_binding {
+    uint16_t binding;  /* the number in GLSL */
+    uint16_t resource; /* or enum dt_builtin */
+    enum dt_binding_kind kind;
+    uint8_t mip;     /* textures: one, or DT_ALL_MIPS; images: one */
+    uint8_t layout;  /* images and textures: enum dt_layout during the pass */
+    uint16_t access; /* images: DT_READ_STORAGE, DT_WRITE_STORAGE or both */
+    int16_t
+        sampler; /* textures: index into the samplers; -1: nearest and clamped, for texelFetch */
+};
+
+struct dt_target {
+    uint16_t resource;
+    uint8_t mip;
+    bool load; /* keep the content; else clear it as its storage says */
+};
+
+enum dt_compare { DT_COMPARE_LESS, DT_COMPARE_LESS_EQUAL, DT_COMPARE_GREATER, DT_COMPARE_ALWAYS };
+enum dt_cull { DT_CULL_NONE, DT_CULL_BACK, DT_CULL_FRONT };
+
+/* Draws only but for the bindings. A draw has one colour target at least, or a depth target. */
+struct dt_program {
+    const struct dt_binding *bindings; /* all that its shaders declare */
+    uint32_t binding_count;
+    const struct dt_target *colors; /* by attachment number */
+    uint32_t color_count;
+    const struct dt_target *depth; /* NULL: none */
+    enum dt_compare compare;
+    enum dt_cull cull; /* front faces are counter-clockwise in OpenGL's window, see design of NDC */
+    bool depth_test, depth_write;
+    bool blend_add;
+    bool layered;            /* gl_Layer picks a layer: targets are all layers; else layer 0 */
+    uint32_t clip_distances; /* that its vertex shader writes */
+};
+
+/* A feature of the device that a pass needs beyond what every pipeline does. */
+struct dt_need {
+    uint32_t pass;
+    const char *feature; /* of VkPhysicalDeviceFeatures or VkPhysicalDeviceVulkan1?Features */
+};
+
+/* ---- Recording ------------------------------------------------------------------------------- */
+
+/* What a frame is done with. Each logs its error and returns false. Between begin and end of a pass come
+ * barriers, then bind, then its work, or, where the pass does not run, the clears in place of it.
+ * `layers` is the number of instances, and of layers of the targets: 1 but for layered draws. */
+struct dt_verbs {
+    bool (*begin)(void *runtime, uint32_t pass, bool runs);
+    bool (*barriers)(void *runtime, uint32_t pass, const struct dt_barrier *barriers,
+                     uint32_t count);
+    bool (*bind)(void *runtime, uint32_t pass);
+    bool (*dispatch)(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z);
+    bool (*dispatch_indirect)(void *runtime, uint32_t pass, uint32_t arguments);
+    bool (*draw_scene)(void *runtime, uint32_t pass, uint32_t layers);
+    /* As many draws as `arguments` has room for (DT_DRAW_BYTES each); indices: a buffer, or DT_SCENE_INDICES. */
+    bool (*draw_indirect)(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
+                          uint32_t arguments);
+    bool (*draw_fullscreen)(void *runtime, uint32_t pass, uint32_t layers);
+    bool (*clear_targets)(void *runtime, uint32_t pass,
+                          uint32_t layers); /* those that do not load */
+    bool (*clear_buffer)(void *runtime, uint32_t pass, uint32_t resource); /* to zero */
+    bool (*clear_image)(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip);
+    bool (*end)(void *runtime, uint32_t pass);
+};
+
+struct dt_recording {
+    const struct dt_verbs *verbs;
+    void *runtime;          /* the verbs' first argument */
+    uint32_t width, height; /* of the frame */
+    const void *live;       /* struct NAME_live */
+    const struct dt_panel *panel;
+};
+
+struct dt_panel {
+    const struct dt_pipeline *pipeline;
+    const struct dt_storage *storage;  /* one per resource */
+    const struct dt_program *programs; /* one per pass */
+    const struct dt_sampler *samplers;
+    uint32_t sampler_count;
+    uint32_t slot_count;
+    const struct dt_need *needs;
+    uint32_t need_count;
+    bool (*record)(const struct dt_recording *recording); /* one frame: all passes */
+    const void *plan; /* what a player of the plan keeps; NULL in generated code */
+};
+
+/* ---- For generated C ------------------------------------------------------------------------- */
+
+/* No resource is empty, however small the frame. */
+static inline uint32_t dt_size(int64_t size)
+{
+    return size < 1 ? 1 : size > UINT32_MAX ? UINT32_MAX : (uint32_t)size;
+}
+
+static inline void dt_set_extent(uint32_t extent[3], int64_t x, int64_t y, int64_t z)
+{
+    extent[0] = dt_size(x);
+    extent[1] = dt_size(y);
+    extent[2] = dt_size(z);
+}
+
+/* Workgroups that `count` invocations take; none when the count is not positive. */
+static inline uint32_t dt_groups(int64_t count, int64_t local)
+{
+    return count > 0 ? (uint32_t)((count - 1) / local + 1) : 0;
+}
+
+/* Invocations of a dispatch of that many along each axis. */
+static inline uint64_t dt_product(int64_t x, int64_t y, int64_t z)
+{
+    return x < 1 || y < 1 || z < 1 ? 0 : (uint64_t)(x * y * z);
+}
+
+#endif

@@ -1,0 +1,29 @@
+/* A pipeline with an image of every format, plain and layered, and two buffers, whose only pass does
+ * nothing: what is written must be read back, bit for bit, in every format and mip, and nothing beside it
+ * changes. For tests of the runtimes. */
+#ifndef FORMATS_H
+#define FORMATS_H
+
+#include "panel.h"
+
+enum {
+    FORMATS_MIPS = 3,
+    FORMATS_PLAIN = 0,                 /* by enum dt_format from here on: 13 x 7 */
+    FORMATS_LAYERED = DT_FORMAT_COUNT, /* 13 x 7 x 2 */
+    FORMATS_SMALL =
+        2 * DT_FORMAT_COUNT, /* a buffer of 4 bytes, smaller than any that the runtimes make */
+    FORMATS_ODD,             /* one of 13 x 12 bytes */
+    FORMATS_RESOURCES
+};
+
+extern const struct dt_panel formats_panel;
+extern const struct dt_shaders formats_gl, formats_vk;
+
+void formats_prepare(void); /* before they are used */
+uint32_t formats_mips(uint32_t resource);
+
+/* Opens, writes everything, reads everything, before and after a frame; closes. */
+void formats_run(const struct dt_runtime *runtime, const struct dt_runtime_options *options,
+                 const struct dt_shaders *shaders, const uint32_t *errors);
+
+#endif

@@ -1,0 +1,50 @@
+/* A table of verbs that only takes notes: what a panel's record does, call by call. Two panels do the same
+ * when their notes are the same. */
+#ifndef RECORDER_H
+#define RECORDER_H
+
+#include "panel.h"
+
+enum recorder_verb {
+    RECORDER_BEGIN,
+    RECORDER_BARRIERS, /* followed by one RECORDER_BARRIER for each */
+    RECORDER_BARRIER,
+    RECORDER_BIND,
+    RECORDER_DISPATCH,
+    RECORDER_DISPATCH_INDIRECT,
+    RECORDER_DRAW_SCENE,
+    RECORDER_DRAW_INDIRECT,
+    RECORDER_DRAW_FULLSCREEN,
+    RECORDER_CLEAR_TARGETS,
+    RECORDER_CLEAR_BUFFER,
+    RECORDER_CLEAR_IMAGE,
+    RECORDER_END
+};
+
+struct recorder_note {
+    enum recorder_verb verb;
+    uint32_t pass;
+    uint32_t arguments[3]; /* in the order of struct dt_verbs; else 0 */
+    struct dt_barrier barrier;
+};
+
+struct recorder {
+    const struct dt_panel *panel;
+    struct recorder_note *notes; /* NULL before the first run */
+    uint32_t count, capacity;
+    uint32_t calls;   /* of verbs */
+    uint32_t fail_at; /* the call of this number, from 1 on, fails; 0: none */
+};
+
+/* One frame; what record returned. Notes of an earlier run are replaced. `live`: NULL for the defaults. */
+bool recorder_run(struct recorder *recorder, const struct dt_panel *panel, uint32_t width,
+                  uint32_t height, const void *live);
+void recorder_free(struct recorder *recorder);
+
+/* The note as a line of text, with every argument, and the names of pass and resource. */
+void recorder_line(const struct recorder *recorder, uint32_t note, char *line, size_t size);
+
+/* The first note in which they differ, or that only one of them has; UINT32_MAX: they are the same. */
+uint32_t recorder_difference(const struct recorder *a, const struct recorder *b);
+
+#endif

@@ -1,0 +1,1003 @@
+/* Both runtimes, driven as the app drives them: every test runs on each, with the pipelines of probe.h
+ * and formats.h. Wrong calls and limits get the same words from both. Validation, with synchronization
+ * checking, and KHR_debug stay silent. What only one of them has is in runtime_gl_test.c and
+ * runtime_vk_test.c. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include "formats.h"
+#include "front.h"
+#include "probe.h"
+
+extern const struct dt_runtime runtime_gl, runtime_vk;
+
+/* ---- What was said --------------------------------------------------------------------------- */
+
+static struct {
+    uint32_t errors;
+    char last[1024];
+} heard;
+
+static void on_message(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    if (level != DT_ERROR)
+        return;
+    heard.errors++;
+    snprintf(heard.last, sizeof heard.last, "%s", message);
+    if (getenv("DIPTYCH_TEST_VERBOSE"))
+        print_message("# %s\n", message);
+}
+
+struct bench {
+    const struct dt_runtime *runtime;
+    const struct dt_stages *stages;
+    const struct dt_shaders *probe, *formats;
+};
+static struct bench gl = {&runtime_gl, probe_gl_stages, &probe_gl, &formats_gl};
+static struct bench vk = {&runtime_vk, probe_vk_stages, &probe_vk, &formats_vk};
+
+static struct dt_runtime_options options(void)
+{
+    heard.errors = 0;
+    return (struct dt_runtime_options){
+        .log = {.message = on_message}, .debug = true, .timing = true, .poison = 0xab};
+}
+
+static void *open_ready(const struct bench *bench, uint32_t width, uint32_t height)
+{
+    const struct dt_runtime_options wanted = options();
+    void *rt = bench->runtime->open(&wanted);
+    assert_non_null(rt);
+    assert_true(bench->runtime->set_scene(rt, &probe_scene) &&
+                bench->runtime->create(rt, bench->probe) &&
+                bench->runtime->resize(rt, width, height));
+    return rt;
+}
+
+static void close_silent(const struct bench *bench, void *rt)
+{
+    assert_int_equal(bench->runtime->messages(rt), 0);
+    bench->runtime->close(rt);
+    assert_int_equal(heard.errors, 0);
+}
+
+static bool render(const struct bench *bench, void *rt, const struct probe_live *live,
+                   const struct dt_observer *observer)
+{
+    const struct dt_frame frame = probe_frame(0);
+    return bench->runtime->render(rt, &frame, live, observer);
+}
+
+static const struct probe_live defaults = {.mask = 1, .scale = 0.5f, .glow = 1};
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+static void frames_have_the_values_that_were_drawn(void **state)
+{
+    const struct bench *bench = *state;
+    const struct dt_runtime_options wanted = options();
+    probe_run(bench->runtime, &wanted, bench->probe, &heard.errors);
+}
+
+static void what_was_written_is_read_back(void **state)
+{
+    const struct bench *bench = *state;
+    const struct dt_runtime_options wanted = options();
+    formats_prepare();
+    formats_run(bench->runtime, &wanted, bench->formats, &heard.errors);
+}
+
+/* OpenGL keeps a depth within 0 to 1, which the poison as a number is not. */
+static bool may_be_clamped(const struct bench *bench, const struct dt_resource *resource)
+{
+    return bench == &gl && resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F;
+}
+
+/* History is zero, also where other bytes have been; all else has the poison in every byte. */
+static void resources_begin_with_zero_or_poison(void **state)
+{
+    const struct bench *bench = *state;
+    void *rt = open_ready(bench, 16, 8);
+    for (int turn = 0; turn < 2; turn++) {
+        for (uint32_t i = 0; i < PROBE_RESOURCES; i++) {
+            const struct dt_resource *resource = &probe_pipeline.resources[i];
+            for (uint32_t mip = 0; mip < (resource->kind == DT_IMAGE ? resource->mips : 1); mip++) {
+                struct dt_bytes bytes = probe_read(bench->runtime, rt, i, mip);
+                for (size_t k = 0; k < bytes.size && !may_be_clamped(bench, resource); k++)
+                    if (bytes.data[k] != (resource->history ? 0 : 0xab))
+                        fail_msg("%s, mip %u, byte %zu is %u", resource->name, mip, k,
+                                 bytes.data[k]);
+                free(bytes.data);
+            }
+        }
+        assert_true(render(bench, rt, NULL, NULL));
+        assert_true(bench->runtime->resize(rt, 24, 16));
+    }
+    close_silent(bench, rt);
+}
+
+/* Without live parameters a frame has their defaults, and another scene shows after a resize. sRGB code
+ * 188 decodes to 0.5029; its neighbours 187 and 189 to 0.4969 and 0.5089. */
+static void a_new_scene_is_drawn_after_a_resize(void **state)
+{
+    static const uint8_t texels[40] = {[16] = 188, 0, 0, 255, 188, 0, 0, 255,
+                                       188,        0, 0, 255, 188, 0, 0, 255};
+    const struct bench *bench = *state;
+    struct dt_scene scene = probe_scene;
+    void *rt = open_ready(bench, 16, 8);
+    assert_true(render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    scene.texels = texels;
+    assert_true(bench->runtime->set_scene(rt, &scene) && bench->runtime->resize(rt, 16, 8) &&
+                render(bench, rt, NULL, NULL));
+    struct dt_bytes color = probe_read(bench->runtime, rt, PROBE_COLOR, 0);
+    assert_true(fabsf(((float *)color.data)[0] - 0.5f * 0.5029f) < 5e-4f);
+    free(color.data);
+    close_silent(bench, rt);
+}
+
+static void recording_takes_time_where_it_can_be_told(void **state)
+{
+    const struct bench *bench = *state;
+    const struct dt_observer observer = {0};
+    void *rt = open_ready(bench, 16, 8);
+    assert_true(isnan(bench->runtime->record_ms(rt)));
+    assert_true(render(bench, rt, NULL, NULL));
+    double ms = bench->runtime->record_ms(rt);
+    assert_true(bench == &gl ? isnan(ms) : ms > 0 && ms < 60e3);
+    assert_true(render(bench, rt, NULL, &observer));
+    assert_true(isnan(bench->runtime->record_ms(rt)));
+    close_silent(bench, rt);
+}
+
+/* ---- Observers ------------------------------------------------------------------------------- */
+
+struct watcher {
+    const struct bench *bench;
+    void *rt;
+    struct bench *other; /* renders in the middle of this one's frame; NULL: none */
+    void *other_rt;
+    uint32_t passes, stop_after;
+};
+
+static bool after_pass(void *user, uint32_t pass)
+{
+    struct watcher *watcher = user;
+    const struct dt_runtime *runtime = watcher->bench->runtime;
+    assert_int_equal(pass, watcher->passes++);
+    if (watcher->other)
+        assert_true(render(watcher->other, watcher->other_rt, NULL, NULL));
+    if (pass >= PROBE_SCENE)
+        probe_check_color(runtime, watcher->rt, 16, 8);
+    if (pass == PROBE_SCENE)
+        probe_check_depth(runtime, watcher->rt, 16, 8);
+    return pass != watcher->stop_after;
+}
+
+static void an_observer_sees_every_pass_and_may_stop(void **state)
+{
+    const struct bench *bench = *state;
+    void *rt = open_ready(bench, 16, 8);
+    struct watcher watcher = {.bench = bench, .rt = rt, .stop_after = UINT32_MAX};
+    const struct dt_observer observer = {.after_pass = after_pass, .user = &watcher};
+    assert_true(render(bench, rt, NULL, &observer));
+    assert_int_equal(watcher.passes, PROBE_PASSES);
+    probe_check_stack(bench->runtime, rt);
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    watcher.passes = 0;
+    watcher.stop_after = PROBE_SCENE;
+    assert_false(render(bench, rt, NULL, &observer)); /* whoever stops it has said why */
+    assert_int_equal(watcher.passes, PROBE_SCENE + 1);
+    probe_check_color(bench->runtime, rt, 16, 8);
+    assert_int_equal(heard.errors, 0);
+    assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    close_silent(bench, rt);
+}
+
+static void runtimes_live_side_by_side(void **state)
+{
+    struct bench *bench = *state;
+    struct bench *benches[] = {&gl, &vk};
+    for (int i = 0; i < 2; i++) {
+        void *rt = open_ready(bench, 16, 8), *other = open_ready(benches[i], 40, 24);
+        struct watcher watcher = {.bench = bench,
+                                  .rt = rt,
+                                  .other = benches[i],
+                                  .other_rt = other,
+                                  .stop_after = UINT32_MAX};
+        const struct dt_observer observer = {.after_pass = after_pass, .user = &watcher};
+        assert_true(render(bench, rt, NULL, &observer));
+        probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+        close_silent(bench, rt);
+        assert_true(
+            render(benches[i], other, NULL, NULL)); /* lives on when its neighbour is gone */
+        probe_check_color(benches[i]->runtime, other, 40, 24);
+        probe_check_rest(benches[i]->runtime, other, 40, 24, PROBE_PASSES + 1, &defaults);
+        close_silent(benches[i], other);
+    }
+}
+
+/* Decides about passes before they run, and may paint what the count pass reads. */
+struct director {
+    const struct bench *bench;
+    void *rt;
+    uint32_t passes, stop_at, skips; /* skips: a bit for each pass */
+    const struct dt_bytes *color;
+};
+
+static enum dt_action before_pass(void *user, uint32_t pass)
+{
+    struct director *director = user;
+    assert_int_equal(pass, director->passes++);
+    if (pass == PROBE_COUNT && director->color)
+        assert_true(director->bench->runtime->write(director->rt, PROBE_COLOR, 0, director->color));
+    return pass == director->stop_at               ? DT_STOP
+           : director->skips >> pass & UINT32_C(1) ? DT_SKIP
+                                                   : DT_RUN;
+}
+
+static void what_is_written_before_a_pass_is_what_it_reads(void **state)
+{
+    static const float red[4] = {0.5f, 0, 0, 1};
+    const struct bench *bench = *state;
+    void *rt = open_ready(bench, 16, 8);
+    struct director director = {.bench = bench, .rt = rt, .stop_at = UINT32_MAX};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    struct dt_bytes color = probe_read(bench->runtime, rt, PROBE_COLOR, 0);
+    for (uint32_t i = 0; i < 16 * 8; i++)
+        memcpy(color.data + i * sizeof red, red, sizeof red);
+    director.color = &color;
+    assert_true(render(bench, rt, NULL, &observer));
+    assert_int_equal(director.passes, PROBE_PASSES);
+    free(color.data);
+    struct dt_bytes bytes = probe_read(bench->runtime, rt, PROBE_ROWS, 0);
+    for (uint32_t y = 0; y < 8; y++)
+        assert_int_equal(((uint32_t *)bytes.data)[y], 16000);
+    free(bytes.data);
+    bytes = probe_read(bench->runtime, rt, PROBE_DISPLAY, 0);
+    for (uint32_t i = 0; i < 16 * 8; i++) { /* through all the layouts in between */
+        assert_in_range(bytes.data[4 * i], 127, 128);
+        assert_memory_equal(bytes.data + 4 * i + 1, ((uint8_t[]){0, 0, 255}), 3);
+    }
+    free(bytes.data);
+    close_silent(bench, rt);
+}
+
+/* Buffers are as they were; images that the plan discards have no content that one could rely on,
+ * but the layout of the plan: the next frame and validation go on as if nothing were amiss. */
+static void a_skipped_pass_does_nothing_but_its_barriers(void **state)
+{
+    const struct bench *bench = *state;
+    const struct probe_live clears = {0};
+    void *rt = open_ready(bench, 16, 8);
+    struct director director = {.stop_at = UINT32_MAX, .skips = UINT32_MAX};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    double ms[PROBE_PASSES];
+    for (uint32_t i = PROBE_ROWS; i < PROBE_RESOURCES; i++) {
+        struct dt_bytes bytes = probe_read(bench->runtime, rt, i, 0);
+        memset(bytes.data, 0x11, bytes.size);
+        assert_true(bench->runtime->write(rt, i, 0, &bytes));
+        free(bytes.data);
+    }
+    assert_true(render(bench, rt, &clears, &observer));
+    assert_int_equal(director.passes, PROBE_PASSES);
+    for (uint32_t i = PROBE_ROWS; i < PROBE_RESOURCES; i++) {
+        struct dt_bytes bytes = probe_read(bench->runtime, rt, i, 0);
+        for (size_t k = 0; k < bytes.size; k++)
+            assert_int_equal(bytes.data[k], 0x11);
+        free(bytes.data);
+    }
+    assert_true(bench->runtime->timings(rt, ms));
+    for (int pass = 0; pass < PROBE_PASSES; pass++)
+        assert_true(isnan(ms[pass]));
+    const struct dt_bytes zero = {.data = (uint8_t[32]){0}, .size = 32, .extent = {8, 1, 1}};
+    assert_true(bench->runtime->write(rt, PROBE_FRAMES, 0, &zero));
+    assert_true(render(bench, rt, NULL, NULL)); /* the next frame skips nothing */
+    probe_check_color(bench->runtime, rt, 16, 8);
+    probe_check_stack(bench->runtime, rt);
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    close_silent(bench, rt);
+}
+
+/* The image and the buffer that the mask pass, switched off, would have cleared are not. */
+static void a_skipped_pass_does_not_clear(void **state)
+{
+    const struct bench *bench = *state;
+    const struct probe_live clears = {.scale = 0.5f};
+    void *rt = open_ready(bench, 16, 8);
+    struct director director = {.stop_at = UINT32_MAX, .skips = 1u << PROBE_MASK_PASS};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    assert_true(render(bench, rt, NULL, NULL));
+    assert_true(render(bench, rt, &clears, &observer));
+    struct dt_bytes mask = probe_read(bench->runtime, rt, PROBE_MASK, 0);
+    struct dt_bytes groups = probe_read(bench->runtime, rt, PROBE_GROUPS, 0);
+    assert_true(*(const float *)mask.data != 7.0f);
+    assert_int_equal(*(const uint32_t *)groups.data, 2);
+    free(mask.data);
+    free(groups.data);
+    assert_true(render(bench, rt, &clears, NULL));
+    probe_check_rest(bench->runtime, rt, 16, 8, 3, &clears);
+    close_silent(bench, rt);
+}
+
+static void an_observer_may_stop_before_a_pass(void **state)
+{
+    const struct bench *bench = *state;
+    void *rt = open_ready(bench, 16, 8);
+    struct director director = {.stop_at = PROBE_COUNT};
+    const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+    assert_false(render(bench, rt, NULL, &observer));
+    assert_int_equal(director.passes, PROBE_COUNT + 1);
+    struct dt_bytes bytes = probe_read(bench->runtime, rt, PROBE_FRAMES, 0);
+    assert_int_equal(*(const uint32_t *)bytes.data, 0); /* the count pass did not run */
+    free(bytes.data);
+    assert_int_equal(heard.errors, 0);
+    assert_true(bench->runtime->resize(rt, 40, 24) && render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 40, 24, 1, &defaults);
+    close_silent(bench, rt);
+}
+
+/* ---- Other panels ---------------------------------------------------------------------------- */
+
+/* A copy of the probe's tables to change. */
+struct variant {
+    struct dt_resource resources[PROBE_RESOURCES];
+    struct dt_storage storage[PROBE_RESOURCES];
+    struct dt_program programs[PROBE_PASSES];
+    struct dt_stages stages[PROBE_PASSES];
+    struct dt_sampler sampler;
+    struct dt_pipeline pipeline;
+    struct dt_panel panel;
+    struct dt_shaders shaders;
+};
+
+static struct variant *make_variant(const struct bench *bench)
+{
+    struct variant *v = calloc(1, sizeof *v);
+    assert_non_null(v);
+    memcpy(v->resources, probe_pipeline.resources, sizeof v->resources);
+    memcpy(v->storage, probe_panel.storage, sizeof v->storage);
+    memcpy(v->programs, probe_panel.programs, sizeof v->programs);
+    memcpy(v->stages, bench->stages, sizeof v->stages);
+    v->sampler = probe_panel.samplers[0];
+    v->pipeline = probe_pipeline;
+    v->pipeline.resources = v->resources;
+    v->panel = probe_panel;
+    v->panel.pipeline = &v->pipeline;
+    v->panel.storage = v->storage;
+    v->panel.programs = v->programs;
+    v->panel.samplers = &v->sampler;
+    v->shaders = (struct dt_shaders){bench->probe->backend, &v->panel, v->stages};
+    return v;
+}
+
+/* The scene pass with other depth states: what is drawn is the last, the first or the nearest. */
+static void depth_tests_compare_as_the_panel_says(void **state)
+{
+    static const struct {
+        bool test, write;
+        enum dt_compare compare;
+        float clear, low, depth; /* depth at the left of y < 0, where both quads are */
+        bool front;              /* the front quad, drawn last, is seen there */
+    } cases[] = {
+        {true, true, DT_COMPARE_LESS, 1, 0.25f, 0.25f, true},
+        {true, true, DT_COMPARE_GREATER, 0, 0.25f, 0.5f, false},
+        {true, false, DT_COMPARE_GREATER, 0, 0, 0, true},
+        {true, true, DT_COMPARE_ALWAYS, 0, 0.25f, 0.25f, true},
+        {false, true, DT_COMPARE_GREATER, 1, 0.25f, 0.25f, true},
+        {false, false, DT_COMPARE_LESS, 0, 0, 0, true},
+        {true, true, DT_COMPARE_LESS_EQUAL, 0.25f, 0.25f, 0.25f, true},
+        {true, true, DT_COMPARE_LESS, 0.25f, 0.25f, 0.25f, false},
+    };
+    const struct bench *bench = *state;
+    void *rt = open_ready(bench, 16, 8);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        struct variant *v = make_variant(bench);
+        struct dt_program *program = &v->programs[PROBE_SCENE];
+        program->depth_test = cases[i].test;
+        program->depth_write = cases[i].write;
+        program->compare = cases[i].compare;
+        v->storage[PROBE_DEPTH].clear[0] = cases[i].clear;
+        struct director director = {.stop_at =
+                                        PROBE_LEVEL_0}; /* before the mask takes the memory */
+        const struct dt_observer observer = {.before_pass = before_pass, .user = &director};
+        assert_true(bench->runtime->create(rt, &v->shaders) && bench->runtime->resize(rt, 16, 8));
+        assert_false(render(bench, rt, NULL, &observer));
+        struct dt_bytes color = probe_read(bench->runtime, rt, PROBE_COLOR, 0);
+        struct dt_bytes depth = probe_read(bench->runtime, rt, PROBE_DEPTH, 0);
+        bool front = ((float *)color.data)[1] == 0 && ((float *)color.data)[0] == 0.5f;
+        bool back = ((float *)color.data)[1] == 0.5f, nothing = ((float *)color.data)[3] == 0;
+        float right = ((float *)depth.data)[15], left = ((float *)depth.data)[0];
+        if (front != cases[i].front || (!front && !back && !nothing) || left != cases[i].depth ||
+            right != cases[i].low)
+            fail_msg("case %zu: front %d, depth %g and %g", i, front, (double)left, (double)right);
+        free(color.data);
+        free(depth.data);
+        assert_true(bench->runtime->create(rt, bench->probe)); /* before the other goes */
+        free(v);
+    }
+    close_silent(bench, rt);
+}
+
+static struct {
+    const struct dt_backend *own;
+    uint32_t made; /* a bit for each pass */
+} counted;
+
+static bool count_program(struct dt_core *core, void *program, uint32_t pass)
+{
+    counted.made |= 1u << pass;
+    return counted.own->create_program(core, program, pass);
+}
+
+static void change_code(struct variant *v)
+{
+    v->stages[PROBE_AGAIN].fragment = v->stages[PROBE_LAYERS].fragment;
+}
+static void change_state(struct variant *v)
+{
+    v->programs[PROBE_GLOW_PASS].blend_add = false;
+}
+static void change_bindings(struct variant *v)
+{
+    static const struct dt_binding unused = {.resource = DT_FRAME, .kind = DT_BIND_UNIFORM};
+    v->programs[PROBE_GLOW_PASS].bindings = &unused;
+    v->programs[PROBE_GLOW_PASS].binding_count = 1;
+}
+static void change_kind(struct variant *v)
+{
+    static const struct dt_binding unused = {.resource = PROBE_ROWS, .kind = DT_BIND_STORAGE};
+    v->programs[PROBE_GLOW_PASS].bindings = &unused;
+    v->programs[PROBE_GLOW_PASS].binding_count = 1;
+}
+static void change_format(struct variant *v)
+{
+    v->resources[PROBE_DISPLAY].format = DT_FORMAT_RGBA8_SRGB;
+}
+static void change_depth_target(struct variant *v)
+{
+    v->programs[PROBE_LAYERS].depth = NULL;
+    v->programs[PROBE_LAYERS].depth_test = v->programs[PROBE_LAYERS].depth_write = false;
+}
+static void change_storage(struct variant *v)
+{
+    v->storage[PROBE_COLOR].clear[0] = 1;
+    v->storage[PROBE_MASK].slot = 14;
+    v->panel.slot_count = 15;
+    v->sampler.linear = false;
+}
+static void change_nothing(struct variant *v)
+{
+    (void)v;
+}
+
+/* An edit takes over what it leaves as it was, and nothing else. */
+static void programs_go_on_where_they_are_the_same(void **state)
+{
+    static const struct {
+        void (*change)(struct variant *v); /* against the probe itself */
+        uint32_t made;                     /* coming from the one before */
+    } cases[] = {
+        {change_nothing, 0},
+        {change_code, 1u << PROBE_AGAIN},
+        {change_nothing, 1u << PROBE_AGAIN},
+        {change_state, 1u << PROBE_GLOW_PASS},
+        {change_bindings, 1u << PROBE_GLOW_PASS},
+        {change_kind, 1u << PROBE_GLOW_PASS},
+        {change_nothing, 1u << PROBE_GLOW_PASS},
+        {change_format, 1u << PROBE_SHOW},
+        {change_nothing, 1u << PROBE_SHOW},
+        {change_depth_target, 1u << PROBE_LAYERS},
+        {change_nothing, 1u << PROBE_LAYERS},
+        {change_storage, 0},
+        {change_nothing, 0},
+    };
+    const struct bench *bench = *state;
+    void *rt = open_ready(bench, 16, 8);
+    struct dt_core *core = rt;
+    struct variant *before = NULL;
+    struct dt_backend counting = *core->backend;
+    counted.own = core->backend;
+    counting.create_program = count_program;
+    core->backend = &counting;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        struct variant *v = make_variant(bench);
+        cases[i].change(v);
+        counted.made = 0;
+        assert_true(bench->runtime->create(rt, &v->shaders));
+        if (counted.made != cases[i].made)
+            fail_msg("case %zu: made programs 0x%x", i, counted.made);
+        free(before);
+        before = v;
+    }
+    assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
+    probe_check_stack(bench->runtime, rt);
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    core->backend = counted.own;
+    close_silent(bench, rt);
+    free(before);
+}
+
+/* Another pipeline in between, of other resources and fewer passes. */
+static void a_panel_takes_the_place_of_another(void **state)
+{
+    const struct bench *bench = *state;
+    const struct dt_frame frame = probe_frame(0);
+    struct dt_bytes bytes;
+    void *rt = open_ready(bench, 16, 8);
+    formats_prepare();
+    assert_true(render(bench, rt, NULL, NULL));
+    assert_true(bench->runtime->create(rt, bench->formats) && bench->runtime->resize(rt, 3, 3) &&
+                bench->runtime->render(rt, &frame, NULL, NULL));
+    assert_true(bench->runtime->read(rt, FORMATS_ODD, 0, &bytes));
+    assert_int_equal(bytes.size, 13 * 12);
+    free(bytes.data);
+    assert_true(bench->runtime->create(rt, bench->probe) && bench->runtime->resize(rt, 16, 8) &&
+                render(bench, rt, NULL, NULL));
+    probe_check_color(bench->runtime, rt, 16, 8);
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    close_silent(bench, rt);
+}
+
+/* ---- Wrong calls ----------------------------------------------------------------------------- */
+
+enum { MAX_LINES = 96, MAX_LINE = 1024 };
+struct transcript {
+    char lines[MAX_LINES][MAX_LINE];
+    uint32_t count;
+};
+
+/* The message in words that both backends have: without the names of device and API. */
+static void note(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_core *core = rt;
+    const char *const names[][2] = {{bench->runtime->device_name(rt), "DEVICE"},
+                                    {core->backend->api, "API"}};
+    char *line = transcript->lines[transcript->count++];
+    assert_true(transcript->count < MAX_LINES);
+    snprintf(line, MAX_LINE, "%s", heard.last);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
+        char *at = strstr(line, names[i][0]), rest[MAX_LINE];
+        if (!at)
+            continue;
+        snprintf(rest, sizeof rest, "%s", at + strlen(names[i][0]));
+        snprintf(at, MAX_LINE - (size_t)(at - line), "%s%s", names[i][1], rest);
+    }
+}
+
+/* A call that fails with exactly one error, of these words. */
+#define WRONG(call, words)                                                                         \
+    do {                                                                                           \
+        heard.errors = 0;                                                                          \
+        assert_false(call);                                                                        \
+        if (heard.errors != 1 || !strstr(heard.last, words))                                       \
+            fail_msg("%s: %u errors, the last: %s", #call, heard.errors, heard.last);              \
+        heard.errors = 0;                                                                          \
+        note(transcript, bench, rt);                                                               \
+    } while (0)
+
+static void wrong_before_create(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    const struct bench *other = bench == &gl ? &vk : &gl;
+    const uint8_t pixel[4] = {0};
+    const struct dt_window_frame shown = {0};
+    struct dt_bytes bytes = {0};
+    double ms[PROBE_PASSES];
+    WRONG(runtime->resize(rt, 16, 8),
+          "resize: no pipeline or no scene yet; create and set_scene come first");
+    WRONG(render(bench, rt, NULL, NULL),
+          "render: the pipeline has no resources; resize comes first");
+    WRONG(runtime->read(rt, 0, 0, &bytes), "read: the pipeline has no resource 0");
+    assert_null(bytes.data);
+    WRONG(runtime->write(rt, 0, 0, &bytes), "write: the pipeline has no resource 0");
+    WRONG(runtime->timings(rt, ms), "timings: none; open with timing and render a frame first");
+    WRONG(runtime->window_copy(rt, 1, 0), "window_copy: the ");
+    WRONG(runtime->window_upload(rt, 1, 1, 1, pixel), "window_upload: the ");
+    WRONG(runtime->present(rt, &shown), "runtime was opened without a window");
+    assert_null(runtime->window(rt));
+    heard.errors = 0;
+    assert_false(runtime->create(rt, other->probe));
+    assert_non_null(
+        strstr(heard.last, bench == &gl ? "pipeline probe: the shaders are for vk; give probe_gl"
+                                        : "pipeline probe: the shaders are for gl; give probe_vk"));
+    WRONG(runtime->resize(rt, 16, 8), "create and set_scene come first");
+    assert_false(runtime->is_lost(rt));
+}
+
+static void wrong_before_resize(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    struct dt_bytes bytes = {0};
+    assert_true(runtime->create(rt, bench->probe));
+    WRONG(runtime->resize(rt, 16, 8), "create and set_scene come first"); /* the scene is missing */
+    assert_true(runtime->set_scene(rt, &probe_scene));
+    WRONG(render(bench, rt, NULL, NULL), "resize comes first, also after a new scene");
+    WRONG(runtime->read(rt, PROBE_COLOR, 0, &bytes),
+          "read color: it does not exist yet; resize comes first");
+    WRONG(runtime->write(rt, PROBE_COLOR, 0, &bytes), "write color: it does not exist yet");
+    WRONG(runtime->resize(rt, 0, 4), "frame of 0x4: ");
+    WRONG(runtime->resize(rt, 4, 0), "frame of 4x0: ");
+    WRONG(runtime->resize(rt, 1u << 20, 8), "frame of 1048576x8: ");
+    WRONG(render(bench, rt, NULL, NULL), "resize comes first");
+}
+
+static void wrong_after_resize(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    struct dt_bytes bytes = {0};
+    double ms[PROBE_PASSES];
+    assert_true(runtime->resize(rt, 16, 8));
+    WRONG(runtime->timings(rt, ms), "timings: none"); /* no frame yet */
+    WRONG(runtime->read(rt, PROBE_RESOURCES, 0, &bytes), "read: the pipeline has no resource 15");
+    WRONG(runtime->read(rt, UINT32_MAX, 0, &bytes),
+          "read: the pipeline has no resource 4294967295");
+    WRONG(runtime->read(rt, PROBE_SPARE, PROBE_MIPS, &bytes), "read spare: mip 3, and it has 3");
+    WRONG(runtime->read(rt, PROBE_ROWS, 1, &bytes), "read rows: mip 1, and it has 1");
+    assert_null(bytes.data);
+    assert_true(render(bench, rt, NULL, NULL));
+    WRONG(runtime->timings(rt, ms), "timings: none"); /* opened without */
+    assert_true(runtime->set_scene(rt, &probe_scene));
+    WRONG(render(bench, rt, NULL, NULL),
+          "also after a new scene, an import and a frame that failed");
+    assert_true(runtime->resize(rt, 16, 8));
+    const struct dt_observer stops = {.before_pass = before_pass, .user = &(struct director){0}};
+    assert_false(render(bench, rt, NULL, &stops));
+    WRONG(render(bench, rt, NULL, NULL), "a frame that failed");
+    assert_true(runtime->read(rt, PROBE_FRAMES, 0, &bytes)); /* but what is there can be read */
+    free(bytes.data);
+    assert_true(runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
+}
+
+/* Bytes of another resource or mip are refused and change nothing. */
+static void wrong_bytes(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    const uint32_t rg = FORMATS_LAYERED + DT_FORMAT_RG8, rgba = FORMATS_LAYERED + DT_FORMAT_RGBA8;
+    formats_prepare();
+    assert_true(runtime->create(rt, bench->formats) && runtime->resize(rt, 16, 8));
+    struct dt_bytes bytes = probe_read(runtime, rt, rg, 1), before = probe_read(runtime, rt, rg, 0);
+    struct dt_bytes depth = probe_read(runtime, rt, FORMATS_PLAIN + DT_FORMAT_D32F, 2);
+    memset(bytes.data, 0x55, bytes.size);
+    WRONG(runtime->write(rt, rg, 0, &bytes),
+          "write layered_1: 72 bytes of 6x3x2, but it takes 364 of 13x7x2");
+    WRONG(runtime->write(rt, rgba, 1, &bytes),
+          "write layered_2: 72 bytes of 6x3x2, but it takes 144 of 6x3x2");
+    bytes.extent[0] = 3, bytes.extent[1] = 6;
+    WRONG(runtime->write(rt, rg, 1, &bytes),
+          "write layered_1: 72 bytes of 3x6x2, but it takes 72 of 6x3x2");
+    WRONG(runtime->write(rt, rg, 3, &bytes), "write layered_1: mip 3, and it has 3");
+    WRONG(runtime->write(rt, FORMATS_ODD, 1, &bytes), "write odd: mip 1, and it has 1");
+    WRONG(runtime->write(rt, FORMATS_ODD, 0, &bytes),
+          "write odd: 72 bytes of 3x6x2, but it takes 156 of 13x1x1");
+    WRONG(runtime->write(rt, FORMATS_RESOURCES, 0, &bytes),
+          "write: the pipeline has no resource 32");
+    memcpy(depth.data, (const float[]){0.0f, 1.0f, 1.0000001f}, 12);
+    WRONG(runtime->write(rt, FORMATS_PLAIN + DT_FORMAT_D32F, 2, &depth),
+          "write plain_14: texel 2 is 1.00000012, but a depth is 0 to 1");
+    free(depth.data);
+    struct dt_bytes after = probe_read(runtime, rt, rg, 0);
+    assert_memory_equal(before.data, after.data, before.size);
+    free(bytes.data);
+    free(before.data);
+    free(after.data);
+}
+
+static void wrong_calls(struct transcript *transcript, const struct bench *bench)
+{
+    const struct dt_runtime_options plain = {.log = {.message = on_message}, .poison = 1};
+    void *rt = bench->runtime->open(&plain);
+    assert_non_null(rt);
+    wrong_before_create(transcript, bench, rt);
+    wrong_before_resize(transcript, bench, rt);
+    wrong_after_resize(transcript, bench, rt);
+    wrong_bytes(transcript, bench, rt);
+    bench->runtime->close(rt);
+    bench->runtime->close(NULL);
+    assert_int_equal(heard.errors, 0);
+}
+
+/* ---- Limits: set here, so that all devices have the same ------------------------------------- */
+
+static struct dt_limits *limits_of(void *rt)
+{
+    return &((struct dt_core *)rt)->limits;
+}
+
+/* What is refused when the pipeline is created. */
+static void limits_of_programs(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    const struct dt_limits own = *limits_of(rt);
+    struct dt_limits *limits = limits_of(rt);
+    static const struct {
+        uint32_t kind, most;
+        const char *words;
+    } kinds[] = {
+        {DT_BIND_UNIFORM, 0, "pass plan: 1 uniform buffers, but "},
+        {DT_BIND_STORAGE, 1, "pass plan: 2 storage buffers, but "},
+        {DT_BIND_TEXTURE, 0, "pass scene: 1 textures, but "},
+        {DT_BIND_IMAGE, 0, "pass count: 1 storage images, but "},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(kinds); i++) {
+        limits->bindings[kinds[i].kind] = kinds[i].most;
+        WRONG(runtime->create(rt, bench->probe), kinds[i].words);
+        *limits = own;
+    }
+    limits->color_targets = 0;
+    WRONG(runtime->create(rt, bench->probe),
+          "pass scene: 1 color targets, but the limit is 0; split the pass");
+    *limits = own;
+    struct variant *v = make_variant(bench);
+    v->programs[PROBE_SCENE].color_count = DT_MAX_COLOR_TARGETS + 1;
+    WRONG(runtime->create(rt, &v->shaders),
+          "pass scene: 9 color targets, but the limit is 8; split the pass");
+    v->programs[PROBE_SCENE].color_count = 1;
+    v->programs[PROBE_SCENE].binding_count = DT_MAX_BINDINGS + 1;
+    WRONG(runtime->create(rt, &v->shaders),
+          "pass scene: 65 resources, but at most 64 can be bound");
+    v->programs[PROBE_SCENE].binding_count = 2;
+    v->programs[PROBE_SCENE].clip_distances = 3;
+    limits->clip_distances = 2;
+    WRONG(runtime->create(rt, &v->shaders), "pass scene: 3 clip distances, but ");
+    *limits = own;
+    v->programs[PROBE_SCENE].clip_distances = 0;
+    v->sampler.anisotropy = 16;
+    limits->anisotropy = 4;
+    WRONG(runtime->create(rt, &v->shaders), "sampler linear: anisotropy 16, but ");
+    *limits = own;
+    WRONG(runtime->resize(rt, 16, 8),
+          "create and set_scene come first"); /* nothing is left of it */
+    free(v);
+}
+
+/* What is refused when resources are made. */
+static void limits_of_resources(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    const struct dt_limits own = *limits_of(rt);
+    struct dt_limits *limits = limits_of(rt);
+    struct variant *v = make_variant(bench);
+    assert_true(runtime->create(rt, &v->shaders));
+    limits->image_size = 15;
+    WRONG(runtime->resize(rt, 8, 8), "image stack: 16x8 texels, but ");
+    limits->image_size = 7;
+    WRONG(runtime->resize(rt, 8, 7), "frame of 8x7: ");
+    *limits = own;
+    limits->image_layers = 3;
+    WRONG(runtime->resize(rt, 8, 8), "image stack: 4 layers, but ");
+    *limits = own;
+    limits->target_size[1] = 7;
+    WRONG(runtime->resize(rt, 8, 8), "image color: 8x8 texels, but ");
+    *limits = own;
+    limits->storage_bytes = 31;
+    WRONG(runtime->resize(rt, 7, 7), "buffer frames: 32 bytes, but ");
+    *limits = own;
+    v->resources[PROBE_LEVELS].mips = 6;
+    WRONG(runtime->resize(rt, 8, 8), "image levels: 6 mips, but 16x8 texels have 1 to 5");
+    v->resources[PROBE_LEVELS].mips = PROBE_MIPS;
+    v->storage[PROBE_ROWS].usage |= DT_READ_UNIFORM;
+    v->storage[PROBE_ROWS].block = 1u << 20; /* what shaders declare counts, not what is written */
+    limits->uniform_bytes = 65536;
+    WRONG(runtime->resize(rt, 8, 8), "buffer rows: 1048576 bytes, but ");
+    *limits = own;
+    v->storage[PROBE_ROWS] = probe_panel.storage[PROBE_ROWS];
+    assert_true(runtime->resize(rt, 8, 8) && render(bench, rt, NULL, NULL));
+    probe_check_color(runtime, rt, 8, 8);
+    assert_true(runtime->create(rt, bench->probe)); /* before the other goes */
+    free(v);
+}
+
+static bool record_layers(const struct dt_recording *r)
+{
+    return r->verbs->begin(r->runtime, PROBE_LAYERS, true) &&
+           r->verbs->draw_scene(r->runtime, PROBE_LAYERS, PROBE_LAYER_COUNT + 1);
+}
+static bool record_no_layers(const struct dt_recording *r)
+{
+    return r->verbs->begin(r->runtime, PROBE_SHOW, true) &&
+           r->verbs->draw_fullscreen(r->runtime, PROBE_SHOW, 0);
+}
+
+/* What is refused while a frame is recorded. */
+static void limits_of_frames(struct transcript *transcript, const struct bench *bench, void *rt)
+{
+    const struct dt_runtime *runtime = bench->runtime;
+    const struct dt_limits own = *limits_of(rt);
+    struct dt_limits *limits = limits_of(rt);
+    struct variant *v = make_variant(bench);
+    assert_true(runtime->create(rt, &v->shaders) && runtime->resize(rt, 8, 8));
+    limits->groups[0] = 1;
+    WRONG(render(bench, rt, NULL, NULL), "pass level_0: 2 x 1 x 1 workgroups, but ");
+    *limits = own;
+    assert_true(runtime->resize(rt, 8, 8));
+    limits->draws = 1;
+    WRONG(render(bench, rt, NULL, NULL), "pass again: 2 indirect draws, but ");
+    *limits = own;
+    WRONG(render(bench, rt, NULL, NULL), "resize comes first");
+    v->panel.record = record_layers;
+    assert_true(runtime->resize(rt, 8, 8));
+    WRONG(render(bench, rt, NULL, NULL), "pass layers: draws into 5 layers, and image stack has 4");
+    v->panel.record = record_no_layers;
+    assert_true(runtime->resize(rt, 8, 8));
+    WRONG(render(bench, rt, NULL, NULL), "pass show: draws into 0 layers, and image display has 1");
+    v->panel.record = probe_panel.record;
+    assert_true(runtime->resize(rt, 8, 8) && render(bench, rt, NULL, NULL));
+    probe_check_rest(runtime, rt, 8, 8, 1, &defaults);
+    assert_true(runtime->create(rt, bench->probe));
+    free(v);
+}
+
+static void limits(struct transcript *transcript, const struct bench *bench)
+{
+    const struct dt_runtime_options wanted = options();
+    void *rt = bench->runtime->open(&wanted);
+    assert_non_null(rt);
+    assert_true(bench->runtime->set_scene(rt, &probe_scene));
+    limits_of_programs(transcript, bench, rt);
+    limits_of_resources(transcript, bench, rt);
+    limits_of_frames(transcript, bench, rt);
+    close_silent(bench, rt);
+}
+
+/* ---- The same words -------------------------------------------------------------------------- */
+
+/* The numbers of a device's own limits differ. */
+static void blank_sizes(char *line)
+{
+    char *at = strstr(line, "DEVICE takes 1x1 to ");
+    if (at)
+        at[strlen("DEVICE takes")] = 0;
+}
+
+static void check_same_words(void (*run)(struct transcript *transcript, const struct bench *bench))
+{
+    struct transcript *transcripts = calloc(2, sizeof *transcripts);
+    assert_non_null(transcripts);
+    run(&transcripts[0], &gl);
+    run(&transcripts[1], &vk);
+    assert_int_equal(transcripts[0].count, transcripts[1].count);
+    for (uint32_t i = 0; i < transcripts[0].count; i++) {
+        blank_sizes(transcripts[0].lines[i]);
+        blank_sizes(transcripts[1].lines[i]);
+        assert_string_equal(transcripts[0].lines[i], transcripts[1].lines[i]);
+    }
+    free(transcripts);
+}
+
+static void wrong_calls_are_told_in_the_same_words(void **state)
+{
+    (void)state;
+    check_same_words(wrong_calls);
+}
+
+static void limits_are_told_in_the_same_words(void **state)
+{
+    (void)state;
+    check_same_words(limits);
+}
+
+/* ---- Memory and windows ---------------------------------------------------------------------- */
+
+static void huge_extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
+                        uint32_t height, uint32_t size[3])
+{
+    probe_pipeline.extent(pipeline, resource, width, height, size);
+    if (resource == PROBE_KEPT)
+        dt_set_extent(size, UINT32_MAX, 1, 1);
+}
+
+/* More than any machine has, and no limit that is known before. */
+static void too_much_memory_is_one_error(void **state)
+{
+    const struct bench *bench = *state;
+    struct dt_runtime_options wanted = options();
+    wanted.debug = false; /* which has words of its own for it */
+    void *rt = bench->runtime->open(&wanted);
+    assert_true(rt && bench->runtime->set_scene(rt, &probe_scene));
+    struct variant *v = make_variant(bench);
+    v->pipeline.extent = huge_extent;
+    v->resources[PROBE_KEPT].stride = 1u << 18;
+    v->storage[PROBE_KEPT].usage = DT_READ_INDEX;
+    assert_true(bench->runtime->create(rt, &v->shaders));
+    assert_false(bench->runtime->resize(rt, 8, 8));
+    assert_int_equal(heard.errors, 1);
+    assert_non_null(strstr(heard.last, "kept"));
+    heard.errors = 0;
+    v->pipeline.extent = probe_pipeline.extent;
+    v->resources[PROBE_KEPT] = probe_pipeline.resources[PROBE_KEPT];
+    v->storage[PROBE_KEPT] = probe_panel.storage[PROBE_KEPT];
+    assert_true(bench->runtime->create(rt, &v->shaders) && bench->runtime->resize(rt, 8, 8) &&
+                render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 8, 8, 1, &defaults);
+    bench->runtime->close(rt);
+    free(v);
+}
+
+/* Xvfb begins anew when its last client leaves, and meanwhile takes no other: this program stays one. */
+static int stay_connected(void **state)
+{
+    (void)state;
+    if (getenv("DISPLAY"))
+        glfwInit();
+    return 0;
+}
+
+static int disconnect(void **state)
+{
+    (void)state;
+    glfwTerminate();
+    return 0;
+}
+
+static void a_window_shows_only_pictures_of_rgba8(void **state)
+{
+    const struct bench *bench = *state;
+    struct dt_runtime_options wanted = options();
+    struct transcript memory = {.count = 0}, *transcript = &memory;
+    const struct dt_window_frame nothing = {0};
+    wanted.context = "window";
+    if (!getenv("DISPLAY"))
+        skip();
+    void *rt = bench->runtime->open(&wanted);
+    assert_non_null(rt);
+    assert_non_null(bench->runtime->window(rt));
+    assert_true(bench->runtime->set_scene(rt, &probe_scene) &&
+                bench->runtime->create(rt, bench->probe));
+    WRONG(bench->runtime->window_copy(rt, 1, PROBE_DISPLAY),
+          "window_copy display: it does not exist yet");
+    assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
+    WRONG(bench->runtime->window_copy(rt, 1, PROBE_COLOR),
+          "window_copy color: is no image of RGBA8");
+    WRONG(bench->runtime->window_copy(rt, 1, PROBE_ROWS), "window_copy rows: is no image of RGBA8");
+    WRONG(bench->runtime->window_copy(rt, 1, PROBE_RESOURCES),
+          "window_copy: the pipeline has no resource");
+    assert_true(bench->runtime->window_copy(rt, 1, PROBE_DISPLAY));
+    assert_true(bench->runtime->window_upload(rt, 2, 1, 1, (const uint8_t[]){1, 2, 3, 4}));
+    assert_true(bench->runtime->present(rt, &nothing));
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    close_silent(bench, rt);
+}
+
+#define ON_BOTH(test)                                                                              \
+    {#test ", gl", test, NULL, NULL, &gl},                                                         \
+    {                                                                                              \
+#test ", vk", test, NULL, NULL, &vk                                                        \
+    }
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ON_BOTH(frames_have_the_values_that_were_drawn),
+        ON_BOTH(what_was_written_is_read_back),
+        ON_BOTH(resources_begin_with_zero_or_poison),
+        ON_BOTH(a_new_scene_is_drawn_after_a_resize),
+        ON_BOTH(recording_takes_time_where_it_can_be_told),
+        ON_BOTH(an_observer_sees_every_pass_and_may_stop),
+        ON_BOTH(runtimes_live_side_by_side),
+        ON_BOTH(what_is_written_before_a_pass_is_what_it_reads),
+        ON_BOTH(a_skipped_pass_does_nothing_but_its_barriers),
+        ON_BOTH(a_skipped_pass_does_not_clear),
+        ON_BOTH(an_observer_may_stop_before_a_pass),
+        ON_BOTH(depth_tests_compare_as_the_panel_says),
+        ON_BOTH(programs_go_on_where_they_are_the_same),
+        ON_BOTH(a_panel_takes_the_place_of_another),
+        cmocka_unit_test(wrong_calls_are_told_in_the_same_words),
+        cmocka_unit_test(limits_are_told_in_the_same_words),
+        ON_BOTH(too_much_memory_is_one_error),
+        ON_BOTH(a_window_shows_only_pictures_of_rgba8),
+    };
+    return cmocka_run_group_tests_name("runtimes", tests, stay_connected, disconnect);
+}

@@ -1,0 +1,31 @@
+float of_frame()
+{
+    float sum = frame.scene_center.x + frame.scene_radius + scene_center.y + scene_radius;
+    sum += float(frame.width + frame.height + frame.index + frame.triangle_count);
+    sum += frame.camera.near_plane + frame.light_view.far_plane + float(frame.light.kind);
+    sum += camera.position.x + light_view.direction.y + light.position.z + light.direction.x + light.color.g;
+    return sum + light.area + light.cos_inner + light.cos_outer + amount * float(half_width);
+}
+
+#ifdef COMPUTE
+void main()
+{
+    int i = invocation().x;
+    if (i >= points_count || i >= dispatch_size().x)
+        return;
+    SceneVertex v = scene_vertices[scene_indices[i % 3]];
+    points[i].position = vec3(v.px, v.py, v.pz);
+    points[i].normal = vec3(v.nx, v.ny, v.nz);
+    Point p = points[i];
+    vec4 texel = textureLod(scene_textures, vec3(v.u, v.v, 0.0), 0.0) * scene_materials[v.material].alpha_cutoff;
+    float apart = near(p, p) + near(p.position, p.normal, vec3(0.0), vec3(1.0, 0.0, 0.0));
+    apart += metric_dot(p.position, p.normal, vec3(0.0), vec3(1.0), 0.5, 0.5, 1.0);
+    apart += metric_one_minus_dot(p.position, p.normal, vec3(0.0), vec3(1.0), 0.5, 0.5, 1.0);
+    vec2 spot = spots(i) + spots_map(vec2(0.25)) + hammersley(i, spots_count);
+    spot += polar_disk(vec2(0.5)) + concentric_disk(vec2(0.5));
+    corners[i] = vec4(spot, apart, of_frame()) + texel;
+#if defined(EXACT) && !defined(OPENGL) && !defined(VULKAN)
+    corners[i] = vec4(0.0);
+#endif
+}
+#endif
