@@ -35,7 +35,7 @@ _Static_assert(sizeof(struct small_live) == 16, "small_live: std140");
 _Static_assert(offsetof(struct small_live, glow) == 0, "small_live.glow: std140");
 _Static_assert(offsetof(struct small_live, gain) == 4, "small_live.gain: std140");
 
-/* Indices into small_pipeline.resources, and of dt_panel.resource. */
+/* Indices into small_pipeline.resources. */
 enum {
     SMALL_RESOURCE_LAMPS,
     SMALL_RESOURCE_NORMAL,
@@ -58,26 +58,13 @@ enum {
     SMALL_PASSES /* how many */
 };
 
-/* Sizes at a frame of width x height: elements, or width, height and layers. */
-void small_extent_lamps(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-void small_extent_normal(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-void small_extent_depth(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-void small_extent_lit(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-void small_extent_halo(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-void small_extent_trail(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-void small_extent_shown(uint32_t frame_width, uint32_t frame_height, uint32_t extent[3]);
-
-/* Workgroups that `count` invocations take; none when the count is not positive. */
-static inline uint32_t small_groups(int64_t count, int64_t local)
-{
-    return count > 0 ? (uint32_t)((count - 1) / local + 1) : 0;
-}
-
+/* For runtimes: small_panel is the same for all of them, the shaders are each one's own. */
 #ifdef __cplusplus
 extern "C" {
 #endif
 extern const struct dt_pipeline small_pipeline;
-extern const struct dt_panel small_gl, small_vk;
+extern const struct dt_panel small_panel;
+extern const struct dt_shaders small_gl, small_vk;
 #ifdef __cplusplus
 }
 #endif
