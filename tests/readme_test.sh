@@ -1,4 +1,6 @@
 #!/usr/bin/env bash
-# README's walk from a failing table to the guilty line of GLSL, command by command. TAP.
+# The commands of every README: they run, and print what the README shows. Those that take long or change the system are
+# checked for their options alone. TAP.
 . "$(dirname "$0")/tap.sh"
+export DIPTYCH_QUIET=1
 python3 "$root/tests/readme.py" "$root" "$build" "$work"
