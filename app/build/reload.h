@@ -17,9 +17,8 @@ enum reload_news {
 /* What came of it. */
 struct reload_result {
     struct pipeline pipeline; /* DONE: the caller's to unload */
-    char *
-        text; /* DONE, FAILED: the messages of reading it; the caller's to free, may be NULL */
-    double ms; /* from the moment that the change was seen */
+    char *text; /* DONE, FAILED: the messages of reading it; the caller's to free, may be NULL */
+    double ms;  /* from the moment that the change was seen */
 };
 
 /* Watches what `pipeline` was made from; NULL, logged, when it cannot. */
