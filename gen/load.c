@@ -19,7 +19,6 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
     if (!spec_read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
         diag_error_count(diag))
         return false;
-    model->pipeline.for_edits = request->for_edits;
     layout_model(model);
     if (!plan_model(model, diag) || diag_error_count(diag) ||
         !shaders_compile(model, spec->shaders, request->cache, diag))

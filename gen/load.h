@@ -12,7 +12,6 @@ struct spec_request {
     size_t set_count;
     const char *templates;      /* folder with glsl/ */
     struct shader_cache *cache; /* NULL: every shader is compiled */
-    bool for_edits;             /* heed `edits` of ranges */
 };
 
 /* Everything of one spec. Zero before spec_load; spec_free in any case. */

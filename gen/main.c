@@ -25,7 +25,7 @@ struct options {
     const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
         *variations, *seed, *memory;
     struct text_list sets;
-    bool check, edits, schema, reference, help, version;
+    bool check, schema, reference, help, version;
 };
 
 #define ROW(name, kind, field, argument, help)                                                     \
@@ -50,8 +50,6 @@ static const struct option_row option_rows[] = {
         "also write what was generated, or the errors, as JSON"),
     ROW("--cache", OPTION_STRING, cache, "DIR",
         "keep compiled shaders there: the next generation compiles only those that have changed"),
-    ROW("--edits", OPTION_FLAG, edits, NULL,
-        "heed `edits` of ranges: an edit compiles less, and frames may take longer"),
     ROW("--limit", OPTION_STRING, limit, "SECONDS",
         "end after that much processor time, with SIGXCPU"),
     ROW("--templates", OPTION_STRING, templates, "DIR",
@@ -305,8 +303,7 @@ static enum status generate(struct generation *g)
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
-                                   .cache = open_cache(options->cache),
-                                   .for_edits = options->edits};
+                                   .cache = open_cache(options->cache)};
     if (!set_limit(options->limit))
         return STATUS_FAILED;
     bool good = spec_load(&g->spec, &request, options->out, g->diag);

@@ -206,9 +206,8 @@ struct range {
     int64_t count_value;   /* check */
     enum storage_class storage;
     enum loop_shape loop;
-    bool rolls_for_edits; /* edits: roll */
-    uint32_t chunk;       /* plan: elements per copy and per unrolled block */
-    bool counted;         /* plan: the shader reads the count, so it is the same for each */
+    uint32_t chunk; /* plan: elements per copy and per unrolled block */
+    bool counted;   /* plan: the shader reads the count, so it is the same for each */
 };
 
 enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_DISPATCH };
@@ -313,7 +312,6 @@ struct pipeline {
     bool fast; /* exactness: fast; default exact */
     /* target: gpu; default software: what the storage class and the loop shape are chosen for */
     bool gpu;
-    bool for_edits; /* another value of a uniform parameter is to compile little */
     struct param *params;
     uint32_t param_count;
     struct constant *constants;

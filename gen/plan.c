@@ -269,10 +269,6 @@ static void plan_range(struct range *range, const struct pipeline *pipeline)
     uint64_t count = range->count_value > 0 ? (uint64_t)range->count_value : 1;
     uint32_t limit = 32;
 
-    if (pipeline->for_edits && range->rolls_for_edits) {
-        range->loop = LOOP_ROLL;
-        range->storage = STORAGE_BUFFER;
-    }
     if (range->loop == LOOP_AUTO) {
         range->loop = pipeline->gpu && count > 64 ? LOOP_ROLL : LOOP_UNROLL;
     }

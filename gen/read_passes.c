@@ -98,7 +98,6 @@ static void read_ranges(struct reader *reader, const struct fields *fields, stru
             range->first = field_text(reader, &inner, "first");
         range->storage = (enum storage_class)field_choice(reader, &inner, "storage", STORAGE_AUTO);
         range->loop = (enum loop_shape)field_choice(reader, &inner, "loop", LOOP_AUTO);
-        range->rolls_for_edits = field_choice(reader, &inner, "edits", 0) == 1;
     }
 }
 

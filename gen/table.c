@@ -375,11 +375,6 @@ const struct key table_keys[] = {
      "auto", "Where the elements are read from.", "shared"},
     {SECTION_RANGE, "loop", KEY_CHOICE, SECTION_NONE, "auto|unroll|roll", OPTIONAL, "auto",
      "How the loop is written.", "unroll"},
-    {SECTION_RANGE, "edits", KEY_CHOICE, SECTION_NONE, "auto|roll", OPTIONAL, "auto",
-     "How it is written for whoever waits for edits (`diptych view`, `diptych-gen --edits`): as "
-     "ever, or as a loop over the buffer that reads its count, which another count compiles "
-     "nothing for.",
-     "roll"},
 
     /* assertions, contracts, output */
     {SECTION_ASSERT, "that", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "The condition.",

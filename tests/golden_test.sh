@@ -110,12 +110,7 @@ check "... k-means, views, maps and samples of them are the same shaders" same_s
     kmeans.comp second_kmeans.comp place_views.comp place_second_views.comp sample_rsm.comp sample_paraboloid.comp \
     place_paraboloid.comp place_second.comp pack_first.comp pack_second.comp paraboloid.vert paraboloid.frag rsm.frag
 check_status 1 "... shading, whose loops are written out, is not" cmp "$work/counts/vk/shade.comp" "$work/others/vk/shade.comp"
-# The culling's loops over clusters are not written out for whoever waits for edits.
 check_status 1 "... nor is culling" cmp "$work/counts/vk/cull_paraboloid.comp" "$work/others/vk/cull_paraboloid.comp"
-rm -r "$work/counts" "$work/others"
-check "... --edits" "$gen" templates/ssvp.yaml --edits -o "$work/counts"
-check "... with other numbers" "$gen" templates/ssvp.yaml --edits -o "$work/others" --set clusters=9 --set second_clusters=5
-check "... makes the same culling of them" same_shaders "$work/others" cull_paraboloid.comp cull_second.comp
 
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"

@@ -416,31 +416,6 @@ static void test_ranges(void **state)
     assert_int_equal(range.loop, LOOP_ROLL);
 }
 
-/* For whoever waits for edits, and only where the range says so. */
-static void test_ranges_for_edits(void **state)
-{
-    struct fixture *f = *state;
-    struct resource *a = buffer(f, "a", "512");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
-
-    touch(w, a, MODE_WRITE);
-    for (int rolls = 0; rolls < 2; rolls++)
-        for (int edits = 0; edits < 2; edits++) {
-            struct range range = {.name = "r",
-                                  .access = p->access_count ? p->accesses : touch(p, a, MODE_READ),
-                                  .count_value = 8,
-                                  .rolls_for_edits = rolls};
-            bool rolled = rolls && edits;
-
-            p->ranges = &range;
-            p->range_count = 1;
-            f->model.pipeline.for_edits = edits;
-            assert_true(plan(f));
-            assert_int_equal(range.loop, rolled ? LOOP_ROLL : LOOP_UNROLL);
-            assert_int_equal(range.storage, rolled ? STORAGE_BUFFER : STORAGE_SHARED);
-        }
-}
-
 /* ---- Barriers -------------------------------------------------------------------------------- */
 
 static void test_draw_then_load_then_load(void **state)
@@ -829,7 +804,6 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_read_before_write, setup, teardown),
         cmocka_unit_test_setup_teardown(test_kinds_and_bindings, setup, teardown),
         cmocka_unit_test_setup_teardown(test_uniform_blocks_are_few, setup, teardown),
-        cmocka_unit_test_setup_teardown(test_ranges_for_edits, setup, teardown),
         cmocka_unit_test_setup_teardown(test_ranges_make_workgroups_large, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draws_read_small_buffers_as_uniform_blocks, setup,
                                         teardown),

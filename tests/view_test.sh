@@ -182,7 +182,6 @@ for backend in gl vk; do
     xdotool key Escape
     check "$backend ends in silence" ends 0
 done
-# Some of its loops are written otherwise than those of render, for the sake of edits.
 open_window --backend gl --size 80x60 --frames 3 --screenshot all.png
 check "with all bounces, too" ends 0
 "$diptych" render "${small[@]}" --backend gl --size 80x60 --frames 3 -o rendered.png

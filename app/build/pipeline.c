@@ -83,14 +83,13 @@ static int compare_strings(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static struct plan_request request_of(const struct load *load, bool edited)
+static struct plan_request request_of(const struct load *load)
 {
     return (struct plan_request){.spec = load->spec,
                                  .templates = load->templates,
                                  .sets = load->sets,
                                  .set_count = load->set_count,
-                                 .cache = load->cache,
-                                 .for_edits = edited};
+                                 .cache = load->cache};
 }
 
 /* Those of live parameters are left out. Names that the spec does not know stay: planning judges them. */
@@ -104,7 +103,7 @@ static bool sort_sets(struct load *load, const struct options *options, struct c
     if (!good) {
         report_error(&console->log, "out of memory");
     } else if (load->set_count < options->set_count) {
-        struct plan_request request = request_of(load, false);
+        struct plan_request request = request_of(load);
         good = plan_find_live(&request, (const char *const *)options->sets, options->set_count,
                               live, console);
         for (uint32_t i = 0; good && i < options->set_count; i++)
@@ -177,15 +176,15 @@ static bool take_plan(struct pipeline *pipeline, struct load *load, const struct
     return set_live(pipeline, options, log);
 }
 
-static bool load(struct pipeline *pipeline, struct console *console, const struct options *options,
-                 bool edited)
+bool pipeline_load(struct pipeline *pipeline, struct console *console,
+                   const struct options *options)
 {
     struct load load;
     double start = milliseconds_now();
     *pipeline = (struct pipeline){0};
     bool good = find(&load, console, options);
     if (good) {
-        struct plan_request request = request_of(&load, edited);
+        struct plan_request request = request_of(&load);
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, options, &console->log);
@@ -197,18 +196,6 @@ static bool load(struct pipeline *pipeline, struct console *console, const struc
     return good;
 }
 
-bool pipeline_load(struct pipeline *pipeline, struct console *console,
-                   const struct options *options)
-{
-    return load(pipeline, console, options, false);
-}
-
-bool pipeline_load_edited(struct pipeline *pipeline, struct console *console,
-                          const struct options *options)
-{
-    return load(pipeline, console, options, true);
-}
-
 static bool run_generator(const struct load *load, struct console *console)
 {
     static const struct tool generator = {
@@ -217,16 +204,10 @@ static bool run_generator(const struct load *load, struct console *console)
     char **argv = calloc(load->set_count * 2 + 12, sizeof *argv);
     bool good = false;
     if (tool && argv) {
-        const char *const words[] = {tool,
-                                     load->spec,
-                                     "--check",
-                                     "--limit",
-                                     TRY_SECONDS,
-                                     "--templates",
-                                     load->templates,
-                                     "--edits",
-                                     load->cache ? "--cache" : NULL,
-                                     load->cache};
+        const char *const words[] = {
+            tool,        load->spec,    "--check",       "--limit",
+            TRY_SECONDS, "--templates", load->templates, load->cache ? "--cache" : NULL,
+            load->cache};
         size_t n = 0;
         for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
             if (words[i])

@@ -26,12 +26,8 @@ char *pipeline_spec_path(const char *spec, const struct dt_log *log);
  * parameter only writes pipeline->live. On false the error is logged and nothing is left loaded. */
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options);
-/* The same for a pipeline that will be edited: less is compiled at every edit, and frames may take
- * longer. */
-bool pipeline_load_edited(struct pipeline *pipeline, struct console *console,
-                          const struct options *options);
 /* Whether another process, which may crash or hang, takes the spec: it leaves the shaders in the cache, so
- * that pipeline_load_edited has little left to do. Its messages are printed. */
+ * that pipeline_load has little left to do. Its messages are printed. */
 bool pipeline_try(struct console *console, const struct options *options);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 

@@ -12,7 +12,6 @@ struct plan_request {
     const char *const *sets;
     uint32_t set_count;
     const char *cache; /* folder of compiled shaders; NULL: none */
-    bool for_edits;    /* heed `edits` of ranges */
 };
 
 /* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */

@@ -142,8 +142,13 @@ static void build(struct reload *reload, double start)
     struct reload_result result = {0};
     tell(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_try(reload->console, reload->options) &&
-                pipeline_load_edited(&result.pipeline, reload->console, reload->options);
+    bool good = pipeline_try(reload->console, reload->options);
+    if (good) {
+        /* The other process said the same. */
+        free(capture ? console_captured(reload->console) : NULL);
+        capture = console_capture(reload->console);
+        good = pipeline_load(&result.pipeline, reload->console, reload->options);
+    }
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
     console_status(reload->console, "%s", "");

@@ -82,7 +82,7 @@ static bool open_view(struct view *view)
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
     if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
-        !pipeline_load_edited(&view->pipeline, view->console, options) || !view_find_home(view) ||
+        !pipeline_load(&view->pipeline, view->console, options) || !view_find_home(view) ||
         !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
