@@ -198,8 +198,9 @@ static bool take_option(const struct command_line *command, void *options, int a
         return unknown_option(command, argument, length, log);
     if (row->kind == OPTION_FLAG)
         return value ? fail(log, "%s: takes no value", row->name) : store(options, row, "", log);
-    if (!value && ++*at < argc)
-        value = argv[*at];
+    /* The next option is no value: `--graph --help` shall not write a file of that name. */
+    if (!value && *at + 1 < argc && strncmp(argv[*at + 1], "--", 2) != 0)
+        value = argv[++*at];
     if (!value || !*value)
         return fail(log, "%s: %s is missing", row->name, row->argument);
     return store(options, row, value, log);

@@ -24,6 +24,8 @@ refused 2 'did you mean "render"?' "$diptych" rendre
 refused 2 'did you mean "render"?' "$diptych" help rendre
 refused 2 'did you mean "--scene"?' "$diptych" render --scen x
 refused 2 '--scene FILE is missing' "$diptych" compare
+refused 2 '--scene: FILE is missing' "$diptych" compare --scene --help
+refused 2 '--graph: FILE.dot is missing' "${diptych}-gen" "$root/templates/rsm.yaml" --graph --help
 refused 2 '--backend gx: unknown backend "gx"; did you mean "gl"?' "${render[@]}" --backend gx
 refused 2 '--size 0x0' "${render[@]}" --backend gl --size 0x0 -o "$work/a.png"
 refused 2 '--size 99999x99999' "${render[@]}" --backend gl --size 99999x99999 -o "$work/a.png"
