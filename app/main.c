@@ -121,10 +121,9 @@ static int unknown_verb(const struct console *console, const char *word)
 
 static const struct verb *find_verb(const char *name)
 {
-    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         if (strcmp(name, verbs[i].name) == 0)
             return &verbs[i];
-    }
     return NULL;
 }
 
@@ -177,10 +176,9 @@ static void tell_usage(struct console *console, const struct verb *verb, int arg
 
 static bool asks_for_json(int argc, char **argv)
 {
-    for (int i = 0; i < argc && argv[i]; i++) {
+    for (int i = 0; i < argc && argv[i]; i++)
         if (strncmp(argv[i], "--json", 6) == 0)
             return true;
-    }
     return false;
 }
 

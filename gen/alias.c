@@ -70,12 +70,10 @@ void plan_lifetimes(struct model *model)
 
 bool resources_overlap(const struct resource *a, const struct resource *b)
 {
-    if (a->history || b->history) {
+    if (a->history || b->history)
         return true;
-    }
-    if (a->first_pass < 0 || b->first_pass < 0) {
+    if (a->first_pass < 0 || b->first_pass < 0)
         return false;
-    }
     return a->first_pass <= b->last_pass && b->first_pass <= a->last_pass;
 }
 
@@ -87,9 +85,8 @@ static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint3
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
 
-        if (placed[i] && other->slot == slot && resources_overlap(other, resource)) {
+        if (placed[i] && other->slot == slot && resources_overlap(other, resource))
             return false;
-        }
     }
     return true;
 }
@@ -102,15 +99,12 @@ static void place(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
 {
     uint32_t best = pipeline->slot_count;
 
-    for (uint32_t slot = 0; slot < pipeline->slot_count; slot++) {
+    for (uint32_t slot = 0; slot < pipeline->slot_count; slot++)
         if (fits_slot(pipeline, placed, slot, resource) &&
-            (best == pipeline->slot_count || slot_bytes[slot] < slot_bytes[best])) {
+            (best == pipeline->slot_count || slot_bytes[slot] < slot_bytes[best]))
             best = slot;
-        }
-    }
-    if (best == pipeline->slot_count) {
+    if (best == pipeline->slot_count)
         slot_bytes[pipeline->slot_count++] = resource->bytes;
-    }
     resource->slot = best;
     placed[resource->index] = true;
 }
@@ -125,9 +119,8 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
         for (uint32_t i = 0; i < pipeline->resource_count; i++) {
             struct resource *resource = &pipeline->resources[i];
 
-            if (!placed[i] && (!largest || resource->bytes > largest->bytes)) {
+            if (!placed[i] && (!largest || resource->bytes > largest->bytes))
                 largest = resource;
-            }
         }
         if (!largest)
             break;
@@ -164,12 +157,10 @@ static bool same_extent(const struct expr *a, const struct expr *b, uint32_t oth
 
 bool buffer_covers(const struct resource *a, const struct resource *b)
 {
-    if (a->kind != DT_BUFFER || b->kind != DT_BUFFER) {
+    if (a->kind != DT_BUFFER || b->kind != DT_BUFFER)
         return false;
-    }
-    if (expr_reach(a->count) | expr_reach(b->count)) {
+    if (expr_reach(a->count) | expr_reach(b->count))
         return a->stride >= b->stride && same_extent(a->count, b->count, 1);
-    }
     return a->bytes >= b->bytes;
 }
 
@@ -184,16 +175,14 @@ static bool same_texture(const struct resource *a, const struct resource *b)
 static bool can_borrow(const struct pipeline *pipeline, const struct resource *owner,
                        const struct resource *borrower)
 {
-    if (owner == borrower || owner->share >= 0 || !same_texture(owner, borrower)) {
+    if (owner == borrower || owner->share >= 0 || !same_texture(owner, borrower))
         return false;
-    }
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
 
         if ((other == owner || other->share == (int)owner->index) && other != borrower &&
-            resources_overlap(other, borrower)) {
+            resources_overlap(other, borrower))
             return false;
-        }
     }
     return true;
 }
@@ -202,17 +191,14 @@ static bool can_borrow(const struct pipeline *pipeline, const struct resource *o
  * come first. */
 static void plan_opengl_shares(struct pipeline *pipeline)
 {
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
         pipeline->resources[i].share = -1;
-    }
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         struct resource *borrower = &pipeline->resources[i];
 
-        for (uint32_t j = 0; j < i && borrower->share < 0 && borrower->kind == DT_IMAGE; j++) {
-            if (can_borrow(pipeline, &pipeline->resources[j], borrower)) {
+        for (uint32_t j = 0; j < i && borrower->share < 0 && borrower->kind == DT_IMAGE; j++)
+            if (can_borrow(pipeline, &pipeline->resources[j], borrower))
                 borrower->share = (int)j;
-            }
-        }
     }
 }
 
@@ -223,8 +209,7 @@ void plan_slots(struct model *model)
     uint64_t *slot_bytes =
         arena_alloc(model->arena, pipeline->resource_count * sizeof *slot_bytes + 1);
 
-    if (placed && slot_bytes) {
+    if (placed && slot_bytes)
         plan_vulkan_slots(pipeline, placed, slot_bytes);
-    }
     plan_opengl_shares(pipeline);
 }

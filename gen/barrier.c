@@ -14,9 +14,8 @@ enum image_layout layout_of(unsigned kind)
     unsigned read = kind & (ACCESS_FETCH | ACCESS_SAMPLED),
              target = kind & (ACCESS_COLOR | ACCESS_DEPTH);
 
-    if (kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE) || (read && target)) {
+    if (kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE) || (read && target))
         return LAYOUT_GENERAL;
-    }
     return kind & ACCESS_COLOR ? LAYOUT_COLOR : kind & ACCESS_DEPTH ? LAYOUT_DEPTH : LAYOUT_READ;
 }
 
@@ -45,18 +44,15 @@ struct history {
 
 static void show(struct mip_history *past, unsigned kinds, unsigned stages)
 {
-    for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
+    for (unsigned kind = 0; kind < KIND_COUNT; kind++)
         past->visible[kind] |= kinds & 1u << kind ? stages : 0;
-    }
 }
 
 static bool sees(const struct mip_history *past, const struct touch *touch)
 {
-    for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
-        if (touch->kind & 1u << kind && touch->stages & ~past->visible[kind]) {
+    for (unsigned kind = 0; kind < KIND_COUNT; kind++)
+        if (touch->kind & 1u << kind && touch->stages & ~past->visible[kind])
             return false;
-        }
-    }
     return true;
 }
 
@@ -74,9 +70,8 @@ static void wait_for_all(struct barrier *barrier, const struct mip_history *past
 {
     barrier->from |= past->read_kind;
     barrier->from_stages |= past->read_stages;
-    if (!past->read_stages || (past->used && !past->changed_layout && !past->surely_read)) {
+    if (!past->read_stages || (past->used && !past->changed_layout && !past->surely_read))
         wait_for_write(barrier, past);
-    }
 }
 
 /* For a reader alone. */
@@ -106,9 +101,8 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
 
-        if (used_before(other, resource) && (!before || other->last_pass > before->last_pass)) {
+        if (used_before(other, resource) && (!before || other->last_pass > before->last_pass))
             before = other;
-        }
     }
     return before;
 }
@@ -120,16 +114,14 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
 static bool order_is_seen(const struct pipeline *pipeline, const struct resource *other,
                           const struct resource *resource)
 {
-    if (other->kind != DT_BUFFER || resource->kind != DT_BUFFER) {
+    if (other->kind != DT_BUFFER || resource->kind != DT_BUFFER)
         return true;
-    }
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *between = &pipeline->resources[i];
 
         if (used_before(other, between) && used_before(between, resource) &&
-            (buffer_covers(between, other) || buffer_covers(between, resource))) {
+            (buffer_covers(between, other) || buffer_covers(between, resource)))
             return true;
-        }
     }
     return false;
 }
@@ -147,11 +139,10 @@ static void wait_for_memory(struct barrier *barrier, const struct pipeline *pipe
             const struct mip_history *own = &past[i].mips[mip];
 
             if (other == barrier->alias ||
-                (earlier && !order_is_seen(pipeline, other, barrier->resource))) {
+                (earlier && !order_is_seen(pipeline, other, barrier->resource)))
                 wait_for_all(barrier, own);
-            } else if (earlier && own->write_stages && !own->read_stages) {
+            else if (earlier && own->write_stages && !own->read_stages)
                 wait_for_write(barrier, own);
-            }
         }
     }
 }
@@ -163,14 +154,12 @@ static void wait_for_mips(struct barrier *barrier, const struct history *past,
         const struct mip_history *own = &past->mips[mip];
         bool waits = touch->writes ? own->used || !sees(own, touch) : !sees(own, touch);
 
-        if (!(touch->mips >> mip & 1) || !waits) {
+        if (!(touch->mips >> mip & 1) || !waits)
             continue;
-        }
-        if (touch->writes) {
+        if (touch->writes)
             wait_for_all(barrier, own);
-        } else {
+        else
             wait_for_content(barrier, own);
-        }
         barrier->to |= touch->kind;
         barrier->to_stages |= touch->stages;
     }
@@ -209,9 +198,8 @@ static bool first_visit(const struct pipeline *pipeline, const struct history *p
     barrier->alias = alias_before(pipeline, visit->resource);
     barrier->to = visit->kinds;
     barrier->to_stages = visit->stages;
-    if (barrier->alias) {
+    if (barrier->alias)
         wait_for_memory(barrier, pipeline, past);
-    }
     return visit->changes_layout || barrier->alias;
 }
 
@@ -219,18 +207,15 @@ static bool later_visit(const struct history *past, const struct visit *visit,
                         struct barrier *barrier)
 {
     if (visit->changes_layout) {
-        for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+        for (uint32_t mip = 0; mip < past->mip_count; mip++)
             wait_for_all(barrier, &past->mips[mip]);
-        }
         barrier->to = visit->kinds;
         barrier->to_stages = visit->stages;
         return true;
     }
-    for (uint32_t i = 0; i < visit->count; i++) {
-        if (visit->touches[i].resource == visit->resource) {
+    for (uint32_t i = 0; i < visit->count; i++)
+        if (visit->touches[i].resource == visit->resource)
             wait_for_mips(barrier, past, &visit->touches[i]);
-        }
-    }
     return barrier->to != 0;
 }
 
@@ -241,9 +226,8 @@ static void remember_touch(struct mip_history *past, const struct touch *touch, 
             .used = true, .write_kind = touch->kind, .write_stages = touch->stages};
         return;
     }
-    if (!past->used) {
+    if (!past->used)
         past->read_kind = past->read_stages = 0;
-    }
     past->used = true;
     past->surely_read |= always;
     past->read_kind |= touch->kind;
@@ -257,28 +241,21 @@ static void remember_layout(struct mip_history *past, const struct visit *visit)
     past->changed_layout = past->surely_read = true;
     past->read_kind = visit->kinds & ~write_kinds;
     past->read_stages = visit->stages;
-    for (unsigned kind = 0; kind < KIND_COUNT; kind++) {
+    for (unsigned kind = 0; kind < KIND_COUNT; kind++)
         past->visible[kind] = 0;
-    }
-    for (uint32_t i = 0; i < visit->count; i++) {
-        if (visit->touches[i].resource == visit->resource) {
+    for (uint32_t i = 0; i < visit->count; i++)
+        if (visit->touches[i].resource == visit->resource)
             show(past, visit->touches[i].kind, visit->touches[i].stages);
-        }
-    }
 }
 
 static void remember(struct history *past, const struct visit *visit)
 {
     for (uint32_t mip = 0; mip < past->mip_count; mip++) {
-        if (visit->changes_layout) {
+        if (visit->changes_layout)
             remember_layout(&past->mips[mip], visit);
-        }
-        for (uint32_t i = 0; i < visit->count; i++) {
-            if (visit->touches[i].resource == visit->resource &&
-                visit->touches[i].mips >> mip & 1) {
+        for (uint32_t i = 0; i < visit->count; i++)
+            if (visit->touches[i].resource == visit->resource && visit->touches[i].mips >> mip & 1)
                 remember_touch(&past->mips[mip], &visit->touches[i], visit->always);
-            }
-        }
     }
     past->touched = past->layout_known = true;
     past->layout = layout_of(visit->kinds);
@@ -288,11 +265,9 @@ static void remember(struct history *past, const struct visit *visit)
 
 static bool visited_before(const struct touch *touches, uint32_t index)
 {
-    for (uint32_t i = 0; i < index; i++) {
-        if (touches[i].resource == touches[index].resource) {
+    for (uint32_t i = 0; i < index; i++)
+        if (touches[i].resource == touches[index].resource)
             return true;
-        }
-    }
     return false;
 }
 
@@ -308,15 +283,13 @@ static void plan_pass_barriers(struct model *model, struct pass *pass, struct hi
         struct history *own = &past[visit.resource->index];
         struct barrier barrier = {.resource = visit.resource};
 
-        if (visited_before(touches, i)) {
+        if (visited_before(touches, i))
             continue;
-        }
         visit.changes_layout = visit.resource->kind == DT_IMAGE &&
                                (!own->layout_known || layout_of(visit.kinds) != own->layout);
         if (own->touched ? later_visit(own, &visit, &barrier)
-                         : first_visit(&model->pipeline, past, &visit, &barrier)) {
+                         : first_visit(&model->pipeline, past, &visit, &barrier))
             pass->barriers[pass->barrier_count++] = barrier;
-        }
         remember(own, &visit);
     }
 }
@@ -346,16 +319,14 @@ static void begin_history(const struct model *model, struct resource *resource,
     past->mip_count = mips_of(resource);
     past->mips = arena_alloc(model->arena, past->mip_count * sizeof *past->mips);
     past->mip_count = past->mips ? past->mip_count : 0;
-    if (!resource->history) {
+    if (!resource->history)
         return;
-    }
     past->touched = true;
     past->layout = LAYOUT_GENERAL;
     past->layout_known =
         resource->kind == DT_IMAGE && last_layout(model, resource) == LAYOUT_GENERAL;
-    for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+    for (uint32_t mip = 0; mip < past->mip_count; mip++)
         show(&past->mips[mip], ~0u, ~0u);
-    }
 }
 
 void plan_barriers(struct model *model)
@@ -363,10 +334,8 @@ void plan_barriers(struct model *model)
     struct pipeline *pipeline = &model->pipeline;
     struct history *past = arena_alloc(model->arena, pipeline->resource_count * sizeof *past + 1);
 
-    for (uint32_t i = 0; i < pipeline->resource_count && past; i++) {
+    for (uint32_t i = 0; i < pipeline->resource_count && past; i++)
         begin_history(model, &pipeline->resources[i], &past[i]);
-    }
-    for (uint32_t i = 0; i < pipeline->pass_count && past; i++) {
+    for (uint32_t i = 0; i < pipeline->pass_count && past; i++)
         plan_pass_barriers(model, pipeline->order[i], past);
-    }
 }

@@ -125,10 +125,9 @@ static bool read_number(const char *text, double *value)
 static bool is_choice(const char *choices, const char *value)
 {
     size_t length = strlen(value);
-    for (const char *at = choices; at; at = strchr(at, '|') ? strchr(at, '|') + 1 : NULL) {
+    for (const char *at = choices; at; at = strchr(at, '|') ? strchr(at, '|') + 1 : NULL)
         if (strcspn(at, "|") == length && strncmp(at, value, length) == 0)
             return true;
-    }
     return false;
 }
 

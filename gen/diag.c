@@ -346,10 +346,9 @@ void diag_flush(struct diag *diag)
 void diag_write(struct diag *diag, FILE *out)
 {
     struct message *sorted = sort_messages(diag);
-    if (sorted) {
+    if (sorted)
         for (unsigned i = 0; i < diag->count; i++)
             print_message(out, &sorted[i]);
-    }
     if (!sorted || diag->failed)
         fputs("diptych-gen: error: out of memory while reporting; some messages are missing\n",
               out);

@@ -7,13 +7,12 @@
 
 void dot_bytes(struct text *out, const char *before, uint64_t bytes, const char *after)
 {
-    if (bytes >= 1 << 20) {
+    if (bytes >= 1 << 20)
         text_add(out, "%s%.1f MiB%s", before, (double)bytes / (1 << 20), after);
-    } else if (bytes >= 1 << 10) {
+    else if (bytes >= 1 << 10)
         text_add(out, "%s%.1f KiB%s", before, (double)bytes / (1 << 10), after);
-    } else {
+    else
         text_add(out, "%s%" PRIu64 " B%s", before, bytes, after);
-    }
 }
 
 void dot_extent(struct text *out, const struct resource *resource)
@@ -32,9 +31,8 @@ void dot_extent(struct text *out, const struct resource *resource)
         text_add(out, "×%" PRIu32,
                  expr_value(resource->layers, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1));
     }
-    if (mips_of(resource) > 1) {
+    if (mips_of(resource) > 1)
         text_add(out, ", %" PRIu32 " mips", mips_of(resource));
-    }
 }
 
 /* A word of several bits comes before those of one. */

@@ -11,9 +11,8 @@
 
 void c_upper(struct text *out, const char *name)
 {
-    for (; *name; name++) {
+    for (; *name; name++)
         text_add(out, "%c", toupper((unsigned char)*name));
-    }
 }
 
 void c_enumerator(const struct c_output *c, const char *group, const char *name)
@@ -30,15 +29,14 @@ void c_string(struct text *out, const char *text)
     for (const char *at = text ? text : ""; *at; at++) {
         unsigned char byte = (unsigned char)*at;
 
-        if (byte == '\n') {
+        if (byte == '\n')
             text_add(out, "\\n");
-        } else if (byte == '"' || byte == '\\' || (byte == '?' && at[1] == '?')) {
+        else if (byte == '"' || byte == '\\' || (byte == '?' && at[1] == '?'))
             text_add(out, "\\%c", byte);
-        } else if (byte < 32 || byte == 127) {
+        else if (byte < 32 || byte == 127)
             text_add(out, "\\%03o", byte);
-        } else {
+        else
             text_add_bytes(out, at, 1);
-        }
     }
     text_add(out, "\"");
 }
@@ -48,19 +46,17 @@ void c_comment(struct text *out, const char *text)
     for (const char *at = text ? text : ""; *at; at++) {
         bool marker = (at[0] == '*' && at[1] == '/') || (at[0] == '/' && at[1] == '*');
 
-        if (*at != '\n' || at[1]) { /* block scalars of YAML end with a line break */
+        if (*at != '\n' || at[1]) /* block scalars of YAML end with a line break */
             text_add(out, marker ? "%c " : "%c", (unsigned char)*at < 32 ? ' ' : *at);
-        }
     }
 }
 
 void c_double(struct text *out, double value)
 {
-    if (isinf(value)) {
+    if (isinf(value))
         text_add(out, value < 0 ? "DT_NO_MIN" : "DT_NO_MAX");
-    } else {
+    else
         text_add(out, "%.17g", value);
-    }
 }
 
 void c_float(struct text *out, double value)
@@ -120,9 +116,8 @@ static bool names_word(const char *text, const char *word)
         unsigned char before = at > text ? (unsigned char)at[-1] : ' ',
                       after = (unsigned char)at[length];
 
-        if (!isalnum(before) && !strchr("_.>", before) && !isalnum(after) && after != '_') {
+        if (!isalnum(before) && !strchr("_.>", before) && !isalnum(after) && after != '_')
             return true;
-        }
     }
     return false;
 }

@@ -30,9 +30,8 @@ static int find_writer(const struct pipeline *pipeline, const struct resource *r
     for (uint32_t back = 1; uses && back < pipeline->pass_count; back++) {
         uint32_t other = (place + pipeline->pass_count - back) % pipeline->pass_count;
 
-        if (dot_uses(pipeline->order[other], resource) & DOT_WRITES) {
+        if (dot_uses(pipeline->order[other], resource) & DOT_WRITES)
             return other < place || history ? (int)other : -1;
-        }
     }
     return -1;
 }
@@ -54,9 +53,8 @@ static bool is_waited_for(const struct pass *pass, const struct resource *resour
 {
     bool waited = false;
 
-    for (uint32_t i = 0; i < pass->barrier_count; i++) {
+    for (uint32_t i = 0; i < pass->barrier_count; i++)
         waited |= pass->barriers[i].resource == resource && waits(&pass->barriers[i]);
-    }
     return waited;
 }
 
@@ -72,9 +70,8 @@ static void emit_product(const struct drawing *d, const uint32_t size[3])
 {
     int shown = size[2] > 1 ? 3 : size[1] > 1 ? 2 : 1;
 
-    for (int i = 0; i < shown; i++) {
+    for (int i = 0; i < shown; i++)
         text_add(d->out, "%s%" PRIu32, i ? "×" : "", size[i]);
-    }
 }
 
 static void workgroups(const struct pass *pass, uint32_t groups[3])
@@ -120,12 +117,10 @@ static void emit_dispatch(const struct drawing *d, const struct pass *pass)
 static void emit_draw(const struct drawing *d, const struct pass *pass)
 {
     text_add(d->out, pass->kind == PASS_SCENE ? "draw of the scene" : "draw, fullscreen");
-    if (pass->kind == PASS_SCENE && pass->view && !pass->layers) {
+    if (pass->kind == PASS_SCENE && pass->view && !pass->layers)
         text_add(d->out, " from the %s", pass->view);
-    }
-    if (pass->layers) {
+    if (pass->layers)
         text_add(d->out, ", %" PRIu32 " instances", at_reference(pass->layers, 1));
-    }
     text_add(d->out, "%s", pass->indirect_resource ? " by arguments" : "");
 }
 
@@ -137,11 +132,9 @@ static void emit_bar(const struct drawing *d, const struct pass *pass,
 {
     int names = 0;
 
-    for (const struct barrier *other = pass->barriers; other < barrier; other++) {
-        if (alike(other, barrier)) {
+    for (const struct barrier *other = pass->barriers; other < barrier; other++)
+        if (alike(other, barrier))
             return;
-        }
-    }
     text_add(d->out, "<tr><td colspan=\"2\" align=\"left\" border=\"1\" color=\"white\" "
                      "bgcolor=\"#484848\"><font color=\"white\">&nbsp;");
     for (uint32_t i = 0; i < pass->barrier_count; i++) {
@@ -191,11 +184,10 @@ static void emit_detail(const struct drawing *d, uint32_t place)
     const struct pass *pass = d->pipeline->order[place];
 
     text_add(d->out, "<tr><td align=\"left\">&nbsp;");
-    if (pass->kind == PASS_DISPATCH) {
+    if (pass->kind == PASS_DISPATCH)
         emit_dispatch(d, pass);
-    } else {
+    else
         emit_draw(d, pass);
-    }
     text_add(d->out, "</td><td></td></tr>\n");
 }
 
@@ -269,11 +261,9 @@ static void emit_pass(const struct drawing *d, uint32_t place)
              "><tr><td width=\"370\" style=\"%s\"><table border=\"0\" cellborder=\"0\" "
              "cellspacing=\"0\" cellpadding=\"0\">\n",
              pass->name, pass->conditional ? "dashed" : "solid");
-    for (uint32_t i = 0; i < pass->barrier_count; i++) {
-        if (waits(&pass->barriers[i])) {
+    for (uint32_t i = 0; i < pass->barrier_count; i++)
+        if (waits(&pass->barriers[i]))
             emit_bar(d, pass, &pass->barriers[i]);
-        }
-    }
     emit_title(d, place);
     emit_detail(d, place);
     emit_reads(d, pass);
@@ -296,9 +286,8 @@ static void emit_dropped(const struct drawing *d, uint32_t *next, int line, stru
     for (; *next < d->pipeline->dropped_count; ++*next) {
         const struct pass *pass = d->pipeline->dropped[*next];
 
-        if (pass->loc.line > line) {
+        if (pass->loc.line > line)
             return;
-        }
         text_add(d->out,
                  "  d_%s [shape=box, style=dashed, color=\"#909090\", fontcolor=\"#505050\", "
                  "height=0.1, margin=\"0.05,0.04\", label=<<b>%s</b>&nbsp; left out: when ",
@@ -316,11 +305,9 @@ static void emit_arrow(const struct drawing *d, uint32_t from, uint32_t to)
     struct pass *const *order = d->pipeline->order;
     unsigned uses = 0;
 
-    for (uint32_t i = 0; i < d->pipeline->resource_count; i++) {
-        if (find_writer(d->pipeline, &d->pipeline->resources[i], to) == (int)from) {
+    for (uint32_t i = 0; i < d->pipeline->resource_count; i++)
+        if (find_writer(d->pipeline, &d->pipeline->resources[i], to) == (int)from)
             uses |= dot_uses(order[to], &d->pipeline->resources[i]);
-        }
-    }
     if (uses) {
         text_add(d->out, "  p_%s -> p_%s [penwidth=%s%s];\n", order[from < to ? from : to]->name,
                  order[from < to ? to : from]->name, uses & DOT_WRITES ? "1.4" : "0.7",
@@ -376,15 +363,12 @@ void emit_graph(const struct model *model, struct text *out)
     emit_dropped(&d, &dropped, INT_MAX, &column);
     out->failed |= column.failed;
     text_add(out, "  edge [style=invis, weight=100];\n");
-    for (int i = 0; i < REPEATS; i++) {
+    for (int i = 0; i < REPEATS; i++)
         text_add(out, "  %s;\n", column.data ? column.data : "");
-    }
     text_add(out, "  edge [style=solid, weight=1];\n");
     text_free(&column);
-    for (uint32_t from = 0; from < pipeline->pass_count; from++) {
-        for (uint32_t to = 0; to < pipeline->pass_count; to++) {
+    for (uint32_t from = 0; from < pipeline->pass_count; from++)
+        for (uint32_t to = 0; to < pipeline->pass_count; to++)
             emit_arrow(&d, from, to);
-        }
-    }
     text_add(out, "}\n");
 }

@@ -21,26 +21,21 @@ static void emit_member(struct text *out, const struct member *member)
     bool padded = member->array_count && info->size != info->align && info->columns == 1;
 
     text_add(out, "    %s %s", info->c, member->name);
-    if (member->array_count) {
+    if (member->array_count)
         text_add(out, "[%" PRIu32 "]", member->array_count);
-    }
-    if (info->columns > 1) {
+    if (info->columns > 1)
         text_add(out, "[%" PRIu32 "]", info->columns);
-    }
-    if (info->components > 1) {
+    if (info->components > 1)
         text_add(out, "[%" PRIu32 "]", padded ? info->components + 1 : info->components);
-    }
     text_add(out, padded ? "; /* %s, the last of each is padding */\n" : "; /* %s */\n",
              member->type == DT_TYPE_BOOL ? "bool: 0 or 1" : info->glsl);
 }
 
 static bool is_member(const struct member *members, uint32_t count, const char *name)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        if (strcmp(members[i].name, name) == 0) {
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(members[i].name, name) == 0)
             return true;
-        }
-    }
     return false;
 }
 
@@ -52,9 +47,8 @@ static void emit_padding(struct text *out, const struct member *members, uint32_
     do {
         snprintf(name, sizeof name, "padding%u", (*number)++);
     } while (is_member(members, count, name));
-    if (bytes) {
+    if (bytes)
         text_add(out, "    uint32_t %s[%" PRIu32 "];\n", name, bytes / 4);
-    }
 }
 
 /* The struct's body and its assertions; members in order of offset. */
@@ -66,15 +60,13 @@ static void emit_struct(struct text *out, const char *tag, const char *rule,
 
     text_add(out, "struct %s {\n", tag);
     for (uint32_t i = 0; i < count; i++) {
-        if (members[i].offset > at) {
+        if (members[i].offset > at)
             emit_padding(out, members, count, members[i].offset - at, &number);
-        }
         emit_member(out, &members[i]);
         at = members[i].offset + members[i].size;
     }
-    if (size > at) {
+    if (size > at)
         emit_padding(out, members, count, size - at, &number);
-    }
     text_add(out, "};\n_Static_assert(sizeof(struct %s) == %" PRIu32 ", \"%s: %s\");\n", tag, size,
              tag, rule);
     for (uint32_t i = 0; i < count; i++) {
@@ -155,9 +147,8 @@ static void emit_value(const struct c_output *c, const struct param *param, uint
 
     text_add(c->out, "#define ");
     c_enumerator(c, "PARAM", param->name);
-    if (param->components > 1) {
+    if (param->components > 1)
         text_add(c->out, "_%c", "XYZW"[component & 3]);
-    }
     text_add(c->out, " ");
     if (real) {
         c_float(c->out, param->value[component]);
@@ -177,13 +168,11 @@ static void emit_param_comment(const struct c_output *c, const struct param *par
     }
     if (!isinf(param->min) || !isinf(param->max)) {
         text_add(c->out, " [");
-        if (!isinf(param->min)) {
+        if (!isinf(param->min))
             text_add(c->out, "%.9g", param->min);
-        }
         text_add(c->out, "..");
-        if (!isinf(param->max)) {
+        if (!isinf(param->max))
             text_add(c->out, "%.9g", param->max);
-        }
         text_add(c->out, "]");
     }
     text_add(c->out, " */\n");
@@ -197,24 +186,21 @@ static void emit_params(const struct c_output *c)
     for (uint32_t i = 0; i < pipeline->param_count; i++) {
         const struct param *param = &pipeline->params[i];
 
-        if (param->live) {
+        if (param->live)
             continue;
-        }
         text_add(c->out, any ? "" : "/* ---- Baked parameters ---- */\n\n");
         any = true;
         emit_param_comment(c, param);
-        for (uint32_t component = 0; component < param->components; component++) {
+        for (uint32_t component = 0; component < param->components; component++)
             emit_value(c, param, component);
-        }
     }
     text_add(c->out, any ? "\n" : "");
     any = false;
     for (uint32_t i = 0; i < pipeline->constant_count; i++) {
         const struct constant *constant = &pipeline->constants[i];
 
-        if (!constant->folds) {
+        if (!constant->folds)
             continue;
-        }
         text_add(c->out, any ? "" : "/* ---- Constants ---- */\n\n");
         any = true;
         text_add(c->out, "#define ");

@@ -65,9 +65,8 @@ static void emit_slot(const struct pipeline *pipeline, uint32_t slot, struct tex
             count++;
         }
     }
-    if (!largest) {
+    if (!largest)
         return;
-    }
     text_add(out, "<hr/><tr><td border=\"0\" rowspan=\"%" PRIu32 "\" align=\"left\"><b>", count);
     dot_bytes(out, "", largest->bytes, largest->history ? "</b> history" : "</b>");
     text_add(out, "&nbsp;</td>");
@@ -87,9 +86,8 @@ static void emit_head(const struct pipeline *pipeline, struct text *out)
 {
     text_add(out, "<tr><td border=\"0\" align=\"left\"><b>memory</b></td><td border=\"0\" "
                   "colspan=\"3\" align=\"right\">pass&nbsp;</td>");
-    for (uint32_t place = 0; place < pipeline->pass_count; place++) {
+    for (uint32_t place = 0; place < pipeline->pass_count; place++)
         text_add(out, "<td border=\"0\" width=\"20\"><b>%" PRIu32 "</b></td>", place + 1);
-    }
     text_add(out, "</tr>\n");
 }
 
@@ -127,15 +125,13 @@ static void emit_title(const struct pipeline *pipeline, struct text *out)
     text_add(out, "<font point-size=\"9\"><b>%s</b> at %dx%d: ", pipeline->name, REFERENCE_WIDTH,
              REFERENCE_HEIGHT);
     dot_bytes(out, "transients of ", whole, "");
-    if (unused) {
+    if (unused)
         dot_bytes(out, ", ", unused, " of them unused,");
-    }
     dot_bytes(out, " in ", pipeline->aliased_bytes, " of memory; ");
     dot_bytes(out, "", saved, "");
     text_add(out, " (%.0f %%) saved", whole ? 100.0 * (double)saved / (double)whole : 0);
-    if (kept) {
+    if (kept)
         dot_bytes(out, "; kept from frame to frame: ", kept, "");
-    }
     text_add(out, "</font><br align=\"left\"/>");
 }
 
@@ -196,9 +192,8 @@ void emit_lifetimes(const struct model *model, struct text *out)
     dot_begin(out, pipeline->name);
     text_add(out, "  lifetimes [label=<<table " DOT_TABLE ">\n");
     emit_head(pipeline, out);
-    for (uint32_t slot = 0; slot < pipeline->slot_count; slot++) {
+    for (uint32_t slot = 0; slot < pipeline->slot_count; slot++)
         emit_slot(pipeline, slot, out);
-    }
     emit_needed(pipeline, out);
     text_add(out, "</table>>];\n  label=<<font point-size=\"7\">");
     emit_title(pipeline, out);

@@ -13,18 +13,15 @@ static void emit_words(struct text *out, const uint32_t *words, size_t count)
     for (size_t i = 0; i < count; i++) {
         char word[] = "\\x00000000";
 
-        for (int digit = 0; digit < 8; digit++) {
+        for (int digit = 0; digit < 8; digit++)
             word[2 + digit] = digits[words[i] >> (28 - 4 * digit) & 15];
-        }
-        if (i % 8 == 0) {
+        if (i % 8 == 0)
             text_add(out, "    DT_WORDS(\"");
-        }
         text_add_bytes(out, word, sizeof word - 1);
-        if (i + 1 == count) {
+        if (i + 1 == count)
             text_add(out, "\");\n");
-        } else if (i % 8 == 7) {
+        else if (i % 8 == 7)
             text_add(out, "\")\n");
-        }
     }
 }
 

@@ -43,12 +43,10 @@ static uint32_t floats_in(const struct counting *c, uint32_t type)
 {
     const uint32_t *declared = c->words + c->definitions[type];
 
-    if (is_opcode(declared, SpvOpTypeFloat)) {
+    if (is_opcode(declared, SpvOpTypeFloat))
         return 1;
-    }
-    if (is_opcode(declared, SpvOpTypeVector) || is_opcode(declared, SpvOpTypeMatrix)) {
+    if (is_opcode(declared, SpvOpTypeVector) || is_opcode(declared, SpvOpTypeMatrix))
         return floats_in(c, declared[2]) * declared[3];
-    }
     return 0;
 }
 
@@ -113,18 +111,16 @@ static struct cost block_cost(struct counting *c, uint32_t label);
 
 static struct cost cheaper(struct cost a, struct cost b)
 {
-    if (a.exits != b.exits) {
+    if (a.exits != b.exits)
         return a.exits < b.exits ? a : b;
-    }
     return a.flops < b.flops ? a : b;
 }
 
 /* From a jump to `label` on. The jump back to a loop's head ends its one turn. */
 static struct cost jump_cost(struct counting *c, uint32_t label)
 {
-    if (c->states[label] == STATE_OPEN) {
+    if (c->states[label] == STATE_OPEN)
         return c->loop_merges[label] ? block_cost(c, c->loop_merges[label]) : no_way;
-    }
     struct cost cost = block_cost(c, label);
 
     cost.exits += c->behind_loop[label] && cost.exits < UINT32_MAX;
@@ -144,9 +140,8 @@ static struct cost end_cost(struct counting *c, const uint32_t *instruction)
         return cheaper(jump_cost(c, instruction[2]), jump_cost(c, instruction[3]));
     case SpvOpSwitch:
         cost = jump_cost(c, instruction[2]);
-        for (uint32_t i = 4; i < length; i += 2) {
+        for (uint32_t i = 4; i < length; i += 2)
             cost = cheaper(cost, jump_cost(c, instruction[i]));
-        }
         return cost;
     case SpvOpUnreachable:
         return no_way;
@@ -171,9 +166,8 @@ static struct cost block_cost(struct counting *c, uint32_t label)
     uint64_t flops = 0;
     size_t at = c->definitions[label];
 
-    if (c->states[label] == STATE_DONE) {
+    if (c->states[label] == STATE_DONE)
         return c->costs[label];
-    }
     c->states[label] = STATE_OPEN;
     for (; !ends_block(c->words + at); at += c->words[at] >> 16) {
         const uint32_t *instruction = c->words + at;
@@ -194,9 +188,8 @@ static struct cost function_cost(struct counting *c, uint32_t function)
     size_t at = c->definitions[function];
 
     if (c->states[function] != STATE_DONE) {
-        while (!is_opcode(c->words + at, SpvOpLabel)) {
+        while (!is_opcode(c->words + at, SpvOpLabel))
             at += c->words[at] >> 16;
-        }
         c->costs[function] = block_cost(c, c->words[at + 1]);
         c->states[function] = STATE_DONE;
     }

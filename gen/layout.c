@@ -56,11 +56,9 @@ bool std140_equals_std430(const struct resource *buffer)
 {
     const struct structure *structure = buffer->structure;
 
-    for (uint32_t i = 0; structure && i < structure->field_count; i++) {
-        if (structure->fields[i].array_stride % 16) {
+    for (uint32_t i = 0; structure && i < structure->field_count; i++)
+        if (structure->fields[i].array_stride % 16)
             return false;
-        }
-    }
     return buffer->stride % 16 == 0 && (!structure || structure->align == 16);
 }
 
@@ -93,18 +91,16 @@ void layout_model(struct model *model)
 {
     struct pipeline *pipeline = &model->pipeline;
 
-    for (uint32_t i = 0; i < pipeline->struct_count; i++) {
+    for (uint32_t i = 0; i < pipeline->struct_count; i++)
         layout_struct(&pipeline->structs[i]);
-    }
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         struct resource *resource = &pipeline->resources[i];
 
         resource->index = i;
-        if (resource->kind == DT_BUFFER && resource->structure) {
+        if (resource->kind == DT_BUFFER && resource->structure)
             resource->stride = resource->structure->stride;
-        } else if (resource->kind == DT_BUFFER) {
+        else if (resource->kind == DT_BUFFER)
             resource->stride = align_up(types[resource->type].size, types[resource->type].align);
-        }
     }
     layout_block(pipeline);
 }

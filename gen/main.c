@@ -446,19 +446,18 @@ static enum status run_words(int argc, char **argv)
 {
     struct options options = {0};
     enum status status = STATUS_DONE;
-    if (!parse_options(argc, argv, &options)) {
+    if (!parse_options(argc, argv, &options))
         status = STATUS_FAILED;
-    } else if (options.help) {
+    else if (options.help)
         command_help(&command);
-    } else if (options.version) {
+    else if (options.version)
         printf("diptych-gen " VERSION "\n"); /* as build.ninja has it */
-    } else if (options.schema) {
+    else if (options.schema)
         status = print_text(emit_schema);
-    } else if (options.reference) {
+    else if (options.reference)
         status = print_text(emit_reference);
-    } else {
+    else
         status = run(&options);
-    }
     free(options.sets.items);
     return status;
 }

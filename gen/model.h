@@ -22,8 +22,7 @@ struct loc {
     int length;       /* characters to underline, at least 1 */
 };
 
-struct
-    expr; /* integer expression over parameters, constants and frame.width, frame.height (expr.h) */
+struct expr; /* integer over parameters, constants, frame.width and frame.height (expr.h) */
 
 /* ---- Declarations ---------------------------------------------------------------------------- */
 

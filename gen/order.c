@@ -43,9 +43,8 @@ static struct use use_of(const struct pass *pass, const struct resource *resourc
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
 
-        if (access->resource != resource) {
+        if (access->resource != resource)
             continue;
-        }
         if (access->mode == MODE_READ) {
             use.reads = true;
             use.read_loc = access->loc;
@@ -64,9 +63,8 @@ static void add_edge(struct graph *graph, uint32_t from, uint32_t to,
 {
     struct edge *edge = &graph->edges[from * graph->count + to];
 
-    if (from != to && !edge->exists) {
+    if (from != to && !edge->exists)
         *edge = (struct edge){true, because};
-    }
 }
 
 /* `after` names passes; those that a baked `when` removed order nothing. */
@@ -85,11 +83,9 @@ static void add_after_edges(struct graph *graph)
         }
     }
     for (uint32_t via = 0; via < n; via++) {
-        for (uint32_t from = 0; from < n; from++) {
-            for (uint32_t to = 0; graph->after[from * n + via] && to < n; to++) {
+        for (uint32_t from = 0; from < n; from++)
+            for (uint32_t to = 0; graph->after[from * n + via] && to < n; to++)
                 graph->after[from * n + to] |= graph->after[via * n + to];
-            }
-        }
     }
 }
 
@@ -106,15 +102,12 @@ static void collect_modifiers(struct graph *graph, const struct resource *resour
         struct use use = use_of(&graph->passes[pass], resource);
         uint32_t place = 0;
 
-        if (!use.writes && !use.updates) {
+        if (!use.writes && !use.updates)
             continue;
-        }
-        while (place < graph->modifier_count && !ordered(graph, pass, graph->modifiers[place])) {
+        while (place < graph->modifier_count && !ordered(graph, pass, graph->modifiers[place]))
             place++;
-        }
-        for (uint32_t i = graph->modifier_count++; i > place; i--) {
+        for (uint32_t i = graph->modifier_count++; i > place; i--)
             graph->modifiers[i] = graph->modifiers[i - 1];
-        }
         graph->modifiers[place] = pass;
     }
 }
@@ -131,9 +124,8 @@ static void check_writers(const struct graph *graph, const struct resource *reso
             struct use first_use = use_of(first, resource);
 
             if (!(first_use.written_mips & second_use.written_mips) ||
-                ordered(graph, graph->modifiers[i], graph->modifiers[j])) {
+                ordered(graph, graph->modifiers[i], graph->modifiers[j]))
                 continue;
-            }
             diag_error(
                 diag, second_use.change_loc,
                 "'%s' is written by '%s' and by '%s', and nothing orders the two; let one of them "
@@ -155,9 +147,8 @@ static int seen_by(const struct graph *graph, uint32_t reader)
         uint32_t modifier = graph->modifiers[i];
 
         if (ordered(graph, modifier, reader) ||
-            (modifier < reader && !ordered(graph, reader, modifier))) {
+            (modifier < reader && !ordered(graph, reader, modifier)))
             seen = (int)i;
-        }
     }
     return seen;
 }
@@ -167,9 +158,8 @@ static void order_reader(struct graph *graph, const struct resource *resource, u
 {
     int seen = seen_by(graph, reader);
 
-    if (seen < 0 && graph->modifier_count == 1 && !resource->history) {
+    if (seen < 0 && graph->modifier_count == 1 && !resource->history)
         seen = 0;
-    }
     if (seen < 0 && !resource->history) {
         diag_error(diag, loc, "'%s' reads '%s' before any pass writes it; %s",
                    graph->passes[reader].name, resource->name,
@@ -177,21 +167,18 @@ static void order_reader(struct graph *graph, const struct resource *resource, u
                                          : "let a pass write it, or give it `history: true`");
         return;
     }
-    if (seen >= 0) {
+    if (seen >= 0)
         add_edge(graph, graph->modifiers[seen], reader, resource);
-    }
-    if (seen + 1 < (int)graph->modifier_count) {
+    if (seen + 1 < (int)graph->modifier_count)
         add_edge(graph, reader, graph->modifiers[seen + 1], resource);
-    }
 }
 
 static void order_resource(struct graph *graph, const struct resource *resource, struct diag *diag)
 {
     collect_modifiers(graph, resource);
     check_writers(graph, resource, diag);
-    for (uint32_t i = 0; i + 1 < graph->modifier_count; i++) {
+    for (uint32_t i = 0; i + 1 < graph->modifier_count; i++)
         add_edge(graph, graph->modifiers[i], graph->modifiers[i + 1], resource);
-    }
     if (graph->modifier_count && !resource->history) {
         const struct pass *first = &graph->passes[graph->modifiers[0]];
         struct use use = use_of(first, resource);
@@ -207,19 +194,16 @@ static void order_resource(struct graph *graph, const struct resource *resource,
     for (uint32_t pass = 0; pass < graph->count; pass++) {
         struct use use = use_of(&graph->passes[pass], resource);
 
-        if (use.reads && !use.writes && !use.updates) {
+        if (use.reads && !use.writes && !use.updates)
             order_reader(graph, resource, pass, use.read_loc, diag);
-        }
     }
 }
 
 static bool ready(const struct graph *graph, const bool *done, uint32_t pass)
 {
-    for (uint32_t from = 0; from < graph->count; from++) {
-        if (!done[from] && graph->edges[from * graph->count + pass].exists) {
+    for (uint32_t from = 0; from < graph->count; from++)
+        if (!done[from] && graph->edges[from * graph->count + pass].exists)
             return false;
-        }
-    }
     return true;
 }
 
@@ -233,27 +217,23 @@ static void report_cycle(struct model *model, const struct graph *graph, const b
     int *place = arena_alloc(model->arena, n * sizeof *place);
     struct text text = {0};
 
-    if (!ring || !place) {
+    if (!ring || !place)
         return;
-    }
-    while (done[at]) {
+    while (done[at])
         at++;
-    }
     while (!place[at]) {
         uint32_t from = 0;
 
         ring[length++] = at;
         place[at] = (int)length;
-        while (done[from] || !graph->edges[from * n + at].exists) {
+        while (done[from] || !graph->edges[from * n + at].exists)
             from++;
-        }
         at = from;
     }
     start = (uint32_t)place[at] - 1;
     text_add(&text, "'%s'", graph->passes[at].name);
-    for (uint32_t i = length; i-- > start;) {
+    for (uint32_t i = length; i-- > start;)
         text_add(&text, " -> '%s'", graph->passes[ring[i]].name);
-    }
     diag_error(diag, graph->passes[at].loc, "the passes wait for each other in a circle: %s",
                text.data ? text.data : "");
     text_free(&text);
@@ -274,15 +254,13 @@ static bool sort_passes(struct model *model, const struct graph *graph, struct d
     bool *done = arena_alloc(model->arena, graph->count * sizeof *done + 1);
 
     pipeline->order = arena_alloc(model->arena, graph->count * sizeof *pipeline->order + 1);
-    if (!done || !pipeline->order) {
+    if (!done || !pipeline->order)
         return false;
-    }
     for (uint32_t place = 0; place < graph->count; place++) {
         uint32_t next = 0;
 
-        while (next < graph->count && (done[next] || !ready(graph, done, next))) {
+        while (next < graph->count && (done[next] || !ready(graph, done, next)))
             next++;
-        }
         if (next == graph->count) {
             report_cycle(model, graph, done, diag);
             return false;
@@ -305,9 +283,8 @@ static void check_output(const struct pipeline *pipeline, const char *name, stru
 
             written = use.writes || use.updates;
         }
-        if (!written) {
+        if (!written)
             diag_error(diag, loc, "no pass writes the output '%s'", name);
-        }
     }
 }
 
@@ -324,13 +301,11 @@ bool plan_order(struct model *model, struct diag *diag)
         .modifiers = arena_alloc(model->arena, n * sizeof *graph.modifiers + 1),
     };
 
-    if (!graph.edges || !graph.after || !graph.modifiers) {
+    if (!graph.edges || !graph.after || !graph.modifiers)
         return false;
-    }
     add_after_edges(&graph);
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
         order_resource(&graph, &pipeline->resources[i], diag);
-    }
     check_output(pipeline, pipeline->linear_output, pipeline->linear_loc, diag);
     check_output(pipeline, pipeline->display_output, pipeline->display_loc, diag);
     return sort_passes(model, &graph, diag) && diag_error_count(diag) == errors;

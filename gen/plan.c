@@ -9,9 +9,8 @@ uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, ui
 {
     int64_t value = 0;
 
-    if (!expr || expr_eval(expr, width, height, &value) != EXPR_OK) {
+    if (!expr || expr_eval(expr, width, height, &value) != EXPR_OK)
         return otherwise;
-    }
     return value < 0 ? 0 : value > UINT32_MAX ? UINT32_MAX : (uint32_t)value;
 }
 
@@ -22,14 +21,12 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
     const struct format_info *format = format_info(access->resource->format);
 
     if (access->mode == MODE_READ) {
-        if (access->sampler) {
+        if (access->sampler)
             return ACCESS_SAMPLED;
-        }
         return pass->kind == PASS_DISPATCH && format->storage ? ACCESS_STORAGE_READ : ACCESS_FETCH;
     }
-    if (pass->kind != PASS_DISPATCH) {
+    if (pass->kind != PASS_DISPATCH)
         return access->resource->format == DT_FORMAT_D32F ? ACCESS_DEPTH : ACCESS_COLOR;
-    }
     return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
 }
@@ -42,9 +39,8 @@ static bool suits_uniform(const struct pipeline *pipeline, const struct resource
     uint64_t count = 0;
 
     if (pipeline->gpu || !buffer->count || expr_reach(buffer->count) ||
-        !std140_equals_std430(buffer)) {
+        !std140_equals_std430(buffer))
         return false;
-    }
     count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
     return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
 }
@@ -66,9 +62,8 @@ static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pa
 static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *pass,
                             const struct access *access)
 {
-    if (access->mode == MODE_READ) {
+    if (access->mode == MODE_READ)
         return reads_uniform(pipeline, pass, access) ? ACCESS_UNIFORM : ACCESS_STORAGE_READ;
-    }
     return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
 }
@@ -111,12 +106,10 @@ static void limit_uniforms(struct pass *pass)
         struct access *access = &pass->accesses[i];
         bool wanted = !access->resource || !(access->kind & ACCESS_UNIFORM);
 
-        for (uint32_t k = 0; k < pass->range_count && !wanted; k++) {
+        for (uint32_t k = 0; k < pass->range_count && !wanted; k++)
             wanted = pass->ranges[k].access == access && pass->ranges[k].storage == STORAGE_UNIFORM;
-        }
-        if (!wanted && ++count > UNIFORM_LIMIT) {
+        if (!wanted && ++count > UNIFORM_LIMIT)
             access->kind = ACCESS_STORAGE_READ;
-        }
     }
 }
 
@@ -140,9 +133,8 @@ static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struc
         } else {
             access->kind = buffer_kind(pipeline, pass, access);
         }
-        if (access->kind & ACCESS_COLOR) {
+        if (access->kind & ACCESS_COLOR)
             access->attachment = attachments++;
-        }
     }
     if (attachments > COLOR_TARGET_LIMIT) {
         diag_error(diag, pass->loc, "'%s' draws to %d colour targets; a pass can have %d",
@@ -167,15 +159,12 @@ static enum binding_class binding_class(const struct access *access)
     bool image =
         access->resource ? access->resource->kind == DT_IMAGE : access->builtin == BUILTIN_TEXTURES;
 
-    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
+    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH))
         return BIND_NONE;
-    }
-    if (access->kind & (ACCESS_FETCH | ACCESS_SAMPLED)) {
+    if (access->kind & (ACCESS_FETCH | ACCESS_SAMPLED))
         return BIND_TEXTURE;
-    }
-    if (access->kind & ACCESS_UNIFORM) {
+    if (access->kind & ACCESS_UNIFORM)
         return BIND_UNIFORM;
-    }
     return image ? BIND_STORAGE_IMAGE : BIND_STORAGE_BUFFER;
 }
 
@@ -184,17 +173,15 @@ static int bind_class(struct pass *pass, enum binding_class class, int next)
     for (uint32_t i = 0; i < pass->access_count; i++) {
         struct access *access = &pass->accesses[i];
 
-        if (binding_class(access) != class) {
+        if (binding_class(access) != class)
             continue;
-        }
-        if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_MATERIALS && !access->resource) {
+        if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_MATERIALS && !access->resource)
             access->binding = pass->materials_binding;
-        } else if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_TEXTURES &&
-                   !access->resource) {
+        else if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_TEXTURES &&
+                 !access->resource)
             access->binding = pass->textures_binding;
-        } else {
+        else
             access->binding = next++;
-        }
     }
     return next;
 }
@@ -209,9 +196,8 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
     next = bind_class(pass, BIND_STORAGE_BUFFER, next);
     pass->frame_binding = next++;
     pass->live_binding = next++;
-    if (pass->uniform_materials) {
+    if (pass->uniform_materials)
         pass->materials_binding = next++;
-    }
     next = bind_class(pass, BIND_UNIFORM, next);
     first_texture = next;
     pass->textures_binding = pass->kind == PASS_SCENE ? next++ : -1;
@@ -228,14 +214,11 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
  * short last block. */
 static uint32_t chunk_of(uint64_t count, uint32_t limit)
 {
-    if (count <= limit) {
+    if (count <= limit)
         return count ? (uint32_t)count : 1;
-    }
-    for (uint32_t chunk = limit; chunk >= 8; chunk--) {
-        if (count % chunk == 0) {
+    for (uint32_t chunk = limit; chunk >= 8; chunk--)
+        if (count % chunk == 0)
             return chunk;
-        }
-    }
     return limit;
 }
 
@@ -269,15 +252,12 @@ static void plan_range(struct range *range, const struct pipeline *pipeline)
     uint64_t count = range->count_value > 0 ? (uint64_t)range->count_value : 1;
     uint32_t limit = 32;
 
-    if (range->loop == LOOP_AUTO) {
+    if (range->loop == LOOP_AUTO)
         range->loop = pipeline->gpu && count > 64 ? LOOP_ROLL : LOOP_UNROLL;
-    }
-    if (range->loop == LOOP_ROLL) {
+    if (range->loop == LOOP_ROLL)
         limit = 64;
-    }
-    if (range->storage == STORAGE_AUTO) {
+    if (range->storage == STORAGE_AUTO)
         range->storage = stride <= SHARED_MEMORY_LIMIT / 8 ? STORAGE_SHARED : STORAGE_BUFFER;
-    }
     if (range->storage == STORAGE_SHARED) {
         limit = stride * limit > SHARED_MEMORY_LIMIT ? SHARED_MEMORY_LIMIT / stride : limit;
         limit = limit ? limit : 1;
@@ -340,9 +320,8 @@ static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
         for (uint32_t i = 0; i < pass->range_count; i++) {
             const struct range *range = &pass->ranges[i];
 
-            if (range->storage == STORAGE_UNIFORM && range->access && range->access->resource) {
+            if (range->storage == STORAGE_UNIFORM && range->access && range->access->resource)
                 check_uniform(range, range->access->resource, diag);
-            }
         }
     }
 }
@@ -351,15 +330,12 @@ static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
 
 static unsigned stages_of(const struct pass *pass, const struct access *access)
 {
-    if (access->kind & ACCESS_COLOR) {
+    if (access->kind & ACCESS_COLOR)
         return STAGE_COLOR;
-    }
-    if (access->kind & ACCESS_DEPTH) {
+    if (access->kind & ACCESS_DEPTH)
         return STAGE_DEPTH;
-    }
-    if (pass->kind == PASS_DISPATCH) {
+    if (pass->kind == PASS_DISPATCH)
         return STAGE_COMPUTE;
-    }
     /* Draws write buffers in the fragment stage; a fullscreen draw's vertices need no resource. */
     return pass->kind == PASS_SCENE && access->mode == MODE_READ ? STAGE_VERTEX | STAGE_FRAGMENT
                                                                  : STAGE_FRAGMENT;
@@ -420,9 +396,8 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
                               stages_of(pass, access),   access->mode != MODE_WRITE,
                               access->mode != MODE_READ, 1};
 
-        if (!access->resource) {
+        if (!access->resource)
             continue;
-        }
         touch.mips = touched_mips(access);
         /* Skipped at run time, a pass clears what it would have written: targets as targets, the
          * rest by commands. */
@@ -444,9 +419,8 @@ static void plan_blocks(struct pipeline *pipeline)
         struct resource *buffer = &pipeline->resources[i];
         uint64_t bytes;
 
-        if (!(buffer->usage & ACCESS_UNIFORM) || !buffer->count || expr_is_literal(buffer->count)) {
+        if (!(buffer->usage & ACCESS_UNIFORM) || !buffer->count || expr_is_literal(buffer->count))
             continue;
-        }
         bytes = buffer->stride *
                 (uint64_t)expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
         buffer->block = bytes <= UNIFORM_BLOCK_LIMIT ? UNIFORM_BLOCK_LIMIT : SOFTWARE_UNIFORM_LIMIT;
@@ -466,9 +440,8 @@ bool plan_model(struct model *model, struct diag *diag)
         plan_kinds(pipeline, &pipeline->passes[i], diag);
         plan_bindings(&pipeline->passes[i], diag);
     }
-    if (!ordered) {
+    if (!ordered)
         return false;
-    }
     plan_lifetimes(model);
     plan_blocks(pipeline);
     check_uniforms(pipeline, diag);

@@ -289,15 +289,14 @@ static int open_folder(const char *folder, const char **problem)
         return -1;
     }
     int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (file < 0 || fstat(file, &status)) {
+    if (file < 0 || fstat(file, &status))
         *problem = strerror(errno);
-    } else if (status.st_uid != geteuid()) {
+    else if (status.st_uid != geteuid())
         *problem = "it belongs to somebody else";
-    } else if (status.st_mode & (S_IWGRP | S_IWOTH)) {
+    else if (status.st_mode & (S_IWGRP | S_IWOTH))
         *problem = "others may write to it";
-    } else {
+    else
         return file;
-    }
     if (file >= 0)
         close(file);
     return -1;

@@ -61,12 +61,11 @@ void text_add(struct text *text, const char *format, ...)
 void text_add_json(struct text *text, const char *string)
 {
     text_add_bytes(text, "\"", 1);
-    for (; *string; string++) {
+    for (; *string; string++)
         if ((unsigned char)*string < ' ')
             text_add(text, "\\u%04x", (unsigned)*string);
         else
             text_add(text, *string == '"' || *string == '\\' ? "\\%c" : "%c", *string);
-    }
     text_add_bytes(text, "\"", 1);
 }
 

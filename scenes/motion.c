@@ -222,10 +222,9 @@ static bool try_frame(struct reader *reader, const struct motion *motion, const 
     int errors = reader->errors;
     snprintf(reader->context, sizeof reader->context, "in frame %u, ", frame);
     group_at(group, motion->linear, frame, keys);
-    for (int i = 0; i < group->count; i++) {
+    for (int i = 0; i < group->count; i++)
         if (group->tracks[i].count)
             reader_range(reader, &keys[i]);
-    }
     if (group == &motion->camera)
         camera_take(reader, errors, keys, place, &camera);
     else
@@ -247,10 +246,9 @@ static void try_frames(struct reader *reader, const struct motion *motion, struc
 
 static void forget_nodes(struct group *group)
 {
-    for (int i = 0; i < group->count; i++) {
+    for (int i = 0; i < group->count; i++)
         for (uint32_t k = 0; k < group->tracks[i].count; k++)
             group->tracks[i].keys[k].node = NULL;
-    }
 }
 
 static void read_motion(struct reader *reader, struct fy_node *root, void *user)

@@ -95,10 +95,9 @@ static void read_numbers(struct reader *reader, struct key *key)
 
 bool reader_range(struct reader *reader, const struct key *key)
 {
-    for (int i = 0; i < key->count; i++) {
+    for (int i = 0; i < key->count; i++)
         if (!check_number(reader, key, i, key->node))
             return false;
-    }
     return true;
 }
 

@@ -268,10 +268,9 @@ static uint32_t planned_count(const struct tape *tape)
 /* The entry of the index-th planned barrier. */
 static uint32_t planned_entry(const struct tape *tape, uint32_t index)
 {
-    for (uint32_t i = 0; i < tape->entry_count; i++) {
+    for (uint32_t i = 0; i < tape->entry_count; i++)
         if (is_planned(&tape->entries[i]) && index-- == 0)
             return i;
-    }
     abort();
 }
 

@@ -246,10 +246,9 @@ static void show(const struct tape_barrier *barrier, struct node *node)
 {
     VkPipelineStageFlags2 stages = named_stages(barrier->dst_stage);
 
-    for (int bit = 0; bit < 64; bit++) {
+    for (int bit = 0; bit < 64; bit++)
         if (stages >> bit & 1)
             node->visible[bit] |= named_accesses(barrier->dst_access);
-    }
 }
 
 /* What one barrier does to a node, from the state before the call. */
@@ -334,10 +333,9 @@ static void forget_before(struct checker *checker, uint32_t entry)
     const struct tape_barrier *barrier = &checker->tape->entries[entry].barrier;
     uint32_t kept = 0;
 
-    for (uint32_t i = 0; i < checker->node_count; i++) {
+    for (uint32_t i = 0; i < checker->node_count; i++)
         if (!reaches(checker, barrier, &checker->nodes[i]))
             checker->nodes[kept++] = checker->nodes[i];
-    }
     checker->node_count = kept;
 }
 
@@ -375,10 +373,9 @@ static void check_pair(struct checker *checker, const struct node *earlier, uint
     const struct tape_access *access = &checker->tape->entries[entry].access;
     bool ordered = !(access->stage & ~earlier->before), seen = true;
 
-    for (int bit = 0; bit < 64; bit++) {
+    for (int bit = 0; bit < 64; bit++)
         if (access->stage >> bit & 1 && access->access & ~earlier->visible[bit])
             seen = false;
-    }
     if (!earlier->writes) {
         if (access->writes && !ordered)
             add_hazard(checker, earlier->entry, entry, "write after read");
@@ -441,12 +438,11 @@ uint32_t hazard_find(const struct tape *tape,
         checker.layouts[i] = tape->resources[i].layout;
     cut_all(&checker);
     add_past(&checker);
-    while (entry < tape->entry_count) {
+    while (entry < tape->entry_count)
         if (tape->entries[entry].is_barrier)
             entry = pass_call(&checker, entry);
         else
             pass_access(&checker, entry++);
-    }
     free(checker.pieces);
     free(checker.nodes);
     free(checker.next);

@@ -107,11 +107,9 @@ static bool plan(struct fixture *f)
 
 static const struct barrier *barrier_on(const struct pass *p, const struct resource *r)
 {
-    for (uint32_t i = 0; i < p->barrier_count; i++) {
-        if (p->barriers[i].resource == r) {
+    for (uint32_t i = 0; i < p->barrier_count; i++)
+        if (p->barriers[i].resource == r)
             return &p->barriers[i];
-        }
-    }
     return NULL;
 }
 
@@ -138,9 +136,8 @@ static void test_std430(void **state)
     f->model.pipeline.structs = &s;
     f->model.pipeline.struct_count = 1;
     layout_model(&f->model);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; i++)
         assert_int_equal(fields[i].offset, offsets[i]);
-    }
     assert_int_equal(fields[4].array_stride, 4);
     assert_int_equal(fields[5].array_stride, 16);
     assert_int_equal(s.align, 16);
@@ -356,9 +353,8 @@ static void test_uniform_blocks_are_few(void **state)
         touch(p, r, MODE_READ);
     }
     assert_true(plan(f));
-    for (uint32_t i = 0; i < p->access_count; i++) {
+    for (uint32_t i = 0; i < p->access_count; i++)
         blocks += p->accesses[i].kind == ACCESS_UNIFORM;
-    }
     assert_int_equal(blocks, 9);
 }
 
@@ -671,9 +667,8 @@ static void test_chain_takes_two_slots(void **state)
         struct resource *next = image(f, names[i], DT_FORMAT_RGBA16F);
 
         touch(p, next, MODE_WRITE);
-        if (last) {
+        if (last)
             touch(p, last, MODE_READ);
-        }
         last = next;
     }
     assert_true(plan(f));

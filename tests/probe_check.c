@@ -196,12 +196,11 @@ static void check_pictures(const struct dt_runtime *runtime, void *rt, uint32_t 
     free(bytes.data);
     bytes = read_sized(runtime, rt, PROBE_GLOW, 0, width, height, 1, 4);
     for (uint32_t i = 0; i < width * height;
-         i++) { /* linear 0.5 is 0.7354 in sRGB; alpha is linear */
+         i++) /* linear 0.5 is 0.7354 in sRGB; alpha is linear */
         if (live->glow)
             check_codes(bytes.data + 4 * i, 0.7354, 0, 1, 0.75);
         else
             check_codes(bytes.data + 4 * i, 0, 0, 0, 0.25);
-    }
     free(bytes.data);
     for (uint32_t mip = 0; mip < 2; mip++) {
         bytes = read_sized(runtime, rt, PROBE_CLEARED, mip, 5 >> mip, 4 >> mip, 2, 8);

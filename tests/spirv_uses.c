@@ -57,14 +57,13 @@ static void visit_declaration(struct module *module, const uint32_t *instruction
         module->entry = instruction[2];
         break;
     case SpvOpDecorate:
-        if (instruction[2] == SpvDecorationBinding) {
+        if (instruction[2] == SpvDecorationBinding)
             if (instruction[3] >= SPIRV_BINDINGS)
                 module->problem = "a binding beyond the table";
             else
                 module->origin[instruction[1]] = (uint8_t)(instruction[3] + 1);
-        } else if (instruction[2] == SpvDecorationDescriptorSet && instruction[3] != 0) {
+        else if (instruction[2] == SpvDecorationDescriptorSet && instruction[3] != 0)
             module->problem = "a second descriptor set";
-        }
         break;
     case SpvOpVariable:
         module->opaque[instruction[2]] = instruction[3] == SpvStorageClassUniformConstant;
@@ -158,10 +157,9 @@ static void visit_use(struct module *module, const uint32_t *instruction, uint32
                                              opcode(instruction) != SpvOpImageTexelPointer;
         }
     }
-    for (uint32_t i = 4; opcode(instruction) == SpvOpFunctionCall && i < length(instruction); i++) {
+    for (uint32_t i = 4; opcode(instruction) == SpvOpFunctionCall && i < length(instruction); i++)
         if (module->origin[instruction[i]])
             module->problem = "a descriptor handed to a function";
-    }
     if (opcode(instruction) == SpvOpCopyMemory)
         module->problem = "OpCopyMemory";
 }

@@ -85,10 +85,9 @@ void tape_pass(const char *name)
 /* The place of a handle in a table whose elements begin with it, or NONE. */
 static uint32_t place_of(const void *table, size_t size, uint64_t handle)
 {
-    for (uint32_t i = 0; i < MAX_OBJECTS; i++) {
+    for (uint32_t i = 0; i < MAX_OBJECTS; i++)
         if (*(const uint64_t *)((const char *)table + i * size) == handle)
             return i;
-    }
     return NONE;
 }
 

@@ -163,14 +163,13 @@ static bool resize(void *runtime, uint32_t width, uint32_t height)
 
 static void work(struct made *made, uint32_t pass, uint32_t frame)
 {
-    for (uint32_t i = 0; i < ELEMENTS; i++) {
+    for (uint32_t i = 0; i < ELEMENTS; i++)
         if (pass == COUNT)
             made->data[NUMBERS][i] = 10 * frame + i;
         else if (pass == DOUBLE)
             made->data[DOUBLED][i] = 2 * made->data[NUMBERS][i];
         else
             made->data[KEPT][i] += made->data[DOUBLED][i];
-    }
 }
 
 static void go_wrong(struct made *made, uint32_t pass)

@@ -11,10 +11,9 @@
 
 const struct dt_param *live_param(const struct dt_pipeline *info, const char *name)
 {
-    for (uint32_t i = 0; i < info->param_count; i++) {
+    for (uint32_t i = 0; i < info->param_count; i++)
         if (strcmp(info->params[i].name, name) == 0)
             return &info->params[i];
-    }
     return NULL;
 }
 

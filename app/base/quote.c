@@ -12,12 +12,11 @@ void quote_word(FILE *out, const char *word)
         return;
     }
     fputc('\'', out);
-    for (; *word; word++) {
+    for (; *word; word++)
         if (*word == '\'')
             fputs("'\\''", out);
         else
             fputc(*word, out);
-    }
     fputc('\'', out);
 }
 

@@ -29,10 +29,9 @@ struct spread spread_of(const double *values, uint32_t count, uint32_t step)
 {
     struct spread spread = {.p5 = NAN, .median = NAN, .p95 = NAN};
     double *sorted = calloc((size_t)count + 1, sizeof *sorted);
-    for (uint32_t i = 0; sorted && i < count; i++) {
+    for (uint32_t i = 0; sorted && i < count; i++)
         if (!isnan(values[(size_t)i * step]))
             sorted[spread.count++] = values[(size_t)i * step];
-    }
     if (spread.count) {
         sort_numbers(sorted, spread.count);
         spread.p5 = quantile(sorted, spread.count, 0.05);

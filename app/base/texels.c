@@ -247,10 +247,9 @@ bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes 
         memset(kept + list[i].offset, 0xff, number_size(list[i].kind));
         numbers += number_size(list[i].kind);
     }
-    for (size_t at = 0; kept && numbers < stride && at + stride <= bytes->size; at += stride) {
+    for (size_t at = 0; kept && numbers < stride && at + stride <= bytes->size; at += stride)
         for (uint32_t i = 0; i < stride; i++)
             bytes->data[at + i] &= kept[i];
-    }
     bool good = count && kept;
     free(kept);
     free(list);

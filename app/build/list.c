@@ -146,12 +146,11 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
 static void print_names(const struct dt_pipeline *info, const char *head, const uint16_t *list,
                         uint32_t count, int indent)
 {
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++)
         if (i)
             printf(", %s", info->resources[list[i]].name);
         else
             printf("  %*s  %-6s %s", indent, "", head, info->resources[list[i]].name);
-    }
     if (count)
         printf("\n");
 }

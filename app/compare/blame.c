@@ -42,16 +42,14 @@ static bool replay_pass(const struct replay *replay, struct source sources[2], u
                    rows->pipeline->passes[pass].name);
     if (!advance(sources, (struct worker_place){WORKER_BEFORE_PASS, replay->frame, pass}))
         return false;
-    for (uint32_t i = inputs[pass]; i < inputs[pass + 1]; i++) {
+    for (uint32_t i = inputs[pass]; i < inputs[pass + 1]; i++)
         if (!hand_over(sources, &rows->inputs.list[i], viewer))
             return false;
-    }
     if (!advance(sources, (struct worker_place){WORKER_AFTER_PASS, replay->frame, pass}))
         return false;
-    for (uint32_t i = outputs[pass]; i < outputs[pass + 1]; i++) {
+    for (uint32_t i = outputs[pass]; i < outputs[pass + 1]; i++)
         if (!show_output(rows, sources, i, viewer))
             return false;
-    }
     return true;
 }
 

@@ -40,10 +40,9 @@ static bool compare_copies(struct compare *compare, const struct row *row, uint3
 {
     const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
     struct dt_bytes copies[2];
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
+    for (uint32_t i = 0; i < compare->sides.count; i++)
         if (!source_ask(&compare->sources[i], row))
             return false;
-    }
     if (!source_take(&compare->sources[0], row, &copies[0]))
         return false;
     bool good = fingerprint(resource, &copies[0], hash);
@@ -80,10 +79,9 @@ static bool add_margins(struct compare *compare, uint32_t index, const struct ro
     struct dt_bytes copies[2];
     if (!difference_needs_margins(&compare->pairs[index].found, resource))
         return true;
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         if (!source_ask(sources[i], &margin) || !source_take(sources[i], &margin, &copies[i]))
             return false;
-    }
     difference_add_margins(&compare->pairs[index].found, resource,
                            &info->resources[margin.resource], copies);
     return true;
@@ -168,14 +166,12 @@ static bool compare_history(struct compare *compare, uint32_t frame)
 
 static bool advance(struct compare *compare, struct worker_place place)
 {
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
+    for (uint32_t i = 0; i < compare->sides.count; i++)
         if (!source_resume(&compare->sources[i]))
             return false;
-    }
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
+    for (uint32_t i = 0; i < compare->sides.count; i++)
         if (!source_reach(&compare->sources[i], place))
             return false;
-    }
     return true;
 }
 
@@ -192,10 +188,9 @@ static bool run_frame(struct compare *compare, uint32_t frame)
                        compare->options.frames, info->passes[pass].name);
         if (!advance(compare, (struct worker_place){WORKER_AFTER_PASS, frame, pass}))
             return false;
-        for (uint32_t i = first[pass]; i < first[pass + 1]; i++) {
+        for (uint32_t i = first[pass]; i < first[pass + 1]; i++)
             if (!compare_output(compare, i, frame))
                 return false;
-        }
     }
     return advance(compare, (struct worker_place){WORKER_FRAME_DONE, frame, 0});
 }

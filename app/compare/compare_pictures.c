@@ -13,10 +13,9 @@
 static char *word_of(const char *label)
 {
     char *word = strdup(label);
-    for (char *at = word; at && *at; at++) {
+    for (char *at = word; at && *at; at++)
         if (!isalnum((unsigned char)*at) && *at != '+')
             *at = '-';
-    }
     return word;
 }
 
@@ -50,10 +49,9 @@ bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t 
     if (!compare->options.pictures || resource->kind != DT_IMAGE || pair->found.size_differs ||
         difference_verdict(&pair->found) == VERDICT_EQUAL)
         return true;
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; i++)
         if (!source_ask(sources[i], row) || !source_take(sources[i], row, &copies[i]))
             return false;
-    }
     free(result->picture);
     result->picture = file_name(compare, pair, row);
     if (!result->picture) {

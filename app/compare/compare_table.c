@@ -159,10 +159,9 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     printf("\n%-*s  %-*s  %10s  %10s  %-7s  %slargest error\n", widths.pass, "pass",
            widths.resource, "resource", "elements", "differing", "verdict",
            replayed ? "inputs  own error     " : "");
-    for (uint32_t i = 0; i < compare->rows.history.count; i++) {
+    for (uint32_t i = 0; i < compare->rows.history.count; i++)
         if (difference_verdict(&pair->history[i].difference) != VERDICT_EQUAL)
             print_result(compare, pair, &compare->rows.history.list[i], &pair->history[i], &widths);
-    }
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++)
         print_result(compare, pair, &compare->rows.outputs.list[i], &pair->results[i], &widths);
 }

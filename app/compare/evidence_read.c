@@ -205,10 +205,9 @@ static bool read_rows(struct evidence_case *evidence)
     for (uint32_t i = 0; i < output_count; i++) {
         const struct row *row = &outputs->list[outputs->first[pass] + i];
         const cJSON *entry = find_entry(evidence, "outputs", row);
-        for (int side = 0; side < 2; side++) {
+        for (int side = 0; side < 2; side++)
             if (!entry || !read_row(evidence, entry, keys[side], row, &evidence->outputs[side][i]))
                 return false;
-        }
     }
     return true;
 }

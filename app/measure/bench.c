@@ -120,10 +120,9 @@ double bench_floor_ms(const struct work *work, const struct ceiling *ceiling)
 
 const struct limit_pass *bench_limit(const struct bench *bench, uint32_t pass)
 {
-    for (uint32_t i = 0; i < bench->limits.count; i++) {
+    for (uint32_t i = 0; i < bench->limits.count; i++)
         if (bench->limits.list[i].pass == pass)
             return &bench->limits.list[i];
-    }
     return NULL;
 }
 
@@ -168,12 +167,11 @@ static bool start_all(struct bench *bench)
 
 static bool advance_all(struct bench *bench, bool taken)
 {
-    for (uint32_t i = 0; i < bench->sides.count; i++) {
+    for (uint32_t i = 0; i < bench->sides.count; i++)
         if (!lane_advance(&bench->list[i].whole, taken) ||
             !lane_advance(&bench->list[i].passes, taken) ||
             !lane_advance(&bench->list[i].machine, taken))
             return false;
-    }
     return true;
 }
 

@@ -184,10 +184,9 @@ bool limits_open(struct limits *limits, struct console *console, const struct pi
     const struct dt_pipeline *info = pipeline->info;
     *limits = (struct limits){.info = info};
     limits->list = calloc(info->pass_count + 1, sizeof *limits->list);
-    for (uint32_t i = 0; limits->list && i < info->pass_count; i++) {
+    for (uint32_t i = 0; limits->list && i < info->pass_count; i++)
         if (info->passes[i].limit)
             limits->list[limits->count++] = (struct limit_pass){.pass = i, .live = pipeline->live};
-    }
     if (limits->list && limits->count && !tool_is_there(compiler_name())) {
         report_message(&console->log, DT_INFO,
                        "no C compiler %s: passes are not held against their limits",
@@ -266,12 +265,11 @@ static bool drop_skipped(struct limits *limits, struct worker *worker)
     uint32_t kept = 0;
     if (!worker_measure(worker, &measure))
         return false;
-    for (uint32_t i = 0; i < limits->count; i++) {
+    for (uint32_t i = 0; i < limits->count; i++)
         if (isnan(measure.pass_ms[limits->list[i].pass]))
             limit_free(&limits->list[i], limits->info->resource_count);
         else
             limits->list[kept++] = limits->list[i];
-    }
     limits->count = kept;
     return true;
 }

@@ -20,10 +20,9 @@ bool grid_begin(struct grid *grid, struct steps *steps, uint32_t count)
 /* Replaces characters that file names cannot hold or that would need quotes. */
 static void make_plain(char *text)
 {
-    for (; text && *text; text++) {
+    for (; text && *text; text++)
         if (strchr("/[]{}, |\n", *text))
             *text = '_';
-    }
 }
 
 char *grid_name(const struct grid *grid, const struct grid_point *point, const char *before)

@@ -22,10 +22,9 @@ static char *side_file(const struct grid *grid, const struct grid_point *point, 
                        const char *ending)
 {
     char *label = strdup(grid->steps->sides.list[side].label);
-    for (char *at = label; at && *at; at++) {
+    for (char *at = label; at && *at; at++)
         if (strchr("/ |\n", *at))
             *at = '_';
-    }
     char *file =
         label ? format_string("%s/%s_%s%s", point->scene->name, point->name, label, ending) : NULL;
     free(label);
@@ -71,10 +70,9 @@ static const struct quantity {
 
 static const struct quantity *find_quantity(const char *name)
 {
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
         if (strcmp(quantities[i].name, name) == 0)
             return &quantities[i];
-    }
     return NULL;
 }
 
@@ -161,10 +159,9 @@ char *grid_reason(const struct grid *grid, const struct grid_point *point, uint3
 
 static bool add_pass(struct grid *grid, const char *pass)
 {
-    for (uint32_t i = 0; i < grid->pass_count; i++) {
+    for (uint32_t i = 0; i < grid->pass_count; i++)
         if (strcmp(grid->passes[i], pass) == 0)
             return true;
-    }
     char **grown = realloc(grid->passes, (grid->pass_count + 1) * sizeof *grown);
     if (!grown)
         return false;
@@ -221,10 +218,9 @@ static void put_heads(FILE *out, const struct grid *grid)
     fputs(",status,reason", out);
     if (grid->measures & MEASURE_AGREE)
         fputs(",agree", out);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
         if (grid->measures & quantities[i].measure)
             fprintf(out, ",%s", quantities[i].name);
-    }
     for (size_t i = 0; i < grid->pass_count * DT_ARRAY_COUNT(endings); i++)
         fprintf(out, ",%s%s", grid->passes[i / DT_ARRAY_COUNT(endings)],
                 endings[i % DT_ARRAY_COUNT(endings)]);
@@ -249,10 +245,9 @@ static void put_row(FILE *out, const struct grid *grid, const struct grid_point 
     free(reason);
     if (grid->measures & MEASURE_AGREE)
         fprintf(out, ",%s", agreement(grid, point));
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
         if (grid->measures & quantities[i].measure)
             put_number(out, grid_number(grid, point, side, quantities[i].name));
-    }
     for (size_t i = 0; i < grid->pass_count * DT_ARRAY_COUNT(spread); i++)
         put_number(out, grid_pass_ms(grid, point, side, grid->passes[i / DT_ARRAY_COUNT(spread)],
                                      spread[i % DT_ARRAY_COUNT(spread)]));
@@ -273,10 +268,9 @@ bool grid_write_csv(const struct grid *grid, const char *path)
         return false;
     put_heads(draft.out, grid);
     for (uint32_t i = 0; i < grid->count; i++) {
-        for (uint32_t side = 0; side < grid->steps->sides.count; side++) {
+        for (uint32_t side = 0; side < grid->steps->sides.count; side++)
             if (has_row(grid, &grid->points[i], side))
                 put_row(draft.out, grid, &grid->points[i], side);
-        }
     }
     return file_draft_end(&draft, path, log);
 }
@@ -317,10 +311,9 @@ cJSON *grid_json(const struct grid *grid)
 {
     cJSON *rows = cJSON_CreateArray();
     for (uint32_t i = 0; i < grid->count; i++) {
-        for (uint32_t side = 0; side < grid->steps->sides.count; side++) {
+        for (uint32_t side = 0; side < grid->steps->sides.count; side++)
             if (has_row(grid, &grid->points[i], side))
                 cJSON_AddItemToArray(rows, row_json(grid, &grid->points[i], side));
-        }
     }
     return rows;
 }

@@ -53,10 +53,9 @@ bool steps_begin(struct steps *steps, const char *verb, struct console *console,
 
 static bool is_taken(const struct steps *steps, const char *name)
 {
-    for (uint32_t i = 0; i < steps->scene_count; i++) {
+    for (uint32_t i = 0; i < steps->scene_count; i++)
         if (strcmp(steps->scenes[i].name, name) == 0)
             return true;
-    }
     return strcmp(name, "plots") == 0;
 }
 
@@ -277,10 +276,9 @@ void command_frames(struct command *command)
 
 const struct step *steps_find(const struct steps *steps, const char *file)
 {
-    for (uint32_t i = 0; i < steps->count; i++) {
+    for (uint32_t i = 0; i < steps->count; i++)
         if (strcmp(steps->list[i].file, file) == 0)
             return &steps->list[i];
-    }
     return NULL;
 }
 

@@ -33,10 +33,9 @@ static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const c
         if (item)
             quote_word(out, item->valuestring);
     }
-    for (size_t i = 0; i < DT_ARRAY_COUNT(flags); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(flags); i++)
         if (cJSON_IsTrue(cJSON_GetObjectItem(options, flags[i])))
             fprintf(out, " --%s", flags[i]);
-    }
     cJSON_ArrayForEach(set, cJSON_GetObjectItem(run, "sets"))
         quote_option(out, "--set", set->valuestring);
     char *json = format_string("%s/runs/%d.json", folder, number);
@@ -228,10 +227,9 @@ bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struc
     };
     char *runs = format_string("%s/runs", folder);
     bool good = runs && file_make_folders(runs, log);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++)
         if (slurm || !files[i].slurm)
             good = write_content(sweep, folder, files[i].name, files[i].writer, log);
-    }
     free(runs);
     return good;
 }

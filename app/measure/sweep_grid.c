@@ -43,11 +43,10 @@ static const struct {
 
 static unsigned read_measure(const char *text, size_t length)
 {
-    for (size_t i = 0; i < DT_ARRAY_COUNT(measure_names); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(measure_names); i++)
         if (strlen(measure_names[i].name) == length &&
             strncmp(text, measure_names[i].name, length) == 0)
             return measure_names[i].measure;
-    }
     return 0;
 }
 
@@ -277,10 +276,9 @@ static char *line_title(const struct measured_sweep *sweep, const struct grid_po
     fprintf(out, "%s, ", point->scene->name);
     if (steps->options->size_list.count > 1)
         fprintf(out, "%ux%u, ", point->size[0], point->size[1]);
-    for (uint32_t i = 0; i < sweep->axis_count; i++) {
+    for (uint32_t i = 0; i < sweep->axis_count; i++)
         if (i != sweep->x && sweep->axes[i].count > 1)
             fprintf(out, "%s %s, ", sweep->axes[i].path, point->values[i]);
-    }
     fputs(steps->sides.list[side].label, out);
     fclose(out);
     return title;
@@ -363,10 +361,9 @@ static uint32_t print_table(const struct measured_sweep *sweep)
     printf("%-14s %-8s %9s", "scene", "backend", "size");
     for (uint32_t i = 0; i < sweep->axis_count; i++)
         printf("  %s", sweep->axes[i].path);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(table_columns); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(table_columns); i++)
         if (has_column(sweep, i))
             printf("  %16s", table_columns[i]);
-    }
     printf("\n");
     for (uint32_t i = 0; i < sweep->grid.count; i++) {
         for (uint32_t side = 0; side < sweep->steps.sides.count; side++, rows++) {

@@ -76,9 +76,8 @@ static bool check_wanted(const struct options *options, const struct dt_log *log
                                                               : NULL;
     if (wrong)
         report_error(log, "sweep: %s; see diptych sweep --help", wrong);
-    for (uint32_t i = 0; i < options->grid.count && !wrong; i++) {
+    for (uint32_t i = 0; i < options->grid.count && !wrong; i++)
         wrong = sweep_check_row(options->grid.items[i], log) ? NULL : "grid";
-    }
     uint32_t size[2];
     for (uint32_t i = 0; i < options->size_list.count && !wrong; i++)
         wrong = option_size(options->size_list.items[i], size, log) ? NULL : "size";

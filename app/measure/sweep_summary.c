@@ -38,10 +38,9 @@ static const cJSON *find_place(const cJSON *report)
 {
     static const char *const names[] = {"guilty", "first_break"};
     const cJSON *pair;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
         if (cJSON_IsObject(cJSON_GetObjectItem(report, names[i])))
             return cJSON_GetObjectItem(report, names[i]);
-    }
     cJSON_ArrayForEach(pair, cJSON_GetObjectItem(report, "pairs"))
     {
         const cJSON *place = find_place(pair);
@@ -239,10 +238,9 @@ static void print_table(const struct result *results, int count, const int total
     for (int i = 0; i < count; i++)
         print_case(&results[i], i + 1);
     printf("\n%d runs, %.1f s of work:", count, seconds);
-    for (int i = 0; i < VERDICTS; i++) {
+    for (int i = 0; i < VERDICTS; i++)
         if (totals[i] || i <= DIFFER)
             printf("%s %d %s", i ? "," : "", totals[i], verdict_names[i]);
-    }
     printf("\n");
 }
 

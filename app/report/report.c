@@ -46,10 +46,9 @@ static cJSON *report_json(const struct report *report, uint32_t failures)
     cJSON_AddStringToObject(root, "folder", report->steps.folder);
     cJSON_AddStringToObject(root, "page", "index.html");
     cJSON *scenes = cJSON_AddArrayToObject(root, "scenes");
-    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+    for (uint32_t i = 0; i < report->steps.scene_count; i++)
         if (report->steps.scenes[i].mesh)
             cJSON_AddItemToArray(scenes, cJSON_CreateString(report->steps.scenes[i].path));
-    }
     cJSON_AddNumberToObject(root, "steps", report->steps.count);
     cJSON_AddNumberToObject(root, "failures", failures);
     return root;

@@ -78,10 +78,9 @@ static void check_list(struct reader *reader, const struct key *key,
         return;
     if (fy_node_sequence_item_count(key->node) == 0)
         reader_report(reader, key->node, "`%s` takes a list of %s", key->name, what);
-    while ((item = fy_node_sequence_iterate(key->node, &position))) {
+    while ((item = fy_node_sequence_iterate(key->node, &position)))
         if (fits && !fits(item))
             reader_report(reader, item, "`%s` takes a list of %s", key->name, what);
-    }
 }
 
 /* Reads each item of a list that holds mappings. */
@@ -167,10 +166,9 @@ static void read_motion(struct reader *reader, const struct key *self, const str
     read_part(reader, self, "`motion`", keys, COUNT);
     read_list(reader, &keys[OF], "a motion", of, DT_ARRAY_COUNT(of), check_name);
     read_list(reader, &keys[RUNS], "a run", run, DT_ARRAY_COUNT(run), check_picture);
-    for (int i = FRAMES; i <= BLOCK; i++) {
+    for (int i = FRAMES; i <= BLOCK; i++)
         if (keys[i].number[0] != floor(keys[i].number[0]))
             reader_report(reader, keys[i].node, "`%s` takes a whole number", keys[i].name);
-    }
     if (self->node && bounces->node && bounces->number[0] < 1)
         reader_report(reader, bounces->node,
                       "`motion` shows indirect light: `bounces` must be 1 or more");
@@ -190,10 +188,9 @@ static void check_numbers(struct reader *reader, struct fy_node *node, const cha
                       fewer ? "no more numbers than" : "as many numbers as");
         return;
     }
-    while ((item = fy_node_sequence_iterate(node, &position))) {
+    while ((item = fy_node_sequence_iterate(node, &position)))
         if (!is_number(item))
             reader_report(reader, item, "`%s` takes numbers", name);
-    }
 }
 
 static void read_published(struct reader *reader, const struct key *self, int values)
@@ -223,9 +220,8 @@ static void read_published(struct reader *reader, const struct key *self, int va
     check_numbers(reader, error[1].node, "values", values, true);
     struct fy_node *stages = keys[STAGES].node;
     while (stages && fy_node_is_mapping(stages) &&
-           (pair = fy_node_mapping_iterate(stages, &position))) {
+           (pair = fy_node_mapping_iterate(stages, &position)))
         check_numbers(reader, fy_node_pair_value(pair), "stages", values, false);
-    }
 }
 
 static void read_outline(struct reader *reader, struct fy_node *root, void *user)

@@ -45,10 +45,9 @@ static void add_processor(cJSON *page)
 {
     FILE *file = fopen("/proc/cpuinfo", "r");
     char line[256], *name = NULL;
-    while (file && !name && fgets(line, sizeof line, file)) {
+    while (file && !name && fgets(line, sizeof line, file))
         if (strncmp(line, "model name", 10) == 0 && strchr(line, ':'))
             name = strchr(line, ':') + 1;
-    }
     if (file)
         fclose(file);
     if (!name)
@@ -62,10 +61,9 @@ static void add_processor(cJSON *page)
 static void add_left_out(cJSON *page, const struct report *report)
 {
     cJSON *list = cJSON_AddArrayToObject(page, "left_out");
-    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+    for (uint32_t i = 0; i < report->steps.scene_count; i++)
         if (!report->steps.scenes[i].mesh)
             cJSON_AddItemToArray(list, cJSON_CreateString(report->steps.scenes[i].name));
-    }
 }
 
 /* How many results the page lacks, and the first reason. */
@@ -100,11 +98,10 @@ static const char *page_title(const struct report *report)
 static const cJSON *find_published(const struct report *report)
 {
     const cJSON *published = cJSON_GetObjectItem(report->outline, "published");
-    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+    for (uint32_t i = 0; i < report->steps.scene_count; i++)
         if (report->steps.scenes[i].mesh &&
             strcmp(report->steps.scenes[i].name, step_text(published, "scene")) == 0)
             return published;
-    }
     return NULL;
 }
 
@@ -369,10 +366,9 @@ static cJSON *page_json(struct report *report)
     cJSON_AddNumberToObject(page, "picture_count",
                             cJSON_GetArraySize(cJSON_GetObjectItem(report->outline, "pictures")));
     cJSON *scenes = cJSON_AddArrayToObject(page, "scenes");
-    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+    for (uint32_t i = 0; i < report->steps.scene_count; i++)
         if (report->steps.scenes[i].mesh)
             cJSON_AddItemToArray(scenes, scene_json(report, &report->steps.scenes[i]));
-    }
     add_plot(page, "plot_errors", report, PLOT_HEIGHT, "errors");
     add_plot(page, "plot_flip", report, PLOT_HEIGHT, "flip");
     add_plot(page, "plot_own_errors", report, PLOT_HEIGHT, "own_errors");

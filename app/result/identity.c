@@ -142,10 +142,9 @@ static cJSON *param_value(const struct dt_param *param)
 static void add_params(cJSON *manifest, const struct dt_pipeline *info)
 {
     cJSON *values = cJSON_AddObjectToObject(manifest, "params");
-    for (uint32_t i = 0; i < info->param_count; i++) {
+    for (uint32_t i = 0; i < info->param_count; i++)
         if (!info->params[i].live)
             cJSON_AddItemToObject(values, info->params[i].name, param_value(&info->params[i]));
-    }
 }
 
 static int compare_strings(const void *a, const void *b)

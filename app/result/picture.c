@@ -166,12 +166,11 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
     enum number_kind kind = format_number(resource->format);
     bool labels = kind == NUMBER_UINT || kind == NUMBER_INT;
     struct range range = find_range(picture->linear, count * 3, resource->format == DT_FORMAT_D32F);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; i++)
         if (labels)
             picture_label((int64_t)picture->linear[i * 3], picture->codes + i * 3);
         else
             encode(resource, range, picture->linear + i * 3, picture->codes + i * 3);
-    }
     free(picture->linear);
     picture->linear = NULL;
     return true;

@@ -46,10 +46,9 @@ static bool append_outputs(struct rows *rows, uint32_t pass)
 
 static bool is_listed(const uint16_t *list, uint32_t count, uint32_t resource)
 {
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++)
         if (list[i] == resource)
             return true;
-    }
     return false;
 }
 
@@ -68,11 +67,10 @@ static bool append_inputs(struct rows *rows, uint32_t pass)
 
 static bool append_history(struct rows *rows)
 {
-    for (uint32_t i = 0; i < rows->pipeline->resource_count; i++) {
+    for (uint32_t i = 0; i < rows->pipeline->resource_count; i++)
         if (!append_mips(&rows->history, rows->pipeline, 0, i,
                          resource_mips_before(rows->pipeline, 0, i)))
             return false;
-    }
     return true;
 }
 
