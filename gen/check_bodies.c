@@ -1,6 +1,5 @@
-/* Pass bodies, as far as their identifiers go: the files are there, they name only what their pass
- * lists, and what is listed is named; then the warnings about things that nobody uses. Called by
- * check.c. */
+/* Pass bodies: the files exist, their identifiers are names that the pass lists, and they use every
+ * listed name. Also the warnings about unused declarations. Called by check.c. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,22 +17,26 @@ static char *beside(struct checker *c, const char *path, const char *name, int l
                         length, name);
 }
 
-/* A file that a pass names: what the spec calls `key` stands at `loc`. */
+/* Reads a file that a pass names. key: the spec's word for the file; loc: of its name. */
 static const struct source *read_body(struct checker *c, const char *key, const char *name,
                                       struct loc loc)
 {
     int length = (int)strlen(name);
     const char *near = beside(c, loc.source->path, name, length);
     if (!strcmp(loc.source->path,
-                "--set")) /* a name from the command line is still looked up by the spec */
+                "--set")) /* a name from the command line is relative to the spec's folder */
         near = beside(c, c->pipeline->loc.source->path, name, length);
     const char *below = arena_printf(c->model->arena, "%s/%s", c->templates_dir, name);
-    const struct source *source = near ? source_read(c->model, near) : NULL;
+    const char *near_reason = "out of memory", *below_reason = near_reason;
+    const struct source *source = near ? source_read(c->model, near, &near_reason) : NULL;
     if (!source && below)
-        source = source_read(c->model, below);
-    if (!source)
+        source = source_read(c->model, below, &below_reason);
+    if (!source && !strcmp(near_reason, below_reason))
         diag_error(c->diag, loc, "cannot read the %s `%s`; looked for `%s` and `%s`", key, name,
                    near ? near : "?", below ? below : "?");
+    else if (!source)
+        diag_error(c->diag, loc, "cannot read the %s `%s`: `%s`: %s; `%s`: %s", key, name,
+                   near ? near : "?", near_reason, below ? below : "?", below_reason);
     return source;
 }
 
@@ -92,7 +95,7 @@ static bool skip_comment(struct scan *s)
     return true;
 }
 
-/* #include "FILE", looked for as emit_glsl does; a missing one is its error to report. */
+/* #include "FILE", searched for as in glsl_body.c, which reports a missing file. */
 static bool take_include(struct scan *s, int depth)
 {
     const char *at = s->at + 1, *stop = memchr(s->at, '\n', (size_t)(s->end - s->at));
@@ -110,9 +113,10 @@ static bool take_include(struct scan *s, int depth)
     const char *near = beside(s->c, s->source->path, open + 1, length);
     const char *library =
         arena_printf(s->c->model->arena, "%s/glsl/%.*s", s->c->templates_dir, length, open + 1);
-    const struct source *source = near ? source_read(s->c->model, near) : NULL;
+    const char *reason;
+    const struct source *source = near ? source_read(s->c->model, near, &reason) : NULL;
     if (!source && library)
-        source = source_read(s->c->model, library);
+        source = source_read(s->c->model, library, &reason);
     if (source)
         scan_source(s->c, s->body, source, depth + 1);
     return true;
@@ -167,8 +171,8 @@ static bool is_keyword(const struct token *token)
     return false;
 }
 
-/* Whether the body declares this name itself: `vec3 irradiance`, `#define irradiance`. It then
- * hides the resource. */
+/* Whether the body declares this name itself: `vec3 irradiance`, `#define irradiance`. The
+ * declaration hides the resource. */
 static bool declares(const struct body *body, const char *name)
 {
     for (size_t i = 1; i < body->count; i++)
@@ -190,7 +194,7 @@ static const struct token *find_use(const struct body *body, const char *name,
             memcmp(token->text, name, length))
             continue;
         if ((size_t)token->length == length) {
-            /* in a list of variables, `vec3 a, name;`, it is a declaration too */
+            /* `vec3 a, name;` declares the name, too */
             if (token->before != ',' || token->after == '(' || token->after == '[')
                 return token;
             continue;
@@ -203,7 +207,7 @@ static const struct token *find_use(const struct body *body, const char *name,
     return NULL;
 }
 
-/* Whether a word stands anywhere in the body. */
+/* Whether the body contains the word. */
 static bool mentions(const struct body *body, const char *name)
 {
     for (size_t i = 0; i < body->count; i++)
@@ -226,7 +230,7 @@ static const char *const *resource_words(const struct resource *resource)
     return !resource ? no_words : resource->kind == DT_IMAGE ? image_words : buffer_words;
 }
 
-/* The access by which the pass lists a resource, to write it or at all; NULL: it does not. */
+/* The access of the pass to a resource; writing: one that writes it. NULL: none. */
 static const struct access *find_access(const struct pass *pass, const char *name, bool writing)
 {
     for (uint32_t i = 0; i < pass->access_count; i++)
@@ -236,7 +240,7 @@ static const struct access *find_access(const struct pass *pass, const char *nam
     return NULL;
 }
 
-/* The resource's own name in a body that does not know it by that. */
+/* Reports a resource's own name in a body whose pass does not list it, or lists it with `as`. */
 static void check_foreign_word(struct checker *c, const struct pass *pass, const struct body *body,
                                const struct resource *resource, const struct access *access)
 {
@@ -288,7 +292,7 @@ static void check_tool_use(struct checker *c, const struct pass *pass, const str
                    pass->name, name);
 }
 
-/* The words of a GLSL expression in the spec, as far as one name goes. */
+/* Whether a GLSL expression of the spec contains the name as a whole word. */
 static bool text_mentions(const char *text, const char *name)
 {
     size_t length = strlen(name);
@@ -311,7 +315,7 @@ static bool reads_by_range(const struct pass *pass, const struct body *body,
     return false;
 }
 
-/* What `uses` may list; anything else was reported. */
+/* Whether `uses` may list the name; check_names.c reports the others. */
 static bool is_tool(const struct checker *c, const char *name)
 {
     const struct sampler *sampler = find_sampler(c, name);
@@ -319,8 +323,8 @@ static bool is_tool(const struct checker *c, const char *name)
            find_interleave(c, name);
 }
 
-/* What is listed but never named. A depth target and the arguments of a draw need no word in the
- * body. */
+/* Warns about listed names that the body does not use. Depth targets, indirect arguments and
+ * indices need no name in the body. */
 static void check_listed(struct checker *c, const struct pass *pass, const struct body *body)
 {
     static const char *const lists_of[] = {"reads", "writes", "updates"};
@@ -353,8 +357,8 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
                          pass->uses[i]);
 }
 
-/* Whether the size of the workgroup is the body's own affair: it shares memory, waits for the group or asks
- * for its place in it. */
+/* Whether the body depends on the workgroup's size: it uses shared memory, barriers, or built-ins
+ * of the workgroup or subgroup. */
 static bool minds_group(const struct body *body)
 {
     static const char *const words[] = {"shared", "barrier", "groupMemoryBarrier",
@@ -404,7 +408,7 @@ void check_bodies(struct checker *c)
         check_body(c, &c->pipeline->passes[i], &c->bodies[i]);
 }
 
-/* ---- Nobody uses it -------------------------------------------------------------------------- */
+/* ---- Unused declarations --------------------------------------------------------------------- */
 
 static bool in_bodies(const struct checker *c, const char *name)
 {

@@ -1,11 +1,17 @@
-/* Diagnostics and the files that they point into. Every stage reports here; main flushes. */
+/* Diagnostics and the files that they point into. Every stage reports here; the caller flushes. */
 #include "diag.h"
 
+#include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+
+#include "scenes/input.h"
+#include "scenes/yaml.h"
+
+enum { MOST_SOURCE_BYTES = 64 << 20 }; /* a spec or a GLSL file */
 
 enum severity { SEVERITY_ERROR, SEVERITY_WARNING, SEVERITY_NOTE };
 static const char *const severity_names[] = {"error", "warning", "note"};
@@ -23,29 +29,10 @@ struct diag {
     struct message *messages;
     unsigned count, capacity, errors;
     bool failed;  /* out of memory: some message is lost */
-    bool repeats; /* the last error or warning was there before, and so may be its notes */
+    bool repeats; /* the last error or warning is a duplicate; its notes may be, too */
 };
 
 /* ---- Sources --------------------------------------------------------------------------------- */
-
-static char *read_all(struct arena *arena, FILE *file, size_t *length)
-{
-    size_t capacity = 16 * 1024, used = 0;
-    char *buffer = malloc(capacity);
-    while (buffer) {
-        used += fread(buffer + used, 1, capacity - used, file);
-        if (used < capacity)
-            break;
-        char *larger = realloc(buffer, capacity *= 2);
-        if (!larger)
-            free(buffer);
-        buffer = larger;
-    }
-    char *text = buffer && !ferror(file) ? arena_strndup(arena, buffer, used) : NULL;
-    free(buffer);
-    *length = used;
-    return text;
-}
 
 static bool list_input(struct model *model, const char *path)
 {
@@ -66,7 +53,8 @@ static bool list_input(struct model *model, const char *path)
     return true;
 }
 
-/* Whether the first bytes name a folder that ".." behind it leaves for the one that it stands in: no link. */
+/* Whether the first `length` bytes name a folder, not a symbolic link: then ".." behind them leads
+ * to the folder that contains it. */
 static bool is_plain_folder(const char *path, size_t length)
 {
     char *folder = strndup(path, length);
@@ -93,21 +81,23 @@ const char *source_path(struct arena *arena, const char *path)
     return out;
 }
 
-const struct source *source_read(struct model *model, const char *path)
+const struct source *source_read(struct model *model, const char *path, const char **reason)
 {
     const char *plain = source_path(model->arena, path);
-    FILE *file = plain ? fopen(plain, "rb") : NULL;
-    if (!file)
-        return NULL;
     struct source *source = arena_alloc(model->arena, sizeof *source);
-    if (source) {
-        source->path = plain;
-        source->text = read_all(model->arena, file, &source->length);
-    }
-    fclose(file);
-    if (!source || !source->path || !source->text || !list_input(model, source->path))
+    *reason = strerror(ENOMEM);
+    if (!plain || !source)
         return NULL;
-    return source;
+    char *text = input_read(plain, MOST_SOURCE_BYTES, &source->length, reason);
+    if (!text)
+        return NULL;
+    source->path = plain;
+    source->text = arena_strndup(model->arena, text, source->length);
+    free(text);
+    if (source->text && list_input(model, source->path))
+        return source;
+    *reason = strerror(ENOMEM);
+    return NULL;
 }
 
 /* ---- Collecting ------------------------------------------------------------------------------ */
@@ -226,71 +216,18 @@ const char *diag_first_error(const struct diag *diag)
 
 /* ---- Printing -------------------------------------------------------------------------------- */
 
-/* Start and length in bytes of a line; false when the source has no such line. */
-static bool find_line(const struct source *source, int line, const char **start, int *length)
-{
-    if (!source || !source->text || line < 1)
-        return false;
-    const char *at = source->text, *end = source->text + source->length;
-    for (int i = 1; i < line; i++) {
-        at = memchr(at, '\n', (size_t)(end - at));
-        if (!at)
-            return false;
-        at++;
-    }
-    const char *stop = memchr(at, '\n', (size_t)(end - at));
-    if (!stop)
-        stop = end;
-    if (stop > at && stop[-1] == '\r')
-        stop--;
-    *start = at;
-    *length = (int)(stop - at);
-    return true;
-}
-
-/* The caret line: one column per UTF-8 character, tabs kept so that the caret stands below its
- * character. */
-static void print_caret(FILE *out, const char *line, int bytes, int column, int length)
-{
-    fputs("      | ", out);
-    int i = 0, at = 1;
-    for (; i < bytes && at < column; i++) {
-        if ((line[i] & 0xc0) == 0x80)
-            continue;
-        if (at + 1 > column)
-            break;
-        fputc(line[i] == '\t' ? '\t' : ' ', out);
-        at++;
-    }
-    int left = 0;
-    for (; i < bytes; i++)
-        left += (line[i] & 0xc0) != 0x80;
-    fputc('^', out);
-    for (int k = 1; k < length && k < left; k++)
-        fputc('~', out);
-    fputc('\n', out);
-}
-
 static void print_message(FILE *out, const struct message *message)
 {
     struct loc loc = message->loc;
-    const char *path = loc.source ? loc.source->path : "diptych-gen";
     const char *severity = severity_names[message->severity];
-    if (loc.line < 1) {
-        /* a place all the same, where it is a file: editors know no other */
-        fprintf(out, "%s%s: %s: %s\n", path, loc.source ? ":1:1" : "", severity, message->text);
-        return;
-    }
-    fprintf(out, "%s:%d:%d: %s: %s\n", path, loc.line, loc.column, severity, message->text);
-    const char *line;
-    int bytes;
-    if (!find_line(loc.source, loc.line, &line, &bytes))
-        return;
-    fprintf(out, "%5d | %.*s\n", loc.line, bytes, line);
-    print_caret(out, line, bytes, loc.column, loc.length);
+    if (loc.source)
+        yaml_print(out, loc.source->path, loc.source->text, loc.source->length,
+                   (struct yaml_place){loc.line, loc.column, loc.length}, severity, message->text);
+    else
+        fprintf(out, "diptych-gen: %s: %s\n", severity, message->text);
 }
 
-/* Notes stay behind the message that they belong to, whatever place they point at. */
+/* Sorts by place. A note stays behind its message, whatever its own place. */
 static int compare_messages(const void *a, const void *b, void *user)
 {
     const struct message *all = user, *x = a, *y = b;

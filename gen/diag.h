@@ -1,6 +1,6 @@
-/* Diagnostics: every stage reports through here, so that a wrong spec gets all its errors in one
- * run, each as `file:line:col: error: text`, the source line and a caret. Written to stderr in
- * order of place, when flushed. */
+/* Diagnostics: every stage reports here, so that a wrong spec gets all its errors in one run. Each
+ * is `file:line:col: error: text`, the source line and a caret. diag_flush writes them to stderr,
+ * sorted by place. */
 #ifndef DIPTYCH_GEN_DIAG_H
 #define DIPTYCH_GEN_DIAG_H
 
@@ -13,8 +13,8 @@
 struct arena; /* one allocator for everything that lives as long as the model */
 void *
 arena_alloc(struct arena *arena,
-            size_t size); /* zeroed, aligned to 16; exits never: NULL only after out of memory,
-                                                        which main reports and ends with status 2 */
+            size_t size); /* zeroed, aligned to 16; NULL: out of memory, which the caller
+                                                        reports; main then exits with status 2 */
 char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 char *arena_strndup(struct arena *arena, const char *text, size_t length);
@@ -26,12 +26,12 @@ struct source {
     const char *text;
     size_t length;
 };
-/* The path without "NAME/.." where that is no detour by a link: a file that several include has one name, and an
- * error in it is told once. NULL when out of memory. */
+/* The path without "NAME/..", unless NAME is a symbolic link. So a file that several files include
+ * has one path, and its errors are reported once. NULL: out of memory. */
 const char *source_path(struct arena *arena, const char *path);
-/* Reads a whole file into the arena and lists it in model->inputs; NULL (nothing reported) when it
- * cannot be read. */
-const struct source *source_read(struct model *model, const char *path);
+/* Reads a whole file into the arena and lists it in model->inputs; NULL: *reason says why,
+ * and nothing is reported. Regular files up to 64 MiB. */
+const struct source *source_read(struct model *model, const char *path, const char **reason);
 
 struct diag; /* collects; owns nothing of the model */
 struct diag *diag_create(void);
@@ -40,15 +40,15 @@ void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* A note belongs to the message before it. */
 void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* Belongs to the message before it. */
 unsigned diag_error_count(const struct diag *diag);
-const char *diag_first_error(const struct diag *diag); /* its text, until it is flushed; or NULL */
+const char *diag_first_error(const struct diag *diag); /* its text, valid until flushed; or NULL */
 /* The messages in the order of diag_flush: a JSON array of {"severity", "message", "file", "line",
- * "column", "length"}, the last four where there is a place. */
+ * "column", "length"}; the last four only if the message has a file. */
 void diag_json(const struct diag *diag, struct text *out);
-void diag_flush(struct diag *diag); /* to stderr, in order of place; duplicates once */
+void diag_flush(struct diag *diag); /* to stderr, sorted by place; duplicates once */
 void diag_write(struct diag *diag, FILE *out);
 
 #endif

@@ -84,7 +84,8 @@ const struct source *glsl_source(struct model *model, const char *path, uint32_t
                 *number = i + 1;
             return model->glsl_sources[i];
         }
-    const struct source *source = plain ? source_read(model, plain) : NULL;
+    const char *reason;
+    const struct source *source = plain ? source_read(model, plain, &reason) : NULL;
     return source && glsl_source_add(model, source, number) ? source : NULL;
 }
 

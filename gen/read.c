@@ -1,6 +1,5 @@
 /* YAML -> model. read_spec is called by main; the sections are read in the order in which they may
  * name each other, whatever their order in the file. */
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -70,11 +69,10 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
                struct diag *diag)
 {
     struct reader reader = {.model = model, .diag = diag};
-    errno = 0;
-    reader.source = source_read(model, path);
+    const char *reason;
+    reader.source = source_read(model, path, &reason);
     if (!reader.source) {
-        diag_error(diag, (struct loc){0}, "cannot read the spec `%s`: %s", path,
-                   strerror(errno ? errno : ENOMEM));
+        diag_error(diag, (struct loc){0}, "cannot read the spec `%s`: %s", path, reason);
         return false;
     }
     bool loaded = document_load(&reader, sets, set_count);

@@ -3,9 +3,8 @@
 #ifndef DIPTYCH_GEN_READ_H
 #define DIPTYCH_GEN_READ_H
 
-#include <libfyaml.h>
-
 #include "expr.h"
+#include "scenes/yaml.h"
 #include "table.h"
 
 /* A node that a `--set` put in: its places are in the text of the option. */

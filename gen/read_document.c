@@ -18,19 +18,6 @@ static const struct override *find_override(const struct reader *reader, struct 
     return NULL;
 }
 
-/* The first scalar at or below a node: maps and lists have no token of their own. */
-static struct fy_node *first_scalar(struct fy_node *node)
-{
-    while (node && fy_node_get_type(node) != FYNT_SCALAR) {
-        void *iterator = NULL;
-        if (fy_node_get_type(node) == FYNT_SEQUENCE)
-            node = fy_node_sequence_iterate(node, &iterator);
-        else
-            node = fy_node_pair_key(fy_node_mapping_iterate(node, &iterator));
-    }
-    return node;
-}
-
 struct loc node_loc(const struct reader *reader, struct fy_node *node)
 {
     struct loc loc = {.source = reader->source, .length = 1};
@@ -40,16 +27,12 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node)
         loc.line = 1;
         loc.column = override->column;
     }
-    struct fy_node *scalar = first_scalar(node);
-    struct fy_token *token = scalar ? fy_node_get_scalar_token(scalar) : NULL;
-    const struct fy_mark *start = token ? fy_token_start_mark(token) : NULL;
-    const struct fy_mark *end = token ? fy_token_end_mark(token) : NULL;
-    if (!start)
+    struct yaml_place place = yaml_node_place(node);
+    if (!place.line)
         return loc;
-    loc.line = override ? 1 : start->line + 1;
-    loc.column = (override ? override->column : 1) + start->column;
-    if (scalar == node && end && end->line == start->line && end->column > start->column)
-        loc.length = end->column - start->column;
+    loc.line = override ? 1 : place.line;
+    loc.column = place.column + (override ? override->column - 1 : 0);
+    loc.length = place.length;
     return loc;
 }
 
@@ -145,10 +128,17 @@ static bool is_last(const struct setting *setting)
     return *setting->path == '=';
 }
 
+static void ignore(void *user, struct yaml_place place, bool note, const char *text)
+{
+    (void)user, (void)place, (void)note, (void)text;
+}
+
 static struct fy_node *build_node(struct reader *reader, const struct setting *setting,
                                   const char *text, int column, size_t length)
 {
-    struct fy_node *node = *text ? fy_node_build_from_string(reader->document, text, length) : NULL;
+    const struct yaml_sink silent = {ignore, NULL};
+    bool sound = *text && yaml_check_text(text, length, &silent);
+    struct fy_node *node = sound ? fy_node_build_from_string(reader->document, text, length) : NULL;
     if (!node) {
         diag_error(reader->diag, setting_loc(setting, column, length),
                    "`--set %s`: `%s` is no YAML value", setting->source->text, text);
@@ -413,86 +403,27 @@ static void apply_set(struct reader *reader, const char *text, struct fy_node *r
 
 /* ---- Loading --------------------------------------------------------------------------------- */
 
-static void report_syntax(struct reader *reader, struct fy_diag *messages)
+static void report(void *user, struct yaml_place place, bool note, const char *text)
 {
-    void *iterator = NULL;
-    struct fy_diag_error *error;
-    unsigned before = diag_error_count(reader->diag);
-    while ((error = fy_diag_errors_iterate(messages, &iterator))) {
-        struct loc loc = {reader->source, error->line, error->column, 1};
-        diag_error(reader->diag, loc, "YAML: %s", error->msg);
-    }
-    if (diag_error_count(reader->diag) == before)
-        diag_error(reader->diag, (struct loc){.source = reader->source},
-                   "YAML: the document cannot be read");
-}
-
-/* Reports keys that stand twice in one map, and takes the later ones out. */
-static void drop_duplicates(struct reader *reader, struct fy_node *node)
-{
-    void *iterator = NULL;
-    if (!node || fy_node_get_type(node) == FYNT_SCALAR)
-        return;
-    if (fy_node_get_type(node) == FYNT_SEQUENCE) {
-        struct fy_node *item;
-        while ((item = fy_node_sequence_iterate(node, &iterator)))
-            drop_duplicates(reader, item);
-        return;
-    }
-    for (int i = 0; i < fy_node_mapping_item_count(node); i++) {
-        struct fy_node *key = fy_node_pair_key(fy_node_mapping_get_by_index(node, i));
-        const char *name = node_text(reader, key);
-        drop_duplicates(reader, fy_node_pair_value(fy_node_mapping_get_by_index(node, i)));
-        for (int j = i + 1; name && j < fy_node_mapping_item_count(node); j++) {
-            struct fy_node_pair *pair = fy_node_mapping_get_by_index(node, j);
-            const char *other = node_text(reader, fy_node_pair_key(pair));
-            if (!other || strcmp(name, other))
-                continue;
-            diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
-                       "the key `%s` stands twice", name);
-            diag_note(reader->diag, node_loc(reader, key), "first here");
-            fy_node_mapping_remove(node, pair);
-            j--;
-        }
-    }
-}
-
-static struct fy_document *parse(struct reader *reader, struct fy_diag *messages)
-{
-    struct fy_parse_cfg config = {
-        .flags = FYPCF_QUIET | FYPCF_COLLECT_DIAG | FYPCF_ALLOW_DUPLICATE_KEYS, .diag = messages};
-    reader->document =
-        fy_document_build_from_string(&config, reader->source->text, reader->source->length);
-    if (!reader->document)
-        return NULL;
-    drop_duplicates(reader, fy_document_root(reader->document));
-    return fy_document_resolve(reader->document) ? NULL : reader->document;
+    const struct reader *reader = user;
+    struct loc loc = {reader->source, place.line, place.column, place.length};
+    if (note)
+        diag_note(reader->diag, loc, "%s", text);
+    else
+        diag_error(reader->diag, loc, "%s", text);
 }
 
 bool document_load(struct reader *reader, const char *const *sets, size_t set_count)
 {
-    struct fy_diag_cfg config;
-    fy_diag_cfg_default(&config);
-    config.fp = NULL;
-    struct fy_diag *messages = fy_diag_create(&config);
-    if (!messages) {
-        reader->out_of_memory = true;
-        return false;
-    }
-    fy_diag_set_collect_errors(messages, true);
-    struct fy_node *root = NULL;
-    if (!parse(reader, messages)) {
-        report_syntax(reader, messages);
-    } else {
-        root = fy_document_root(reader->document);
-        if (!root || fy_node_get_type(root) != FYNT_MAPPING) {
-            diag_error(reader->diag, (struct loc){.source = reader->source},
-                       "a spec is a map that starts with `pipeline: NAME`");
-            root = NULL;
-        }
+    const struct yaml_sink sink = {report, reader};
+    reader->document = yaml_parse(reader->source->text, reader->source->length, &sink);
+    struct fy_node *root = reader->document ? fy_document_root(reader->document) : NULL;
+    if (reader->document && (!root || fy_node_get_type(root) != FYNT_MAPPING)) {
+        diag_error(reader->diag, (struct loc){.source = reader->source},
+                   "a spec is a map that starts with `pipeline: NAME`");
+        root = NULL;
     }
     for (size_t i = 0; root && i < set_count; i++)
         apply_set(reader, sets[i], root);
-    fy_diag_unref(messages);
     return root != NULL;
 }

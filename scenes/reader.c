@@ -1,24 +1,25 @@
 /* YAML mappings and their diagnostics; see reader.h. */
 #include "reader.h"
 
+#include "input.h"
 #include "mesh.h"
 #include "nearest.h"
+#include "yaml.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
+
+enum { MOST_BYTES = 64 << 20 };
 
 /* ---- Diagnostics ----------------------------------------------------------------------------- */
 
-static void collect(struct fy_diag *diag, void *user, const char *text, size_t length)
+static void report(void *user, struct yaml_place place, bool note, const char *text)
 {
-    (void)diag;
     struct reader *reader = user;
-    fwrite(text, 1, length, reader->diagnostics);
-    reader->errors += length > 0;
+    yaml_print(reader->diagnostics, reader->path, reader->text, reader->length, place,
+               note ? "note" : "error", text);
+    reader->errors += !note;
 }
 
 void reader_report(struct reader *reader, struct fy_node *node, const char *format, ...)
@@ -30,10 +31,17 @@ void reader_report(struct reader *reader, struct fy_node *node, const char *form
     va_start(arguments, format);
     int length = vasprintf(&text, format, arguments);
     va_end(arguments);
-    fy_node_report(node, FYET_ERROR, "%s%s", reader->context, length < 0 ? "out of memory" : text);
-    if (length >= 0)
-        free(text);
-    reader->errors++;
+    struct yaml_place place = yaml_node_place(node);
+    if (length < 0) {
+        report(reader, place, false, "out of memory");
+        return;
+    }
+    char *whole = NULL;
+    bool good = asprintf(&whole, "%s%s", reader->context, text) >= 0;
+    report(reader, place, false, good ? whole : text);
+    if (good)
+        free(whole);
+    free(text);
 }
 
 static void report_unknown(struct reader *reader, struct fy_node *node, const char *name,
@@ -146,47 +154,18 @@ void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_no
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static void read_document(struct reader *reader, const char *path, const struct file_kind *kind,
-                          void *user)
+static void read_document(struct reader *reader, const struct file_kind *kind, void *user)
 {
-    struct fy_diag_cfg diag_config;
-    fy_diag_cfg_default(&diag_config);
-    diag_config.fp = NULL;
-    diag_config.output_fn = collect;
-    diag_config.user = reader;
-    diag_config.colorize = false;
-    struct fy_diag *diag = fy_diag_create(&diag_config);
-    struct fy_parse_cfg config = {.search_path = "", .diag = diag};
-    struct fy_document *document = diag ? fy_document_build_from_file(&config, path) : NULL;
+    const struct yaml_sink sink = {report, reader};
+    struct fy_document *document = yaml_parse(reader->text, reader->length, &sink);
     struct fy_node *root = document ? fy_document_root(document) : NULL;
-    if (root && fy_node_is_mapping(root)) {
+    if (root && fy_node_is_mapping(root))
         kind->read(reader, root, user);
-    } else if (root) {
+    else if (document)
         reader_report(reader, root, "a %s file is a mapping with the keys %s", kind->name,
                       kind->keys);
-    } else if (reader->errors == 0) {
-        fprintf(reader->diagnostics, "%s: cannot be read as YAML", path);
-        reader->errors++;
-    }
-    fy_document_destroy(document);
-    if (diag)
-        fy_diag_destroy(diag);
-}
-
-static bool is_readable_file(const char *path, const struct file_kind *kind,
-                             const struct dt_log *log)
-{
-    struct stat status;
-    if (stat(path, &status) != 0 || access(path, R_OK) != 0)
-        log_message(log, DT_ERROR, "cannot open %s file %s: %s", kind->name, path, strerror(errno));
-    else if (S_ISDIR(status.st_mode))
-        log_message(log, DT_ERROR, "%s is a folder; name a %s file (YAML) in it", path, kind->name);
-    else if (status.st_size == 0 && S_ISREG(status.st_mode))
-        log_message(log, DT_ERROR, "%s:1:1: error: the file is empty; a %s has %s", path,
-                    kind->name, kind->keys);
-    else
-        return true;
-    return false;
+    if (document)
+        fy_document_destroy(document);
 }
 
 bool reader_file(const char *path, const struct file_kind *kind, void *user,
@@ -194,11 +173,16 @@ bool reader_file(const char *path, const struct file_kind *kind, void *user,
 {
     char *text = NULL;
     size_t size = 0;
-    if (!is_readable_file(path, kind, log))
+    const char *reason;
+    struct reader reader = {.path = path};
+    reader.text = input_read(path, MOST_BYTES, &reader.length, &reason);
+    if (!reader.text) {
+        log_message(log, DT_ERROR, "cannot open %s file %s: %s", kind->name, path, reason);
         return false;
-    struct reader reader = {.diagnostics = open_memstream(&text, &size)};
+    }
+    reader.diagnostics = open_memstream(&text, &size);
     if (reader.diagnostics) {
-        read_document(&reader, path, kind, user);
+        read_document(&reader, kind, user);
         fclose(reader.diagnostics);
     }
     while (size > 0 && text[size - 1] == '\n')
@@ -207,5 +191,6 @@ bool reader_file(const char *path, const struct file_kind *kind, void *user,
     if (!good)
         log_message(log, DT_ERROR, "%s", text ? text : "out of memory");
     free(text);
+    free(reader.text);
     return good;
 }

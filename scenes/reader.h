@@ -30,6 +30,9 @@ struct key {
 #define FAR 1e9 /* no coordinate, no light lies beyond */
 
 struct reader {
+    const char *path;
+    char *text; /* of the file */
+    size_t length;
     FILE *diagnostics;
     int errors;
     char context[32]; /* before every message; empty: nothing */

@@ -73,12 +73,12 @@ placed() { # places command...: one for each line that tells an error, in order,
     cat "$work/said"
     [ "$(sed -nE 's/^.*\/([a-z.]+:[0-9]+:[0-9]+): error: .+$/\1/p' "$work/said" | xargs)" = "$places" ] && ! grep -q '^diptych:' "$work/said"
 }
-check "a scene's errors have places" placed "scene.yaml:2:1 scene.yaml:3:34 scene.yaml:4:15" \
+check "a scene's errors have places" placed "scene.yaml:2:1 scene.yaml:3:35 scene.yaml:4:15" \
     "$diptych" render --scene "$work/scene.yaml" --backend vk -o "$work/a.png"
 check "... and one that is no YAML" placed "broken.yaml:2:1" \
     "$diptych" reference --scene "$work/broken.yaml" -o "$work/a.exr"
-check "a motion's" placed "motion.yaml:2:27" "${compare[@]}" --motion "$work/motion.yaml"
-check "a report outline's" placed "outline.yaml:1:1 outline.yaml:2:11" \
+check "a motion's" placed "motion.yaml:2:28" "${compare[@]}" --motion "$work/motion.yaml"
+check "a report outline's" placed "outline.yaml:1:1 outline.yaml:2:1" \
     "$diptych" report --outline "$work/outline.yaml" --scene "$scene" -o "$work/report"
 check "a spec's" placed "spec.yaml:$(grep -n rgba9 "$work/spec.yaml" | cut -d: -f1):30" \
     "${render[@]}" --backend vk -o "$work/a.png" --spec "$work/spec.yaml"

@@ -661,9 +661,9 @@ static void wrong_scene_files_are_told_in_one_run(void **state)
     (void)state;
     put("box.obj", box_obj);
     static const char *const several[] = {
-        "2:1: error: unknown key `scal`; did you mean `scale`?\nscal: 2\n^~~~",
+        "2:1: error: unknown key `scal`; did you mean `scale`?\n    2 | scal: 2\n      | ^~~~",
         "3:19: error: `eye` takes a finite number here\n",
-        "3:36: error: `target` takes a sequence of 3 numbers\n",
+        "3:37: error: `target` takes a sequence of 3 numbers\n",
         "3:1: error: camera lacks the key `fov_y`\n",
         "4:73: error: `cone` is out of range: it lies between 0 and 85\n",
         "5:15: error: `texture_size` must be a power of two\n",
@@ -681,7 +681,7 @@ static void wrong_scene_files_are_told_in_one_run(void **state)
                    "  opening_min: [0, 0, 0]}\n",
                    half, 1);
     static const char *const upside_down[] = {
-        "4:16: error: `opening_min` must not lie above `opening_max`"};
+        "4:17: error: `opening_min` must not lie above `opening_max`"};
     assert_refused("mesh: box.obj\n" CAMERA
                    "light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1],\n"
                    "  opening_min: [0, 2, 0], opening_max: [1, 1, 1]}\n",
@@ -689,14 +689,18 @@ static void wrong_scene_files_are_told_in_one_run(void **state)
     static const char *const missing[] = {"1:1: error: the scene lacks the key `mesh`",
                                           "1:1: error: the scene lacks the key `light`"};
     assert_refused(CAMERA, missing, 2);
-    static const char *const twice[] = {"2:1: error: duplicate key"};
-    assert_refused("mesh: box.obj\nmesh: box.obj\n" CAMERA SUN, twice, 1);
+    static const char *const twice[] = {"2:1: error: the key `mesh` stands twice",
+                                        "1:1: note: first here"};
+    assert_refused("mesh: box.obj\nmesh: box.obj\n" CAMERA SUN, twice, 2);
     static const char *const blind[] = {
-        "2:34: error: `target` is where `eye` is; move one of them"};
+        "2:35: error: `target` is where `eye` is; move one of them"};
     assert_refused("mesh: box.obj\ncamera: {eye: [1, 1, 1], target: [1, 1, 1], fov_y: 30}\n" SUN,
                    blind, 1);
-    assert_refused("- 1\n", (const char *const[]){"1:1: error: a scene file is a mapping"}, 1);
-    assert_refused("", (const char *const[]){"1:1: error: the file is empty"}, 1);
+    assert_refused("- 1\n", (const char *const[]){"1:3: error: a scene file is a mapping"}, 1);
+    assert_refused("mesh: \xff\n",
+                   (const char *const[]){"1:7: error: the byte 0xff is no UTF-8 text\n"}, 1);
+    assert_refused("a: &a [*a]\n", (const char *const[]){"1:8: error: aliases add more than"}, 1);
+    assert_refused("", (const char *const[]){"1:1: error: YAML: the file has no content"}, 1);
 }
 
 static void missing_mesh_says_where_it_looked(void **state)
@@ -863,7 +867,7 @@ static void wrong_motion_files_are_told_in_one_run(void **state)
     (void)state;
     static const char *const several[] = {
         "1:16: error: `interpolation` is `catmull_rom` or `linear`\n",
-        "3:22: error: unknown key `eyes`; did you mean `eye`?\n  - {at: 1, camera: {eyes:",
+        "3:22: error: unknown key `eyes`; did you mean `eye`?\n    3 |   - {at: 1, camera: {eyes:",
         "4:10: error: `at` must grow from keyframe to keyframe\n",
         "4:29: error: `fov_y` is out of range: it lies between 1 and 170\n",
         "5:6: error: the keyframe lacks the key `at`\n",
@@ -893,11 +897,11 @@ static void frames_between_keys_are_tried(void **state)
 {
     (void)state;
     static const char *const meet[] = {
-        "1:33: error: in frame 2, `target` is where `eye` is; move one of them\n"};
+        "1:34: error: in frame 2, `target` is where `eye` is; move one of them\n"};
     assert_motion_refused("keys: [{at: 0, camera: {target: [0, 0, 3]}}, {at: 4, camera: {target: "
                           "[0, 0, 7]}}]\n",
                           meet, 1);
-    static const char *const overshoot[] = {"3:27: error: in frame 5, `cone` is out of range: it "
+    static const char *const overshoot[] = {"3:28: error: in frame 5, `cone` is out of range: it "
                                             "lies between 0 and 85\n"};
     assert_motion_refused("keys:\n  - {at: 0, light: {cone: [2, 20]}}\n"
                           "  - {at: 4, light: {cone: [0, 80]}}\n"

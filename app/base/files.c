@@ -14,6 +14,7 @@
 #include <xxhash.h>
 
 #include "base/console.h"
+#include "scenes/input.h"
 
 char *format_string(const char *format, ...)
 {
@@ -25,38 +26,12 @@ char *format_string(const char *format, ...)
     return length < 0 ? NULL : text;
 }
 
-static char *read_stream(FILE *stream, size_t *size)
-{
-    size_t capacity = 65536;
-    char *data = malloc(capacity);
-    *size = 0;
-    while (data) {
-        *size += fread(data + *size, 1, capacity - *size - 1, stream);
-        if (feof(stream) || ferror(stream))
-            break;
-        capacity *= 2;
-        char *grown = realloc(data, capacity);
-        if (!grown)
-            free(data);
-        data = grown;
-    }
-    if (data && ferror(stream)) {
-        free(data);
-        return NULL;
-    }
-    if (data)
-        data[*size] = 0;
-    return data;
-}
-
 char *file_read(const char *path, size_t *size, const struct dt_log *log)
 {
-    FILE *stream = fopen(path, "rb");
-    char *data = stream ? read_stream(stream, size) : NULL;
+    const char *reason;
+    char *data = input_read(path, SIZE_MAX - 1, size, &reason);
     if (!data)
-        report_error(log, "%s: cannot be read: %s", path, strerror(errno));
-    if (stream)
-        fclose(stream);
+        report_error(log, "%s: cannot be read: %s", path, reason);
     return data;
 }
 

@@ -1,0 +1,14 @@
+/* Reads files that a user names: regular files alone, so that no device and no pipe makes a
+ * program wait. Called by reader.c, by gen/diag.c and by app/base/files.c. */
+#ifndef DIPTYCH_SCENES_INPUT_H
+#define DIPTYCH_SCENES_INPUT_H
+
+#include <stddef.h>
+
+#define INPUT_MOST_BYTES ((size_t)1 << 30) /* where a reader asks for no smaller limit */
+
+/* The whole file and a terminating zero that *length does not count; free(). NULL: *reason says
+ * why; it is valid until the next call in this thread. `most` is the limit in bytes. */
+char *input_read(const char *path, size_t most, size_t *length, const char **reason);
+
+#endif
