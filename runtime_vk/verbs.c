@@ -52,53 +52,51 @@ static bool end(void *runtime, uint32_t pass)
 
 /* ---- Barriers -------------------------------------------------------------------------------- */
 
-struct flag {
-    uint16_t from;
-    VkFlags64 to;
-};
-
-static VkFlags64 translate(unsigned mask, const struct flag *flags, size_t count)
+/* `flags[i]` stands for bit i of the mask. */
+static VkFlags64 translate(unsigned mask, const VkFlags64 *flags)
 {
     VkFlags64 bits = 0;
-    for (size_t i = 0; i < count; i++)
-        bits |= mask & flags[i].from ? flags[i].to : 0;
+    for (; mask; mask &= mask - 1)
+        bits |= flags[__builtin_ctz(mask)];
     return bits;
 }
 
-/* Clears: vkCmdFillBuffer runs in the stage of clears or in that of copies, depending on whom one asks
- * (validation layers 1.3.239: copies). */
+/* The place of a single bit. */
+#define BIT(mask) __builtin_ctz(mask)
+
+/* Validation layers 1.3.239 count vkCmdFillBuffer as a copy, not as a clear: clears wait for both. */
 static VkPipelineStageFlags2 stages_of(unsigned stages)
 {
-    static const struct flag flags[] = {
-        {DT_STAGE_COMPUTE, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT},
-        {DT_STAGE_VERTEX, VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT},
-        {DT_STAGE_FRAGMENT, VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT},
-        {DT_STAGE_COLOR, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT},
-        {DT_STAGE_DEPTH, VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
-                             VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT},
-        {DT_STAGE_INDIRECT, VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT},
-        {DT_STAGE_INDEX, VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT},
-        {DT_STAGE_CLEAR, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT},
+    static const VkFlags64 flags[] = {
+        [BIT(DT_STAGE_COMPUTE)] = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+        [BIT(DT_STAGE_VERTEX)] = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT,
+        [BIT(DT_STAGE_FRAGMENT)] = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT,
+        [BIT(DT_STAGE_COLOR)] = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+        [BIT(DT_STAGE_DEPTH)] = VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
+                                VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+        [BIT(DT_STAGE_INDIRECT)] = VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT,
+        [BIT(DT_STAGE_INDEX)] = VK_PIPELINE_STAGE_2_INDEX_INPUT_BIT,
+        [BIT(DT_STAGE_CLEAR)] = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
     };
-    return translate(stages, flags, DT_ARRAY_COUNT(flags));
+    return translate(stages, flags);
 }
 
 static VkAccessFlags2 accesses_of(unsigned accesses)
 {
-    static const struct flag flags[] = {
-        {DT_READ_STORAGE, VK_ACCESS_2_SHADER_STORAGE_READ_BIT},
-        {DT_WRITE_STORAGE, VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
-        {DT_READ_TEXTURE, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT},
-        {DT_READ_UNIFORM, VK_ACCESS_2_UNIFORM_READ_BIT},
-        {DT_READ_COLOR, VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT},
-        {DT_WRITE_COLOR, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT},
-        {DT_READ_DEPTH, VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT},
-        {DT_WRITE_DEPTH, VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT},
-        {DT_READ_INDIRECT, VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT},
-        {DT_READ_INDEX, VK_ACCESS_2_INDEX_READ_BIT},
-        {DT_WRITE_CLEAR, VK_ACCESS_2_TRANSFER_WRITE_BIT},
+    static const VkFlags64 flags[] = {
+        [BIT(DT_READ_STORAGE)] = VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
+        [BIT(DT_WRITE_STORAGE)] = VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT,
+        [BIT(DT_READ_TEXTURE)] = VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
+        [BIT(DT_READ_UNIFORM)] = VK_ACCESS_2_UNIFORM_READ_BIT,
+        [BIT(DT_READ_COLOR)] = VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT,
+        [BIT(DT_WRITE_COLOR)] = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+        [BIT(DT_READ_DEPTH)] = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT,
+        [BIT(DT_WRITE_DEPTH)] = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT,
+        [BIT(DT_READ_INDIRECT)] = VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT,
+        [BIT(DT_READ_INDEX)] = VK_ACCESS_2_INDEX_READ_BIT,
+        [BIT(DT_WRITE_CLEAR)] = VK_ACCESS_2_TRANSFER_WRITE_BIT,
     };
-    return translate(accesses, flags, DT_ARRAY_COUNT(flags));
+    return translate(accesses, flags);
 }
 
 static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
@@ -136,26 +134,24 @@ static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, str
     };
 }
 
-/* Leaves out what options.drop_barrier and drop_dependency name. False: nothing is left of the
- * barrier; all that follows in the frame takes its layout for granted, as hand-written code would. */
-static bool keep_barrier(struct vk_runtime *rt, uint32_t pass, struct dt_barrier *barrier)
+/* For options.drop_dependency: logs the barrier, which then waits for nothing. */
+static void weaken(const struct vk_runtime *rt, uint32_t pass, struct dt_barrier *barrier)
 {
-    const char *name = rt->core.pipeline->resources[barrier->resource].name;
+    dt_log(&rt->core, DT_INFO, "barrier %u waits for nothing: pass %s, resource %s", rt->barriers,
+           pass_name(rt, pass), rt->core.pipeline->resources[barrier->resource].name);
+    barrier->from_stages = barrier->from = 0;
+}
+
+/* For options.drop_barrier: logs the barrier. The rest of the frame assumes its layout, as
+ * hand-written code with a forgotten barrier would. */
+static void drop(const struct vk_runtime *rt, uint32_t pass, const struct dt_barrier *barrier)
+{
     struct vk_image *image = &vk_resource_at(rt, barrier->resource)->image;
     VkImageLayout layout = image->handle ? vk_layout(barrier->layout) : image->layout;
-    rt->barriers++;
-    if (rt->barriers == rt->drop_dependency) {
-        dt_log(&rt->core, DT_INFO, "barrier %u waits for nothing: pass %s, resource %s",
-               rt->barriers, pass_name(rt, pass), name);
-        barrier->from_stages = barrier->from = 0;
-    }
-    if (rt->barriers != rt->drop_barrier)
-        return true;
     dt_log(&rt->core, DT_INFO, "dropped barrier %u: pass %s, resource %s, %s", rt->barriers,
-           pass_name(rt, pass), name,
+           pass_name(rt, pass), rt->core.pipeline->resources[barrier->resource].name,
            image->layout != layout ? "layout change" : "no layout change");
     image->layout = layout;
-    return false;
 }
 
 /* One vkCmdPipelineBarrier2 for up to BARRIER_BATCH of them. */
@@ -173,9 +169,13 @@ static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list
         for (uint32_t i = at; i < count && i < at + BARRIER_BATCH; i++) {
             struct dt_barrier barrier = list[i];
             struct vk_resource *resource = vk_resource_at(rt, barrier.resource);
-            if (!keep_barrier(rt, pass, &barrier))
+            if (++rt->barriers == rt->drop_dependency)
+                weaken(rt, pass, &barrier);
+            if (rt->barriers == rt->drop_barrier) {
+                drop(rt, pass, &barrier);
                 continue;
-            if (resource->image.handle)
+            }
+            if (barrier.layout != DT_LAYOUT_NONE)
                 images[info.imageMemoryBarrierCount++] = image_barrier(&barrier, &resource->image);
             else
                 buffers[info.bufferMemoryBarrierCount++] =
