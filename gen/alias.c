@@ -1,6 +1,6 @@
-/* Lifetimes of resources, and who may lie in whose memory: slots of device memory for Vulkan,
+/* Lifetimes of resources, and which resources share memory: slots of device memory for Vulkan,
  * shared textures for OpenGL. Called by plan.c when the order of execution and the accesses are
- * known. Resources with history live for ever and share with nobody; outputs live to the end of the
+ * known. Resources with history live for ever and share no memory; outputs live to the end of the
  * frame. */
 #include <string.h>
 
@@ -91,9 +91,9 @@ static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint3
     return true;
 }
 
-/* The largest first, so that every slot that exists is large enough; among those that are free in
- * the resource's lifetime the smallest wastes least. Ties go to the order of the spec: the same
- * spec gives the same slots. */
+/* Resources come largest first, so every existing slot is large enough. Takes the smallest slot
+ * that is free during the resource's lifetime. Ties go to the slot made first, so the same spec
+ * gives the same slots. */
 static void place(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
                   struct resource *resource)
 {
@@ -138,7 +138,7 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
 
 /* ---- OpenGL ---------------------------------------------------------------------------------- */
 
-/* Equal at every frame size: the same number, or the same expression when written as C. */
+/* Whether both are equal at every frame size: the same number, or the same text as C. */
 static bool same_extent(const struct expr *a, const struct expr *b, uint32_t otherwise)
 {
     struct text text_a = {0}, text_b = {0};
@@ -187,8 +187,8 @@ static bool can_borrow(const struct pipeline *pipeline, const struct resource *o
     return true;
 }
 
-/* An image borrows from an earlier one of the spec that has an own texture: no chains, and owners
- * come first. */
+/* An image borrows the texture of an earlier image of the spec that owns one. So no chains arise,
+ * and owners come first. */
 static void plan_opengl_shares(struct pipeline *pipeline)
 {
     for (uint32_t i = 0; i < pipeline->resource_count; i++)

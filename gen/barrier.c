@@ -1,8 +1,8 @@
-/* What each pass waits for, from the accesses of the frame so far. Called by plan.c. Each frame opens
- * with a full barrier, so that all earlier writes are visible: the first touch in a frame depends on
- * nothing but the user of the same memory before it, and on that opening barrier, to which the first
- * change of a layout chains (lower.c). tests/barrier_audit.c holds that every barrier is needed, and that
- * they are enough. */
+/* The barriers of each pass, from the accesses of the frame so far. Called by plan.c. Each frame
+ * opens with a full barrier that makes all earlier writes visible. So the first touch in a frame
+ * depends only on this barrier and on the previous user of the same memory. The first change of a
+ * layout chains to the opening barrier (lower.c). tests/barrier_audit.c checks that every barrier
+ * is needed and that they suffice. */
 #include "plan.h"
 
 enum { KIND_COUNT = 10 };
@@ -21,15 +21,15 @@ enum image_layout layout_of(unsigned kind)
 
 /* ---- Vulkan ---------------------------------------------------------------------------------- */
 
-/* What happened to one mip in the frame so far. Readers count since the last write or change of
- * layout; both are writes to the readers after them, but a change of layout leaves nothing to be made
+/* What happened to one mip in the frame so far. Readers are those since the last write or change of
+ * layout. Later readers wait for either, but a change of layout leaves no writes to make
  * available. */
 struct mip_history {
-    bool used;           /* since the last change of layout; before the frame counts for nothing */
+    bool used;           /* touched in this frame, after the last change of layout if any */
     bool changed_layout; /* after the last write */
     bool surely_read;    /* by a pass that always runs */
     unsigned write_kind, write_stages; /* the last write; 0: none in this frame */
-    /* readers; or who waited for the change of layout */
+    /* readers; or the accesses that waited for the change of layout */
     unsigned read_kind, read_stages;
     /* per kind of access: stages to which the content was made visible */
     unsigned visible[KIND_COUNT];
@@ -63,9 +63,9 @@ static void wait_for_write(struct barrier *barrier, const struct mip_history *pa
     barrier->from_writes |= past->write_stages != 0;
 }
 
-/* Readers wait for the write themselves, so whoever waits for all readers waits for the write too, and
- * finds it available. But where all of them may be skipped, synchronization validation (1.3.239) sees
- * the write alone and wants it named. */
+/* Readers waited for the write, so a wait for all readers covers the write, which is then
+ * available. But if every reader may be skipped, synchronization validation (1.3.239) sees only the
+ * write and requires it in the barrier. */
 static void wait_for_all(struct barrier *barrier, const struct mip_history *past)
 {
     barrier->from |= past->read_kind;
@@ -74,7 +74,7 @@ static void wait_for_all(struct barrier *barrier, const struct mip_history *past
         wait_for_write(barrier, past);
 }
 
-/* For a reader alone. */
+/* For an access that only reads. */
 static void wait_for_content(struct barrier *barrier, const struct mip_history *past)
 {
     if (past->write_stages && !past->changed_layout) {
@@ -85,14 +85,14 @@ static void wait_for_content(struct barrier *barrier, const struct mip_history *
     }
 }
 
-/* Whether `other` is done with the memory that `resource` is about to take. */
+/* Whether both share memory and the lifetime of `other` ends before `resource` begins. */
 static bool used_before(const struct resource *other, const struct resource *resource)
 {
     return other != resource && other->slot == resource->slot && !other->history &&
            !resource->history && other->first_pass >= 0 && other->last_pass < resource->first_pass;
 }
 
-/* The last user of the memory that `resource` is about to take, or NULL. */
+/* The previous user of the memory of `resource`, or NULL. */
 static const struct resource *alias_before(const struct pipeline *pipeline,
                                            const struct resource *resource)
 {
@@ -107,10 +107,10 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
     return before;
 }
 
-/* By the specification a barrier chains with earlier ones whatever their resources: the last user of the
- * memory waited for `other`. But synchronization validation (1.3.239) follows buffers by their bytes, and
- * images apart from all memory. It sees that `other` is over only where a buffer between the two took
- * every byte that they have in common. */
+/* By the specification, barriers chain across resources: the last user of the memory waited for
+ * `other`. But synchronization validation (1.3.239) tracks buffers by their bytes, and images apart
+ * from their memory. It knows that `other` has ended only if a buffer between the two covers every
+ * byte that they share. */
 static bool order_is_seen(const struct pipeline *pipeline, const struct resource *other,
                           const struct resource *resource)
 {
@@ -126,8 +126,8 @@ static bool order_is_seen(const struct pipeline *pipeline, const struct resource
     return false;
 }
 
-/* The last user of the memory waited for those before it, but made available only what lies in its
- * own bytes: what others wrote beyond those, and nobody read, is still to be made available. */
+/* The last user of the memory waited for earlier users, but made available only its own bytes.
+ * Earlier writes beyond these bytes that no pass read still have to be made available. */
 static void wait_for_memory(struct barrier *barrier, const struct pipeline *pipeline,
                             const struct history *past)
 {
@@ -170,7 +170,7 @@ static void wait_for_mips(struct barrier *barrier, const struct history *past,
 /* What a pass does to a resource: one touch, or several of different mips. */
 struct visit {
     struct resource *resource;
-    const struct touch *touches; /* of the pass; those of other resources are none of it */
+    const struct touch *touches; /* all of the pass, also of other resources */
     uint32_t count;
     unsigned kinds, stages;
     bool always; /* the pass is never skipped */
@@ -190,7 +190,7 @@ static struct visit visit_of(const struct pass *pass, const struct touch *touche
     return visit;
 }
 
-/* Whether the visit needs the barrier that it fills. */
+/* Fills the barrier; returns whether the visit needs it. */
 static bool first_visit(const struct pipeline *pipeline, const struct history *past,
                         const struct visit *visit, struct barrier *barrier)
 {
@@ -311,8 +311,9 @@ static enum image_layout last_layout(const struct model *model, struct resource 
     return layout;
 }
 
-/* What keeps its content begins the frame visible to all, by the full barrier that opens it. It is
- * made in the general layout; where the frame ends in another one, the first pass has to change it. */
+/* The full barrier at the start of a frame makes resources with history visible to all accesses.
+ * Images are created in the general layout; if a frame ends in another one, the first pass changes
+ * it. */
 static void begin_history(const struct model *model, struct resource *resource,
                           struct history *past)
 {

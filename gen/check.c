@@ -1,5 +1,5 @@
-/* Everything that is verified before planning: called by main after read. All checks run, whatever
- * the others found, so that a wrong spec gets all its errors at once. */
+/* All checks before planning; called by load.c and vary.c after read. A check runs also after
+ * errors of others, so that a wrong spec gets all its errors at once. */
 #include "check.h"
 
 #include <stdlib.h>
@@ -55,7 +55,7 @@ void report_missing(const struct checker *c, struct loc loc, const char *what, c
         diag_error(c->diag, loc, "no %s `%s`", what, name);
 }
 
-/* Takes a pass's name out of every `after`. */
+/* Removes a pass's name from every `after`. */
 static void forget_pass(struct pipeline *pipeline, const char *name)
 {
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
@@ -70,7 +70,7 @@ static void forget_pass(struct pipeline *pipeline, const char *name)
     }
 }
 
-/* Drawings tell what was left out. */
+/* Keeps a copy of the pass, because emit_graph.c draws dropped passes. */
 static void drop_pass(struct checker *c, const struct pass *pass)
 {
     struct pass *copy = arena_alloc(c->model->arena, sizeof *copy);
@@ -89,8 +89,8 @@ static bool changes(const struct pass *pass, const struct resource *resource)
     return false;
 }
 
-/* Whether one of the passes that are kept has use for the clear values of this one: reads what it
- * writes, and no other pass that is kept writes it. */
+/* Whether a kept pass needs the clear values of this pass: it reads a resource that this pass
+ * writes and that no other kept pass writes. */
 static bool is_missed(const struct pipeline *pipeline, const bool *kept, const struct pass *pass)
 {
     for (uint32_t i = 0; i < pass->access_count; i++) {
@@ -118,8 +118,8 @@ static bool is_false_for_good(const struct pass *pass)
            expr_eval(pass->when, 1, 1, &value) == EXPR_OK && !value;
 }
 
-/* A pass whose condition is false for good does not exist for the later stages, unless somebody reads
- * what it clears in place of writing it. One that stays for that may read what another would clear. */
+/* Removes passes whose condition is always false, unless a kept pass needs their clear values. A
+ * pass that stays may itself read what another such pass clears, so this repeats. */
 static void drop_passes(struct checker *c)
 {
     struct pipeline *pipeline = c->pipeline;
@@ -164,7 +164,7 @@ bool check_model(struct model *model, const char *templates_dir, struct diag *di
     if (c.bodies)
         check_bodies(&c);
     check_asserts(&c);
-    if (c.bodies && !diag_error_count(diag)) /* behind an error, what is unused may be its victim */
+    if (c.bodies && !diag_error_count(diag)) /* after an error, used names may look unused */
         check_unused(&c);
     for (uint32_t i = 0; c.bodies && i < model->pipeline.pass_count; i++)
         free(c.bodies[i].tokens);

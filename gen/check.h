@@ -9,7 +9,7 @@ struct token {
     const char *text;
     int length;
     struct loc loc;
-    /* the nearest characters around it that are no space; 'a' for a word before, 0 for none */
+    /* the nearest non-space characters; before: 'a' for a word, '0' for a number; 0: none */
     char before, after;
 };
 
@@ -23,15 +23,14 @@ struct checker {
     struct pipeline *pipeline;
     struct diag *diag;
     const char *templates_dir;
-    /* every expression of the spec, for the search for unused names; the last of them may be
-     * NULL */
+    /* every expression of the spec, for the search for unused names */
     const struct expr **exprs;
     size_t expr_count, expr_capacity;
     struct body *bodies; /* one per pass */
     bool out_of_memory;
 };
 
-/* check.c: names to things; NULL when there is none. */
+/* check.c: look up declarations by name; NULL: not found. */
 struct resource *find_resource(const struct checker *c, const char *name);
 struct structure *find_struct(const struct checker *c, const char *name);
 struct sampler *find_sampler(const struct checker *c, const char *name);
@@ -42,11 +41,10 @@ struct pass *find_pass(const struct checker *c, const char *name);
 void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
                     const char *const *names, size_t count);
 
-/* check_values.c. What an expression may depend on is a mask of enum expr_reach; where it
- * counts. */
+/* check_values.c. reach: what the expression may depend on, a mask of enum expr_reach. */
 struct limits {
     const char *what; /* "the count" */
-    const char *of;   /* name of the thing */
+    const char *of;   /* name of the declaration */
     unsigned reach;
     int64_t least, most;
 };
@@ -54,7 +52,7 @@ struct limits {
  * one error. */
 bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits);
 void check_constants(
-    struct checker *c); /* circles; folds; wrong ones lose their value and count as 1 */
+    struct checker *c); /* cycles; folds; wrong constants lose their value and count as 1 */
 void check_params(struct checker *c);
 void check_sizes(
     struct checker
@@ -62,7 +60,7 @@ void check_sizes(
 void check_asserts(struct checker *c);
 enum { FRAME_SIZES = 3 };
 extern const int frame_sizes[FRAME_SIZES][2];
-/* Width, height and layers of an image's mip level; false for a size that is wrong. */
+/* Width, height and layers of an image's mip level; false: the size had an error. */
 bool image_extent(const struct resource *image, uint32_t mip, const int frame[2],
                   int64_t extent[3]);
 
@@ -75,11 +73,11 @@ bool is_reserved(const char *name);
 /* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */
 void check_passes(struct checker *c);
 
-/* check_contracts.c: of the right kind of resource; resolves margins. After references and sizes. */
+/* check_contracts.c: contracts fit their resource; resolves margins. After references and sizes. */
 void check_contracts(struct checker *c);
 
 /* check_bodies.c */
-void check_bodies(struct checker *c); /* files, and names in them that the pass does not list */
+void check_bodies(struct checker *c); /* files exist and use only names that the pass lists */
 void check_unused(struct checker *c); /* warnings */
 
 #endif

@@ -1,4 +1,4 @@
-/* Contracts against the resources that they are for, and the margins of flips. Called by check.c. */
+/* Contracts: each fits its resource, and the margins of `flips` are valid. Called by check.c. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -19,7 +19,7 @@ static bool is_integer(enum dt_type type)
     return type >= DT_TYPE_INT && type <= DT_TYPE_BOOL;
 }
 
-/* Whether the element's type is known; otherwise that has been reported. */
+/* Whether the element's type is known. An unknown type has been reported. */
 static bool has_element(const struct resource *buffer)
 {
     return buffer->structure ||
@@ -75,7 +75,7 @@ static struct resource *find_margin(struct checker *c, const struct contract *co
     return NULL;
 }
 
-/* The number of the struct's field of that name; -1 after an error. */
+/* Index of the struct's field with that name; -1 after an error. */
 static int find_field(struct checker *c, const struct resource *margin, const char *name,
                       struct loc loc)
 {
@@ -154,7 +154,7 @@ static bool writes(const struct pass *pass, const struct resource *resource)
     return false;
 }
 
-/* Right after the labels' pass, the margins are those of its decisions. */
+/* Each pass that writes the resource must write its margins too, or they would be out of date. */
 static void check_margin_writer(struct checker *c, const struct resource *resource,
                                 const struct resource *margin)
 {

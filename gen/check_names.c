@@ -1,5 +1,5 @@
-/* Names: each declared once, none that GLSL, C or the generated code has taken, and every reference
- * to one resolved. Called by check.c. */
+/* Names: each is declared once, none is reserved in GLSL, C or the generated code, and every
+ * reference is resolved. Called by check.c. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -124,7 +124,7 @@ static void report_twice(struct checker *c, const struct declaration *a,
     diag_note(c->diag, first->loc, "first here");
 }
 
-/* Words that the generator makes from a declared name must not be declared by themselves. */
+/* Names that the generator derives from a declaration must not be declared as well. */
 static void check_derived(struct checker *c, const struct declaration *list, size_t count,
                           const struct declaration *of)
 {
@@ -156,7 +156,7 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
 /* ---- Names in the generated C ---------------------------------------------------------------- */
 
 /* Parameters, constants, resources and passes become macros and enumerators in capitals, each kind
- * with a prefix of its own; a parameter with components brings NAME_X, NAME_Y and so on. */
+ * with its own prefix. A vector parameter gives NAME_X, NAME_Y and so on. */
 struct capital {
     const char *name;
     char component; /* 0: none */
@@ -168,7 +168,7 @@ static char last_letter(const struct capital *capital)
     return capital->component ? capital->component : capital->name[strlen(capital->name) - 1];
 }
 
-/* Letter by letter, "_x" after the name where there is a component. */
+/* Compares NAME, or NAME_x for a component, without case. */
 static bool same_capitals(const struct capital *a, const struct capital *b)
 {
     size_t length_a = strlen(a->name), length_b = strlen(b->name);
@@ -183,7 +183,7 @@ static bool same_capitals(const struct capital *a, const struct capital *b)
     return toupper(last_letter(a)) == toupper(last_letter(b));
 }
 
-/* Names that are the same to the letter are reported elsewhere. */
+/* Skips identical names, which check_names reports. */
 static void check_capitals(struct checker *c, const struct capital *list, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -233,8 +233,8 @@ static void check_all_capitals(struct checker *c)
     check_capitals(c, list, count);
 }
 
-/* Beside `struct NAME_Vpl` the generated C has a struct NAME_live, and one for the state of each
- * panel. */
+/* Tags that a struct of the spec cannot have: the generated C has a struct NAME_live beside
+ * `struct NAME_Vpl`. */
 static void check_tag(struct checker *c, const struct structure *structure)
 {
     static const char *const tags[] = {"live", "gl_state", "vk_state"};
@@ -252,7 +252,7 @@ static void check_fields(struct checker *c, const struct structure *structure)
 
 /* ---- Words of one pass ----------------------------------------------------------------------- */
 
-/* A word that a pass has for a resource, against what stands in front of it in the pass. */
+/* Checks the `as` name of an access against the pass's other accesses and its ranges. */
 static void check_word_once(struct checker *c, const struct pass *pass, uint32_t index)
 {
     const struct access *access = &pass->accesses[index];
@@ -277,8 +277,8 @@ static void check_word_once(struct checker *c, const struct pass *pass, uint32_t
                        pass->name);
 }
 
-/* What a body calls a resource is a name for it alone, as declared names are: a body may not take one
- * thing for another that the spec has under that name. */
+/* An `as` name must be unique among the declared names, or a body could confuse the resource with
+ * another declaration. */
 static void check_words(struct checker *c, const struct pass *pass, struct declaration *list,
                         size_t count)
 {
@@ -329,7 +329,7 @@ void check_names(struct checker *c)
     const struct pipeline *p = c->pipeline;
     size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count +
                   p->sampler_count + p->metric_count + p->interleave_count;
-    size_t words = 0; /* at most, in one pass */
+    size_t words = 0; /* most accesses of one pass */
     for (uint32_t i = 0; i < p->pass_count; i++)
         words = p->passes[i].access_count > words ? p->passes[i].access_count : words;
     struct declaration *list = calloc(most + words + 1, sizeof *list);
@@ -486,7 +486,7 @@ static void resolve_use(struct checker *c, struct pass *pass, uint32_t index)
     report_missing(c, pass->use_locs[index], "point set, metric or interleave", name, names, count);
 }
 
-/* A dispatch over an interleave uses it, listed or not. */
+/* Adds the interleave of a dispatch to `uses`, unless the pass lists it. */
 static void add_use(struct checker *c, struct pass *pass, const char *name)
 {
     for (uint32_t i = 0; i < pass->use_count; i++)

@@ -1,6 +1,5 @@
-/* Passes: what their accesses demand of formats, samplers and sizes, targets that fit together,
- * conflicting accesses, ranges and the sizes of dispatches. Called by check.c after names and
- * sizes. */
+/* Passes: formats, samplers and sizes that their accesses need, targets that fit together,
+ * conflicting accesses, ranges and dispatch sizes. Called by check.c after names and sizes. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -107,8 +106,8 @@ static bool both(const struct access *a, const struct access *b, enum access_mod
     return (a->mode == x && b->mode == y) || (a->mode == y && b->mode == x);
 }
 
-/* A body names a texel read `image(p)`, a sampled one `image_sample(uv)`, a store `image_store(p,
- * value)` and a target `image`, whichever mip it is. */
+/* In a body, a texel read is `image(p)`, a sampled read `image_sample(uv)`, a store `image_store(p,
+ * value)` and a target `image`, for every mip. */
 static bool same_word(const struct pass *pass, const struct access *a, const struct access *b)
 {
     bool texels_a = a->mode != MODE_WRITE && !a->sampler,
@@ -118,8 +117,8 @@ static bool same_word(const struct pass *pass, const struct access *a, const str
            (a->mode != MODE_READ && b->mode != MODE_READ) || (target && (texels_a || texels_b));
 }
 
-/* Two accesses to one resource. Mips apart are apart; an image may be read by texel and through a
- * sampler. */
+/* Reports conflicts of two accesses to one resource. Different mips do not conflict; a pass may
+ * read an image both by texel and through a sampler. */
 static void check_pair(struct checker *c, const struct pass *pass, const struct access *a,
                        const struct access *b)
 {

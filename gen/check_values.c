@@ -1,4 +1,4 @@
-/* Numbers: parameters within their ranges, constants without circles, sizes and counts at several
+/* Numbers: parameters within their ranges, constants without cycles, sizes and counts at several
  * frame sizes, assertions. Called by check.c. */
 #include <float.h>
 #include <inttypes.h>
@@ -10,7 +10,7 @@
 
 enum { LARGEST_SIDE = 16384, MOST_LAYERS = 2048, MOST_ELEMENTS = 1 << 28 };
 
-/* The smallest frame, the usual one, and one that no tile divides. */
+/* The smallest frame, the usual one, and one that no tile size divides. */
 const int frame_sizes[FRAME_SIZES][2] = {{1, 1}, {1920, 1080}, {7, 5}};
 
 /* ---- Expressions ----------------------------------------------------------------------------- */
@@ -42,7 +42,7 @@ static bool check_reach(struct checker *c, const struct expr *expr, const struct
     return !excess;
 }
 
-/* Where an expression was evaluated, as text for the message. */
+/* The frame size and live values of an evaluation, as text for the message. */
 static const char *situation(struct checker *c, const struct expr *expr, const int frame[2],
                              const char *live)
 {
@@ -82,8 +82,8 @@ static bool check_value(struct checker *c, const struct expr *expr, const struct
     return value >= limits->least && value <= limits->most;
 }
 
-/* Sets every live parameter to its min (-1) or max (1) where it has one; keeps the values in
- * `kept`. */
+/* Sets every live parameter to its min (side -1) or max (side 1), if it has one; saves the values
+ * in `kept`. */
 static void move_live(struct pipeline *pipeline, int side, double (*kept)[4])
 {
     for (uint32_t i = 0; i < pipeline->param_count; i++) {
@@ -168,8 +168,8 @@ void check_params(struct checker *c)
         check_param(c, &c->pipeline->params[i]);
 }
 
-/* A constant is settled once all constants that it mentions are; those left over when nothing moves
- * stand in a circle. */
+/* A constant is ready when all constants that it mentions are settled. Constants that never become
+ * ready form a cycle or depend on one. */
 static bool is_ready(const struct checker *c, const struct constant *constant, const bool *settled)
 {
     for (uint32_t i = 0; i < c->pipeline->constant_count; i++)
@@ -236,7 +236,7 @@ bool image_extent(const struct resource *image, uint32_t mip, const int frame[2]
     return true;
 }
 
-/* Each mip halves the sides, so the smallest frame decides how many there can be. */
+/* Each mip halves the sides, so the smallest frame limits the number of mips. */
 static void check_mips(struct checker *c, const struct resource *image)
 {
     struct limits limits = {"the number of mips", image->name, EXPR_BAKED, 1, 15};
@@ -320,7 +320,7 @@ static void add_param(struct text *text, const struct param *param, int componen
     }
 }
 
-/* The value of {NAME} or {NAME.x}; false when there is no such thing. */
+/* Adds the value of {NAME} or {NAME.x}; false: unknown name. */
 static bool add_placeholder(struct checker *c, const char *name, struct text *text)
 {
     const char *dot = strchr(name, '.');

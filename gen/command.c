@@ -9,7 +9,7 @@
 
 #include "scenes/nearest.h"
 
-/* Always false. */
+/* Logs an error; returns false. */
 static bool fail(const struct dt_log *log, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 static bool fail(const struct dt_log *log, const char *format, ...)
@@ -25,7 +25,7 @@ static bool fail(const struct dt_log *log, const char *format, ...)
     return false;
 }
 
-/* "diptych render", "diptych-gen": what to type before --help. */
+/* The command without its options: "diptych render", "diptych-gen". */
 static const char *command_name(const struct command_line *command, char name[64])
 {
     snprintf(name, 64, "%s%s%s", command->program, command->verb ? " " : "",
@@ -33,7 +33,7 @@ static const char *command_name(const struct command_line *command, char name[64
     return name;
 }
 
-/* Begins an error: "render: ", or nothing, since the log says which program it is. */
+/* Prefix of an error: "render: ", or "" without a verb, because the log names the program. */
 static const char *error_prefix(const struct command_line *command, char prefix[64])
 {
     snprintf(prefix, 64, "%s%s", command->verb ? command->verb : "", command->verb ? ": " : "");
@@ -66,7 +66,7 @@ static const char *text_at(const void *options, const struct option_row *row)
     return *(const char *const *)(const void *)((const char *)options + row->offset);
 }
 
-/* The first argument that stands alone and has not been given yet, or NULL. */
+/* The first positional argument without a value, or NULL. */
 static const struct option_row *find_alone(const struct command_line *command, const void *options)
 {
     for (uint32_t i = 0; i < command->row_count; i++) {
@@ -97,7 +97,7 @@ static bool unknown_option(const struct command_line *command, const char *argum
     return false;
 }
 
-/* A whole number from least to most, ended by `end`; returns what follows it, or NULL. */
+/* Reads a whole number from least to most and `end` after it; returns the rest, or NULL. */
 static const char *read_count(const char *text, char end, uint32_t least, uint32_t most,
                               uint32_t *value)
 {
@@ -185,7 +185,7 @@ static bool store(void *options, const struct option_row *row, const char *value
     return false;
 }
 
-/* An option at argv[*at], with its value there or in the next argument, which *at moves to. */
+/* Stores the option at argv[*at]. If its value is the next argument, moves *at there. */
 static bool take_option(const struct command_line *command, void *options, int argc, char **argv,
                         int *at, const struct dt_log *log)
 {
@@ -197,7 +197,7 @@ static bool take_option(const struct command_line *command, void *options, int a
         return unknown_option(command, argument, length, log);
     if (row->kind == OPTION_FLAG)
         return value ? fail(log, "%s: takes no value", row->name) : store(options, row, "", log);
-    /* The next option is no value: `--graph --help` shall not write a file of that name. */
+    /* An option is no value: `--graph --help` must not write a file named `--help`. */
     if (!value && *at + 1 < argc && strncmp(argv[*at + 1], "--", 2) != 0)
         value = argv[++*at];
     if (!value || !*value)
@@ -244,7 +244,7 @@ bool command_is_complete(const struct command_line *command, const void *options
 
 enum { HELP_INDENT = 30, HELP_COLUMNS = 100 };
 
-/* Text from column HELP_INDENT on, broken between words. */
+/* Prints text from column HELP_INDENT on, broken between words. */
 static void print_wrapped(const char *text)
 {
     int column = HELP_INDENT;

@@ -13,8 +13,8 @@
 struct arena; /* one allocator for everything that lives as long as the model */
 void *
 arena_alloc(struct arena *arena,
-            size_t size); /* zeroed, aligned to 16; NULL: out of memory, which the caller
-                                                        reports; main then exits with status 2 */
+            size_t size); /* zeroed, aligned to 16; NULL only when out of memory, which callers
+                                                        report; main then exits with status 2 */
 char *arena_printf(struct arena *arena, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 char *arena_strndup(struct arena *arena, const char *text, size_t length);

@@ -35,7 +35,7 @@ void dot_extent(struct text *out, const struct resource *resource)
         text_add(out, ", %" PRIu32 " mips", mips_of(resource));
 }
 
-/* A word of several bits comes before those of one. */
+/* In `words`, an entry of several bits must come before those of one. */
 void dot_words(struct text *out, const struct dot_word *words, size_t count, unsigned mask,
                const char *between)
 {

@@ -1,18 +1,18 @@
 /* What the two Graphviz drawings share: sizes, barriers, uses.
- * Defined in dot.c, used by emit_graph.c and emit_lifetimes.c alone. */
+ * Defined in dot.c, used only by emit_graph.c and emit_lifetimes.c. */
 #ifndef DIPTYCH_GEN_DOT_H
 #define DIPTYCH_GEN_DOT_H
 
 #include "model.h"
 #include "text.h"
 
-/* Fills that stay apart when printed in grey. */
+/* Fill colours that differ in grey print, too. */
 #define DOT_IMAGE_FILL  "#d9e6f4"
 #define DOT_BUFFER_FILL "#fbf4dc"
 
 #define DOT_TABLE "border=\"0\" cellborder=\"1\" cellspacing=\"0\" cellpadding=\"0\""
 
-/* 31.6 MiB, between the two texts */
+/* Writes "31.6 MiB" between the two texts. */
 void dot_bytes(struct text *out, const char *before, uint64_t bytes, const char *after);
 /* rgba16f 256×256×8, Vpl[256] */
 void dot_extent(struct text *out, const struct resource *resource);

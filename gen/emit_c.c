@@ -1,4 +1,4 @@
-/* The pieces that all emitted C has in common; see emit_c.h. */
+/* Pieces that all emitters of C share; see emit_c.h. */
 #include "emit_c.h"
 
 #include <ctype.h>

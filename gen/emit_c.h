@@ -1,6 +1,6 @@
-/* What the emitters of C share: names, literals, expressions. emit_c.c defines it; emit_header.c,
- * emit_pipeline.c, emit_panel.c and emit_shaders.c use it. Emitters read the model and its tables and
- * never change them. */
+/* What the emitters of C share: names, literals, expressions. Defined in emit_c.c; used by
+ * emit_header.c, emit_pipeline.c, emit_panel.c and emit_shaders.c. Emitters read the model and its
+ * tables and never change them. */
 #ifndef DIPTYCH_GEN_EMIT_C_H
 #define DIPTYCH_GEN_EMIT_C_H
 
@@ -30,10 +30,10 @@ void c_flags(struct text *out, unsigned mask, const char *const *names, size_t c
              const char *none);
 /* An int64_t expression: a literal when it is baked; NULL: 1. */
 void c_expr(struct text *out, const struct expr *expr);
-/* Declares what the text of a function body names of `width`, `height` and `live`, from a struct
- * dt_recording `r`. */
+/* Declares those of `width`, `height` and `live` that the function body uses, with values from a
+ * struct dt_recording `r`. */
 void c_frame_locals(const struct c_output *c, const char *body);
-/* The comment that opens a generated file; `what` follows the pipeline's own words. */
+/* The first comment of a generated file; `what` follows the pipeline's doc or name. */
 void c_head(const struct c_output *c, const char *what);
 
 /* emit_pipeline.c: the reflection, the first half of NAME.c. */

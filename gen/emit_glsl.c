@@ -1,6 +1,6 @@
-/* The complete GLSL of one stage of one pass for one backend. Called by main.c for every stage;
- * spirv.c compiles what comes out, and the OpenGL runtime can take it as text. How the parts are
- * put together: glsl.h. */
+/* The complete GLSL of one stage of one pass for one backend. shaders.c calls it for every stage;
+ * spirv.c compiles the result, and the OpenGL runtime can take it as text. glsl.h explains the
+ * parts. */
 #include "glsl.h"
 
 #include <math.h>
@@ -45,7 +45,7 @@ void glsl_binding(const struct glsl *glsl, int binding, struct text *out)
 
 /* ---- Parameters, constants, structs ---------------------------------------------------------- */
 
-/* A float literal: shortest of the forms that reads back as the same float, with a point. */
+/* A float literal with a point: the shortest that reads back as the same float. */
 static void add_float(double value, struct text *out)
 {
     char digits[40];
@@ -75,7 +75,7 @@ static void add_component(enum dt_type scalar, double value, struct text *out)
         text_add(out, "%.0f%s", value, scalar == DT_TYPE_UINT ? "u" : "");
 }
 
-/* All that are live, and all that are uniform: the block's offsets are the layout's. */
+/* Declares all live and uniform parameters, even unused ones: layout.c fixed their offsets. */
 static void add_block(const struct glsl *glsl, struct text *out)
 {
     text_add(out, "\nlayout(std140, ");
@@ -128,7 +128,7 @@ static void add_constant(const struct constant *constant, struct text *out)
     text_add(out, ")\n");
 }
 
-/* Those that are used, and those that these use, in whatever order the spec has them. */
+/* Constants that the stage uses and constants that these use, in any order of the spec. */
 static void add_constants(struct glsl *glsl, struct text *out)
 {
     uint32_t count = glsl->pipeline->constant_count;
@@ -174,7 +174,7 @@ static bool is_listed(const struct pass *pass, const char *name)
     return false;
 }
 
-/* Functions are put before those written so far, because they may be used there. */
+/* Puts a function before those written so far, because they may call it. */
 static void put_function(struct glsl *glsl, struct text *function)
 {
     glsl_put_before(&glsl->parts[PART_FUNCTIONS], function);
@@ -217,7 +217,7 @@ static bool has_field(const struct structure *structure, const char *name)
     return false;
 }
 
-/* Whether the pass has a buffer of this struct, and the struct both fields of the metric. */
+/* Whether the struct has both fields of the metric, and the pass a buffer of the struct. */
 static bool metric_takes(const struct pass *pass, const struct metric *metric,
                          const struct structure *structure)
 {
@@ -298,7 +298,7 @@ static void add_interleave(struct glsl *glsl, const struct interleave *tile)
         text_add(constants, "const int %s_classes = %u;\n", name, tile->tile[0] * tile->tile[1]);
 }
 
-/* ---- Where an invocation stands -------------------------------------------------------------- */
+/* ---- Position of an invocation --------------------------------------------------------------- */
 
 static void add_interleave_place(struct glsl *glsl)
 {
@@ -363,8 +363,8 @@ static void add_dispatch_size(struct glsl *glsl)
     put_function(glsl, &function);
 }
 
-/* What a body may name without `frame.` before it. Variables, not macros, so that members of the
- * same name stay. */
+/* Names that a body may use without `frame.`. Variables, not macros, because macros would replace
+ * members of the same name. */
 static void add_frame_names(struct glsl *glsl)
 {
     static const char *const names[][2] = {{"View", "camera"},
@@ -480,7 +480,7 @@ static void add_head(struct glsl *glsl)
         add_vertex_inputs(glsl, out);
 }
 
-/* A draw over the whole frame has no vertices: one triangle that covers it. */
+/* A fullscreen draw has no vertex buffer: one triangle covers the frame. */
 static void add_fullscreen_vertex(struct glsl *glsl)
 {
     text_add(&glsl->parts[PART_BODY],
@@ -499,7 +499,7 @@ static bool add_parts(struct glsl *glsl)
     add_functions(glsl);
     glsl_resources(glsl);
     struct text *constants = &glsl->parts[PART_CONSTANTS];
-    add_constants(glsl, constants); /* before the library: they may name the frame */
+    add_constants(glsl, constants); /* before the library: they may use `frame` */
     if (!add_library(glsl))
         return false;
     add_structs(glsl, &glsl->parts[PART_STRUCTS]);
@@ -510,7 +510,7 @@ static bool add_parts(struct glsl *glsl)
     return true;
 }
 
-/* Parts apart by an empty line, none doubled. */
+/* Joins the parts with one empty line between them. */
 static void join_parts(struct glsl *glsl, struct text *out)
 {
     for (int i = 0; i < PART_COUNT; i++) {

@@ -1,6 +1,6 @@
-/* NAME.dot: the pass graph for Graphviz, which places everything. A box for each pass, in order of
- * execution: the barriers it waits at, its dispatch or draw, what it writes and who reads that. An
- * arrow goes from a pass to each that uses what it wrote. Called by main. */
+/* NAME.dot: the pass graph for Graphviz, which does the layout. A box for each pass, in order of
+ * execution: its barriers, its dispatch or draw, the resources that it writes, and their readers.
+ * Arrows lead from a pass to the passes that use its results. Called by main. */
 #include <inttypes.h>
 #include <limits.h>
 #include <string.h>
@@ -8,8 +8,8 @@
 #include "dot.h"
 #include "emit_c.h"
 
-/* Invisible arrows from pass to pass keep the order of execution. Graphviz lays out for few crossings:
- * with that many of them, visible arrows run beside the boxes, not between them from side to side. */
+/* How often each invisible arrow that keeps the order of execution is repeated. Graphviz minimizes
+ * crossings, so many of them push the visible arrows to the side, away from between the boxes. */
 enum { REPEATS = 20 };
 
 struct drawing {
@@ -19,8 +19,8 @@ struct drawing {
 
 /* ---- Uses ------------------------------------------------------------------------------------ */
 
-/* Place of the pass that last wrote what the pass at `place` uses of the resource, any of its mips;
- * behind `place`: in the frame before. -1: unused, or first written here. */
+/* Place of the pass that last wrote any mip of the resource before the pass at `place` uses it. A
+ * result after `place`: in the previous frame. -1: unused, or first written here. */
 static int find_writer(const struct pipeline *pipeline, const struct resource *resource,
                        uint32_t place)
 {
@@ -36,8 +36,8 @@ static int find_writer(const struct pipeline *pipeline, const struct resource *r
     return -1;
 }
 
-/* Not for the first touch of an image in a frame, which only changes its layout. Where memory changes
- * hands, the drawing of lifetimes tells the barrier. */
+/* Whether to draw the barrier. Not for an image's first touch in a frame, which only changes the
+ * layout. emit_lifetimes.c draws the barriers between resources that share memory. */
 static bool waits(const struct barrier *barrier)
 {
     return barrier->from_stages && !barrier->alias;
@@ -126,7 +126,7 @@ static void emit_draw(const struct drawing *d, const struct pass *pass)
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-/* Barriers that wait for the same are one bar, written for the first of them. */
+/* Barriers with equal accesses share one bar, written at the first of them. */
 static void emit_bar(const struct drawing *d, const struct pass *pass,
                      const struct barrier *barrier)
 {
@@ -150,7 +150,7 @@ static void emit_bar(const struct drawing *d, const struct pass *pass,
     text_add(d->out, "</font></td></tr>\n");
 }
 
-/* Escaped for labels. */
+/* Writes text escaped for labels. */
 static void emit_condition(const struct drawing *d, const char *text)
 {
     for (; *text; text++) {
@@ -191,7 +191,7 @@ static void emit_detail(const struct drawing *d, uint32_t place)
     text_add(d->out, "</td><td></td></tr>\n");
 }
 
-/* What the pass reads without a wait: the scene, and what an earlier wait made visible. */
+/* Reads without a barrier: the scene, and resources that an earlier barrier made visible. */
 static void emit_reads(const struct drawing *d, const struct pass *pass)
 {
     const char *before = "<tr><td colspan=\"2\" align=\"left\">&nbsp;reads ", *after = "";
@@ -213,7 +213,7 @@ static void emit_reads(const struct drawing *d, const struct pass *pass)
     text_add(d->out, "%s", after);
 }
 
-/* ---- What they write ------------------------------------------------------------------------- */
+/* ---- Written resources ----------------------------------------------------------------------- */
 
 static void begin_cell(const struct drawing *d, const struct resource *resource, int width,
                        const char *align)
@@ -280,7 +280,7 @@ static void emit_pass(const struct drawing *d, uint32_t place)
 
 /* ---- Order and arrows ------------------------------------------------------------------------ */
 
-/* A pass that a baked `when` leaves out stands before the first pass that follows it in the spec. */
+/* Draws dropped passes before the next executed pass that stands behind them in the spec. */
 static void emit_dropped(const struct drawing *d, uint32_t *next, int line, struct text *column)
 {
     for (; *next < d->pipeline->dropped_count; ++*next) {
@@ -298,8 +298,8 @@ static void emit_dropped(const struct drawing *d, uint32_t *next, int line, stru
     }
 }
 
-/* One arrow for all that one pass wrote and the other uses. Downwards even from frame to frame: then
- * the head is at its upper end. */
+/* One arrow for all resources that one pass wrote and the other uses. It is drawn downwards even to
+ * the next frame; then its head is at the upper end. */
 static void emit_arrow(const struct drawing *d, uint32_t from, uint32_t to)
 {
     struct pass *const *order = d->pipeline->order;

@@ -1,6 +1,6 @@
-/* NAME.h: what C code sees of a pipeline. Structs with every padding written out and every offset
- * asserted, baked parameters as constants, the live block, the indices of resources and passes.
- * Called by main. */
+/* NAME.h: the C declarations of a pipeline. Structs with explicit padding and asserted offsets,
+ * baked parameters as constants, the live block, the indices of resources and passes. Called by
+ * main. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -8,7 +8,7 @@
 
 #include "emit_c.h"
 
-/* A member that may be preceded and followed by padding. */
+/* A member of a struct; padding may stand before and after it. */
 struct member {
     const char *name;
     enum dt_type type;
@@ -102,7 +102,7 @@ static void emit_structs(const struct c_output *c)
     }
 }
 
-/* The parameters of one part of the block; offsets count from its beginning. */
+/* The parameters of one part of the block; offsets are relative to the part. */
 static void emit_part(const struct c_output *c, const char *part, bool live, uint32_t from,
                       uint32_t size)
 {

@@ -1,12 +1,12 @@
-/* NAME_lifetimes.dot: which resources share memory, for Graphviz. One table: a column for each pass in
- * order of execution, a row for each resource, filled where it lives, and the rows of a slot of memory
- * together. Below it: which barriers hand memory over. Called by main. */
+/* NAME_lifetimes.dot: which resources share memory, for Graphviz. One table: a column for each pass
+ * in order of execution, a row for each resource, filled during its lifetime; rows grouped by slot
+ * of memory. Below it: the barriers between resources that share memory. Called by main. */
 #include <inttypes.h>
 
 #include "dot.h"
 #include "emit_c.h"
 
-/* Darker than in the pass graph: they stand on white. */
+/* Darker than in the pass graph, for contrast with white. */
 #define ALIVE_IMAGE   "#9db8d6"
 #define ALIVE_BUFFER  "#e3cf8e"
 #define ALIVE_HISTORY "#b8b8b8"
@@ -53,7 +53,7 @@ static void emit_resource(const struct pipeline *pipeline, const struct resource
     text_add(out, "</tr>\n");
 }
 
-/* Resources of one slot, in the order in which they come into being. */
+/* Rows of the resources in one slot, sorted by first pass. */
 static void emit_slot(const struct pipeline *pipeline, uint32_t slot, struct text *out)
 {
     const struct resource *end = pipeline->resources + pipeline->resource_count, *largest = NULL;
@@ -91,7 +91,7 @@ static void emit_head(const struct pipeline *pipeline, struct text *out)
     text_add(out, "</tr>\n");
 }
 
-/* What the frame needs at each pass: no assignment of memory can do with less than the largest. */
+/* Bytes of transients alive at each pass. Their maximum is the least memory that can suffice. */
 static void emit_needed(const struct pipeline *pipeline, struct text *out)
 {
     text_add(out, "<hr/><tr><td border=\"0\" colspan=\"4\" align=\"right\" height=\"13\">"

@@ -211,7 +211,7 @@ static void emit_barriers(const struct c_output *c, const struct pass *pass)
     text_add(c->out, "    };\n");
 }
 
-/* The call of a verb up to its last arguments. */
+/* Opens the call of a verb: runtime and pass, its first arguments. */
 static void emit_verb(const struct c_output *c, const struct pass *pass, const char *verb)
 {
     text_add(c->out, "v->%s(r->runtime, ", verb);
@@ -269,7 +269,7 @@ static void emit_work(const struct c_output *c, const struct pass *pass)
     text_add(c->out, ")");
 }
 
-/* What a pass that does not run leaves cleared. */
+/* Clears the outputs of a pass that does not run. */
 static void emit_clears(const struct c_output *c, const struct pass *pass)
 {
     uint32_t at = 0;

@@ -1,5 +1,5 @@
-/* The reflection, first half of NAME.c: sizes, parameters, resources, passes. Printed from the tables of
- * lower.h. Called by emit_panel.c. */
+/* The reflection, first half of NAME.c: sizes, parameters, resources, passes. Printed from the
+ * tables of lower.h. Called by emit_panel.c. */
 #include <inttypes.h>
 #include <string.h>
 
@@ -25,7 +25,7 @@ static void emit_extent(const struct c_output *c)
     text_add(c->out, "    default:\n        dt_set_extent(size, 1, 1, 1);\n    }\n}\n\n");
 }
 
-/* Invocations along one axis: of what the groups divide, or of all groups. */
+/* Factor of `runs` along one axis: layers of a draw, or invocations of a dispatch. */
 static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
 {
     uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;

@@ -1,11 +1,10 @@
-/* NAME_gl_shaders.c and NAME_vk_shaders.c: what a backend needs beside the panel, SPIR-V as words and for
- * OpenGL the GLSL too. Apart from the panel: most edits change a shader and nothing else. Called by
- * main.c. */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c: a backend's shaders as SPIR-V words, for OpenGL also as
+ * GLSL. Not in the panel's file, because most edits change only a shader. Called by main.c. */
 #include "emit_c.h"
 
 #include <string.h>
 
-/* Tens of thousands of words: by hand, since formatting each would be a sixth of a generation. */
+/* Without printf, which is too slow for tens of thousands of words. */
 static void emit_words(struct text *out, const uint32_t *words, size_t count)
 {
     static const char digits[] = "0123456789abcdef";
@@ -47,7 +46,7 @@ static const struct dt_code *code_of(const struct dt_stages *stages, int stage)
     return codes[stage];
 }
 
-/* Whose words a stage's are: its own, or those of an earlier pass that has the same. */
+/* The first pass whose words for the stage equal those of `pass`; `pass` if none does. */
 static uint32_t owner_of(const struct dt_shaders *shaders, uint32_t pass, int stage)
 {
     const struct dt_code *code = code_of(&shaders->stages[pass], stage);

@@ -250,7 +250,7 @@ static struct expr *parse_unary(struct parser *p)
     return expr;
 }
 
-/* Binary operators by level, loosest first; of two that start alike the longer stands first. */
+/* Binary operators by level, loosest first. `<=` stands before `<`, or `<` would match first. */
 struct binary {
     const char *token;
     enum operation operation;
@@ -424,7 +424,7 @@ bool expr_mentions(const struct expr *expr, const char *name)
            expr_mentions(expr->operand[2], name);
 }
 
-/* Baked, and false (or true) whatever else stands beside it. */
+/* Whether the operand is baked and has this truth value. */
 static bool decides(const struct expr *expr, bool truth)
 {
     int64_t value;
@@ -569,7 +569,7 @@ static enum expr_result combine(const struct expr *expr, struct evaluation *e, i
     return overflow ? fault(expr, e, EXPR_OVERFLOWS) : EXPR_OK;
 }
 
-/* As C and GLSL convert it. */
+/* The parameter as an integer, converted as in C and GLSL. */
 static int64_t param_value(const struct expr *expr, const struct evaluation *e)
 {
     const struct param *param = expr->param;
@@ -602,6 +602,10 @@ static enum expr_result evaluate_simple(const struct expr *expr, struct evaluati
         *value = e->height;
         return EXPR_OK;
     case OP_NAME:
+        if (expr->constant && expr->constant->folds) {
+            *value = expr->constant->folded;
+            return EXPR_OK;
+        }
         if (expr->constant) {
             result = evaluate(expr->constant->value, e, value);
             return result == EXPR_OK ? result : (e->fault = expr, result);
@@ -620,7 +624,7 @@ static enum expr_result evaluate_simple(const struct expr *expr, struct evaluati
     }
 }
 
-/* A missing expression (reported before) counts as 1, so that it causes no further errors. */
+/* A missing expression was reported; its value is 1, which causes no further errors. */
 static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, int64_t *value)
 {
     *value = 1;
@@ -676,7 +680,7 @@ enum language { LANGUAGE_C, LANGUAGE_GLSL };
 static void emit(const struct expr *expr, enum language language, bool nested, struct text *out);
 static void emit_condition(const struct expr *expr, enum language language, struct text *out);
 
-/* C knows the values of uniform parameters, GLSL reads them. */
+/* Whether to write a literal. C has uniform parameters as literals; GLSL reads the block. */
 static bool is_value(const struct expr *expr, enum language language)
 {
     return language == LANGUAGE_C ? expr_reach(expr) == EXPR_BAKED : expr_is_literal(expr);
@@ -785,7 +789,7 @@ static void emit_comparison(const struct expr *expr, enum language language, str
     }
 }
 
-/* As a truth value: GLSL has no conversion from int to bool in conditions. */
+/* Writes a boolean, because GLSL conditions do not convert int to bool. */
 static void emit_condition(const struct expr *expr, enum language language, struct text *out)
 {
     int64_t value;

@@ -20,22 +20,22 @@ enum expr_reach {
     EXPR_LIVE = 2
 }; /* mask: what the value depends on; `0 && live` on nothing */
 unsigned expr_reach(const struct expr *expr);
-/* Whether GLSL has its value as a literal: it is baked, and of no uniform parameter. */
+/* Whether GLSL gets the value as a literal: it is baked and uses no uniform parameter. */
 bool expr_is_literal(const struct expr *expr);
 bool constant_is_literal(const struct constant *constant);
 
 enum expr_result { EXPR_OK, EXPR_DIVIDES_BY_ZERO, EXPR_OVERFLOWS };
-/* Live parameters count with their default. */
+/* Live parameters have their default values. */
 enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t frame_height,
                            int64_t *value);
-/* With the values of a block of live parameters (struct NAME_live). */
+/* The same with live parameters from a block (struct NAME_live). */
 enum expr_result expr_eval_live(const struct expr *expr, int64_t frame_width, int64_t frame_height,
                                 const void *live, int64_t *value);
-/* For "is 0 when second_vpls = 0"-like messages. */
+/* Place of the whole expression, for messages. */
 struct loc expr_loc(const struct expr *expr);
-/* The part that expr_eval fails at, to underline it; the whole expression when it does not fail. */
+/* Place of the part where expr_eval fails; of the whole expression when it succeeds. */
 struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t frame_height);
-/* Whether a parameter or constant of this name stands in the expression itself. */
+/* Whether the expression itself names this parameter or constant; not through a constant. */
 bool expr_mentions(const struct expr *expr, const char *name);
 
 /* C: baked parts as literals, frame.width as `width`, live parameters as `live->NAME`; int64_t

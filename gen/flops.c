@@ -1,6 +1,5 @@
-/* How much float arithmetic a shader does at least: counted from its SPIR-V, for the reflection, so
- * that `diptych bench` can tell how near a pass comes to what a device can do. Called by
- * emit_pipeline.c. */
+/* A lower bound for the float operations of a shader, counted from its SPIR-V. The reflection holds
+ * it, so that `diptych bench` can compare a pass with the device's peak. Called by lower.c. */
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdbool.h>
@@ -9,11 +8,11 @@
 #include "spirv.h"
 #include "stages.h"
 
-/* Of a way through a function. Ways that leave a loop by `break`, or the function before its end, are
- * taken only where there is no other: what counts is an invocation that has something to do, and one
- * turn of each loop. */
+/* Cost of a path through a function. Paths that leave a loop by `break` or return early are taken
+ * only if no other exists. So the cost is that of an invocation that does its work, with one
+ * iteration of each loop. */
 struct cost {
-    uint32_t exits; /* such leaps */
+    uint32_t exits; /* such breaks and early returns */
     uint64_t flops;
 };
 static const struct cost no_way = {UINT32_MAX, 0};
@@ -24,11 +23,11 @@ struct counting {
     const uint32_t *words;
     size_t count;
     const uint32_t *definitions;
-    /* these four by id */
+    /* the next four: arrays by id */
     enum state *states;    /* of blocks and functions */
-    struct cost *costs;    /* of blocks to the function's end, and of functions */
-    uint32_t *loop_merges; /* of a loop's header: the block behind the loop */
-    bool *behind_loop;     /* whether a block is one of these */
+    struct cost *costs;    /* from a block to the function's end; of a function */
+    uint32_t *loop_merges; /* by the loop's header: the block after the loop */
+    bool *behind_loop;     /* whether a block follows a loop */
 };
 
 /* ---- One instruction ------------------------------------------------------------------------- */
@@ -38,7 +37,7 @@ static bool is_opcode(const uint32_t *instruction, SpvOp opcode)
     return (*instruction & 0xffff) == opcode;
 }
 
-/* Float numbers in a type: 0 for one that holds none. */
+/* Number of floats in a value of the type; 0: not a float type. */
 static uint32_t floats_in(const struct counting *c, uint32_t type)
 {
     const uint32_t *declared = c->words + c->definitions[type];
@@ -55,8 +54,8 @@ static uint32_t type_of(const struct counting *c, uint32_t id)
     return c->words[c->definitions[id] + 1];
 }
 
-/* Operations per number of the result. Whatever takes a device more than one counts as one, what
- * only handles signs as none. */
+/* Operations per component of the result. Functions such as sin count as one, although devices need
+ * more; FAbs and FSign count as none. */
 static uint32_t library_weight(uint32_t function)
 {
     switch (function) {
@@ -105,7 +104,7 @@ static uint64_t instruction_flops(const struct counting *c, const uint32_t *inst
     }
 }
 
-/* ---- Ways through functions ------------------------------------------------------------------ */
+/* ---- Paths through functions ----------------------------------------------------------------- */
 
 static struct cost block_cost(struct counting *c, uint32_t label);
 
@@ -116,7 +115,7 @@ static struct cost cheaper(struct cost a, struct cost b)
     return a.flops < b.flops ? a : b;
 }
 
-/* From a jump to `label` on. The jump back to a loop's head ends its one turn. */
+/* Cost from a jump to `label` on. The jump back to a loop's header ends its one iteration. */
 static struct cost jump_cost(struct counting *c, uint32_t label)
 {
     if (c->states[label] == STATE_OPEN)
@@ -127,7 +126,7 @@ static struct cost jump_cost(struct counting *c, uint32_t label)
     return cost;
 }
 
-/* From a block's last instruction on. */
+/* Cost from a block's last instruction on. */
 static struct cost end_cost(struct counting *c, const uint32_t *instruction)
 {
     uint32_t length = *instruction >> 16;
@@ -145,7 +144,7 @@ static struct cost end_cost(struct counting *c, const uint32_t *instruction)
         return cost;
     case SpvOpUnreachable:
         return no_way;
-    default: /* the invocation or the function ends, here or in its last block */
+    default: /* the invocation or the function ends; early unless in the last block */
         return (struct cost){.exits = !is_opcode(instruction + length, SpvOpFunctionEnd)};
     }
 }
@@ -160,7 +159,7 @@ static bool ends_block(const uint32_t *instruction)
 
 static struct cost function_cost(struct counting *c, uint32_t function);
 
-/* From the start of a block to the end of its function. */
+/* Cost from the start of a block to the end of its function. */
 static struct cost block_cost(struct counting *c, uint32_t label)
 {
     uint64_t flops = 0;
@@ -198,7 +197,7 @@ static struct cost function_cost(struct counting *c, uint32_t function)
 
 /* ---- The module ------------------------------------------------------------------------------ */
 
-/* Returns the function that the shader begins with. */
+/* Finds the loops; returns the entry point's function. */
 static uint32_t survey(struct counting *c)
 {
     uint32_t entry = 0, label = 0;

@@ -2,9 +2,9 @@
  * (resources and their accessors), glsl_body.c (the author's text), glsl_range.c (loops over
  * ranges), glsl_library.c (templates/glsl).
  *
- * A stage is written from its end to its beginning: the body first, then what the body names,
- * then what that names. So each declaration can ask whether anything behind it uses it, and
- * unused ones are left out. */
+ * A stage is written from its end to its beginning: the body first, then the declarations that the
+ * body uses, then those that these use. So each declaration can check whether later text uses it,
+ * and unused ones are left out. */
 #ifndef DIPTYCH_GEN_GLSL_H
 #define DIPTYCH_GEN_GLSL_H
 
@@ -13,7 +13,7 @@
 #include "expr.h"
 #include "stages.h"
 
-/* Parts of the output in its order; they are filled from the last to the first. */
+/* Parts in the order of the output; filled from the last to the first. */
 enum glsl_part {
     PART_HEAD,      /* #version, extensions, macros, workgroup size */
     PART_CONSTANTS, /* parameters, constants */
@@ -36,13 +36,13 @@ struct glsl {
     struct text parts[PART_COUNT];
 };
 
-/* Whether an identifier (printf-like) stands in any part that is filled already; not as a member
- * behind a dot. */
+/* Whether any part filled so far contains an identifier (printf-like). Members after a dot do not
+ * count. */
 bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 /* "set = 0, binding = 3" or "binding = 3". */
 void glsl_binding(const struct glsl *glsl, int binding, struct text *out);
-/* Puts `front` at the beginning of the part, and empties it. */
+/* Puts `front` at the beginning of the part and empties `front`. */
 void glsl_put_before(struct text *part, struct text *front);
 /* Name of a type in GLSL. */
 const char *glsl_type(enum dt_type type);
@@ -58,8 +58,8 @@ struct token {
  * preprocessor lines. */
 struct token token_next(const char **cursor);
 bool token_is(struct token token, const char *text);
-/* First occurrence of `word` as an identifier of its own, neither a member of something nor in a
- * comment; NULL: none. */
+/* First occurrence of `word` as a whole identifier, not as a member after a dot, not in a comment;
+ * NULL: none. */
 const char *find_word(const char *text, const char *word);
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
@@ -67,26 +67,26 @@ const char *find_word(const char *text, const char *word);
 /* glsl_body.c: the author's file with includes expanded, other stages cut out, and #line; into
  * PART_BODY. */
 bool glsl_body(struct glsl *glsl);
-/* Where a piece of PART_BODY comes from. */
+/* Place in a source file of a piece of PART_BODY. */
 struct loc glsl_body_loc(const struct glsl *glsl, const char *body, size_t offset, size_t length);
-/* glsl_range.c: `for (Type v : range) { ... }` of PART_BODY written out; declarations into
+/* glsl_range.c: expands `for (Type v : range) { ... }` in PART_BODY; adds declarations to
  * PART_CACHES. */
 bool glsl_ranges(struct glsl *glsl);
 /* glsl_access.c: into PART_FUNCTIONS and PART_RESOURCES. */
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);
 bool glsl_check_accesses(struct glsl *glsl);
-/* glsl_precise.c: the author's own `precise` stands where glslang takes it. */
+/* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
 bool glsl_check_precise(const struct glsl *glsl);
-/* glsl_precise.c: `precise` wherever float arithmetic ends, in the text of a whole stage. */
+/* glsl_precise.c: adds `precise` to declarations and results in the text of a whole stage. */
 void glsl_precise(const struct glsl *glsl, struct text *text);
-/* glsl_library.c: the definitions of templates/glsl/NAME.glsl that are used so far, put before
- * PART_LIBRARY. @layout@ in them becomes `layout`. */
+/* glsl_library.c: puts the definitions of templates/glsl/NAME.glsl that the stage uses before
+ * PART_LIBRARY. Replaces @layout@ in them by `layout`. */
 bool glsl_library(struct glsl *glsl, const char *name, const char *layout);
-/* glsl_library.c: reads DIR/NAME once per model; NULL when it is not there. number: of #line,
- * may be NULL. */
+/* glsl_library.c: reads the file at `path` once per model; NULL: cannot be read. number: for
+ * #line, may be NULL. */
 const struct source *glsl_source(struct model *model, const char *path, uint32_t *number);
-/* Enters a file that was read already into model->glsl_sources; false when out of memory. */
+/* Adds a file that was read to model->glsl_sources, once; false when out of memory. */
 bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number);
 
 #endif

@@ -1,6 +1,6 @@
 /* Resources of a pass in GLSL: blocks, images and textures with their bindings, and the
- * functions by which a body reads and writes them. Called by emit_glsl.c; kinds and bindings are
- * the plan's. */
+ * functions with which a body reads and writes them. Called by emit_glsl.c; plan.c chose the kinds
+ * and bindings. */
 #include "glsl.h"
 #include "plan.h"
 #include "plan.h"
@@ -49,7 +49,7 @@ static bool is_compare(const struct access *access)
     return access->filter && access->filter->compare;
 }
 
-/* Number of earlier accesses of the pass to the same resource with a binding: names must differ. */
+/* Number of earlier accesses to the resource with a binding; keeps variable names different. */
 static uint32_t earlier(const struct glsl *glsl, const struct access *access)
 {
     uint32_t count = 0;
@@ -58,8 +58,8 @@ static uint32_t earlier(const struct glsl *glsl, const struct access *access)
     return count;
 }
 
-/* The GLSL variable: NAME_image or NAME_texture, with the mip behind it when the pass has
- * several of one resource. */
+/* The GLSL variable: NAME_image or NAME_texture. Further accesses of the pass to the resource get
+ * a number at the end. */
 static const char *variable_name(const struct glsl *glsl, const struct access *access)
 {
     const char *kind = is_storage(access) ? "image" : "texture";
@@ -72,14 +72,14 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 
 /* ---- Functions ------------------------------------------------------------------------------- */
 
-/* The level to look up. Vulkan binds the one mip that such an access may see, so that another may be
- * a target in the same pass; OpenGL has no such view, and the level picks it. */
+/* The level to look up. If an access sees one mip, Vulkan binds a view of this mip, so the pass may
+ * write another one. OpenGL has no such view; the level selects the mip. */
 static uint32_t level_of(const struct glsl *glsl, const struct access *access)
 {
     return glsl->backend == BACKEND_VK && access_sees_one_mip(access) ? 0 : access->mip_value;
 }
 
-/* Texels by position. A resource that the pass reads at several mips by texel keeps the first. */
+/* Reads a texel by position. Only the first access to a resource gets this function. */
 static void add_texel(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
@@ -132,8 +132,8 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
                  level_of(glsl, access), tail);
 }
 
-/* textureLod has no form for array shadow samplers; with all mips at one size, texture means the
- * same outside of fragment shaders. */
+/* textureLod has no form for array shadow samplers; textureGrad with zero gradients reads the first
+ * mip. */
 static void add_compare(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const char *variable = variable_name(glsl, access);
@@ -157,7 +157,7 @@ static void add_store(const struct glsl *glsl, const struct access *access, stru
              format_names(image->format).prefix, variable_name(glsl, access));
 }
 
-/* Whether an earlier access of the pass to this resource gives the same function already. */
+/* Whether no earlier access of the pass to this resource gives the same function. */
 static bool first_texel_access(const struct glsl *glsl, const struct access *access)
 {
     for (const struct access *other = glsl->pass->accesses; other < access; other++)
@@ -167,7 +167,7 @@ static bool first_texel_access(const struct glsl *glsl, const struct access *acc
     return true;
 }
 
-/* Whether the name stands for a colour target in the body, so that no function can have it. */
+/* Whether the name is a colour target's variable in the body, so no function can have it. */
 static bool names_target(const struct glsl *glsl, const struct access *access)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++)

@@ -1,5 +1,5 @@
 /* The author's text of one stage: includes expanded, the parts of other stages and backends cut
- * out, #line wherever the lines of the output leave those of the file. Called by emit_glsl.c. */
+ * out, #line wherever output lines no longer match the file. Called by emit_glsl.c. */
 #include "glsl.h"
 
 #include <ctype.h>
@@ -9,10 +9,10 @@
 enum { MAX_INCLUDE_DEPTH = 16, MAX_CONDITIONS = 64 };
 
 struct condition { /* one open #if */
-    bool known;    /* about a macro of ours: decided here, its directives are not copied */
-    bool active;   /* its present branch */
+    bool known;    /* tests a macro of the generator: decided here, directives not copied */
+    bool active;   /* the current branch */
     bool taken;    /* some branch of it was active */
-    bool around;   /* what is around it is active */
+    bool around;   /* the enclosing text is active */
 };
 
 struct body {
@@ -127,7 +127,7 @@ static bool open_condition(struct body *body, const char *line, size_t length, i
     return true;
 }
 
-/* #else, #elif and #endif of a condition that is decided here. */
+/* Handles #else, #elif and #endif of a known condition. */
 static void switch_known(struct body *body, struct token directive, const char *line, size_t length)
 {
     struct condition *top = &body->conditions[body->condition_count - 1];
@@ -138,7 +138,7 @@ static void switch_known(struct body *body, struct token directive, const char *
         top->active = false;
     } else if (token_is(directive, "else")) {
         top->active = top->taken = true;
-    } else { /* what is left is a plain #if */
+    } else { /* the #elif becomes a plain #if */
         const char *rest = memchr(line, 'f', length);
         *top = (struct condition){false, true, true, top->around};
         text_add(&body->glsl->parts[PART_BODY], "#if%.*s\n", (int)(line + length - rest - 1),
@@ -223,7 +223,7 @@ struct renaming {
     const char *from, *to;
 };
 
-/* Replaces words, or only those before a parenthesis. */
+/* Replaces words; calls: only those before a parenthesis. */
 static void rename_words(struct text *text, const struct renaming *renaming, bool calls)
 {
     struct text renamed = {0};
@@ -246,8 +246,8 @@ static void rename_words(struct text *text, const struct renaming *renaming, boo
     *text = renamed;
 }
 
-/* OpenGL numbers vertices and instances under other names, and no macro may begin with gl_. Its number
- * of an instance leaves out the base, which only an indirect draw has. */
+/* OpenGL has other names for vertex and instance numbers; a macro name must not begin with gl_.
+ * gl_InstanceID leaves out the base instance, which only indirect draws have. */
 static void rename_for_opengl(struct text *text, bool indirect)
 {
     const struct renaming renamings[] = {
@@ -258,8 +258,8 @@ static void rename_for_opengl(struct text *text, bool indirect)
         rename_words(text, &renamings[i], false);
 }
 
-/* Calls of functions whose built-in form is not exact. No macros, because they would also change
- * array.length(), and glslang lets no one redefine built-in functions for Vulkan. */
+/* Renames calls of built-in functions that are not exact. Macros would also change array.length(),
+ * and glslang does not allow to redefine built-in functions for Vulkan. */
 static void rename_for_exactness(struct text *text)
 {
     static const struct renaming renamings[] = {

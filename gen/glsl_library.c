@@ -13,7 +13,7 @@ static bool is_word(char c)
     return isalnum((unsigned char)c) || c == '_';
 }
 
-/* Behind blanks, comments and preprocessor lines. */
+/* Skips blanks, comments and preprocessor lines. */
 static const char *skip_blank(const char *at)
 {
     for (;;) {
@@ -33,7 +33,7 @@ static const char *skip_blank(const char *at)
 struct token token_next(const char **cursor)
 {
     const char *at = skip_blank(*cursor), *end = at;
-    if (is_word(*end)) /* numbers such as 1.5e3 fall into pieces, which no caller minds */
+    if (is_word(*end)) /* splits numbers such as 1.5e3; no caller needs them whole */
         while (is_word(*end))
             end++;
     else if (*end)
@@ -113,8 +113,8 @@ bool glsl_source_add(struct model *model, const struct source *source, uint32_t 
 
 /* ---- Definitions ----------------------------------------------------------------------------- */
 
-/* What a definition defines: the name behind `struct`, or before the first parenthesis, or
- * behind the last brace. */
+/* The name that a definition declares: after `struct`, before the final `;` of a `layout`, or
+ * before the first `(` or `=`. */
 static struct token defined_name(const char *text)
 {
     const char *cursor = text;
@@ -163,7 +163,7 @@ bool glsl_library(struct glsl *glsl, const char *name, const char *layout)
         return false;
     }
     size_t end = source->length;
-    while (end > 0) { /* from the last definition to the first: they use those above them */
+    while (end > 0) { /* from last to first: a definition uses those above it */
         size_t start = end;
         while (start > 0 &&
                !(start >= 2 && source->text[start - 1] == '\n' && source->text[start - 2] == '\n'))

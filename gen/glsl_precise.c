@@ -1,10 +1,9 @@
-/* Exactness of OpenGL's GLSL text. In SPIR-V every operation is marked by itself (spirv.c); GLSL
- * can only mark what is assigned, with `precise`: so every variable and parameter that a stage
- * declares gets the qualifier, and what a function returns goes through such a variable. Buffers
- * and gl_Position are marked where they are declared. What is assigned nowhere cannot be marked:
- * arithmetic within the condition of an `if`, and in Mesa vector * matrix and matrix * matrix,
- * whose parts are assigned by the compiler. Called by emit_glsl.c on the complete text, whose
- * lines stay where they are. */
+/* Exactness of OpenGL's GLSL text. SPIR-V can mark every operation (spirv.c); GLSL can only mark
+ * variables, with `precise`. So every variable and parameter that a stage declares gets the
+ * qualifier, and function results go through such a variable. Buffers and gl_Position are marked
+ * where they are declared. Values that no variable holds cannot be marked: arithmetic in the
+ * condition of an `if`, and in Mesa vector * matrix and matrix * matrix, whose parts the compiler
+ * assigns. Called by emit_glsl.c on the complete text; line numbers do not change. */
 #include "glsl.h"
 
 #include <ctype.h>
@@ -14,7 +13,7 @@ struct rewrite {
     const struct glsl *glsl;
     struct text *out;
     const char *copied;     /* all before it is in `out` */
-    struct token before;    /* the token before the present one */
+    struct token before;    /* the previous token */
     int depth, parentheses; /* open braces and parentheses */
     bool function;          /* the open brace of depth 1 is a function's */
     struct token result;    /* type that the function returns */
@@ -35,8 +34,8 @@ static void insert(struct rewrite *rewrite, const char *at, const char *text)
     rewrite->copied = at;
 }
 
-/* Whether a declaration may begin behind this token; a parenthesis or comma: of parameters or of
- * the head of a `for`. */
+/* Whether a declaration may begin after the previous token. After `(` or `,`: a parameter, or the
+ * head of a `for`. */
 static bool begins_declaration(const struct rewrite *rewrite)
 {
     struct token before = rewrite->before;
@@ -48,8 +47,8 @@ static bool begins_declaration(const struct rewrite *rewrite)
     return token_is(before, "shared");
 }
 
-/* Integers too: they may come from float arithmetic, as in ivec2(floor(x * n)). Not the counters
- * of loops, for the reader. */
+/* Integers too, since they may come from float arithmetic: ivec2(floor(x * n)). Loop counters stay
+ * unmarked, for readability. */
 static bool takes_precise(const struct rewrite *rewrite, struct token type)
 {
     static const char *const others[] = {"const", "precise", "return", "else"};
@@ -60,7 +59,7 @@ static bool takes_precise(const struct rewrite *rewrite, struct token type)
            !(rewrite->depth && token_is(rewrite->before, "(") && token_is(type, "int"));
 }
 
-/* Of a type and a name, which begin a declaration; the token behind the name tells. */
+/* Whether `type name` is a declaration, judged by the token behind the name. */
 static bool declares(struct token type, struct token name, struct token behind)
 {
     return is_name(type) && is_name(name) && behind.length == 1 && strchr("=;,[)", *behind.text);
@@ -79,7 +78,7 @@ static void declaration(struct rewrite *rewrite, struct token type, const char *
     rewrite->globals |= global;
 }
 
-/* `return a + b;` at `token`: through a variable. A name or a literal alone stays. */
+/* `return a + b;` at `token` returns through a variable. A single name or literal stays. */
 static void result(struct rewrite *rewrite, struct token token, const char *cursor)
 {
     const char *at = cursor;
@@ -113,9 +112,9 @@ static void walk(struct rewrite *rewrite, struct token token)
     rewrite->before = token;
 }
 
-/* glslang (12) takes a global variable that is declared with `precise` for a local one of no function,
- * and writes an invalid module. That needs no such mark, since spirv.c marks the operations; GL_SPIRV is
- * defined where GLSL is compiled for it. Behind the line of #version. */
+/* glslang (12) writes an invalid module for a global variable that is declared with `precise`. As
+ * spirv.c marks the operations, SPIR-V needs no qualifier: PRECISE is empty where GL_SPIRV is
+ * defined. Inserts the macro after the line of #version. */
 static void define_precise(struct text *text)
 {
     const char *behind = strchr(text->data, '\n') + 1;

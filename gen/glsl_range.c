@@ -1,7 +1,7 @@
-/* `for (Type v : range) { ... }` written out. Drivers that run on CPUs read a small array that
- * all invocations share twenty times faster from shared memory at literal indices than in a loop
- * over a buffer; here a count known at generation becomes exactly that, when the plan says so.
- * Called by emit_glsl.c with the body complete. */
+/* Expands `for (Type v : range) { ... }`. CPU drivers read a small array that all invocations share
+ * twenty times faster from shared memory at literal indices than in a loop over a buffer. If the
+ * plan says so and the generator knows the count, the loop becomes such reads. Called by
+ * emit_glsl.c with the complete body. */
 #include "glsl.h"
 #include "plan.h"
 
@@ -18,8 +18,8 @@ struct loop {          /* one `for` of the body */
     struct token type, variable, name;
     const char *open, *close; /* the braces around its body */
     const struct range *range;
-    uint64_t fields; /* that the body uses, as bits */
-    bool copied;     /* by add_first_copies, once and for all loops */
+    uint64_t fields; /* mask of those that the body uses */
+    bool copied;     /* at the start of main(), for all loops */
     struct loc open_loc, close_loc;
     uint32_t line_number, close_number; /* of the sources, for #line */
 };
@@ -52,7 +52,7 @@ static bool parse_head(struct loop *loop, const char **cursor)
     return true;
 }
 
-/* From the opening brace to the closing one; rejects what cannot be written out. */
+/* Finds the closing brace; rejects jumps, which cannot be expanded. */
 static bool find_close(const struct glsl *glsl, struct loop *loop)
 {
     static const char *const jumps[] = {"break", "continue", "return"};
@@ -98,7 +98,7 @@ static const struct range *find_range(const struct glsl *glsl, struct token name
     return NULL;
 }
 
-/* Which fields of the variable the body names. */
+/* Mask of the variable's fields that the body uses, or WHOLE. */
 static uint64_t used_fields(const struct loop *loop)
 {
     const struct structure *structure = loop->range->access->resource->structure;
@@ -174,9 +174,9 @@ static bool is_shared(const struct range *range)
     return range->storage == STORAGE_SHARED;
 }
 
-/* Copied from a uniform block as it is, a word at a time, rather than field by field. A CPU runs the
- * copy for all invocations, also where none has anything left to copy, and pays for each component
- * of what one invocation copies. */
+/* Whether the range is copied from a uniform block word by word, not field by field. A CPU runs the
+ * copy for all invocations, even those with nothing to copy, and pays for each component that one
+ * invocation copies. */
 static bool by_words(const struct range *range)
 {
     return is_shared(range) && range->access->kind & ACCESS_UNIFORM;
@@ -185,11 +185,11 @@ static bool by_words(const struct range *range)
 static uint32_t chunk_of(const struct range *range)
 {
     uint32_t count = (uint32_t)range->count_value;
-    bool whole = !is_shared(range) && range->loop != LOOP_UNROLL; /* nothing to do in pieces */
+    bool whole = !is_shared(range) && range->loop != LOOP_UNROLL; /* needs no chunks */
     return whole || !range->chunk || range->chunk > count ? count : range->chunk;
 }
 
-/* A value that begins `offset` bytes into the element `index` of a cache of words. */
+/* Reads a value `offset` bytes into element `index` of a cache of words. */
 static void add_words(const struct range *range, enum dt_type type, const char *index,
                       uint32_t offset, struct text *out)
 {
@@ -231,8 +231,8 @@ static void add_field(const struct loop *loop, const struct field *field, const 
     }
 }
 
-/* Declares the variable and fills it. index: of the element in the cache or, behind the first,
- * in the buffer. */
+/* Declares the variable and fills it. index: of the element in the cache; without a cache, in the
+ * buffer after the range's first. */
 static void add_element(const struct loop *loop, const char *index, struct text *out)
 {
     const struct range *range = loop->range;
@@ -266,9 +266,9 @@ static void add_body(const struct loop *loop, struct text *out)
     text_add(out, "\n    }\n");
 }
 
-/* All invocations of the workgroup copy `count` elements. chunk: offset behind the first. Fields of a
- * storage buffer go one by one, since a driver that runs on a CPU loads every component of every
- * lane by itself, so those that nothing reads are left out. */
+/* All invocations of the workgroup copy `count` elements. chunk: offset after the range's first. Of
+ * a storage buffer only the used fields are copied, because a CPU driver loads every component of
+ * every lane separately. */
 static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t count,
                      const char *chunk, struct text *out)
 {
@@ -279,7 +279,7 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     const char *name = access_word(range->access);
     uint32_t words = by_words(range) ? buffer->stride / 4 : 1;
     uint32_t copied = count * words, invocations = local[0] * local[1] * local[2];
-    if (copied <= invocations) /* a loop would cost a CPU a turn's checks for each vector */
+    if (copied <= invocations) /* a loop costs a CPU more checks for each vector */
         text_add(out,
                  "    if (gl_LocalInvocationIndex < %uu) {\n"
                  "        int i = int(gl_LocalInvocationIndex);\n",
@@ -301,7 +301,7 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     text_add(out, "    }\n");
 }
 
-/* Between two barriers, since loops before may still read what is copied over. */
+/* Copies between two barriers, since earlier loops may still read the old elements. */
 static void add_late_copy(const struct glsl *glsl, const struct loop *loop, uint32_t count,
                           const char *chunk, struct text *out)
 {
@@ -317,8 +317,8 @@ static void add_first(const struct range *range, struct text *out)
     text_add(out, "    int %s_first = %s;\n", range->name, range->first ? range->first : "0");
 }
 
-/* `count` elements, the first of them at `base` in the range (text; "" for the start of the
- * range). */
+/* Writes the body for `count` elements. base: text before the index, "" for the start of the
+ * range. */
 static void add_elements(const struct loop *loop, uint32_t count, const char *base,
                          struct text *out)
 {
@@ -342,7 +342,7 @@ static void add_elements(const struct loop *loop, uint32_t count, const char *ba
     }
 }
 
-/* However many there are: the text is the same for all counts. */
+/* The loop reads the count at run time, so the text is the same for all counts. */
 static void add_counted(const struct loop *loop, struct text *out)
 {
     const struct range *range = loop->range;
@@ -394,7 +394,7 @@ static void add_loop(const struct glsl *glsl, const struct loop *loop, struct te
     text_add(out, "}\n#line %d %u\n", loop->close_loc.line, loop->close_number);
 }
 
-/* Shared memory for what the loops over one range read. */
+/* Declares shared memory for the elements or fields of one range. */
 static void add_caches(struct glsl *glsl, const struct range *range, uint64_t fields)
 {
     struct text *out = &glsl->parts[PART_CACHES];
@@ -426,7 +426,7 @@ static void add_caches(struct glsl *glsl, const struct range *range, uint64_t fi
 
 /* ---- The body -------------------------------------------------------------------------------- */
 
-/* Walks over the body; in_main says whether `cursor` is directly in main's block. */
+/* Walks over the tokens of the body; knows the function and the depth of braces. */
 struct walk {
     const char *cursor;
     int depth, parentheses;
@@ -449,7 +449,7 @@ static struct token walk_next(struct walk *walk)
 struct loops {
     struct loop *list;
     size_t count;
-    uint64_t *fields; /* of every range of the pass: what its loops use together */
+    uint64_t *fields; /* by range of the pass: mask of all fields that its loops use */
     const char *main; /* behind the opening brace of main() */
 };
 
@@ -476,7 +476,7 @@ static bool find_loops(const struct glsl *glsl, struct loops *loops)
     return true;
 }
 
-/* Whether the expression of a range's first element has the same value anywhere in main(). */
+/* Whether a range's `first` has the same value anywhere in main(). */
 static bool is_global(const struct glsl *glsl, const char *first)
 {
     const struct pipeline *pipeline = glsl->pipeline;
@@ -495,9 +495,9 @@ static bool is_global(const struct glsl *glsl, const char *first)
     return true;
 }
 
-/* At the beginning of main(): all that is copied in one piece from what the pass does not change.
- * One barrier then serves all loops, and little is alive across it: on a CPU it is a switch between
- * as many threads of control as the workgroup fills vectors. */
+/* At the beginning of main(), copies every range that fits one chunk and that the pass only reads.
+ * Then one barrier serves all loops, and few values live across it: on a CPU, a barrier switches
+ * between as many threads of control as the workgroup has vectors. */
 static void add_first_copies(const struct glsl *glsl, const struct loops *loops, struct text *out)
 {
     bool any = false;

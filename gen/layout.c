@@ -1,6 +1,6 @@
 /* Byte offsets by the rules of the OpenGL specification, section 7.6.2.2: std430 for structs in
- * storage buffers, std140 for the uniform block of the live parameters. Called by main between
- * check and plan; the results are asserted again in the emitted C. */
+ * storage buffers, std140 for the uniform block of the parameters. Called by load.c and vary.c
+ * between check and plan; the emitted C asserts the results. */
 #include "plan.h"
 #include "stages.h"
 
@@ -51,7 +51,7 @@ static void layout_struct(struct structure *structure)
     structure->stride = align_up(offset, align);
 }
 
-/* Each element has to be a multiple of 16 bytes, and so have those of arrays inside. */
+/* Elements, and elements of arrays in them, must be multiples of 16 bytes. */
 bool std140_equals_std430(const struct resource *buffer)
 {
     const struct structure *structure = buffer->structure;
@@ -62,7 +62,7 @@ bool std140_equals_std430(const struct resource *buffer)
     return buffer->stride % 16 == 0 && (!structure || structure->align == 16);
 }
 
-/* Live parameters, or uniform ones, from `offset` on; returns the offset behind them. */
+/* Places live or uniform parameters from `offset` on; returns the offset after them. */
 static uint32_t layout_params(struct pipeline *pipeline, bool live, uint32_t offset)
 {
     for (uint32_t i = 0; i < pipeline->param_count; i++) {
@@ -77,7 +77,7 @@ static uint32_t layout_params(struct pipeline *pipeline, bool live, uint32_t off
     return align_up(offset, 16);
 }
 
-/* A block without live parameters still has 16 bytes, since a uniform buffer of no bytes cannot be
+/* A block without live parameters still has 16 bytes, because an empty uniform buffer cannot be
  * bound. */
 static void layout_block(struct pipeline *pipeline)
 {

@@ -1,17 +1,17 @@
-/* Which loops a driver is to leave as loops. Drivers that run on CPUs unroll short loops of constant
- * length, whatever is in them: what takes an invocation many operations a turn is then compiled many
- * times over, for nothing that would show in a frame's time. Called by spirv.c with a finished module. */
+/* Marks the loops that drivers must not unroll. CPU drivers unroll every short loop of constant
+ * length. With many operations per iteration, that multiplies the compile time but does not shorten
+ * the frame. Called by spirv.c with a finished module. */
 #include "spirv.h"
 
 #include <spirv/unified1/spirv.h>
 #include <stdlib.h>
 
-/* Operations of a turn, at least, and what reading a number counts as, which a CPU does lane by lane. Mesa
- * 22.3 and LLVM 15 compile the second-bounce VPLs of SSVP in half the instructions for this, and k-means in
- * four fifths, and both run as fast. Loops that only compute, of 30 operations, saved little and took up to
- * one and a half times as long. */
+/* LONG_TURN: fewest operations per iteration of a marked loop. READ: operations that reading a
+ * number counts as, because a CPU reads lane by lane. With these, Mesa 22.3 and LLVM 15 compile the
+ * second-bounce VPLs of SSVP to half the instructions, k-means to four fifths, at the same speed.
+ * Loops of 30 operations that only compute saved little and took up to 1.5 times as long. */
 enum { LONG_TURN = 80, READ = 8 };
-enum { MAX_CALLS = 16 }; /* GLSL has no recursion; this is against modules that are broken */
+enum { MAX_CALLS = 16 }; /* GLSL has no recursion; a limit for broken modules */
 
 struct module {
     uint32_t *words;
@@ -24,7 +24,7 @@ static bool is_opcode(const uint32_t *instruction, SpvOp opcode)
     return (*instruction & 0xffff) == opcode;
 }
 
-/* Numbers in a value of the type. */
+/* Number of scalars in a value of the type. */
 static uint32_t numbers_in(const struct module *m, uint32_t type)
 {
     const uint32_t *declared = m->words + m->definitions[type];
@@ -38,7 +38,7 @@ static uint32_t numbers_in(const struct module *m, uint32_t type)
     return sum;
 }
 
-/* Whether a pointer leads out of the invocation. */
+/* Whether a pointer leads to memory that invocations share. */
 static bool is_shared(const struct module *m, uint32_t pointer)
 {
     const uint32_t *type = m->words + m->definitions[m->words[m->definitions[pointer] + 1]];
@@ -46,8 +46,8 @@ static bool is_shared(const struct module *m, uint32_t pointer)
            type[2] == SpvStorageClassWorkgroup;
 }
 
-/* What only moves numbers about differs from one version of SPIR-V to the other, so from backend to
- * backend, which have to decide alike: it counts as nothing. */
+/* Instructions that only move data count as nothing: they differ between the SPIR-V versions of the
+ * backends, and both backends must mark the same loops. */
 static uint32_t operations_of(const struct module *m, const uint32_t *instruction)
 {
     uint32_t opcode = *instruction & 0xffff;
@@ -66,7 +66,7 @@ static size_t function_end(const struct module *m, size_t at)
     return at;
 }
 
-/* From one instruction to another, with what is called there; loops count as one turn. */
+/* Operations between two instructions, with called functions; a loop counts as one iteration. */
 static uint64_t operations_in(const struct module *m, size_t from, size_t to, uint32_t calls)
 {
     uint64_t sum = 0;
@@ -80,8 +80,8 @@ static uint64_t operations_in(const struct module *m, size_t from, size_t to, ui
     return sum;
 }
 
-/* Whether it picks elements of an array of the invocation's own, which drivers hold in registers as long
- * as they know the index. */
+/* Whether the loop indexes a private array with a variable. Drivers hold such arrays in registers
+ * only if they know the index. */
 static bool picks_from_array(const struct module *m, size_t from, size_t to)
 {
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
@@ -102,7 +102,7 @@ bool spirv_keep_loops(uint32_t *words, size_t count)
 {
     uint32_t *definitions = spirv_definitions(words, count);
     const struct module module = {words, count, definitions};
-    size_t behind = 0; /* the outermost loop */
+    size_t behind = 0; /* the last outermost loop */
     for (size_t at = SPIRV_HEADER; definitions && at < count; at += words[at] >> 16) {
         if (!is_opcode(words + at, SpvOpLoopMerge) || at < behind)
             continue;

@@ -14,7 +14,7 @@ struct lowering {
     bool failed;
 };
 
-/* Zeroed; on failure a place to write one element to, so that callers go on to the end. */
+/* Zeroed; on failure scratch memory for one element, so that callers can go on. */
 static void *table(struct lowering *l, size_t count, size_t size)
 {
     static _Alignas(16) char scratch[512];
@@ -46,7 +46,7 @@ struct groups pass_groups(const struct pass *pass, int axis)
                    : (struct groups){GROUPS_IMAGE, .image = pass->size_resource, .divisor = local};
     if (pass->size == SIZE_INTERLEAVE) {
         const uint32_t *tile = pass->interleave->tile;
-        /* A group covers local pixels of one class; a class has every tile-th pixel of the frame. */
+        /* A group covers `local` pixels of a class; a class has each tile-th pixel of the frame. */
         return axis == 2 ? (struct groups){.divisor = tile[0] * tile[1]}
                          : (struct groups){GROUPS_FRAME, .divisor = tile[axis] * local};
     }
@@ -105,7 +105,7 @@ static bool reads_color(const struct pass *pass, const struct access *access)
     return access->kind & ACCESS_COLOR && (access->mode == MODE_UPDATE || pass->blend_add);
 }
 
-/* An image has one layout in a pass, for everything that the pass does to it. */
+/* An image has one layout in a pass, for all accesses of the pass. */
 static uint8_t layout_in_pass(const struct pass *pass, const struct resource *resource)
 {
     static const uint8_t layouts[] = {[LAYOUT_GENERAL] = DT_LAYOUT_GENERAL,
@@ -256,7 +256,7 @@ static struct dt_binding block_of(int binding, enum dt_builtin block, bool unifo
                                .kind = uniform ? DT_BIND_UNIFORM : DT_BIND_STORAGE};
 }
 
-/* A scene draw always binds materials and textures, also when its reads name them. */
+/* A scene draw always binds materials and textures, so accesses to them are skipped. */
 static void lower_bindings(struct lowering *l, const struct pass *pass, struct dt_program *program)
 {
     struct dt_binding *bindings = table(l, pass->access_count + 4, sizeof *bindings);
@@ -339,8 +339,8 @@ static void lower_programs(struct lowering *l, struct dt_panel *panel)
 
 /* ---- Features of a device -------------------------------------------------------------------- */
 
-/* Vulkan 1.3, appendix "Vulkan Environment for SPIR-V": the capabilities that come with a feature, of
- * those that GLSL 4.60 without extensions leads to. */
+/* Vulkan 1.3, appendix "Vulkan Environment for SPIR-V": the capabilities that need a feature, if
+ * GLSL 4.60 with the generator's extensions can lead to them. */
 static const struct {
     SpvCapability capability;
     const char *feature;
@@ -358,7 +358,7 @@ static const struct {
 
 static bool has_capability(const struct pass_shaders *shaders, SpvCapability capability)
 {
-    const uint32_t declaration = 2u << 16 | SpvOpCapability; /* they stand first */
+    const uint32_t declaration = 2u << 16 | SpvOpCapability; /* first in a module */
     for (size_t stage = 0; stage < DT_ARRAY_COUNT(shaders->stage); stage++) {
         const struct shader *shader = &shaders->stage[stage];
         for (size_t at = 5; at + 1 < shader->word_count && shader->words[at] == declaration;
@@ -532,7 +532,7 @@ static bool reads(const struct pass *pass, const struct resource *resource)
     return pass->indirect_resource == resource || pass->index_resource == resource;
 }
 
-/* The access by which the pass writes the resource, NULL: none. No pass writes two mips of an image,
+/* The access of the pass that writes the resource, NULL: none. No pass writes two mips of an image,
  * since its body could not tell them apart. */
 static const struct access *written_by(const struct pass *pass, const struct resource *resource)
 {

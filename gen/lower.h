@@ -1,6 +1,6 @@
 /* The planned model as the tables that runtimes take (templates/c/panel.h). emit_panel.c and
- * emit_pipeline.c print them as C; app/build/play.c plays them. Both follow the same few functions for
- * what is no table: sizes, runs, and the steps of a pass. Called by main.c and by the app. */
+ * emit_pipeline.c print them as C; app/build/play.c executes them. Sizes, runs and the steps of a
+ * pass are no tables: both use the functions below. Called by load.c. */
 #ifndef DIPTYCH_GEN_LOWER_H
 #define DIPTYCH_GEN_LOWER_H
 
@@ -16,7 +16,7 @@ struct lowered {
         *barriers; /* by pass in order of execution; pass->barrier_count of them */
 };
 
-/* All tables, in the model's arena; they borrow from the model and from the shaders' words. NULL: out of
+/* All tables, in the model's arena; they point into the model and the shaders' words. NULL: out of
  * memory. */
 struct lowered *lower(const struct model *model, struct pass_shaders *const shaders[2]);
 
@@ -25,8 +25,8 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
 bool pass_draws(const struct pass *pass);
 const struct expr *resource_size(const struct resource *resource, int axis); /* NULL: 1 */
 
-/* One axis of the workgroups of a dispatch: dt_groups(of, divisor), where `of` is an expression, an axis
- * of an image, or the frame's width or height; or the number `divisor` alone. */
+/* The workgroups of a dispatch along one axis: dt_groups(of, divisor), where `of` is an expression,
+ * an axis of an image, or the frame's width or height. GROUPS_NUMBER: the number `divisor`. */
 enum groups_kind { GROUPS_NUMBER, GROUPS_EXPR, GROUPS_IMAGE, GROUPS_FRAME };
 struct groups {
     enum groups_kind kind;
@@ -36,8 +36,8 @@ struct groups {
 };
 struct groups pass_groups(const struct pass *pass, int axis);
 
-/* What a conditional pass clears where it does not run. The targets of a draw, unless all load; and what
- * else it writes: returns the next such access from place *at on, NULL after the last. */
+/* What a conditional pass clears when it does not run. pass_clears_targets: targets of a draw,
+ * unless all load. pass_clears: the next other written access from index *at on; NULL: no more. */
 bool pass_clears_targets(const struct pass *pass);
 const struct access *pass_clears(const struct pass *pass, uint32_t *at);
 

@@ -1,6 +1,6 @@
-/* diptych-gen: one pipeline spec in; GLSL, SPIR-V, C and a graph out. This file is the command line
- * and the road through the stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 it could
- * not be tried (usage, files, memory). */
+/* diptych-gen: reads one pipeline spec; writes GLSL, SPIR-V, C and a graph. This file has the
+ * command line and runs the stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 another
+ * failure (usage, files, memory). */
 #include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
@@ -133,8 +133,8 @@ static void add_named(struct generation *g, const char *suffix, struct text *tex
         text_free(text);
 }
 
-/* gl/PASS.comp and gl/PASS.comp.spv, and so on for every stage and backend. The SPIR-V is copied
- * last: emitters use it. */
+/* gl/PASS.comp and gl/PASS.comp.spv, and so on for every stage and backend. The output takes the
+ * GLSL, and gets a copy of the SPIR-V. */
 static void add_shaders(struct generation *g)
 {
     const struct pipeline *pipeline = &g->spec.model.pipeline;
@@ -156,7 +156,7 @@ static void add_shaders(struct generation *g)
             }
 }
 
-/* limit/PASS.c: a copy, since it is compiled against NAME.h, and the spec may lie anywhere. */
+/* limit/PASS.c: a copy beside NAME.h, since the file includes NAME.h. */
 static void add_limits(struct generation *g)
 {
     const struct pipeline *pipeline = &g->spec.model.pipeline;
@@ -259,7 +259,8 @@ static void print_summary(const struct pipeline *pipeline)
     printf("\n");
 }
 
-/* A whole number, or `otherwise` without text; false, reported, when it is none from least to most. */
+/* Parses a whole number from least to most; NULL gives `otherwise`. Reports other texts and returns
+ * false. */
 static bool read_number(const char *name, const char *text, uint64_t least, uint64_t most,
                         uint64_t otherwise, uint64_t *number)
 {
@@ -284,7 +285,7 @@ static struct shader_cache *open_cache(const char *folder)
     return cache;
 }
 
-/* A spec that takes longer than this hangs. */
+/* Limits the processor time, so that a spec cannot make diptych-gen hang. */
 static bool set_limit(const char *text)
 {
     uint64_t seconds;
@@ -339,8 +340,9 @@ static enum status print_variations(struct generation *g)
     return good ? STATUS_DONE : STATUS_WRONG_SPEC;
 }
 
-/* `templates` in the working folder, else beside the program's folder: build/diptych-gen finds
- * templates/, bin/diptych-gen of an installation share/diptych/templates. */
+/* The given folder, else `templates` in the working folder. Else the one that belongs to the
+ * program: templates/ for build/diptych-gen, share/diptych/templates for an installed
+ * bin/diptych-gen. */
 static const char *find_templates(struct arena *arena, const char *given)
 {
     char program[PATH_MAX];
@@ -382,7 +384,7 @@ static void add_summary_json(const struct model *model, struct text *text)
     text_add(text, "]");
 }
 
-/* The shape that `diptych VERB --json` has; written also, and above all, when the spec is wrong. */
+/* The same JSON format as `diptych VERB --json`. Also written when the spec is wrong. */
 static enum status write_json(const struct generation *g, enum status status)
 {
     struct output *output = output_create();
@@ -451,7 +453,7 @@ static enum status run_words(int argc, char **argv)
     else if (options.help)
         command_help(&command);
     else if (options.version)
-        printf("diptych-gen " VERSION "\n"); /* as build.ninja has it */
+        printf("diptych-gen " VERSION "\n"); /* build.ninja defines VERSION */
     else if (options.schema)
         status = print_text(emit_schema);
     else if (options.reference)

@@ -1,7 +1,7 @@
 /* The model: one pipeline spec as the stages of diptych-gen see it. read fills it from YAML, check
  * verifies and resolves names, layout and plan add their decisions, the emitters read it const.
- * Every node remembers its place in the source. All memory comes from the model's arena and lives
- * until model_free. Arrays are pointer + count. */
+ * Every node has its location in the source. All memory is in the model's arena. Arrays are
+ * pointer + count. */
 #ifndef DIPTYCH_GEN_MODEL_H
 #define DIPTYCH_GEN_MODEL_H
 
@@ -29,22 +29,22 @@ struct expr; /* integer over parameters, constants, frame.width and frame.height
 struct param {
     const char *name, *doc;
     struct loc loc, value_loc;
-    /* FLOAT, INT, UINT, BOOL or a vector of them; from `type`, else from the value */
+    /* FLOAT, INT, UINT, a vector of these, or BOOL; from `type`, else from the value */
     enum dt_type type;
     uint32_t components;
     double value[4];
     double min, max; /* each component; +-INFINITY when absent */
     double step;     /* for sliders; 0 when absent */
     bool live;
-    bool uniform;    /* not live, but in the block all the same, behind those that are */
-    uint32_t offset; /* layout: bytes into the block of live and uniform ones */
+    bool uniform;    /* not live, but in the parameter block, after the live ones */
+    uint32_t offset; /* layout: byte offset in the block of live and uniform parameters */
 };
 
-struct constant { /* named integer expression; folds at generation unless it uses the frame size */
+struct constant { /* named integer expression */
     const char *name, *doc;
     struct loc loc;
     struct expr *value;
-    bool literal; /* in GLSL, also when it depends on uniform parameters */
+    bool literal; /* a literal in GLSL even when it depends on uniform parameters */
     bool folds;   /* check: depends on baked parameters alone */
     int64_t folded;
 };
@@ -65,8 +65,7 @@ struct structure {
     uint32_t align, stride; /* layout, std430; stride is the array stride */
 };
 
-/* Ways in which a pass touches a resource; the plan's bits for one access of one pass, a usage mask
- * for a resource. */
+/* How a pass uses a resource: a mask for one access in access.kind, for all in resource.usage. */
 enum access_kind {
     ACCESS_STORAGE_READ = 1 << 0,  /* buffer as storage, image by imageLoad */
     ACCESS_STORAGE_WRITE = 1 << 1, /* buffer as storage, image by imageStore */
@@ -100,7 +99,7 @@ struct resource {
     enum dt_type type;           /* when structure is NULL */
     struct expr *count;
     uint32_t stride; /* layout */
-    uint32_t block;  /* plan: bytes that its uniform blocks declare; 0: the count's */
+    uint32_t block;  /* plan: declared bytes of its uniform blocks; 0: count * stride */
     /* images */
     enum dt_format format;
     struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */
@@ -110,7 +109,7 @@ struct resource {
     unsigned usage;            /* mask of enum access_kind over all passes */
     int first_pass, last_pass; /* in execution order; -1: unused. History spans the frame. */
     uint32_t slot;             /* Vulkan memory slot */
-    int share;                 /* OpenGL: resource whose texture it takes; -1: an own one */
+    int share;                 /* OpenGL: resource whose texture it uses; -1: its own */
     uint64_t bytes;            /* at the reference frame size 1920x1080 */
 };
 
@@ -134,7 +133,7 @@ enum normal_term {
 }; /* w2 (1 - (a.b)+), and Equation 2 as printed: w2 (a.b)+ */
 struct weight {
     double value;
-    const char *param; /* NULL, or what has the value instead */
+    const char *param; /* parameter to use instead of `value`, or NULL */
     struct loc loc;
 };
 
@@ -144,7 +143,7 @@ struct metric {
     struct weight position, normal;
     const char *position_field, *normal_field; /* default "position", "normal" */
     enum normal_term normal_term;
-    const char *scale; /* "scene_radius", or a number as text: lengths are divided by it */
+    const char *scale; /* divides lengths: "scene_radius", or a number as text */
 };
 
 struct interleave {
@@ -160,7 +159,7 @@ enum access_mode { MODE_READ, MODE_WRITE, MODE_UPDATE };
 struct access {
     const char *name; /* of the resource; "scene_vertices" etc. are builtins: see builtin */
     struct loc loc;
-    const char *as; /* what the body calls it; NULL: by its name. See access_word */
+    const char *as; /* its name in the body; NULL: `name`. See access_word */
     struct loc as_loc;
     enum access_mode mode;
     struct expr *mip;    /* NULL: mip 0 for storage and targets, all mips for sampling */
@@ -174,7 +173,7 @@ struct access {
     int binding;    /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
     int attachment; /* plan: colour attachment number; -1 */
 };
-/* What the body calls the resource. */
+/* The resource's name in the body. */
 static inline const char *access_word(const struct access *access)
 {
     return access->as ? access->as : access->name;
@@ -192,9 +191,8 @@ enum builtin {
 enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };
 enum loop_shape { LOOP_AUTO, LOOP_UNROLL, LOOP_ROLL };
 
-/* A run of `count` elements of a buffer that all invocations of a workgroup read alike. The body
- * iterates over it with `for (Type v : name) { ... }`; where the elements live and how the loop is
- * written is decided by the plan. */
+/* `count` elements of a buffer, one after the other, the same for all invocations of a workgroup.
+ * The body iterates with `for (Type v : name) { ... }`. The plan chooses storage and loop shape. */
 struct range {
     const char *name;
     struct loc loc, of_loc;
@@ -206,7 +204,7 @@ struct range {
     enum storage_class storage;
     enum loop_shape loop;
     uint32_t chunk; /* plan: elements per copy and per unrolled block */
-    bool counted;   /* plan: the shader reads the count, so it is the same for each */
+    bool counted;   /* plan: the shader reads the count, so all counts share one shader */
 };
 
 enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_DISPATCH };
@@ -220,12 +218,12 @@ enum pass_compare {
     COMPARE_ALWAYS
 };
 
-struct barrier { /* before the pass: what `resource` waits for */
+struct barrier { /* before the pass: the accesses that `resource` waits for */
     struct resource *resource;
     unsigned from; /* mask of access_kind of the earlier passes (0: first touch in the frame) */
     unsigned from_stages;   /* enum stage_bit of those accesses */
     bool from_writes;       /* the earlier accesses wrote: memory dependency, not only execution */
-    unsigned to, to_stages; /* what waits */
+    unsigned to, to_stages; /* the accesses that wait */
     bool discard;           /* first touch of a transient: content undefined */
     /* first touch of a slot that another resource used before, else NULL */
     const struct resource *alias;
@@ -245,7 +243,7 @@ struct pass {
     const char *name, *doc;
     struct loc loc;
     enum pass_kind kind;
-    /* draws of the scene: "camera" or "light": names the View that `view` means in the body */
+    /* scene draws: "camera" or "light", the View that the body calls `view` */
     const char *view;
     /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
     struct expr *layers;
@@ -257,7 +255,7 @@ struct pass {
     const char *shader; /* path as written */
     struct loc shader_loc;
     const struct source *body; /* check: the file, read once */
-    const char *limit;         /* C file that does the same, path as written; NULL: none */
+    const char *limit;         /* C file with the same work for the CPU, path; NULL: none */
     struct loc limit_loc;
     const struct source *limit_body; /* check */
     struct expr *when;               /* NULL: always */
@@ -269,17 +267,17 @@ struct pass {
     enum pass_size size;
     struct expr *dispatch[3];       /* invocations or groups */
     const char *dispatch_image;     /* SIZE_IMAGE: one invocation per texel of this image */
-    struct resource *size_resource; /* check; also the indirect buffer's, for SIZE_INDIRECT */
+    struct resource *size_resource; /* check: of dispatch_image, or the indirect buffer */
     /* `interleave: tile`: one z per class, x and y over the class's pixels */
     const char *interleave_name;
     struct interleave *interleave; /* check */
     const char *indirect;          /* buffer of arguments, for dispatches and scene draws */
     struct resource *indirect_resource;
-    const char *indices; /* scene draws: index buffer made by a pass */
+    const char *indices; /* scene draws: index buffer that a pass writes */
     struct resource *index_resource;
-    uint32_t local[3]; /* check folds local_size into it; defaults by the kind stand in it before */
+    uint32_t local[3]; /* workgroup size: read sets the default, check the value of local_size */
     struct expr *local_size[3]; /* as written; NULL: not given */
-    bool minds_group;           /* check: the body is written for a certain size of the workgroup */
+    bool minds_group;           /* check: the body depends on the size of the workgroup */
     struct range *ranges;
     uint32_t range_count;
     /* draws */
@@ -294,7 +292,7 @@ struct pass {
     uint32_t barrier_count;
     int frame_binding, live_binding;         /* uniform blocks; every pass has both */
     int textures_binding, materials_binding; /* scene draws; -1: none */
-    bool uniform_materials;                  /* plan: a uniform block, not a storage buffer */
+    bool uniform_materials;                  /* plan: materials as a uniform block */
     uint32_t index;                          /* in order of execution */
 };
 
@@ -309,7 +307,7 @@ struct pipeline {
     const char *name, *doc;
     struct loc loc;
     bool fast; /* exactness: fast; default exact */
-    /* target: gpu; default software: what the storage class and the loop shape are chosen for */
+    /* target: gpu; default software. The plan chooses storage classes and loop shapes for it. */
     bool gpu;
     struct param *params;
     uint32_t param_count;
@@ -327,7 +325,7 @@ struct pipeline {
     uint32_t interleave_count;
     struct pass *passes;
     uint32_t pass_count;         /* spec order; without passes whose `when` folds to false */
-    const struct pass **dropped; /* check: whose `when` folds to false, in the order of the spec */
+    const struct pass **dropped; /* check: passes whose `when` folds to false, in spec order */
     uint32_t dropped_count;
     struct assertion *assertions;
     uint32_t assertion_count;
@@ -337,10 +335,10 @@ struct pipeline {
     struct pass **order; /* pass_count pointers, in order of execution */
     uint32_t slot_count;
     uint64_t transient_bytes, aliased_bytes; /* at 1920x1080: sum without, with aliasing */
-    uint32_t live_size, block_size; /* bytes of the live parameters, and with the uniform ones */
+    uint32_t live_size, block_size; /* bytes of the live parameters; of live and uniform ones */
 };
 
-/* A value of the spec that --set took the place of. */
+/* A value of the spec that --set replaced. */
 struct replaced {
     const char *text; /* as YAML */
     struct replaced *next;
@@ -352,12 +350,12 @@ struct model {
     struct pipeline pipeline;
     const char **inputs; /* every file that was read, for the depfile */
     uint32_t input_count;
-    /* holds glsl/, where library pieces and included files are looked for */
+    /* folder with glsl/, for library pieces and included files */
     const char *templates_dir;
-    /* emit_glsl: source-string number of #line minus 1 -> file */
+    /* emit_glsl: the file of each source-string number in #line; the numbers start at 1 */
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
-    struct replaced *replaced; /* read: NULL without any; what they name counts as used */
+    struct replaced *replaced; /* read: a list, or NULL; names in these values count as used */
 };
 
 #endif

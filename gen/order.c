@@ -1,6 +1,5 @@
-/* The order of execution: which pass must run after which, by the rules of the language's chapter
- * "Order", then a stable topological sort. Called by plan.c; reports cycles, reads before a write,
- * and two writers without an order. */
+/* The order of execution: finds the dependencies between passes, then sorts them topologically and
+ * stably. Called by plan.c; reports cycles, reads before a write, and unordered writers. */
 #include <string.h>
 
 #include "plan.h"
@@ -24,7 +23,7 @@ struct graph {
 /* How one pass uses one resource. */
 struct use {
     bool reads, writes, updates;
-    unsigned written_mips; /* mask: passes that fill different mips do not compete */
+    unsigned written_mips; /* mask: passes may write different mips in any order */
     struct loc read_loc, change_loc;
 };
 
@@ -67,7 +66,7 @@ static void add_edge(struct graph *graph, uint32_t from, uint32_t to,
         *edge = (struct edge){true, because};
 }
 
-/* `after` names passes; those that a baked `when` removed order nothing. */
+/* A pass in `after` that a baked `when` removed adds no edge. */
 static void add_after_edges(struct graph *graph)
 {
     uint32_t n = graph->count;
@@ -94,7 +93,7 @@ static bool ordered(const struct graph *graph, uint32_t first, uint32_t second)
     return graph->after[first * graph->count + second];
 }
 
-/* In the order of the list, but for those that `after` moves. */
+/* In the order of the spec, except for passes that `after` moves. */
 static void collect_modifiers(struct graph *graph, const struct resource *resource)
 {
     graph->modifier_count = 0;
@@ -137,8 +136,8 @@ static void check_writers(const struct graph *graph, const struct resource *reso
     }
 }
 
-/* The place in `modifiers` of the one whose content a reader sees, or -1: what was there before all
- * of them. */
+/* Index in `modifiers` of the pass whose content the reader sees; -1: the content before all of
+ * them. */
 static int seen_by(const struct graph *graph, uint32_t reader)
 {
     int seen = -1;
@@ -207,8 +206,8 @@ static bool ready(const struct graph *graph, const bool *done, uint32_t pass)
     return true;
 }
 
-/* Every pass that is not done waits for another one of them, so that going back along the edges
- * must close a ring. */
+/* Every pass that is not done waits for another such pass, so following the edges back closes a
+ * cycle. */
 static void report_cycle(struct model *model, const struct graph *graph, const bool *done,
                          struct diag *diag)
 {

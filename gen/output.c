@@ -1,6 +1,6 @@
-/* A set of files that appears whole or not at all: every file is written beside its place first,
- * then all are renamed. Files that would not change are left alone, so that ninja rebuilds nothing.
- * Called by main alone. */
+/* Writes a set of files: first every file under a temporary name, then renames all. An error before
+ * the renames changes no file. Unchanged files are not written, so that ninja rebuilds nothing.
+ * Called by main.c. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -16,8 +16,7 @@ struct output_file {
     char *path, *temporary; /* temporary: NULL while there is none */
     struct text text;
     bool unchanged;
-    bool
-        stream; /* a pipe, a terminal or the like stands there, which nothing may take the place of */
+    bool stream; /* the path is a pipe, a terminal or the like: write to it, never replace it */
 };
 
 struct output {
@@ -122,7 +121,7 @@ static bool write_temporary(struct output_file *file)
     return good;
 }
 
-/* Straight into what stands there. */
+/* Writes to the existing pipe or device. */
 static bool write_stream(const struct output_file *file)
 {
     int descriptor = open(file->path, O_WRONLY | O_CLOEXEC);
@@ -145,8 +144,8 @@ static void remove_temporaries(struct output *output)
     }
 }
 
-/* Signals that end the process wait until the temporary files are gone: they are blocked from the
- * first temporary file to the last rename, and looked for in between. */
+/* Whether a signal that ends the process is pending. output_commit blocks these signals until the
+ * temporary files are gone. */
 static bool interrupted(const sigset_t *signals)
 {
     sigset_t pending;
@@ -159,7 +158,7 @@ static bool interrupted(const sigset_t *signals)
     return false;
 }
 
-/* Nothing takes the place of a link, either: it is written where that leads. */
+/* A symbolic link stays: its target is written instead. */
 static void follow_link(struct output_file *file)
 {
     struct stat status;
@@ -171,7 +170,7 @@ static void follow_link(struct output_file *file)
     file->path = real;
 }
 
-/* Finds out what has to be written, and writes it beside its place. */
+/* Writes the temporary file, unless the file is unchanged or a stream. */
 static bool prepare(struct output_file *file)
 {
     struct stat status;
@@ -183,7 +182,7 @@ static bool prepare(struct output_file *file)
         return true;
     if (!write_temporary(file))
         return false;
-    if (exists && S_ISDIR(status.st_mode)) { /* it would stop the renames half way */
+    if (exists && S_ISDIR(status.st_mode)) { /* its rename would fail after others succeeded */
         errno = EISDIR;
         return fail("write", file->path);
     }
@@ -224,7 +223,7 @@ bool output_commit(struct output *output)
     bool good = write_and_rename(output, &signals);
     remove_temporaries(output);
     if (blocked)
-        sigprocmask(SIG_SETMASK, &before, NULL); /* a signal that waited ends the process here */
+        sigprocmask(SIG_SETMASK, &before, NULL); /* a pending signal ends the process here */
     return good;
 }
 

@@ -1,6 +1,6 @@
-/* The plan: everything that both backends must decide alike is decided here, once. Order, kinds of
- * access, bindings, ranges, lifetimes, memory slots, barriers. Called by main after layout; the
- * emitters read the result. */
+/* The plan: makes the decisions that both backends share: order, kinds of access, bindings, ranges,
+ * lifetimes, memory slots, barriers. Called by load.c and vary.c after layout; the emitters read
+ * the result. */
 #include "plan.h"
 #include "expr.h"
 #include "stages.h"
@@ -31,9 +31,9 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
 }
 
-/* Drivers that run on CPUs gather from a uniform block; from a storage buffer they load lane by
- * lane, checking bounds: the maps of eight clusters took 1.4 times as long, shading 1.2 times. It is
- * also much code, that takes long to compile. */
+/* CPU drivers gather from a uniform block, but load from a storage buffer lane by lane, with bounds
+ * checks. Passes of SSVP took 1.2 to 1.4 times as long with storage buffers. The longer code also
+ * takes longer to compile. */
 static bool suits_uniform(const struct pipeline *pipeline, const struct resource *buffer)
 {
     uint64_t count = 0;
@@ -68,7 +68,7 @@ static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *
                                       : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
 }
 
-/* Devices bind at least eight storage images. Reads beyond that go by texelFetch, which shows the
+/* Every device can bind eight storage images. Reads beyond these use texelFetch, which returns the
  * same texels. */
 static void limit_storage_images(struct pass *pass, struct diag *diag)
 {
@@ -95,9 +95,8 @@ static void limit_storage_images(struct pass *pass, struct diag *diag)
     }
 }
 
-/* Every device has twelve uniform blocks for a stage, two of them the frame's and the live
- * parameters', one for materials. What is beyond stays a storage buffer, unless the spec wants it
- * otherwise. */
+/* Every device has twelve uniform blocks per stage; frame, live parameters and materials take
+ * three. Buffers beyond nine are storage buffers, except ranges with `storage: uniform`. */
 static void limit_uniforms(struct pass *pass)
 {
     uint32_t count = 0;
@@ -186,8 +185,8 @@ static int bind_class(struct pass *pass, enum binding_class class, int next)
     return next;
 }
 
-/* One numbering for all kinds, so that it serves Vulkan's one set and OpenGL's separate tables.
- * Storage images and buffers come first because OpenGL has the fewest places for them. */
+/* One numbering for all kinds fits Vulkan's one set and OpenGL's separate tables. Storage images
+ * and buffers come first because OpenGL has the fewest bindings for them. */
 static void plan_bindings(struct pass *pass, struct diag *diag)
 {
     int next = bind_class(pass, BIND_STORAGE_IMAGE, 0), first_texture = 0;
@@ -210,7 +209,7 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
 
 /* ---- Ranges ---------------------------------------------------------------------------------- */
 
-/* The largest divisor of count in 8..limit, so that no block is cut short; else the limit, with a
+/* The largest divisor of count in 8..limit, so that all blocks are full; else the limit, with a
  * short last block. */
 static uint32_t chunk_of(uint64_t count, uint32_t limit)
 {
@@ -222,7 +221,7 @@ static uint32_t chunk_of(uint64_t count, uint32_t limit)
     return limit;
 }
 
-/* A storage buffer's bytes are to be read as a uniform block. */
+/* Checks that a uniform block can have the buffer's layout and size. */
 static void check_uniform(const struct range *range, const struct resource *buffer,
                           struct diag *diag)
 {
@@ -241,10 +240,9 @@ static void check_uniform(const struct range *range, const struct resource *buff
     }
 }
 
-/* What pays on a software rasterizer is a copy in shared memory, read at literal indices: a loop
- * over storage or shared memory costs 20 times as much. Blocks of 32 keep compilation short. A GPU
- * reads shared memory in a loop as fast, and long unrolled code only fills its instruction
- * cache. */
+/* CPU drivers are fastest with a copy in shared memory and literal indices: a loop over storage or
+ * shared memory costs 20 times as much. Blocks of 32 keep compilation short. A GPU reads shared
+ * memory as fast in a loop, and long unrolled code only fills its instruction cache. */
 static void plan_range(struct range *range, const struct pipeline *pipeline)
 {
     const struct resource *buffer = range->access ? range->access->resource : NULL;
@@ -267,7 +265,7 @@ static void plan_range(struct range *range, const struct pipeline *pipeline)
                      !expr_is_literal(range->count);
 }
 
-/* All copies of one pass lie in shared memory side by side. */
+/* The copies of all ranges of a pass must fit in shared memory together. */
 static void check_shared(const struct pass *pass, struct diag *diag)
 {
     uint64_t bytes = 0;
@@ -290,7 +288,8 @@ static void check_shared(const struct pass *pass, struct diag *diag)
     }
 }
 
-/* The copies for ranges cost a workgroup of 64 on a CPU as much again as shading its pixels. */
+/* On a CPU, copying the ranges costs a workgroup of 64 as much as shading its pixels. So groups of
+ * 512 are the default. */
 static void plan_local(struct pass *pass, const struct pipeline *pipeline)
 {
     bool flat = pass->local[1] == 1;
@@ -336,7 +335,7 @@ static unsigned stages_of(const struct pass *pass, const struct access *access)
         return STAGE_DEPTH;
     if (pass->kind == PASS_DISPATCH)
         return STAGE_COMPUTE;
-    /* Draws write buffers in the fragment stage; a fullscreen draw's vertices need no resource. */
+    /* Draws write buffers in the fragment stage; the vertices of a fullscreen draw read none. */
     return pass->kind == PASS_SCENE && access->mode == MODE_READ ? STAGE_VERTEX | STAGE_FRAGMENT
                                                                  : STAGE_FRAGMENT;
 }
@@ -399,8 +398,8 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
         if (!access->resource)
             continue;
         touch.mips = touched_mips(access);
-        /* Skipped at run time, a pass clears what it would have written: targets as targets, the
-         * rest by commands. */
+        /* A pass that is skipped at run time clears its outputs: targets as attachments, other
+         * resources by clear commands. */
         if (pass->conditional && access->mode == MODE_WRITE &&
             !(access->kind & (ACCESS_COLOR | ACCESS_DEPTH))) {
             touch.kind |= ACCESS_CLEAR;
@@ -411,8 +410,8 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
     return count;
 }
 
-/* A block has a length in the shader. Where the count is of uniform parameters, it is as long as can be, so
- * that another count is the same shader. */
+/* A uniform block has a fixed length in the shader. For a count from uniform parameters the length
+ * is the limit, so that every count has the same shader. */
 static void plan_blocks(struct pipeline *pipeline)
 {
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {

@@ -1,5 +1,5 @@
-/* What layout, plan and the emitters share about types, formats and touched resources. The stages
- * themselves are in stages.h; everything here is called only inside gen/. */
+/* Types, formats and touched resources, for layout, plan and the emitters. The stages themselves
+ * are in stages.h; only gen/ calls the functions here. */
 #ifndef DIPTYCH_GEN_PLAN_H
 #define DIPTYCH_GEN_PLAN_H
 
@@ -17,8 +17,8 @@ struct type_info {
 };
 const struct type_info *type_info(enum dt_type type);
 
-/* Whether std140 and std430 place the buffer's elements alike, so that its bytes can be read as a
- * uniform block too. */
+/* Whether the buffer's elements have the same layout in std140 and std430, so that a uniform block
+ * can read them. */
 bool std140_equals_std430(const struct resource *buffer);
 
 /* ---- format.c -------------------------------------------------------------------------------- */
@@ -33,10 +33,10 @@ struct format_info {
 };
 const struct format_info *format_info(enum dt_format format);
 
-/* ---- plan.c: what one pass does to the same mips of one resource, its accesses combined ------- */
+/* ---- plan.c: all accesses of one pass to the same mips of one resource ----------------------- */
 
-/* Whether a texture access looks at a single mip of an image with several: by texel, or by its spec's
- * `mip`. Then the others may be written in the same pass. */
+/* Whether a texture access reads only one mip of an image with several: by texel, or with `mip`.
+ * The same pass may then write the other mips. */
 bool access_sees_one_mip(const struct access *access);
 
 struct touch {
@@ -46,23 +46,23 @@ struct touch {
     bool reads, writes;
     uint32_t mips; /* mask; 1 for a buffer */
 };
-/* Fills touches (room for access_count + 2) with one entry per resource and set of mips, in the order
- * of the spec; returns how many. */
+/* Fills touches (room for access_count + 2) with one entry per resource and set of mips, in spec
+ * order; returns their number. */
 uint32_t pass_touches(const struct pass *pass, struct touch *touches);
 
 uint32_t mips_of(const struct resource *resource); /* 1 for a buffer */
 
-/* Value of an expression that check has verified, NULL: otherwise. Clamped to 0..UINT32_MAX. */
+/* Value of a checked expression, clamped to 0..UINT32_MAX; `otherwise` for NULL or no value. */
 uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise);
 
-/* The reference frame, at which sizes are told and memory slots are packed. */
+/* The reference frame: its size is used for reported bytes and for packing memory slots. */
 enum { REFERENCE_WIDTH = 1920, REFERENCE_HEIGHT = 1080 };
 enum { STORAGE_IMAGE_LIMIT = 8, TEXTURE_LIMIT = 16, COLOR_TARGET_LIMIT = 8, UNIFORM_LIMIT = 9 };
 enum {
     SHARED_MEMORY_LIMIT = 16384,
     UNIFORM_BLOCK_LIMIT = 16384
-};                                       /* bytes that every device of either API has */
-enum { SOFTWARE_UNIFORM_LIMIT = 65536 }; /* bytes, of software drivers and of desktop devices */
+};                                       /* bytes; every device of both APIs has as many */
+enum { SOFTWARE_UNIFORM_LIMIT = 65536 }; /* bytes; on CPU drivers and desktop devices */
 
 /* ---- The plan's parts; plan.c calls them in this order --------------------------------------- */
 
@@ -71,11 +71,11 @@ void plan_lifetimes(struct model *model);                /* alias.c: first_pass,
 void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */
 bool resources_overlap(const struct resource *a,
                        const struct resource *b); /* alias.c: alive in a common pass */
-/* alias.c: whether both are buffers, and `a` is never smaller, whatever the size of the frame */
+/* alias.c: whether both are buffers, and `a` is at least as large as `b` at every frame size */
 bool buffer_covers(const struct resource *a, const struct resource *b);
 void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 
-/* The layout that an image has while a pass touches it in these ways (mask of enum
+/* The layout of an image while a pass uses it with these kinds of access (mask of enum
  * access_kind). */
 enum image_layout { LAYOUT_GENERAL, LAYOUT_READ, LAYOUT_COLOR, LAYOUT_DEPTH };
 enum image_layout layout_of(unsigned kind); /* barrier.c */

@@ -1,5 +1,5 @@
-/* YAML -> model. read_spec is called by main; the sections are read in the order in which they may
- * name each other, whatever their order in the file. */
+/* YAML -> model. Called by load.c and vary.c. A section is read after the sections whose names it
+ * may use, in any order of the file. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,8 +80,7 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
         read_sections(&reader);
     if (reader.out_of_memory)
         diag_error(diag, (struct loc){0}, "out of memory while reading `%s`", path);
-    for (size_t i = 0; i < reader.override_count;
-         i++) /* those that found no place belong to nobody */
+    for (size_t i = 0; i < reader.override_count; i++) /* frees nodes outside the document */
         if (reader.overrides[i].node && !fy_node_is_attached(reader.overrides[i].node))
             fy_node_free(reader.overrides[i].node);
     free(reader.overrides);

@@ -1,5 +1,5 @@
-/* What the files of the reader share: a document whose every node has a place, and maps checked
- * against the table. Internal to read*.c. */
+/* Shared by the files of the reader: the document, locations of its nodes, and maps checked against
+ * the table. Internal to read*.c. */
 #ifndef DIPTYCH_GEN_READ_H
 #define DIPTYCH_GEN_READ_H
 
@@ -7,13 +7,13 @@
 #include "scenes/yaml.h"
 #include "table.h"
 
-/* A node that a `--set` put in: its places are in the text of the option. */
+/* A node that `--set` inserted; its locations are in the text of the option. */
 struct override {
-    struct fy_node *node; /* NULL: a later one replaced it */
+    struct fy_node *node; /* NULL: a later override replaced it */
     const struct source *source;
     int column; /* 1-based, of the node's text within the option */
-    /* parameters: enum dt_type that the replaced value stood for, so that `--set x=1` keeps a float
-     * a float; -1: no former value */
+    /* parameters: enum dt_type of the replaced value, so that `--set x=1` keeps a float a float;
+     * -1: none */
     int type;
 };
 
@@ -27,7 +27,7 @@ struct reader {
     bool out_of_memory;
 };
 
-/* One map of the document, checked: known keys with acceptable values only. */
+/* One checked map of the document: its known keys. value: NULL for a wrong value. */
 enum { MOST_KEYS = 32 };
 struct field_value {
     const struct key *key;
@@ -40,7 +40,7 @@ struct fields {
     size_t count;
 };
 
-/* One name of a section of free names. */
+/* One entry of a section of free names. */
 struct named {
     const char *name;
     struct loc loc;
@@ -60,7 +60,7 @@ bool text_number(const char *text, double *value);
 bool text_amount(const char *text, double *value); /* a number, A/B or P% */
 bool is_member(const char *text);                  /* NAME or NAME.FIELD */
 
-/* read_fields.c: false when the node is no map; `loc` is the place for missing keys. */
+/* read_fields.c: false when the node is no map; `loc`: location for errors about missing keys. */
 bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
                  struct fields *fields);
 struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key);
@@ -76,7 +76,7 @@ int field_choice(struct reader *reader, const struct fields *fields, const char 
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
 struct expr *node_expr(struct reader *reader, struct fy_node *node);
 void *reader_alloc(struct reader *reader, size_t count, size_t size); /* at least one element */
-/* The document's value must be what the key says; reports otherwise. */
+/* Whether the value is one that the key allows; reports an error if not. */
 bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
                  struct loc loc);
 

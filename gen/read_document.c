@@ -1,5 +1,5 @@
-/* The document: YAML through libfyaml, duplicate keys, `--set` overrides, and the place of every
- * node. Called by read.c. */
+/* The document: parsed by scenes/yaml.c, with `--set` overrides and the location of every node.
+ * Called by read.c. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -95,10 +95,10 @@ bool is_member(const char *text)
 
 /* ---- Overrides ------------------------------------------------------------------------------- */
 
-/* One `--set PATH=VALUE` on its way down the document. */
+/* One `--set PATH=VALUE` while its path is followed. */
 struct setting {
     struct source *source;
-    const char *path; /* what is left of it */
+    const char *path; /* the rest of the path */
     const char *value;
     char segment[128];
     int column; /* of the segment */
@@ -156,7 +156,7 @@ static struct fy_node *build_node(struct reader *reader, const struct setting *s
     return node;
 }
 
-/* The type that a parameter's replaced value stood for, so that the new one is read alike. */
+/* The type of the parameter value that --set replaces, for the new value; -1: none. */
 static int former_type(struct reader *reader, const struct key *key, struct fy_node *old)
 {
     double value[4];
@@ -166,13 +166,13 @@ static int former_type(struct reader *reader, const struct key *key, struct fy_n
                     (key->section == SECTION_PARAM && !strcmp(key->name, "value"));
     if (!is_param)
         return -1;
-    for (size_t i = 0; i < reader->override_count; i++) /* a second --set of the same */
+    for (size_t i = 0; i < reader->override_count; i++) /* --set of the same value again */
         if (reader->overrides[i].node == old)
             return reader->overrides[i].type;
     return param_value(reader, old, value, &components, &type) ? (int)type : -1;
 }
 
-/* What an earlier --set put at or below `node` goes with it when it is replaced. */
+/* Forgets the overrides at and below `node`, since replacing `node` frees them. */
 static void forget_overrides(struct reader *reader, struct fy_node *node)
 {
     void *iterator = NULL;
@@ -191,7 +191,7 @@ static void forget_overrides(struct reader *reader, struct fy_node *node)
         }
 }
 
-/* Whoever sets a value for once need not hear that a name in the old one is not used. */
+/* Keeps the text of a replaced value, so that --set causes no warnings about unused names in it. */
 static void remember_replaced(struct reader *reader, struct fy_node *old)
 {
     struct model *model = reader->model;
@@ -234,8 +234,7 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
         reader->out_of_memory = true;
 }
 
-/* A key that the table knows but the document does not have yet; returns its value, NULL after an
- * error. */
+/* Adds a key that the table has but the document lacks; returns its value, NULL after an error. */
 static struct fy_node *add_value(struct reader *reader, struct setting *setting,
                                  struct fy_node *map, const char *text)
 {
@@ -262,7 +261,7 @@ static void report_path(struct reader *reader, const struct setting *setting, co
                    setting->segment, where);
 }
 
-/* Names that stand in a map, and, for a section of fixed keys, those that may. */
+/* Suggests names from the keys of the map and from the fixed keys of its section. */
 static void report_unknown_key(struct reader *reader, const struct setting *setting,
                                struct fy_node *map, enum section section)
 {
@@ -278,7 +277,7 @@ static void report_unknown_key(struct reader *reader, const struct setting *sett
     report_path(reader, setting, table_sections[section].title, names, count);
 }
 
-/* The element of a list of maps with this `name`, or with this number. */
+/* The element of a list of maps with this `name` or index. */
 static struct fy_node *find_element(struct reader *reader, const struct setting *setting,
                                     struct fy_node *list)
 {
@@ -334,7 +333,7 @@ static void apply_below(struct reader *reader, struct setting *setting, const st
                "`--set %s`: `%s` has no keys below it", setting->source->text, setting->segment);
 }
 
-/* Names are declared in the document, but those of contracts are declared elsewhere. */
+/* --set cannot declare a name. It may add a contract: its name is declared as a resource. */
 static void apply_in_map(struct reader *reader, struct setting *setting, struct fy_node *map,
                          enum section section)
 {

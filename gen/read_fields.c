@@ -1,5 +1,5 @@
-/* Maps of the document against the table: known keys, required keys, acceptable values; then typed
- * access. Called by the readers of the sections. */
+/* Checks maps of the document against the table: known keys, required keys, valid values. Then
+ * gives typed access. Called by the readers of the sections. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,7 +62,7 @@ static bool is_natural(const char *text)
     return text_number(text, &value) && value >= 0 && value <= UINT32_MAX && value == floor(value);
 }
 
-/* Whether the value is of the key's type, leaving words and expressions to others. */
+/* Whether the value has the key's type. Does not check choices, field types and expressions. */
 static bool fits(struct reader *reader, const struct key *key, struct fy_node *node)
 {
     const char *text = node_text(reader, node);

@@ -18,7 +18,7 @@ static bool scalar_value(const char *text, double *value, enum dt_type *type)
     return text_number(text, value);
 }
 
-/* Reads a value and the type that it has by itself; false when it is none. Reports nothing. */
+/* Reads a value and infers its type; false when the node is no value. Reports nothing. */
 bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components,
                  enum dt_type *type)
 {
@@ -77,8 +77,8 @@ static int former_type(const struct reader *reader, struct fy_node *node)
     return -1;
 }
 
-/* A value that stands where another type stood: an integer for a real is fine, as is a real integer
- * for an integer. */
+/* A value from --set keeps the type of the value that it replaces: 1 may replace a real, and 2.0 an
+ * integer. */
 static enum dt_type inferred_type(const struct reader *reader, struct fy_node *node,
                                   enum dt_type own)
 {

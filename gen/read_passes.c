@@ -1,4 +1,4 @@
-/* Passes of a spec. Called by read.c after everything that passes may name. */
+/* Passes of a spec. Called by read.c after the sections that passes may name. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,7 +11,7 @@ static int list_count(struct fy_node *list)
     return list ? fy_node_sequence_item_count(list) : 0;
 }
 
-/* A list of names; those that are none are reported and left out. */
+/* Reads a list of names; reports and skips other items. */
 static uint32_t read_names(struct reader *reader, struct fy_node *list, const char ***names,
                            struct loc **locs)
 {
@@ -117,7 +117,7 @@ static bool names_image(const struct pipeline *pipeline, const char *text)
     return false;
 }
 
-/* One to three expressions; returns how many. */
+/* One to three expressions; returns their number. */
 static int read_exprs(struct reader *reader, struct fy_node *node, struct expr *exprs[3])
 {
     if (fy_node_get_type(node) == FYNT_SCALAR) {
@@ -130,7 +130,7 @@ static int read_exprs(struct reader *reader, struct fy_node *node, struct expr *
     return count;
 }
 
-/* Returns the dimensions of the dispatch. */
+/* Returns the number of dimensions. */
 static int read_dispatch(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     const char *key = field_node(fields, "dispatch") ? "dispatch" : "groups";
@@ -158,7 +158,7 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
         read_exprs(reader, node, pass->local_size);
 }
 
-/* Keys that mean nothing for this kind of pass. */
+/* Reports keys that this kind of pass does not have. */
 static void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
                         const char *const *keys)
 {

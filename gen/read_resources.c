@@ -7,7 +7,7 @@
 
 /* ---- Structs --------------------------------------------------------------------------------- */
 
-/* TYPE or TYPE[N]; `text` is cut at the bracket. */
+/* Parses TYPE or TYPE[N]. */
 static void set_type(struct reader *reader, struct field *field, const char *text, struct loc loc)
 {
     const struct key *key = table_find(SECTION_FIELD, "type");
@@ -62,8 +62,8 @@ static void read_field(struct reader *reader, const struct named *named, struct 
     }
 }
 
-/* A struct is a section of free names whose parent is a section of free names: it is wrapped to be
- * read like one. */
+/* A struct is a section of free names in a section of free names. `wrapper` makes the inner section
+ * readable for fields_named. */
 static void read_struct(struct reader *reader, const struct named *named,
                         struct structure *structure)
 {
@@ -164,7 +164,7 @@ void read_resources(struct reader *reader, const struct fields *top)
 
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
-/* Keys of the other kind say nothing here; better told than ignored. */
+/* Reports keys of the other kind of sampler. */
 static void refuse_keys(struct reader *reader, const struct fields *fields, const char *kind,
                         const char *const *keys)
 {
@@ -353,7 +353,7 @@ static void report_unknown(struct reader *reader, const struct named *named)
         diag_error(reader->diag, named->loc, "no buffer or image `%s`", named->name);
 }
 
-/* After the resources: the default first, whatever its place in the map. */
+/* Called after read_resources. Applies `default` first, wherever it is in the map. */
 void read_contracts(struct reader *reader, const struct fields *top)
 {
     struct pipeline *pipeline = &reader->model->pipeline;

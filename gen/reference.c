@@ -5,7 +5,7 @@
 #include "stages.h"
 #include "table.h"
 
-/* Text in a table's cell: a bar would end the cell. */
+/* Escapes `|`, which would end the table cell. */
 static void add_cell(struct text *out, const char *text)
 {
     for (; *text; text++)

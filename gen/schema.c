@@ -1,6 +1,6 @@
-/* A JSON Schema (draft 2020-12) of the spec language, from the table that the reader uses: for
- * editors, which complete and check by it. Names, expressions and numbers are checked by shape
- * alone. Called by main for --schema. */
+/* A JSON Schema (draft 2020-12) of the spec language, from the table that the reader uses. Editors
+ * use it to complete and to check. It checks only the syntax of names, expressions and numbers.
+ * Called by main for --schema. */
 #include <string.h>
 
 #include "stages.h"

@@ -6,22 +6,24 @@
 
 struct shader_cache;
 
-/* Opens the folder, which is made when it is missing. One that others may write, or that belongs to
- * somebody else, is not used: then *problem says why, and the result is NULL. NULL without a problem: out
- * of memory. `mebibytes`: size at which the least recently used entries are removed. */
+/* Opens the folder; makes it when it is missing. NULL: *problem says why, for example that others
+ * own the folder or may write to it; without a problem, out of memory. `mebibytes`: above this
+ * size, shader_cache_close removes least recently used entries. */
 struct shader_cache *shader_cache_open(const char *folder, uint32_t mebibytes,
                                        const char **problem);
-/* Removes old entries when something was added. Takes NULL. */
+/* Removes old entries if new ones were added. Accepts NULL. */
 void shader_cache_close(struct shader_cache *cache);
 
-/* Whether two texts are one shader: all but the comment with the name of the pass, and where in which file
- * the lines are from, unless the text asks for that. */
+/* Whether two texts compile to the same shader. Ignores #line and the comment with the pass name,
+ * except in a text that uses __LINE__ or __FILE__. */
 bool shader_text_same(const char *a, size_t a_length, const char *b, size_t b_length);
 
-/* The same stage of an earlier pass, by index in order of execution, that is the same shader; else NULL. */
+/* The same stage of an earlier pass with the same text (shader_text_same), or NULL. `pass`: index
+ * in order of execution. */
 struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage);
 
-/* Fills shader->words from its GLSL. False: no entry, or a damaged one. One thread at a time. */
+/* Fills shader->words from the entry for its GLSL. False: no entry, or a damaged one. One thread at
+ * a time. */
 bool shader_cache_find(struct shader_cache *cache, const struct model *model, enum backend backend,
                        struct shader *shader);
 /* Adds an entry. Failures are ignored: the cache is optional. */

@@ -1,6 +1,6 @@
-/* All shaders of a pipeline: every pass, backend and stage to GLSL and SPIR-V. Called by main.c, which
- * writes them, and by vary.c, which asks whether they compile. Text is emitted one after the other, since
- * that adds to the model; shaders that the cache does not have are compiled on several threads. */
+/* All shaders of a pipeline: GLSL and SPIR-V for every pass, backend and stage. Called by load.c,
+ * and by vary.c to test that they compile. One thread emits the text, since that changes the model.
+ * Several threads compile the shaders that are not in the cache. */
 #include "shader_cache.h"
 
 #include <pthread.h>
@@ -15,7 +15,7 @@ struct job { /* one shader to compile */
     const struct pass *pass;
     enum backend backend;
     struct shader *shader;
-    const struct shader *twin; /* compiled before it, maybe by another job; NULL: there is none */
+    const struct shader *twin; /* earlier shader with the same text, to copy; or NULL */
     bool done;
 };
 
@@ -31,7 +31,7 @@ static bool has_stage(const struct pass *pass, enum stage stage)
     return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
 }
 
-/* GLSL of the pass `index`; its shaders that are new become jobs. */
+/* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
 static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_t index,
                       struct shader_cache *cache, struct job job, struct jobs *jobs,
                       struct diag *diag)
@@ -89,7 +89,7 @@ static void compile_here(struct jobs *jobs)
 
 /* ---- All ------------------------------------------------------------------------------------- */
 
-/* False where that has none, either. */
+/* False when the twin failed to compile. */
 static bool copy_twin(struct shader *shader, const struct shader *twin)
 {
     size_t size = twin->word_count * sizeof *twin->words;
@@ -101,7 +101,7 @@ static bool copy_twin(struct shader *shader, const struct shader *twin)
     return true;
 }
 
-/* What fails is compiled once more, one after the other: then its messages come in order. */
+/* Compiles failed shaders again on this thread, so that their messages come in order. */
 static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *diag)
 {
     bool good = true;

@@ -1,7 +1,6 @@
-/* GLSL to SPIR-V: glslang's C interface, products of matrices written out and NoContraction on all
- * float arithmetic in exact mode, loops that stay loops, spirv-val.
- * Called by main.c for every stage that emit_glsl.c wrote. Messages of glslang come back at the
- * line of the file that the text is from. */
+/* GLSL to SPIR-V with glslang's C interface, then spirv-val. Exact mode expands matrix products and
+ * puts NoContraction on all float arithmetic. For CPU targets long loops stay loops. Called by
+ * shaders.c. Messages of glslang are reported at the line of the original file. */
 #include "diag.h"
 #include "spirv.h"
 #include "expr.h"
@@ -89,7 +88,7 @@ static const char *line_of(const struct loc *loc, size_t *length)
     return at;
 }
 
-/* Column and length of `word` in a line of the source; 1 and 1 when it is not there. */
+/* Sets column and length of `loc` to `word` in its line; no change when the line has no `word`. */
 static void find_in_line(struct loc *loc, const char *word, size_t length)
 {
     size_t width;
@@ -118,7 +117,7 @@ static void note_uniform(const struct loc *error, const char *name, struct loc d
                   "shaders read `%s` from a uniform block, so to them it is no constant", name);
 }
 
-/* Where a constant was asked for, the names in the line that are none because of `uniform: true`. */
+/* After an error about a constant: notes the uniform names in its line, which are not constant. */
 static void note_uniforms(const struct pipeline *pipeline, const struct loc *error,
                           struct diag *diag)
 {
@@ -152,7 +151,7 @@ static void report_line(const struct model *model, const struct pass *pass, cons
         return;
     }
     struct loc loc = {model->glsl_sources[number - 1], (int)row, 1, 1};
-    static const char exact[] = "'exact_"; /* the author wrote the name without it */
+    static const char exact[] = "'exact_"; /* a prefix that glsl_body.c added */
     size_t added = (size_t)(stop - text) > sizeof exact && !memcmp(text, exact, sizeof exact - 1)
                        ? sizeof exact - 2
                        : 0;
@@ -213,7 +212,7 @@ static bool is_declaration(uint32_t opcode)
            opcode == SpvOpVariable || opcode == SpvOpUndef;
 }
 
-/* The header has it as an inline function, whose one definition is here. */
+/* The external definition of the header's inline function. */
 extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultType);
 
 uint32_t *spirv_definitions(const uint32_t *words, size_t count)
@@ -246,7 +245,7 @@ static size_t put(uint32_t *out, size_t length, SpvOp opcode, const uint32_t *op
     return length + count + 1;
 }
 
-/* An instruction of two operands with a new id, or `id`. */
+/* An instruction with two operands. Its result is `id`, or a new id for 0. */
 static uint32_t put_new(struct expansion *to, SpvOp opcode, uint32_t type, uint32_t id, uint32_t a,
                         uint32_t b)
 {
@@ -262,7 +261,7 @@ static const uint32_t *type_of(const struct expansion *to, uint32_t id)
     return to->words + to->definitions[to->words[to->definitions[id] + 1]];
 }
 
-/* columns[0] * v.x + columns[1] * v.y + ..., in this order. `size` and `scalar`: of v. */
+/* columns[0] * v.x + columns[1] * v.y + ..., in this order. v has `size` components of `scalar`. */
 static uint32_t put_sum(struct expansion *to, uint32_t type, uint32_t id, const uint32_t *columns,
                         uint32_t size, uint32_t scalar, uint32_t vector)
 {
@@ -288,8 +287,8 @@ static uint32_t put_dot(struct expansion *to, const uint32_t *vector_type, uint3
     return sum;
 }
 
-/* A product with a matrix written out, since each driver has its own order for it, even with
- * NoContraction. */
+/* Expands a product with a matrix. Otherwise each driver chooses its own order of the terms, even
+ * with NoContraction. */
 static void put_product(struct expansion *to, const uint32_t *product)
 {
     SpvOp opcode = (SpvOp)(product[0] & 0xffff);
@@ -322,8 +321,8 @@ static bool is_product(uint32_t opcode)
            opcode == SpvOpMatrixTimesMatrix;
 }
 
-/* `precise` in the text has marked a product: what it becomes is marked anew, as is proper for
- * its parts. */
+/* Whether the instruction is NoContraction on a product, from `precise`. It is dropped with the
+ * product; decorate() marks the parts. */
 static bool marks_product(const struct expansion *to, const uint32_t *instruction)
 {
     return (*instruction & 0xffff) == SpvOpDecorate &&
@@ -331,7 +330,7 @@ static bool marks_product(const struct expansion *to, const uint32_t *instructio
            is_product(to->words[to->definitions[instruction[1]]] & 0xffff);
 }
 
-/* New words with products of matrices written out; NULL when out of memory. */
+/* New words with expanded products of matrices; NULL when out of memory. */
 static uint32_t *expand_products(const uint32_t *words, size_t count, size_t *new_count)
 {
     size_t products = 0;
@@ -360,8 +359,8 @@ static uint32_t *expand_products(const uint32_t *words, size_t count, size_t *ne
     return out;
 }
 
-/* Position of the first declaration, behind all decorations; counts float arithmetic; marks
- * results that `precise` has decorated already. */
+/* Returns the position of the first declaration, after all decorations. Counts float arithmetic,
+ * and marks results that `precise` has decorated. */
 static size_t survey(const uint32_t *words, size_t count, bool *decorated, size_t *results)
 {
     size_t insert = 0;
@@ -399,8 +398,8 @@ static uint32_t *decorate(const uint32_t *words, size_t count, size_t *new_count
     return out;
 }
 
-/* The functions that glsl_body.c replaces by their names in the text; what is left of them here was
- * called by another name. */
+/* The name of a function that exact mode replaces, or NULL. glsl_body.c replaces direct calls, so
+ * one that is left here was called through a macro. */
 static const char *inexact_function(const uint32_t *instruction)
 {
     static const char *const names[GLSLstd450Count] = {
@@ -466,7 +465,7 @@ static bool take_words(const struct model *model, const struct pass *pass,
            (model->pipeline.gpu || spirv_keep_loops(shader->words, shader->word_count));
 }
 
-/* Names for the message cost most of the validation: only a module that is wrong gets them. */
+/* Names for messages take most of the validation time, so only an invalid module gets them. */
 static bool validate(const struct pass *pass, enum backend backend, const struct shader *shader,
                      struct diag *diag)
 {

@@ -1,4 +1,4 @@
-/* The stages of diptych-gen in the order of the road; main.c walks it. Each stage reports through
+/* The stages of diptych-gen in their order; load.c and main.c call them. Each stage reports through
  * diag and returns false when the next one must not run. */
 #ifndef DIPTYCH_GEN_STAGES_H
 #define DIPTYCH_GEN_STAGES_H
@@ -6,12 +6,11 @@
 #include "diag.h"
 #include "text.h"
 
-/* read.c: YAML -> model. sets: "PATH=VALUE" strings that override scalars of the document before it
- * is read. */
+/* read.c: YAML -> model. sets: "PATH=VALUE" strings that override values of the document. */
 bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,
                struct diag *diag);
-/* check.c: resolves names and expressions, verifies everything that needs no plan. templates_dir:
- * where shader bodies are looked for after the spec's own folder. */
+/* check.c: resolves names and expressions, checks everything that needs no plan. templates_dir:
+ * folder for shader bodies that are not in the spec's own folder. */
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag);
 /* layout.c: std430 offsets of structs, std140 offsets of the live block. */
 void layout_model(struct model *model);
@@ -29,32 +28,31 @@ struct shader { /* one compiled stage of one pass for one backend */
     size_t word_count;
 };
 /* emit_glsl.c: the complete GLSL of one stage: declarations, library pieces
- * (model->templates_dir/glsl), the body with #line. Files that the body includes are added to
- * model->inputs and model->glsl_sources; the rest is read only. */
+ * (model->templates_dir/glsl), the body with #line. Adds files that the body includes to
+ * model->inputs and model->glsl_sources; changes nothing else in the model. */
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag);
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
- * spirv-val (SPIRV-Tools). glslang's errors come back as diagnostics at the line of the body
- * file. spirv_compile may run on several threads, each with a diag of its own, once spirv_init has returned true
- * in any of them. */
+ * spirv-val (SPIRV-Tools). Errors of glslang are reported at the line of the body file. After
+ * spirv_init has returned true, spirv_compile may run on several threads, each with a diag. */
 bool spirv_init(void);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
 
-/* flops.c: float operations of one invocation, at least, that does not return early: one turn of every
- * loop, the cheapest way through other branches, unrolled code and called functions as they stand. An
- * instruction on n numbers counts n. False when out of memory. */
+/* flops.c: lower bound of the float operations of one invocation that does not return early. Counts
+ * one iteration of every loop, the cheapest other branches, and called functions. An instruction on
+ * n numbers counts n. False when out of memory. */
 bool count_flops(const struct shader *shader, uint64_t *flops);
 
-/* The C outputs. shaders: per pass in order of execution, [backend][pass][stage as in enum, absent:
- * word_count 0]. */
+/* Shaders of one pass, by enum stage; word_count 0: none. Used as [backend][pass], passes in order
+ * of execution. */
 struct pass_shaders {
     struct shader stage[3];
 };
 struct shader_cache;
-/* shaders.c: every stage of every pass for both backends, through emit_glsl and spirv_compile; cache:
- * shaders compiled before, or NULL. shaders_free in any case. */
+/* shaders.c: every stage of every pass for both backends, with emit_glsl and spirv_compile. `cache`
+ * may be NULL. Call shaders_free also after a failure. */
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag);
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
@@ -75,7 +73,7 @@ void emit_body_reference(struct text *out); /* reference_body.c: its chapter on 
  * False when the spec itself is wrong (reported) or a variation cannot be found. */
 struct vary_request {
     const char *spec, *templates_dir;
-    const char *const *sets; /* in force in every variation; what they set is not drawn */
+    const char *const *sets; /* apply to every variation; values that they set are not drawn */
     size_t set_count;
     uint32_t count;
     uint64_t seed;
@@ -83,7 +81,7 @@ struct vary_request {
 };
 bool vary(const struct vary_request *request, struct text *out, struct diag *diag);
 
-/* output.c: a set of files that appears whole or not at all. */
+/* output.c: writes a set of files; an error before the renames changes no file. */
 struct output;
 struct output *output_create(void);
 void output_add(struct output *output, const char *dir, const char *name,

@@ -6,7 +6,7 @@
 #define NUMBER_TYPES "float|vec2|vec3|vec4|int|ivec2|ivec3|ivec4|uint|uvec2|uvec3|uvec4"
 #define PARAM_TYPES  NUMBER_TYPES "|bool"
 #define FIELD_TYPES                                                                                \
-    NUMBER_TYPES "|bool|mat4" /* bool keeps the numbering of enum dt_type; the check refuses it */
+    NUMBER_TYPES "|bool|mat4" /* bool keeps the numbering of enum dt_type; set_type rejects it */
 #define FORMATS                                                                                    \
     "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|"    \
     "d32f"

@@ -1,12 +1,12 @@
-/* The one table of every key of the spec language. The reader checks documents against it, --schema
- * and --reference print it; a key that is not in here does not exist. */
+/* The table of all keys of the spec language. The reader checks documents against it; --schema and
+ * --reference print it. */
 #ifndef DIPTYCH_GEN_TABLE_H
 #define DIPTYCH_GEN_TABLE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* A section is a map: the document, one parameter, one pass... Sections of free names have one key
+/* A section is a map: the document, one parameter, one pass... Sections of free names have the key
  * "*". */
 enum section {
     SECTION_NONE,
@@ -40,11 +40,11 @@ enum section {
     SECTION_COUNT
 };
 
-/* What a key's value may be. With a child section, a map of that section is accepted as well
+/* The type of a key's value. With a child section, a map of that section is accepted as well
  * (KEY_MAP: only a map; KEY_LIST and KEY_NAMES: as elements of the list). */
 enum key_type {
     KEY_NAME,    /* identifier */
-    KEY_MEMBER,  /* identifier, or two with a dot between them */
+    KEY_MEMBER,  /* NAME or NAME.FIELD */
     KEY_TEXT,    /* any scalar */
     KEY_BOOL,    /* true or false */
     KEY_NUMBER,  /* real */
@@ -66,7 +66,7 @@ enum key_type {
 
 struct key {
     enum section section;
-    const char *name; /* "*": any identifier, the name of what is declared */
+    const char *name; /* "*": any identifier, a declared name */
     enum key_type type;
     enum section child;
     const char *choices; /* words joined by `|`, in the order of the enum that they stand for */
@@ -89,9 +89,9 @@ extern const struct key table_keys[];
 extern const size_t table_key_count;
 extern const struct section_info table_sections[SECTION_COUNT];
 
-/* The key of a section; "*" answers for any name where the section has it. NULL: unknown. */
+/* The key of this name in a section, else the section's key "*", else NULL. */
 const struct key *table_find(enum section section, const char *name);
-/* Number of `word` among choices joined by `|`; -1: none of them. */
+/* Index of `word` in choices joined by `|`; -1: not found. */
 int table_choice(const char *choices, const char *word);
 /* What a value of this key must be, for messages and the reference: "an integer expression". */
 const char *table_type_text(enum key_type type);

@@ -38,7 +38,7 @@ void text_add_bytes(struct text *text, const char *bytes, size_t length)
     text->data[text->length] = '\0';
 }
 
-/* Formats twice only what finds no room. */
+/* Formats again only when the buffer was too small. */
 void text_add(struct text *text, const char *format, ...)
 {
     va_list arguments, again;
@@ -71,8 +71,7 @@ void text_add_json(struct text *text, const char *string)
 
 /* ---- Long lines ------------------------------------------------------------------------------ */
 
-/* Skips a string literal or a comment that begins at line[at]: returns where it ends, or at
- * itself. */
+/* Returns the end of the string literal or comment that begins at line[at]; without one, `at`. */
 static size_t skip_quoted(const char *line, size_t at, size_t length)
 {
     if (line[at] == '"') {
@@ -96,8 +95,7 @@ static bool is_break(const char *line, size_t at)
            (line[at - 1] == ',' || strspn(line + begin, "|&+*") == at - begin);
 }
 
-/* The blank at which to break a line: of those within `columns` that the fewest brackets enclose,
- * the last; 0: none. */
+/* Where to break a line: the last blank within `columns` at the smallest bracket depth; 0: none. */
 static size_t find_break(const char *line, size_t length, size_t columns)
 {
     size_t best = 0;

@@ -1,4 +1,4 @@
-/* A growing piece of text: what the emitters write into before output.c puts files in place. */
+/* A growing text buffer. The emitters fill it; output.c writes it to a file. */
 #ifndef DIPTYCH_GEN_TEXT_H
 #define DIPTYCH_GEN_TEXT_H
 

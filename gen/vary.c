@@ -1,7 +1,7 @@
-/* Variations of a spec: valid ones, drawn with a seed, as JSON. Each is drawn in three steps, every one looking
- * at the model that the former ones left: parameters; formats, samplers, metrics, workgroups and ranges; the
- * order of the passes. A draw that the language refuses, or that wants too much memory, is drawn again
- * and listed with the reason. Called by main.c for --variations. */
+/* Draws random valid variations of a spec, as JSON. A draw has three steps: parameters; formats,
+ * samplers, metrics, workgroups and ranges; the order of the passes. Each step uses the model of
+ * the steps before. A draw that is invalid or needs too much memory is repeated, and listed with
+ * the reason. Called by main.c for --variations. */
 #include "vary.h"
 
 #include <inttypes.h>
@@ -14,11 +14,11 @@ enum { MOST_ATTEMPTS = 1000 };
 struct variation {
     uint32_t frame[2], frame_count;
     uint32_t number; /* of the draw: twins share it */
-    bool fast;       /* by the spec itself */
-    bool twin; /* comes twice: with `exactness: fast`, then as the spec has it, which is exact */
+    bool fast;       /* the spec itself has `exactness: fast` */
+    bool twin;       /* listed twice: with `exactness: fast`, then exact */
 };
 
-/* How far a model is taken. */
+/* The last stage that take() runs. */
 enum depth { CHECKED, PLANNED, COMPILED };
 
 static bool take(struct model *model, const struct draws *draws, enum depth depth,
@@ -69,7 +69,7 @@ static uint64_t resource_bytes(const struct pipeline *pipeline, const uint32_t f
 
 /* ---- One variation --------------------------------------------------------------------------- */
 
-/* A draw, and the model that it has led to so far. */
+/* A draw, and the model with its overrides so far. */
 struct attempt {
     struct draws *draws;
     struct variation *variation;
@@ -109,7 +109,7 @@ static bool fits_memory(struct attempt *attempt)
     return false;
 }
 
-/* False: invalid, diag says why. */
+/* False: invalid; attempt->diag has the reason. */
 static bool draw(struct attempt *attempt)
 {
     struct draws *draws = attempt->draws;
@@ -174,7 +174,7 @@ struct listing {
     struct text variations, refusals;
 };
 
-/* Draws until it is valid. */
+/* Draws until the variation is valid. */
 static bool find(struct draws *draws, struct variation *variation, struct listing *listing,
                  struct diag *diag)
 {
@@ -196,7 +196,7 @@ static bool find(struct draws *draws, struct variation *variation, struct listin
     return false;
 }
 
-/* A variation that is drawn fast stands before its exact twin. */
+/* Lists a fast variation before its exact twin. */
 static void list(struct draws *draws, const struct variation *variation, struct listing *listing)
 {
     struct draws fast = *draws;

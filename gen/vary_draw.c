@@ -1,7 +1,7 @@
-/* What may vary in a spec, and how it is drawn: everything that the language leaves to the spec's author and
- * that no pass body can tell, or must be ready for. The spec says the rest: parameters vary between their
- * min and max, words among the choices of the language's table, images among formats of the same channels.
- * Called by vary.c. Integer and plain IEEE arithmetic alone, so that a seed means the same everywhere. */
+/* Draws the values that may vary in a spec: those that no pass body can notice, or that every body
+ * must support. Parameters vary between min and max, words among the choices of the table, images
+ * among formats with the same channels. Called by vary.c. Uses only integer and plain IEEE
+ * arithmetic, so that a seed gives the same draws on every machine. */
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
@@ -53,7 +53,7 @@ static bool grow(struct draws *draws)
     return true;
 }
 
-/* What the request sets stays as it is. */
+/* Whether the request sets this path; then it is not drawn. */
 static bool is_fixed(const struct draws *draws, const char *path)
 {
     size_t length = strlen(path);
@@ -87,7 +87,7 @@ static const char *path_of(struct draws *draws, const char *kind, const char *na
     return arena_printf(draws->arena, "%s.%s.%s", kind, name, key);
 }
 
-/* One of the words that the table has for a key, the default among them. */
+/* Draws one of the table's words for a key, the default included. */
 static void set_choice(struct draws *draws, const char *path, enum section section, const char *key)
 {
     const char *choices = table_find(section, key)->choices, *at = choices;
@@ -101,7 +101,7 @@ static void set_choice(struct draws *draws, const char *path, enum section secti
 
 /* ---- Parameters ------------------------------------------------------------------------------ */
 
-/* Every number of digits is as likely as another, so that a range up to thousands sees small values, too. */
+/* All numbers of bits are equally likely, so that large ranges also give small values. */
 static double draw_integer(struct draws *draws, double least, double most)
 {
     uint64_t span = (uint64_t)(most - least), scale = 1;
@@ -112,7 +112,7 @@ static double draw_integer(struct draws *draws, double least, double most)
     return least + (double)below(draws, scale < span + 1 ? scale : span + 1);
 }
 
-/* Evenly, or where the range spans decades, in an even choice of them. */
+/* Uniform. A range of two decades or more: a random decade, then uniform in it. */
 static double draw_real(struct draws *draws, double least, double most)
 {
     double low = least;
@@ -127,7 +127,7 @@ static double draw_real(struct draws *draws, double least, double most)
     return low * (double)(below(draws, 90) + 10) / 10;
 }
 
-/* A quarter each: the least, the most, between, and as it was. */
+/* One of four, equally likely: the minimum, the maximum, a value between, the former value. */
 static double draw_component(struct draws *draws, const struct param *param, double former)
 {
     bool real = param->type <= DT_TYPE_VEC4;
@@ -159,7 +159,7 @@ static void draw_param(struct draws *draws, const struct param *param)
     bool flag = param->type == DT_TYPE_BOOL, changed = false;
     const char *text = "";
     if (!flag && (!isfinite(param->min) || !isfinite(param->max) || param->max - param->min > 1e9))
-        return; /* the spec does not say what it can take */
+        return; /* the spec gives no usable range */
     for (uint32_t i = 0; i < param->components; i++) {
         double former = param->value[i];
         double value = flag ? (double)below(draws, 2) : draw_component(draws, param, former);
@@ -186,8 +186,9 @@ static size_t channel_count(const char *format)
     return strcspn(format, "0123456789");
 }
 
-/* Whether a body cannot tell `other` from the format that its image has, but by precision: the same channels, as
- * reals, room for the colour that it is cleared to, and for a half or a float no less than a half. */
+/* Whether `other` can replace the image's format with only a change of precision: the same
+ * channels, not integer, large enough for the clear colour, and at least half for a half or a
+ * float. */
 static bool may_replace(const struct resource *image, const struct format_info *other)
 {
     const struct format_info *own = format_info(image->format);
@@ -208,7 +209,7 @@ static void draw_format(struct draws *draws, const struct pipeline *pipeline,
 {
     const char *others[DT_FORMAT_COUNT];
     uint32_t count = 0;
-    /* a picture that is shown has 8 bits */
+    /* the display output has 8 bits */
     if (pipeline->display_output && !strcmp(image->name, pipeline->display_output))
         return;
     for (int format = 0; format < DT_FORMAT_COUNT; format++)
@@ -219,7 +220,7 @@ static void draw_format(struct draws *draws, const struct pipeline *pipeline,
                 others[below(draws, count)]);
 }
 
-/* The two disks are interchangeable; a body that wants the square does not expect a disk. */
+/* The two disk maps are interchangeable; a body for the square map does not expect a disk. */
 static void draw_sampler(struct draws *draws, const struct sampler *sampler)
 {
     static const char *const filter_keys[] = {"filter", "mip_filter", "wrap"};
@@ -253,7 +254,7 @@ static void draw_metric(struct draws *draws, const struct metric *metric)
                 arena_printf(draws->arena, "%.1f", (double)(below(draws, 99) + 1) / 10));
 }
 
-/* Where a dispatch counts invocations, the size of its workgroups changes nothing but their number. */
+/* For a dispatch of invocations, the size of the workgroups changes only their number. */
 static void draw_local(struct draws *draws, const struct pass *pass)
 {
     static const uint32_t widths[] = {1, 3, 8, 16, 32, 64, 128}, heights[] = {1, 2, 3, 4, 8};
@@ -304,8 +305,8 @@ bool draw_fast(struct draws *draws)
 
 /* ---- Order ----------------------------------------------------------------------------------- */
 
-/* Whether `later`, behind `earlier` in the plan, has to stay there: one of them changes what the other
- * touches, or the spec says so. */
+/* Whether `later` must stay after `earlier`: one of them writes a resource that the other uses, or
+ * `after` says so. */
 static bool must_follow(struct arena *arena, const struct pass *earlier, const struct pass *later)
 {
     struct touch *first = arena_alloc(arena, (earlier->access_count + 2) * sizeof *first);
@@ -323,7 +324,7 @@ static bool must_follow(struct arena *arena, const struct pass *earlier, const s
     return false;
 }
 
-/* The pass runs after `before`, and after whatever it ran after already. */
+/* Adds `before` to the `after` of the pass. */
 static void set_after(struct draws *draws, const struct pass *pass, const char *before)
 {
     const char *list = before;
@@ -334,7 +335,7 @@ static void set_after(struct draws *draws, const struct pass *pass, const char *
             list ? arena_printf(draws->arena, "[%s]", list) : NULL);
 }
 
-/* Takes at random one of the passes that nothing left over has to precede. */
+/* Takes a random pass that has to follow none of the passes left. */
 static const struct pass *take_ready(struct draws *draws, const struct model *model, bool *taken)
 {
     const struct pipeline *pipeline = &model->pipeline;
@@ -376,7 +377,7 @@ void draw_frame(struct draws *draws, const struct pipeline *pipeline, uint32_t f
     uint64_t kind = below(draws, 8);
     for (int i = 0; i < 2; i++) {
         uint32_t tile = pipeline->interleave_count ? pipeline->interleaves[0].tile[i] : 8;
-        if (kind == 0 || kind == (uint64_t)i + 1) /* one texel, a row, a column */
+        if (kind == 0 || kind == (uint64_t)i + 1) /* one texel, a column, a row */
             frame[i] = 1;
         else if (kind == 3) /* whole tiles */
             frame[i] = tile * (uint32_t)(below(draws, 6) + 1);
@@ -389,7 +390,7 @@ void draw_frame(struct draws *draws, const struct pipeline *pipeline, uint32_t f
     }
 }
 
-/* More than one where frames know of each other, and now and then where they should not. */
+/* 1 to 3 with history. Without history frames are independent: 1, and sometimes 2 as a test. */
 uint32_t draw_frame_count(struct draws *draws, const struct pipeline *pipeline)
 {
     bool history = false;
