@@ -7,13 +7,13 @@
 #include "expr.h"
 #include "plan.h"
 
-static uint64_t image_bytes(const struct resource *image)
+static uint64_t image_bytes(const struct resource *image, uint32_t frame_width,
+                            uint32_t frame_height)
 {
-    uint32_t width = expr_value(image->width, REFERENCE_WIDTH, REFERENCE_HEIGHT, REFERENCE_WIDTH);
-    uint32_t height =
-        expr_value(image->height, REFERENCE_WIDTH, REFERENCE_HEIGHT, REFERENCE_HEIGHT);
-    uint32_t layers = expr_value(image->layers, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
-    uint32_t mips = expr_value(image->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+    uint32_t width = expr_value(image->width, frame_width, frame_height, frame_width);
+    uint32_t height = expr_value(image->height, frame_width, frame_height, frame_height);
+    uint32_t layers = expr_value(image->layers, frame_width, frame_height, 1);
+    uint32_t mips = expr_value(image->mips, frame_width, frame_height, 1);
     uint64_t texels = 0;
 
     for (uint32_t mip = 0; mip < mips && mip < 32; mip++) {
@@ -22,6 +22,13 @@ static uint64_t image_bytes(const struct resource *image)
         texels += w * h;
     }
     return texels * layers * format_info(image->format)->bytes;
+}
+
+uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height)
+{
+    return resource->kind == DT_IMAGE
+               ? image_bytes(resource, width, height)
+               : (uint64_t)resource->stride * expr_value(resource->count, width, height, 1);
 }
 
 void plan_lifetimes(struct model *model)
@@ -33,11 +40,7 @@ void plan_lifetimes(struct model *model)
 
         resource->usage = 0;
         resource->first_pass = resource->last_pass = -1;
-        resource->bytes =
-            resource->kind == DT_IMAGE
-                ? image_bytes(resource)
-                : (uint64_t)resource->stride *
-                      expr_value(resource->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+        resource->bytes = resource_bytes(resource, REFERENCE_WIDTH, REFERENCE_HEIGHT);
     }
     for (uint32_t p = 0; p < pipeline->pass_count; p++) {
         struct pass *pass = pipeline->order[p];

@@ -81,7 +81,7 @@ static void drop_pass(struct checker *c, const struct pass *pass)
     forget_pass(c->pipeline, pass->name);
 }
 
-static bool changes(const struct pass *pass, const struct resource *resource)
+bool pass_writes(const struct pass *pass, const struct resource *resource)
 {
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
@@ -100,7 +100,7 @@ static bool is_missed(const struct pipeline *pipeline, const bool *kept, const s
             const struct pass *other = &pipeline->passes[k];
             if (!kept[k] || other == pass)
                 continue;
-            written |= resource && changes(other, resource);
+            written |= resource && pass_writes(other, resource);
             read |= other->indirect_resource == resource || other->index_resource == resource;
             for (uint32_t j = 0; j < other->access_count; j++)
                 read |= other->accesses[j].resource == resource;

@@ -68,7 +68,7 @@ bool image_extent(const struct resource *image, uint32_t mip, const int frame[2]
 void check_names(struct checker *c); /* duplicates, reserved words */
 void check_references(
     struct checker *c); /* resolves names: element types, accesses, uses, after, outputs */
-bool is_reserved(const char *name);
+bool pass_writes(const struct pass *pass, const struct resource *resource); /* check.c */
 
 /* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */
 void check_passes(struct checker *c);

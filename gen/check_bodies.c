@@ -251,8 +251,8 @@ static void check_foreign_word(struct checker *c, const struct pass *pass, const
     if (!token)
         return;
     if (access) {
-        diag_error(c->diag, token->loc, "the pass `%s` lists `%s` as `%s`, which its body must say",
-                   pass->name, resource->name, access->as);
+        diag_error(c->diag, token->loc, "the pass `%s` lists `%s` as `%s`; use `%s` in its body",
+                   pass->name, resource->name, access->as, access->as);
         return;
     }
     bool stores = (size_t)token->length == strlen(resource->name) + 6 &&

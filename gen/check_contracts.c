@@ -139,19 +139,11 @@ static void check_margin_count(struct checker *c, const struct resource *resourc
             counts[0] == counts[1])
             continue;
         diag_error(c->diag, resource->contract.margin_loc,
-                   "the count of `%s` is %" PRId64 " at a frame of %dx%d, of `%s` %" PRId64
-                   ": a margin belongs to each element",
-                   resource->name, counts[0], frame[0], frame[1], margin->name, counts[1]);
+                   "at a frame of %dx%d `%s` has %" PRId64
+                   " elements, but its margin `%s` has %" PRId64 "; both need the same count",
+                   frame[0], frame[1], resource->name, counts[0], margin->name, counts[1]);
         return;
     }
-}
-
-static bool writes(const struct pass *pass, const struct resource *resource)
-{
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
-            return true;
-    return false;
 }
 
 /* Each pass that writes the resource must write its margins too, or they would be out of date. */
@@ -160,10 +152,10 @@ static void check_margin_writer(struct checker *c, const struct resource *resour
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const struct pass *pass = &c->pipeline->passes[i];
-        if (writes(pass, resource) && !writes(pass, margin))
+        if (pass_writes(pass, resource) && !pass_writes(pass, margin))
             diag_error(c->diag, resource->contract.margin_loc,
-                       "the pass `%s` writes `%s`, but not its margins, `%s`", pass->name,
-                       resource->name, margin->name);
+                       "the pass `%s` writes `%s`, but not its margin `%s`; list `%s` in `writes`",
+                       pass->name, resource->name, margin->name, margin->name);
     }
 }
 
@@ -172,8 +164,7 @@ static void resolve_margin(struct checker *c, struct resource *resource)
     struct contract *contract = &resource->contract;
     if (resource->kind == DT_IMAGE) {
         diag_error(c->diag, contract->margin_loc,
-                   "`%s` is an image; a margin belongs to the elements of a buffer",
-                   resource->name);
+                   "`%s` is an image; only a buffer can have a margin", resource->name);
         return;
     }
     const struct resource *margin = find_margin(c, contract);

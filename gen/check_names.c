@@ -56,11 +56,6 @@ static bool in_words(const char *words, const char *name)
     return false;
 }
 
-bool is_reserved(const char *name)
-{
-    return in_words(reserved_words, name) || in_words(taken_words, name);
-}
-
 static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
 {
     if (!strncmp(name, "gl_", 3))
@@ -71,7 +66,7 @@ static void check_word(struct checker *c, const char *name, struct loc loc, bool
     else if (in_words(reserved_words, name))
         diag_error(c->diag, loc, "`%s` is a reserved word of GLSL or C", name);
     else if (!scoped && in_words(taken_words, name))
-        diag_error(c->diag, loc, "`%s` is taken: pass bodies know it as something else", name);
+        diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
 }
 
 /* ---- Declarations ---------------------------------------------------------------------------- */
@@ -119,8 +114,8 @@ static void report_twice(struct checker *c, const struct declaration *a,
 {
     const struct declaration *first = comes_before(a->loc, b->loc) ? a : b,
                              *second = first == a ? b : a;
-    diag_error(c->diag, second->loc, "the %s `%s` has the name of a %s", second->kind, second->name,
-               first->kind);
+    diag_error(c->diag, second->loc, "the %s `%s` has the same name as a %s; rename one",
+               second->kind, second->name, first->kind);
     diag_note(c->diag, first->loc, "first here");
 }
 
@@ -146,9 +141,10 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
                            : k <= 11 ? interleave
                                      : false;
             if (applies && !strcmp(name + length, suffixes[k]))
-                diag_error(c->diag, list[i].loc,
-                           "`%s` is taken: the %s `%s` brings it into pass bodies", name, of->kind,
-                           of->name);
+                diag_error(
+                    c->diag, list[i].loc,
+                    "`%s` is already a name in pass bodies, made from the %s `%s`; rename one",
+                    name, of->kind, of->name);
         }
     }
 }
@@ -233,15 +229,12 @@ static void check_all_capitals(struct checker *c)
     check_capitals(c, list, count);
 }
 
-/* Tags that a struct of the spec cannot have: the generated C has a struct NAME_live beside
- * `struct NAME_Vpl`. */
+/* The generated C has a struct NAME_live beside `struct NAME_Vpl`. */
 static void check_tag(struct checker *c, const struct structure *structure)
 {
-    static const char *const tags[] = {"live", "gl_state", "vk_state"};
-    for (size_t i = 0; i < sizeof tags / sizeof *tags; i++)
-        if (!strcmp(structure->name, tags[i]))
-            diag_error(c->diag, structure->loc,
-                       "`%s` is taken: the generated C has a struct of that name", structure->name);
+    if (!strcmp(structure->name, "live"))
+        diag_error(c->diag, structure->loc,
+                   "`%s` is taken: the generated C has a struct of that name", structure->name);
 }
 
 static void check_fields(struct checker *c, const struct structure *structure)
@@ -267,7 +260,7 @@ static void check_word_once(struct checker *c, const struct pass *pass, uint32_t
                        pass->name, other->name, access->name, access->as);
         else
             diag_error(c->diag, access->as_loc,
-                       "the pass `%s` calls `%s` `%s` and `%s`; a body has one name for it",
+                       "the pass `%s` lists `%s` under two names, `%s` and `%s`; use one",
                        pass->name, access->name, access_word(other), access->as);
         return;
     }
@@ -293,7 +286,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
         for (size_t k = 0; k < count; k++)
             if (!strcmp(list[k].name, access->as)) {
                 diag_error(c->diag, access->as_loc,
-                           "`%s` is the name of a %s; `as` takes one that nothing has", access->as,
+                           "`%s` is already a %s; choose an unused name for `as`", access->as,
                            list[k].kind);
                 diag_note(c->diag, list[k].loc, "declared here");
             }
@@ -304,8 +297,8 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
         unsigned errors = diag_error_count(c->diag);
         check_derived(c, list, all - 1, &list[all - 1]);
         if (diag_error_count(c->diag) > errors)
-            diag_note(c->diag, access->as_loc, "the pass `%s` calls `%s` so", pass->name,
-                      access->name);
+            diag_note(c->diag, access->as_loc, "the pass `%s` lists `%s` under this name",
+                      pass->name, access->name);
     }
 }
 
@@ -580,8 +573,6 @@ static void resolve_pass(struct checker *c, struct pass *pass)
         pass->size_resource = find_resource(c, pass->dispatch_image);
     if (pass->indirect)
         pass->indirect_resource = resolve_buffer(c, pass->indirect, pass->indirect_loc);
-    if (pass->size == SIZE_INDIRECT && pass->kind == PASS_DISPATCH)
-        pass->size_resource = pass->indirect_resource;
     if (pass->indices)
         pass->index_resource = resolve_buffer(c, pass->indices, pass->indices_loc);
     resolve_ranges(c, pass);
@@ -604,7 +595,7 @@ static void resolve_weight(struct checker *c, const struct weight *weight)
         bool named = !strcmp(param->name, weight->param);
         if (param->type != DT_TYPE_FLOAT) {
             if (named)
-                diag_error(c->diag, weight->loc, "a weight is a float, which `%s` is not",
+                diag_error(c->diag, weight->loc, "a weight must be a float; `%s` is not",
                            param->name);
         } else if (named && (param->live ? param->min : param->value[0]) < 0) {
             diag_error(c->diag, weight->loc, "a weight cannot be negative: give `%s` a min of 0",

@@ -48,8 +48,8 @@ static void check_mip(struct checker *c, const struct pass *pass, struct access 
         return;
     if (mip >= mips) {
         diag_error(c->diag, expr_loc(access->mip),
-                   "mip %" PRId64 " of `%s`, which has %" PRId64 " (pass `%s`)", mip, access->name,
-                   mips, pass->name);
+                   "`%s` has %" PRId64 " mips, so there is no mip %" PRId64 " (pass `%s`)",
+                   access->name, mips, mip, pass->name);
         note_declared(c, access->resource);
     }
 }
@@ -132,8 +132,8 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
         if (!same_word(pass, a, b))
             return;
         diag_error(c->diag, b->loc,
-                   "the body of the pass `%s` cannot tell two mips of `%s` apart; read one through "
-                   "a sampler, or use two passes",
+                   "the pass `%s` uses two mips of `%s` under the same name; read one through a "
+                   "sampler, or use two passes",
                    pass->name, b->name);
     } else if (a->mode == MODE_READ && b->mode == MODE_READ) {
         if (image && !a->sampler != !b->sampler)

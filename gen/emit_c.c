@@ -132,6 +132,12 @@ void c_frame_locals(const struct c_output *c, const char *body)
         text_add(c->out, "    const struct %s_live *live = r->live;\n", c->pipeline->name);
 }
 
+void c_table(const struct c_output *c, const char *name, const char *count, uint32_t n)
+{
+    if (n)
+        text_add(c->out, "    .%s = %s,\n    .%s = %" PRIu32 ",\n", name, name, count, n);
+}
+
 void c_head(const struct c_output *c, const char *what)
 {
     const struct source *source = c->pipeline->loc.source;

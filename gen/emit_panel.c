@@ -369,12 +369,6 @@ static void emit_record(const struct c_output *c)
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-static void emit_table(const struct c_output *c, const char *name, const char *count, uint32_t n)
-{
-    if (n)
-        text_add(c->out, "    .%s = %s,\n    .%s = %" PRIu32 ",\n", name, name, count, n);
-}
-
 void emit_c_panel(const struct lowered *tables, struct text *out)
 {
     const struct pipeline *pipeline = &tables->model->pipeline;
@@ -398,8 +392,8 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
              pipeline->name, pipeline->name,
              pipeline->resource_count ? "    .storage = storage,\n" : "",
              pipeline->pass_count ? "    .programs = programs,\n" : "");
-    emit_table(&c, "samplers", "sampler_count", tables->panel.sampler_count);
-    emit_table(&c, "needs", "need_count", tables->panel.need_count);
+    c_table(&c, "samplers", "sampler_count", tables->panel.sampler_count);
+    c_table(&c, "needs", "need_count", tables->panel.need_count);
     text_add(out, "    .slot_count = %" PRIu32 ",\n    .record = record,\n};\n",
              pipeline->slot_count);
 }

@@ -291,12 +291,6 @@ static void emit_passes(const struct c_output *c)
     text_add(c->out, "};\n\n");
 }
 
-static void emit_table(const struct c_output *c, const char *name, const char *count, uint32_t n)
-{
-    if (n)
-        text_add(c->out, "    .%s = %s,\n    .%s = %" PRIu32 ",\n", name, name, count, n);
-}
-
 static void emit_output(const struct c_output *c, const char *member, int output)
 {
     text_add(c->out, "    .%s = ", member);
@@ -319,9 +313,9 @@ void emit_reflection(const struct c_output *c)
              pipeline->name, pipeline->name);
     c_string(c->out, pipeline->doc);
     text_add(c->out, ",\n");
-    emit_table(c, "params", "param_count", pipeline->param_count);
-    emit_table(c, "resources", "resource_count", pipeline->resource_count);
-    emit_table(c, "passes", "pass_count", pipeline->pass_count);
+    c_table(c, "params", "param_count", pipeline->param_count);
+    c_table(c, "resources", "resource_count", pipeline->resource_count);
+    c_table(c, "passes", "pass_count", pipeline->pass_count);
     text_add(c->out, "    .live_defaults = &block,\n    .live_size = sizeof block.live,\n"
                      "    .block_size = sizeof block,\n");
     emit_output(c, "linear_output", pipeline->linear_output);

@@ -241,7 +241,7 @@ static struct expr *parse_unary(struct parser *p)
         return parse_primary(p);
     p->at++;
     if (++p->depth > DEEPEST)
-        return fail(p, from, from + 1, "too many levels");
+        return fail(p, from, from + 1, "more than 64 nested levels");
     struct expr *operand = parse_unary(p);
     p->depth--;
     struct expr *expr = operand ? node(p, c == '-' ? OP_NEGATE : OP_NOT, from) : NULL;
@@ -295,7 +295,7 @@ static struct expr *parse_choose(struct parser *p)
     skip_spaces(p);
     size_t from = p->at;
     if (++p->depth > DEEPEST)
-        return fail(p, from, from + 1, "too many levels");
+        return fail(p, from, from + 1, "more than 64 nested levels");
     struct expr *condition = parse_binary(p, 0);
     if (condition && take(p, "?")) {
         struct expr *yes = parse_choose(p);

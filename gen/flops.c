@@ -32,19 +32,14 @@ struct counting {
 
 /* ---- One instruction ------------------------------------------------------------------------- */
 
-static bool is_opcode(const uint32_t *instruction, SpvOp opcode)
-{
-    return (*instruction & 0xffff) == opcode;
-}
-
 /* Number of floats in a value of the type; 0: not a float type. */
 static uint32_t floats_in(const struct counting *c, uint32_t type)
 {
     const uint32_t *declared = c->words + c->definitions[type];
 
-    if (is_opcode(declared, SpvOpTypeFloat))
+    if (spirv_is(declared, SpvOpTypeFloat))
         return 1;
-    if (is_opcode(declared, SpvOpTypeVector) || is_opcode(declared, SpvOpTypeMatrix))
+    if (spirv_is(declared, SpvOpTypeVector) || spirv_is(declared, SpvOpTypeMatrix))
         return floats_in(c, declared[2]) * declared[3];
     return 0;
 }
@@ -145,7 +140,7 @@ static struct cost end_cost(struct counting *c, const uint32_t *instruction)
     case SpvOpUnreachable:
         return no_way;
     default: /* the invocation or the function ends; early unless in the last block */
-        return (struct cost){.exits = !is_opcode(instruction + length, SpvOpFunctionEnd)};
+        return (struct cost){.exits = !spirv_is(instruction + length, SpvOpFunctionEnd)};
     }
 }
 
@@ -171,8 +166,8 @@ static struct cost block_cost(struct counting *c, uint32_t label)
     for (; !ends_block(c->words + at); at += c->words[at] >> 16) {
         const uint32_t *instruction = c->words + at;
 
-        flops += is_opcode(instruction, SpvOpFunctionCall) ? function_cost(c, instruction[3]).flops
-                                                           : instruction_flops(c, instruction);
+        flops += spirv_is(instruction, SpvOpFunctionCall) ? function_cost(c, instruction[3]).flops
+                                                          : instruction_flops(c, instruction);
     }
     struct cost cost = end_cost(c, c->words + at);
 
@@ -187,7 +182,7 @@ static struct cost function_cost(struct counting *c, uint32_t function)
     size_t at = c->definitions[function];
 
     if (c->states[function] != STATE_DONE) {
-        while (!is_opcode(c->words + at, SpvOpLabel))
+        while (!spirv_is(c->words + at, SpvOpLabel))
             at += c->words[at] >> 16;
         c->costs[function] = block_cost(c, c->words[at + 1]);
         c->states[function] = STATE_DONE;
@@ -205,11 +200,11 @@ static uint32_t survey(struct counting *c)
     for (size_t at = SPIRV_HEADER; at < c->count; at += c->words[at] >> 16) {
         const uint32_t *instruction = c->words + at;
 
-        if (is_opcode(instruction, SpvOpEntryPoint)) {
+        if (spirv_is(instruction, SpvOpEntryPoint)) {
             entry = instruction[2];
-        } else if (is_opcode(instruction, SpvOpLabel)) {
+        } else if (spirv_is(instruction, SpvOpLabel)) {
             label = instruction[1];
-        } else if (is_opcode(instruction, SpvOpLoopMerge)) {
+        } else if (spirv_is(instruction, SpvOpLoopMerge)) {
             c->loop_merges[label] = instruction[1];
             c->behind_loop[instruction[1]] = true;
         }

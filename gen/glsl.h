@@ -79,13 +79,13 @@ bool glsl_check_accesses(struct glsl *glsl);
 /* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
 bool glsl_check_precise(const struct glsl *glsl);
 /* glsl_precise.c: adds `precise` to declarations and results in the text of a whole stage. */
-void glsl_precise(const struct glsl *glsl, struct text *text);
+void glsl_precise(struct text *text);
 /* glsl_library.c: puts the definitions of templates/glsl/NAME.glsl that the stage uses before
  * PART_LIBRARY. Replaces @layout@ in them by `layout`. */
 bool glsl_library(struct glsl *glsl, const char *name, const char *layout);
 /* glsl_library.c: reads the file at `path` once per model; NULL: cannot be read. number: for
  * #line, may be NULL. */
-const struct source *glsl_source(struct model *model, const char *path, uint32_t *number);
+const struct source *glsl_source(struct model *model, const char *path);
 /* Adds a file that was read to model->glsl_sources, once; false when out of memory. */
 bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number);
 

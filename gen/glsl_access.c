@@ -3,7 +3,6 @@
  * and bindings. */
 #include "glsl.h"
 #include "plan.h"
-#include "plan.h"
 
 #include <string.h>
 

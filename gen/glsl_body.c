@@ -77,12 +77,12 @@ static const struct source *find_include(struct body *body, const char *name, si
     int folder = slash ? (int)(slash - body->source->path) + 1 : 0;
     const char *beside =
         arena_printf(model->arena, "%.*s%.*s", folder, body->source->path, (int)length, name);
-    const struct source *source = beside ? glsl_source(model, beside, NULL) : NULL;
+    const struct source *source = beside ? glsl_source(model, beside) : NULL;
     if (source)
         return source;
     const char *shared =
         arena_printf(model->arena, "%s/glsl/%.*s", model->templates_dir, (int)length, name);
-    return shared ? glsl_source(model, shared, NULL) : NULL;
+    return shared ? glsl_source(model, shared) : NULL;
 }
 
 static bool include(struct body *body, const char *line, size_t length)

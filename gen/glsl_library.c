@@ -74,19 +74,16 @@ const char *find_word(const char *text, const char *word)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-const struct source *glsl_source(struct model *model, const char *path, uint32_t *number)
+const struct source *glsl_source(struct model *model, const char *path)
 {
     const char *plain = source_path(model->arena, path);
     uint32_t count = model->glsl_source_count;
     for (uint32_t i = 0; plain && i < count; i++)
-        if (!strcmp(model->glsl_sources[i]->path, plain)) {
-            if (number)
-                *number = i + 1;
+        if (!strcmp(model->glsl_sources[i]->path, plain))
             return model->glsl_sources[i];
-        }
     const char *reason;
     const struct source *source = plain ? source_read(model, plain, &reason) : NULL;
-    return source && glsl_source_add(model, source, number) ? source : NULL;
+    return source && glsl_source_add(model, source, NULL) ? source : NULL;
 }
 
 bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number)
@@ -156,7 +153,7 @@ bool glsl_library(struct glsl *glsl, const char *name, const char *layout)
 {
     struct model *model = glsl->model;
     const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
-    const struct source *source = path ? glsl_source(model, path, NULL) : NULL;
+    const struct source *source = path ? glsl_source(model, path) : NULL;
     if (!source) {
         diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
                    path ? path : name);

@@ -10,7 +10,6 @@
 #include <string.h>
 
 struct rewrite {
-    const struct glsl *glsl;
     struct text *out;
     const char *copied;     /* all before it is in `out` */
     struct token before;    /* the previous token */
@@ -148,10 +147,10 @@ bool glsl_check_precise(const struct glsl *glsl)
     return true;
 }
 
-void glsl_precise(const struct glsl *glsl, struct text *text)
+void glsl_precise(struct text *text)
 {
     struct text out = {.failed = text->failed};
-    struct rewrite rewrite = {.glsl = glsl, .out = &out, .copied = text->data};
+    struct rewrite rewrite = {.out = &out, .copied = text->data};
     const char *cursor = text->data ? text->data : "";
     for (struct token token = token_next(&cursor); token.length; token = token_next(&cursor)) {
         if (token.text >= rewrite.copied) {

@@ -63,8 +63,8 @@ static bool find_close(const struct glsl *glsl, struct loop *loop)
         for (int i = 0; i < 3; i++)
             if (token_is(token, jumps[i])) {
                 report(glsl, token,
-                       "a loop over a range is written out, so it cannot be left: "
-                       "use a condition around the work instead");
+                       "a loop over a range is unrolled: `break`, `continue` and `return` are "
+                       "not allowed; put the work in an `if`");
                 ok = false;
             }
         depth += token_is(token, "{") - token_is(token, "}");

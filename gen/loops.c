@@ -19,19 +19,14 @@ struct module {
     const uint32_t *definitions;
 };
 
-static bool is_opcode(const uint32_t *instruction, SpvOp opcode)
-{
-    return (*instruction & 0xffff) == opcode;
-}
-
 /* Number of scalars in a value of the type. */
 static uint32_t numbers_in(const struct module *m, uint32_t type)
 {
     const uint32_t *declared = m->words + m->definitions[type];
     uint32_t sum = 0;
-    if (is_opcode(declared, SpvOpTypeVector) || is_opcode(declared, SpvOpTypeMatrix))
+    if (spirv_is(declared, SpvOpTypeVector) || spirv_is(declared, SpvOpTypeMatrix))
         return numbers_in(m, declared[2]) * declared[3];
-    if (!is_opcode(declared, SpvOpTypeStruct))
+    if (!spirv_is(declared, SpvOpTypeStruct))
         return 1;
     for (uint32_t i = 2; i < *declared >> 16; i++)
         sum += numbers_in(m, declared[i]);
@@ -61,7 +56,7 @@ static uint32_t operations_of(const struct module *m, const uint32_t *instructio
 
 static size_t function_end(const struct module *m, size_t at)
 {
-    while (!is_opcode(m->words + at, SpvOpFunctionEnd))
+    while (!spirv_is(m->words + at, SpvOpFunctionEnd))
         at += m->words[at] >> 16;
     return at;
 }
@@ -72,7 +67,7 @@ static uint64_t operations_in(const struct module *m, size_t from, size_t to, ui
     uint64_t sum = 0;
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
         sum += operations_of(m, m->words + at);
-        if (is_opcode(m->words + at, SpvOpFunctionCall) && calls < MAX_CALLS) {
+        if (spirv_is(m->words + at, SpvOpFunctionCall) && calls < MAX_CALLS) {
             size_t callee = m->definitions[m->words[at + 3]];
             sum += operations_in(m, callee, function_end(m, callee), calls + 1);
         }
@@ -86,13 +81,13 @@ static bool picks_from_array(const struct module *m, size_t from, size_t to)
 {
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
         const uint32_t *chain = m->words + at;
-        if (!is_opcode(chain, SpvOpAccessChain) || *chain >> 16 < 5)
+        if (!spirv_is(chain, SpvOpAccessChain) || *chain >> 16 < 5)
             continue;
         const uint32_t *base = m->words + m->definitions[chain[3]];
         const uint32_t *index = m->words + m->definitions[chain[4]];
-        if (is_opcode(base, SpvOpVariable) &&
+        if (spirv_is(base, SpvOpVariable) &&
             (base[3] == SpvStorageClassFunction || base[3] == SpvStorageClassPrivate) &&
-            !is_opcode(index, SpvOpConstant))
+            !spirv_is(index, SpvOpConstant))
             return true;
     }
     return false;
@@ -104,7 +99,7 @@ bool spirv_keep_loops(uint32_t *words, size_t count)
     const struct module module = {words, count, definitions};
     size_t behind = 0; /* the last outermost loop */
     for (size_t at = SPIRV_HEADER; definitions && at < count; at += words[at] >> 16) {
-        if (!is_opcode(words + at, SpvOpLoopMerge) || at < behind)
+        if (!spirv_is(words + at, SpvOpLoopMerge) || at < behind)
             continue;
         behind = definitions[words[at + 1]];
         uint64_t operations = operations_in(&module, at, behind, 0);

@@ -6,9 +6,9 @@
 
 #include "expr.h"
 #include "plan.h"
+#include "spirv.h"
 
 struct lowering {
-    const struct model *model;
     const struct pipeline *from;
     struct arena *arena;
     bool failed;
@@ -361,8 +361,8 @@ static bool has_capability(const struct pass_shaders *shaders, SpvCapability cap
     const uint32_t declaration = 2u << 16 | SpvOpCapability; /* first in a module */
     for (size_t stage = 0; stage < DT_ARRAY_COUNT(shaders->stage); stage++) {
         const struct shader *shader = &shaders->stage[stage];
-        for (size_t at = 5; at + 1 < shader->word_count && shader->words[at] == declaration;
-             at += 2)
+        for (size_t at = SPIRV_HEADER;
+             at + 1 < shader->word_count && shader->words[at] == declaration; at += 2)
             if (shader->words[at + 1] == (uint32_t)capability)
                 return true;
     }
@@ -608,7 +608,7 @@ static int output_index(const struct pipeline *pipeline, const char *name)
 struct lowered *lower(const struct model *model, struct pass_shaders *const shaders[2])
 {
     const struct pipeline *from = &model->pipeline;
-    struct lowering l = {.model = model, .from = from, .arena = model->arena};
+    struct lowering l = {.from = from, .arena = model->arena};
     struct lowered *out = arena_alloc(model->arena, sizeof *out);
     if (!out)
         return NULL;

@@ -294,19 +294,22 @@ static bool set_limit(const char *text)
     if (!read_number("--limit", text, 1, 3600, 1, &seconds))
         return false;
     const struct rlimit limit = {.rlim_cur = seconds, .rlim_max = seconds + 1};
-    return !setrlimit(RLIMIT_CPU, &limit);
+    if (!setrlimit(RLIMIT_CPU, &limit))
+        return true;
+    fprintf(stderr, "diptych-gen: error: --limit %s: %s\n", text, strerror(errno));
+    return false;
 }
 
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
+    if (!set_limit(options->limit))
+        return STATUS_FAILED;
     struct spec_request request = {.path = options->spec,
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
                                    .cache = open_cache(options->cache)};
-    if (!set_limit(options->limit))
-        return STATUS_FAILED;
     bool good = spec_load(&g->spec, &request, options->out, g->diag);
     shader_cache_close(request.cache);
     if (!good)
@@ -334,8 +337,8 @@ static enum status print_variations(struct generation *g)
                                    .seed = seed,
                                    .bytes = memory << 20};
     bool good = vary(&request, &text, g->diag);
-    if (good && fwrite(text.data, 1, text.length, stdout) != text.length)
-        good = false;
+    if (good)
+        fwrite(text.data, 1, text.length, stdout); /* main checks the stream */
     text_free(&text);
     return good ? STATUS_DONE : STATUS_WRONG_SPEC;
 }
@@ -415,7 +418,6 @@ static enum status run(const struct options *options)
     if (g.diag && g.spec.model.arena) {
         g.templates = find_templates(g.spec.model.arena, options->templates);
         status = options->variations ? print_variations(&g) : generate(&g);
-        fflush(stdout);
         if (options->json)
             status = write_json(&g, status);
         diag_flush(g.diag);
@@ -432,14 +434,13 @@ static enum status print_text(void (*emit)(struct text *out))
 {
     struct text text = {0};
     emit(&text);
-    bool good =
-        !text.failed && (!text.length || fwrite(text.data, 1, text.length, stdout) == text.length);
-    good = !fflush(stdout) && good;
-    if (!good)
-        fprintf(stderr, "diptych-gen: error: cannot write to the standard output: %s\n",
-                strerror(errno));
+    if (text.failed)
+        fputs("diptych-gen: error: out of memory\n", stderr);
+    else
+        fwrite(text.data, 1, text.length, stdout); /* main checks the stream */
+    enum status status = text.failed ? STATUS_FAILED : STATUS_DONE;
     text_free(&text);
-    return good ? STATUS_DONE : STATUS_FAILED;
+    return status;
 }
 
 /* ---- The command line ------------------------------------------------------------------------ */
@@ -466,9 +467,13 @@ static enum status run_words(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    if (argc == 2 && !strcmp(argv[1], "--describe")) {
+    enum status status = STATUS_DONE;
+    if (argc == 2 && !strcmp(argv[1], "--describe"))
         command_describe(&command);
-        return STATUS_DONE;
-    }
-    return (int)run_words(argc, argv);
+    else
+        status = run_words(argc, argv);
+    if (!fflush(stdout) && !ferror(stdout))
+        return (int)status;
+    fputs("diptych-gen: error: cannot write to the standard output\n", stderr);
+    return STATUS_FAILED;
 }

@@ -286,7 +286,7 @@ struct pass {
     bool depth_write, blend_add;
     uint32_t clip_distances;
     /* check and plan */
-    struct loc when_loc, size_loc, indirect_loc, indices_loc, interleave_loc;
+    struct loc size_loc, indirect_loc, indices_loc, interleave_loc;
     bool conditional; /* `when` depends on live parameters */
     struct barrier *barriers;
     uint32_t barrier_count;

@@ -127,10 +127,10 @@ static void check_writers(const struct graph *graph, const struct resource *reso
                 continue;
             diag_error(
                 diag, second_use.change_loc,
-                "'%s' is written by '%s' and by '%s', and nothing orders the two; let one of them "
-                "update it, or name the other in `after`",
+                "`%s` is written by `%s` and by `%s` in no defined order; list it in `updates` of "
+                "one, or name the other in `after`",
                 resource->name, first->name, second->name);
-            diag_note(diag, first_use.change_loc, "'%s' is written here too", resource->name);
+            diag_note(diag, first_use.change_loc, "`%s` is written here too", resource->name);
             return;
         }
     }
@@ -160,9 +160,9 @@ static void order_reader(struct graph *graph, const struct resource *resource, u
     if (seen < 0 && graph->modifier_count == 1 && !resource->history)
         seen = 0;
     if (seen < 0 && !resource->history) {
-        diag_error(diag, loc, "'%s' reads '%s' before any pass writes it; %s",
+        diag_error(diag, loc, "`%s` reads `%s` before any pass writes it; %s",
                    graph->passes[reader].name, resource->name,
-                   graph->modifier_count ? "list it after the pass whose content it wants"
+                   graph->modifier_count ? "move it behind the pass that writes the content"
                                          : "let a pass write it, or give it `history: true`");
         return;
     }
@@ -184,7 +184,7 @@ static void order_resource(struct graph *graph, const struct resource *resource,
 
         if (use.updates || use.reads) {
             diag_error(diag, use.updates ? use.change_loc : use.read_loc,
-                       "'%s' %s '%s' before any pass writes it; list a pass that writes it first, "
+                       "`%s` %s `%s` before any pass writes it; list a pass that writes it first, "
                        "or give it "
                        "`history: true`",
                        first->name, use.updates ? "updates" : "reads", resource->name);
@@ -230,10 +230,10 @@ static void report_cycle(struct model *model, const struct graph *graph, const b
         at = from;
     }
     start = (uint32_t)place[at] - 1;
-    text_add(&text, "'%s'", graph->passes[at].name);
+    text_add(&text, "`%s`", graph->passes[at].name);
     for (uint32_t i = length; i-- > start;)
-        text_add(&text, " -> '%s'", graph->passes[ring[i]].name);
-    diag_error(diag, graph->passes[at].loc, "the passes wait for each other in a circle: %s",
+        text_add(&text, " -> `%s`", graph->passes[ring[i]].name);
+    diag_error(diag, graph->passes[at].loc, "dependency cycle between passes: %s",
                text.data ? text.data : "");
     text_free(&text);
     for (uint32_t i = length; i-- > start;) {
@@ -241,9 +241,9 @@ static void report_cycle(struct model *model, const struct graph *graph, const b
         const struct edge *edge = &graph->edges[from * n + ring[i]];
         const struct pass *later = &graph->passes[ring[i]];
 
-        diag_note(diag, later->loc, "'%s' runs after '%s' because of %s%s%s", later->name,
-                  graph->passes[from].name, edge->because ? "'" : "its `after`",
-                  edge->because ? edge->because->name : "", edge->because ? "'" : "");
+        diag_note(diag, later->loc, "`%s` runs after `%s` because of %s%s%s", later->name,
+                  graph->passes[from].name, edge->because ? "`" : "its `after`",
+                  edge->because ? edge->because->name : "", edge->because ? "`" : "");
     }
 }
 
@@ -283,7 +283,7 @@ static void check_output(const struct pipeline *pipeline, const char *name, stru
             written = use.writes || use.updates;
         }
         if (!written)
-            diag_error(diag, loc, "no pass writes the output '%s'", name);
+            diag_error(diag, loc, "no pass writes the output `%s`", name);
     }
 }
 

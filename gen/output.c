@@ -82,8 +82,9 @@ static bool make_folders(char *path)
     return true;
 }
 
-static bool write_all(int descriptor, const char *data, size_t length)
+bool write_all(int descriptor, const void *bytes, size_t length)
 {
+    const char *data = bytes;
     while (length) {
         ssize_t done = write(descriptor, data, length);
         if (done < 0 && errno == EINTR)

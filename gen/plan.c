@@ -90,7 +90,7 @@ static void limit_storage_images(struct pass *pass, struct diag *diag)
         }
     }
     if (count > STORAGE_IMAGE_LIMIT) {
-        diag_error(diag, pass->loc, "'%s' writes and updates %u images; a pass can have %d of them",
+        diag_error(diag, pass->loc, "`%s` writes and updates %u images; a pass can have %d of them",
                    pass->name, count, STORAGE_IMAGE_LIMIT);
     }
 }
@@ -136,7 +136,7 @@ static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struc
             access->attachment = attachments++;
     }
     if (attachments > COLOR_TARGET_LIMIT) {
-        diag_error(diag, pass->loc, "'%s' draws to %d colour targets; a pass can have %d",
+        diag_error(diag, pass->loc, "`%s` draws to %d colour targets; a pass can have %d",
                    pass->name, attachments, COLOR_TARGET_LIMIT);
     }
     limit_storage_images(pass, diag);
@@ -202,7 +202,7 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
     pass->textures_binding = pass->kind == PASS_SCENE ? next++ : -1;
     next = bind_class(pass, BIND_TEXTURE, next);
     if (next - first_texture > TEXTURE_LIMIT) {
-        diag_error(diag, pass->loc, "'%s' reads %d images as textures; a pass can have %d",
+        diag_error(diag, pass->loc, "`%s` reads %d images as textures; a pass can have %d",
                    pass->name, next - first_texture, TEXTURE_LIMIT);
     }
 }
@@ -227,14 +227,13 @@ static void check_uniform(const struct range *range, const struct resource *buff
 {
     if (!std140_equals_std430(buffer)) {
         diag_error(diag, range->loc,
-                   "'%s' cannot be read as a uniform block: its elements (and arrays in them) are "
-                   "not a multiple of 16 "
-                   "bytes long; pad '%s' or choose another storage",
+                   "`%s` cannot be a uniform block: the sizes of its elements and of their arrays "
+                   "must be multiples of 16 bytes; pad `%s` or choose another storage",
                    buffer->name, buffer->of);
     }
     if (buffer->bytes > UNIFORM_BLOCK_LIMIT) {
         diag_error(diag, range->loc,
-                   "'%s' has %llu bytes, but a uniform block holds %d on every device; choose "
+                   "`%s` has %llu bytes, more than the limit of a uniform block, %d; choose "
                    "another storage",
                    buffer->name, (unsigned long long)buffer->bytes, UNIFORM_BLOCK_LIMIT);
     }
@@ -281,7 +280,7 @@ static void check_shared(const struct pass *pass, struct diag *diag)
     }
     if (bytes > SHARED_MEMORY_LIMIT) {
         diag_error(diag, pass->ranges[0].loc,
-                   "the ranges of '%s' take %llu bytes of shared memory; every device has %d: give "
+                   "the ranges of `%s` take %llu bytes of shared memory; every device has %d: give "
                    "one of them "
                    "`storage: buffer`",
                    pass->name, (unsigned long long)bytes, SHARED_MEMORY_LIMIT);

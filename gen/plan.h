@@ -68,6 +68,8 @@ enum { SOFTWARE_UNIFORM_LIMIT = 65536 }; /* bytes; on CPU drivers and desktop de
 
 bool plan_order(struct model *model, struct diag *diag); /* order.c: pipeline->order, pass->index */
 void plan_lifetimes(struct model *model);                /* alias.c: first_pass, last_pass, bytes */
+/* alias.c: of all mips and layers, or of all elements */
+uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height);
 void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */
 bool resources_overlap(const struct resource *a,
                        const struct resource *b); /* alias.c: alive in a common pass */

@@ -129,10 +129,11 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
         text_add(&list, "%s%s", i ? ", " : "", words[i]);
     const char *label = strcmp(key->name, "*") ? key->name : "value";
     if (nearest)
-        diag_error(reader->diag, loc, "`%s` is no %s; did you mean `%s`?", text, label, nearest);
+        diag_error(reader->diag, loc, "`%s` is not a valid %s; did you mean `%s`?", text, label,
+                   nearest);
     else
-        diag_error(reader->diag, loc, "`%s` is no %s; %s %s", text, label,
-                   count > 1 ? "one of" : "expected", list.data ? list.data : "");
+        diag_error(reader->diag, loc, "`%s` is not a valid %s; %s %s", text, label,
+                   count > 1 ? "use one of" : "use", list.data ? list.data : "");
     text_free(&list);
     return false;
 }

@@ -107,7 +107,7 @@ static void set_value(struct reader *reader, struct param *param, struct fy_node
     for (uint32_t i = 0; i < components; i++)
         fits &= fits_type(param, components, own, param->value[i]);
     if (!fits)
-        diag_error(reader->diag, param->value_loc, "`%s` is %s, which this value is not",
+        diag_error(reader->diag, param->value_loc, "`%s` has type %s; this value does not fit",
                    param->name, type_name(reader, param->type));
 }
 
@@ -131,8 +131,8 @@ static void read_param(struct reader *reader, const struct named *named, struct 
     if (param->live && param->uniform) {
         diag_error(
             reader->diag, node_loc(reader, field_node(&fields, "uniform")),
-            "`%s` is live, and so in the uniform block anyway: leave out `uniform`, or `live` "
-            "if counts and sizes depend on it",
+            "live parameters are already in the uniform block; remove `uniform`. If counts or "
+            "sizes depend on `%s`, remove `live` instead",
             param->name);
         param->uniform = false;
     }

@@ -224,7 +224,7 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
     }
     if (pass->indirect && found && pass->kind == PASS_DISPATCH)
         diag_error(reader->diag, pass->indirect_loc,
-                   "`indirect` beside `%s`; the buffer alone says how much is dispatched", found);
+                   "`indirect` excludes `%s`: the buffer gives the number of workgroups", found);
     if (pass->kind == PASS_DISPATCH)
         read_local(reader, fields, pass, dimensions);
     refuse_others(reader, fields, pass);
@@ -265,8 +265,7 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
         pass->clip_distances = (uint32_t)distances;
     if (pass->depth_compare != COMPARE_OFF && !depth)
         diag_error(reader->diag, field_loc(reader, fields, "depth"),
-                   "a depth test, but the pass `%s` writes no image of "
-                   "format d32f",
+                   "`depth` needs a depth target: the pass `%s` writes no image of format d32f",
                    pass->name);
 }
 
@@ -291,7 +290,6 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     pass->indices_loc = field_loc(reader, fields, "indices");
     pass->when = field_expr(reader, fields, "when");
     pass->when_text = field_text(reader, fields, "when");
-    pass->when_loc = field_loc(reader, fields, "when");
     pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
     pass->after_count =
         read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);

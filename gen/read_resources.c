@@ -324,7 +324,7 @@ static struct contract read_contract(struct reader *reader, const struct named *
     contract.margin = field_text(reader, &fields, "margin");
     contract.margin_loc = field_loc(reader, &fields, "margin");
     if (contract.margin && !field_node(&fields, "flips"))
-        diag_error(reader->diag, contract.margin_loc, "`margin` stands beside `flips` alone");
+        diag_error(reader->diag, contract.margin_loc, "`margin` is only allowed beside `flips`");
     if (found != 1 && fields.count == found + !!contract.margin)
         diag_error(reader->diag, named->loc,
                    "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`");
@@ -364,7 +364,7 @@ void read_contracts(struct reader *reader, const struct fields *top)
         struct contract contract = read_contract(reader, &list.items[i]);
         if (contract.allowed.kind >= DT_CONTRACT_IMAGE) {
             diag_error(reader->diag, contract.loc,
-                       "`%s` is for single resources, not for the default",
+                       "`default` cannot have `%s`; set it for single resources",
                        contract.allowed.kind == DT_CONTRACT_IMAGE ? "image" : "flips");
             continue;
         }

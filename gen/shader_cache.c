@@ -142,20 +142,6 @@ static bool read_all(int file, void *bytes, size_t size)
     return true;
 }
 
-static bool write_all(int file, const void *bytes, size_t size)
-{
-    for (const char *at = bytes; size;) {
-        ssize_t put = write(file, at, size);
-        if (put < 0 && errno == EINTR)
-            continue;
-        if (put <= 0)
-            return false;
-        at += put;
-        size -= (size_t)put;
-    }
-    return true;
-}
-
 static bool read_entry(int file, uint64_t seed, struct shader *shader)
 {
     struct head head;
@@ -293,9 +279,9 @@ static int open_folder(const char *folder, const char **problem)
     if (file < 0 || fstat(file, &status))
         *problem = strerror(errno);
     else if (status.st_uid != geteuid())
-        *problem = "it belongs to somebody else";
+        *problem = "another user owns the folder";
     else if (status.st_mode & (S_IWGRP | S_IWOTH))
-        *problem = "others may write to it";
+        *problem = "other users may write to the folder";
     else
         return file;
     if (file >= 0)

@@ -114,7 +114,8 @@ static void note_uniform(const struct loc *error, const char *name, struct loc d
     find_in_line(&used, name, strlen(name));
     if (used.length)
         diag_note(diag, declared,
-                  "shaders read `%s` from a uniform block, so to them it is no constant", name);
+                  "`%s` is in a uniform block, so it is not a constant expression in shaders",
+                  name);
 }
 
 /* After an error about a constant: notes the uniform names in its line, which are not constant. */
@@ -218,7 +219,7 @@ extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultTy
 uint32_t *spirv_definitions(const uint32_t *words, size_t count)
 {
     uint32_t *offsets = calloc(words[3], sizeof *offsets);
-    for (size_t at = 5; offsets && at < count; at += words[at] >> 16) {
+    for (size_t at = SPIRV_HEADER; offsets && at < count; at += words[at] >> 16) {
         bool has_result, has_type;
         SpvHasResultAndType((SpvOp)(words[at] & 0xffff), &has_result, &has_type);
         if (has_result)
@@ -334,14 +335,14 @@ static bool marks_product(const struct expansion *to, const uint32_t *instructio
 static uint32_t *expand_products(const uint32_t *words, size_t count, size_t *new_count)
 {
     size_t products = 0;
-    for (size_t at = 5; at < count; at += words[at] >> 16)
+    for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16)
         products += is_product(words[at] & 0xffff);
     uint32_t *offsets = spirv_definitions(words, count);
     uint32_t *out = malloc((count + MAX_PRODUCT * products) * sizeof *out);
     struct expansion to = {words, offsets, out, 5, words[3]};
     if (offsets && out) {
         memcpy(out, words, 5 * sizeof *out);
-        for (size_t at = 5; at < count; at += words[at] >> 16) {
+        for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16) {
             if (is_product(words[at] & 0xffff)) {
                 put_product(&to, words + at);
             } else if (!marks_product(&to, words + at)) {
@@ -364,7 +365,7 @@ static uint32_t *expand_products(const uint32_t *words, size_t count, size_t *ne
 static size_t survey(const uint32_t *words, size_t count, bool *decorated, size_t *results)
 {
     size_t insert = 0;
-    for (size_t at = 5; at < count; at += words[at] >> 16) {
+    for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16) {
         uint32_t opcode = words[at] & 0xffff;
         if (!insert && is_declaration(opcode))
             insert = at;
@@ -424,13 +425,13 @@ static const char *inexact_function(const uint32_t *instruction)
 static bool check_functions(const struct pass *pass, const uint32_t *words, size_t count,
                             struct diag *diag)
 {
-    for (size_t at = 5; at < count; at += words[at] >> 16) {
+    for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16) {
         const char *name = inexact_function(words + at);
         if (!name)
             continue;
         diag_error(diag, pass->shader_loc,
-                   "the pass `%s` calls `%s` through a macro, where exact mode cannot put its own "
-                   "function in its place; call it by its name",
+                   "the pass `%s` calls `%s` through a macro; exact mode replaces direct calls "
+                   "only: call it by its name",
                    pass->name, name);
         return false;
     }

@@ -8,6 +8,12 @@
 
 enum { SPIRV_HEADER = 5 }; /* words before the first instruction; [3] is the bound of the ids */
 
+/* Whether the instruction is an `opcode`, a SpvOp. */
+static inline bool spirv_is(const uint32_t *instruction, unsigned opcode)
+{
+    return (*instruction & 0xffff) == opcode;
+}
+
 /* For each id below the module's bound, the offset of the instruction that defines it; 0: none.
  * free(). NULL when out of memory. */
 uint32_t *spirv_definitions(const uint32_t *words, size_t count);

@@ -86,9 +86,10 @@ struct output;
 struct output *output_create(void);
 void output_add(struct output *output, const char *dir, const char *name,
                 struct text *text); /* takes the text */
-bool output_commit(
-    struct output *
-        output); /* temporary files, then renames; unchanged files keep their time stamp; reports */
+/* Writes temporary files, then renames them; unchanged files keep their time stamp. Reports. */
+bool output_commit(struct output *output);
 void output_free(struct output *output);
+/* write(2) until all is written; false: errno. */
+bool write_all(int descriptor, const void *bytes, size_t length);
 
 #endif

@@ -50,20 +50,11 @@ static bool take(struct model *model, const struct draws *draws, enum depth dept
 }
 
 /* The resources' bytes at the variation's frame size. */
-static uint64_t resource_bytes(const struct pipeline *pipeline, const uint32_t frame[2])
+static uint64_t total_bytes(const struct pipeline *pipeline, const uint32_t frame[2])
 {
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        const struct resource *resource = &pipeline->resources[i];
-        uint32_t width = frame[0], height = frame[1];
-        if (resource->kind == DT_BUFFER)
-            sum += (uint64_t)resource->stride * expr_value(resource->count, width, height, 1);
-        else
-            sum += (uint64_t)format_info(resource->format)->bytes *
-                   expr_value(resource->width, width, height, 1) *
-                   expr_value(resource->height, width, height, 1) *
-                   expr_value(resource->layers, width, height, 1);
-    }
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        sum += resource_bytes(&pipeline->resources[i], frame[0], frame[1]);
     return sum;
 }
 
@@ -100,7 +91,7 @@ static bool fits_memory(struct attempt *attempt)
 {
     const struct vary_request *request = attempt->draws->request;
     const struct variation *variation = attempt->variation;
-    uint64_t bytes = resource_bytes(&attempt->model.pipeline, variation->frame);
+    uint64_t bytes = total_bytes(&attempt->model.pipeline, variation->frame);
     if (bytes <= request->bytes)
         return true;
     diag_error(attempt->diag, (struct loc){0},

@@ -1,5 +1,5 @@
-/* Makes an OpenGL 4.6 core context, without a window (EGL surfaceless, the same through zink,
- * OSMesa) or with a hidden one (GLFW). Called by runtime.c. */
+/* Creates an OpenGL 4.6 core context without a window (EGL surfaceless, zink, OSMesa) or with a
+ * hidden one (GLFW). Called by runtime.c. */
 #include "internal.h"
 
 #include <EGL/egl.h>
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* osmesa.h has these from Mesa's gl.h, whose place glad takes; not every glad defines them. */
+/* osmesa.h expects these from Mesa's gl.h, which glad replaces; not every glad defines them. */
 #ifndef GLAPI
 #define GLAPI extern
 #endif
@@ -19,7 +19,7 @@
 #endif
 #include <GL/osmesa.h>
 
-/* Why a context could not be made: the caller decides whether that is an error. */
+/* Why creating a context failed; the caller decides whether that is an error. */
 struct reason {
     char text[256];
 };
@@ -29,10 +29,10 @@ struct gl_context_kind {
     bool (*make)(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why);
     bool (*current)(struct gl_context *ctx);
     GLADapiproc (*load)(void *ctx, const char *name);
-    /* `unload` also lets go of the driver, so that it reads its environment anew when it is
-     * loaded again. */
+    /* `unload` also unloads the driver, so that the driver reads the environment again when it is
+     * loaded next. */
     void (*destroy)(struct gl_context *ctx, bool unload);
-    const char *driver; /* what GL_RENDERER has to name; NULL: whatever comes up is right */
+    const char *driver; /* required in GL_RENDERER; NULL: any driver */
 };
 
 /* ---- EGL without a surface ------------------------------------------------------------------- */
@@ -73,7 +73,7 @@ static bool egl_make(struct gl_context *ctx, int major, int minor, bool debug, s
         EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
         EGL_CONTEXT_OPENGL_DEBUG,
         debug,
-        /* without, a lost device goes unnoticed */
+        /* else a device reset goes unnoticed */
         robust ? EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY : EGL_NONE,
         EGL_LOSE_CONTEXT_ON_RESET,
         EGL_NONE,
@@ -87,7 +87,7 @@ static bool egl_make(struct gl_context *ctx, int major, int minor, bool debug, s
     return ctx->context;
 }
 
-/* A thread has one context of GLX or of EGL, not one of each. */
+/* A thread can have a current GLX or EGL context, not both. */
 static void leave_glx(void)
 {
     if (glfwGetCurrentContext())
@@ -115,8 +115,8 @@ static GLADapiproc egl_load(void *ctx, const char *name)
     return (GLADapiproc)eglGetProcAddress(name);
 }
 
-/* The display is one per process and terminating it would end every other runtime on it: only
- * the trial before the first context does that. */
+/* A process has one display; terminating it would break every other runtime. Only make_overridden
+ * terminates it, before the first context. */
 static void egl_destroy(struct gl_context *ctx, bool unload)
 {
     if (!ctx->display)
@@ -131,10 +131,10 @@ static void egl_destroy(struct gl_context *ctx, bool unload)
 
 /* ---- zink: EGL without a surface, OpenGL by way of Vulkan ------------------------------------ */
 
-/* Mesa reads its environment once in a process, when the first display is initialised: a process
- * that opens zink has no other OpenGL driver. Over the CPU's Vulkan driver, unless the caller's
- * environment says LIBGL_ALWAYS_SOFTWARE=0. Without NODEVICE_SELECT a Vulkan layer of Mesa looks
- * for a Wayland display, and complains when there is none. */
+/* Mesa reads its environment once per process, when the first display is initialised: a process
+ * that opens zink can use no other OpenGL driver. zink runs on the CPU's Vulkan driver, unless the
+ * environment sets LIBGL_ALWAYS_SOFTWARE=0. Without NODEVICE_SELECT a Vulkan layer of Mesa looks
+ * for a Wayland display, and complains if there is none. */
 static bool zink_make(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why)
 {
     setenv("GALLIUM_DRIVER", "zink", 1);
@@ -150,7 +150,7 @@ static bool zink_make(struct gl_context *ctx, int major, int minor, bool debug, 
 static bool osmesa_make(struct gl_context *ctx, int major, int minor, bool debug,
                         struct reason *why)
 {
-    /* OSMesa knows no debug contexts; its contexts speak when GL_DEBUG_OUTPUT is enabled */
+    /* OSMesa has no debug contexts; GL_DEBUG_OUTPUT alone enables messages */
     (void)debug;
     ctx->library = dlopen("libOSMesa.so.8", RTLD_NOW | RTLD_LOCAL);
     if (!ctx->library) {
@@ -188,7 +188,7 @@ static GLADapiproc osmesa_load(void *ctx, const char *name)
 
 static void osmesa_destroy(struct gl_context *ctx, bool unload)
 {
-    (void)unload; /* dlclose counts */
+    (void)unload; /* dlclose counts references */
     if (ctx->context) {
         OSMESA(ctx, OSMesaMakeCurrent)(NULL, NULL, 0, 0, 0);
         OSMESA(ctx, OSMesaDestroyContext)(ctx->context);
@@ -199,7 +199,7 @@ static void osmesa_destroy(struct gl_context *ctx, bool unload)
 
 /* ---- GLFW: a hidden window ------------------------------------------------------------------- */
 
-/* GLFW is one per process: the runtime that found it uninitialised terminates it, and must be
+/* GLFW is global to the process. The runtime that initialises GLFW also terminates it, and must be
  * closed last. */
 static bool window_initialise(struct gl_context *ctx)
 {
@@ -221,7 +221,7 @@ static bool window_make(struct gl_context *ctx, int major, int minor, bool debug
         glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, major);
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, minor);
         glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, debug);
-        glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET); /* if it can */
+        glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET); /* if supported */
         ctx->window = glfwCreateWindow(64, 64, "diptych", NULL, NULL);
     }
     if (!ctx->window) {
@@ -305,9 +305,9 @@ static const char *const core_4_6[] = {
     "GL_KHR_no_error",
 };
 
-/* The driver refused 4.6. Mesa's software drivers hold it back although they have all of it, and
- * give it when they are told so by the environment, which they read once when they are loaded:
- * the trial context goes away, driver and all. */
+/* Called when the driver refused 4.6. Mesa's software drivers support all of 4.6 but report 4.5,
+ * unless the environment overrides the version. A driver reads the environment once, when it is
+ * loaded. So the trial context is destroyed and the driver unloaded first. */
 static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind *kind,
                             struct reason *why)
 {
@@ -347,11 +347,10 @@ static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind 
     return false;
 }
 
-/* ---- Messages --------------------------------------------------------------------------------- */
+/* ---- Messages -------------------------------------------------------------------------------- */
 
-/* Errors, undefined behaviour, deprecated and unportable use, and whatever else the driver finds
- * worth a severity. Advice on performance and notes about where memory went say nothing about
- * right or wrong. */
+/* Logs all messages except notifications and performance advice, which do not concern
+ * correctness. */
 static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenum severity,
                                     GLsizei length, const GLchar *message, const void *user)
 {
@@ -374,8 +373,9 @@ static void hear_messages(struct gl_runtime *rt)
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-/* Always for real, by way of no context: OSMesa, EGL and GLX share Mesa's dispatch table without
- * telling each other, and each leaves out the change to a context that it believes current. */
+/* Unbinds the current context first (EGL, GLFW), to force a real switch. OSMesa, EGL and GLX share
+ * Mesa's dispatch table but track the current context separately; each skips a switch to a context
+ * that it believes current. */
 bool gl_context_current(struct gl_runtime *rt)
 {
     return rt->context.kind->current(&rt->context) ||
@@ -400,8 +400,8 @@ bool gl_context_open(struct gl_runtime *rt, const char *name)
     if (kind->driver && !strstr(renderer, kind->driver))
         return dt_error(
             &rt->core,
-            "context %s: the driver that came up is %s; Mesa must have %s (Debian: "
-            "libgl1-mesa-dri, mesa-vulkan-drivers), and a process only one OpenGL driver",
+            "context %s: the driver is %s, not Mesa's %s; install it (Debian: libgl1-mesa-dri, "
+            "mesa-vulkan-drivers). A process can use only one OpenGL driver",
             name, renderer, kind->driver);
     if (rt->debug)
         hear_messages(rt);

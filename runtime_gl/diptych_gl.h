@@ -1,6 +1,6 @@
-/* Pipelines of diptych in an OpenGL renderer that is there already. The host brings a current context;
- * the passes of a pipeline run between its own commands, and the state of the context is afterwards what
- * it was before. diptych_vk.h is the same for Vulkan.
+/* Runs pipelines of diptych inside an existing OpenGL renderer, the host. The host provides a
+ * current context. The passes of a pipeline run between the host's commands and restore the
+ * context's state. diptych_vk.h is the same for Vulkan.
  *
  *     struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
  *         .log = log, .get_proc_address = eglGetProcAddress});
@@ -13,34 +13,35 @@
  *         ... commands of the host, which may use `mine` at once ...
  *     dt_gl_close(rt);
  *
- * `ssvp_gl` (a struct dt_shaders), SSVP_RESOURCE_DISPLAY and struct ssvp_live come from the files that
- * diptych-gen writes: compile NAME.c and NAME_gl_shaders.c into the host, and include NAME.h.
+ * diptych-gen generates `ssvp_gl` (a struct dt_shaders), SSVP_RESOURCE_DISPLAY and struct
+ * ssvp_live: compile NAME.c and NAME_gl_shaders.c into the host, and include NAME.h.
  *
- * Context. OpenGL 4.6 core with GL_ARB_shader_viewport_layer_array, errors not turned off, and the very
- * same context current in every call: of contexts that share objects only one has vertex arrays and
- * framebuffers. diptych makes no context current and swaps no buffers. This header names no type of
- * OpenGL and needs no loader's header: texture and buffer names are unsigned ints, as GLuint is.
+ * Context. OpenGL 4.6 core with GL_ARB_shader_viewport_layer_array, with error checks not turned
+ * off. The same context must be current in every call, because contexts that share objects do not
+ * share vertex arrays and framebuffers. diptych makes no context current and swaps no buffers. This
+ * header uses no OpenGL types and needs no loader header: texture and buffer names are unsigned
+ * ints, like GLuint.
  *
- * Errors. A function that returns false or NULL has said why in one DT_ERROR to the log; a runtime whose
- * resize or record failed takes nothing but resize and close. There is no other output, no global
- * state, no exit. Errors that were pending before a call are taken from glGetError and told as a
- * DT_WARNING.
+ * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason. After a
+ * failed resize or record, call only resize or close. There is no other output, no global state, no
+ * exit. Each call removes pending OpenGL errors of the host and logs the first as a DT_WARNING.
  *
- * Several pipelines. A runtime holds one pipeline; open as many in one context as there are pipelines or
- * frame sizes. They share nothing but what the host gives to both.
+ * Several pipelines. A runtime holds one pipeline; open one runtime per pipeline and frame size,
+ * all in one context. Runtimes share only objects that the host imports into both.
  *
  * Threads. One thread at a time may use a runtime, with the context current.
  *
- * Synchronisation. record begins and ends with glMemoryBarrier(GL_ALL_BARRIER_BITS): the host needs none
- * before or after for what it imported. Nothing waits; glFinish and fences are the host's. OpenGL itself
- * keeps frames in flight apart.
+ * Synchronisation. record begins and ends with glMemoryBarrier(GL_ALL_BARRIER_BITS), so the host
+ * needs no barrier for imported objects. Only dt_gl_timings waits; glFinish and fences are up to
+ * the host. OpenGL itself orders frames in flight.
  *
- * State. Every function leaves the context as it found it: program, vertex array, framebuffers, viewports,
- * depth ranges, scissor tests, blending, colour and depth masks, depth, cull and polygon modes, clip
- * control and distances, the switches of rasterization, pixel storage, texture units, samplers, image
- * units, uniform and storage buffers. With `leave_state` it does not, which saves some glGet; what is left
- * behind is then unspecified. Two things must not be going on during record: transform feedback and
- * conditional rendering; and queries that count samples or primitives count those of the passes, too. */
+ * State. Every function leaves the context as it found it: program, vertex array, framebuffers,
+ * viewports, depth ranges, scissor tests, blending, colour and depth masks, depth, cull and polygon
+ * modes, clip control and distances, the switches of rasterization, pixel storage, texture units,
+ * samplers, image units, uniform and storage buffers. With `leave_state` diptych does not restore
+ * the state, which saves some glGet; the state is then unspecified. Do not call record during
+ * transform feedback or conditional rendering. Queries of the host that count samples or primitives
+ * also count those of the passes. */
 #ifndef DIPTYCH_GL_H
 #define DIPTYCH_GL_H
 
@@ -55,17 +56,17 @@ extern "C" {
 struct gl_runtime;
 
 struct dt_gl_host {
-    struct dt_log log; /* message NULL: silence */
-    /* As eglGetProcAddress and glfwGetProcAddress are. Every function of OpenGL is asked for here, once. */
+    struct dt_log log; /* message NULL: no log */
+    /* Like eglGetProcAddress, glfwGetProcAddress. dt_gl_open loads all OpenGL functions. */
     void (*(*get_proc_address)(const char *name))(void);
-    bool leave_state; /* do not give the context's state back */
+    bool leave_state; /* do not restore the context's state */
     bool glsl;        /* programs from GLSL text instead of SPIR-V */
     bool timing;      /* timestamps around every pass, for dt_gl_timings */
 };
 
-/* NULL: the context lacks something, which the log tells. */
+/* NULL after an error, for example if the context lacks a required feature. */
 struct gl_runtime *dt_gl_open(const struct dt_gl_host *host);
-void dt_gl_close(struct gl_runtime *rt); /* takes NULL; leaves what was imported alone */
+void dt_gl_close(struct gl_runtime *rt); /* accepts NULL; does not destroy imported objects */
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
@@ -76,52 +77,53 @@ struct dt_gl_range {
     uint64_t offset, size;
 };
 
-/* What passes draw and read. The buffers stay the host's, must live until the next import or close, and
- * may be written between frames: the next frame sees it. */
+/* The scene that passes draw and read. The host owns the buffers; they must live until the next
+ * import or close. The host may write them between frames; the next frame uses the new content. */
 struct dt_gl_scene {
     struct dt_gl_range vertices; /* struct dt_vertex[] */
     struct dt_gl_range indices;  /* uint32_t[], three per triangle; offset 0 */
     uint32_t index_count;
-    /* struct dt_material[DT_MAX_MATERIALS], whatever stands behind those in use */
+    /* struct dt_material[DT_MAX_MATERIALS]; unused elements may have any content */
     struct dt_gl_range materials;
-    /* Array of all textures (GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full chain
-     * of mips). 0: no material has a texture. */
+    /* Array of all textures: GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full
+     * chain of mips. 0: no material has a texture. */
     unsigned textures;
 };
-/* Before resize, and again with a resize after it when a name, a size or index_count changes. A pipeline
- * whose passes neither draw nor read the scene needs none. */
+/* Call before resize. Import and resize again when a name, a size or index_count changes. A
+ * pipeline whose passes neither draw nor read the scene needs no scene. */
 bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-/* Makes the programs, which takes seconds on some drivers; replaces the former pipeline, of which it keeps
- * the programs that have not changed. The shaders must live as long as the runtime has them. */
+/* Creates the programs, which takes seconds on some drivers. Replaces the previous pipeline and
+ * reuses its unchanged programs. The shaders must live until the next create or close. */
 bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
 
-/* A texture of the host in place of a resource of the pipeline: immutable (glTextureStorage2D, 3D for an
- * array), with the format, size, layers and mips of the resource, which resize checks. Row 0 in memory is
- * NDC y = -1, the bottom of the picture, as OpenGL has it. Its content before a frame may be lost. It
- * lives until the next import of the resource, create or close. `resource` is NAME_RESOURCE_...; after
- * create, before resize. A texture of 0 takes the import back. */
+/* Uses a texture of the host for a resource of the pipeline. The texture is immutable
+ * (glTextureStorage2D, 3D for an array), with the format, size, layers and mips of the resource;
+ * resize checks this. Row 0 in memory is NDC y = -1, the bottom of the picture, as usual in OpenGL.
+ * A frame may lose the old content. The texture must live until the next import of the resource,
+ * create or close. `resource` is NAME_RESOURCE_...; call after create, before resize. Texture 0
+ * cancels the import. */
 bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture);
 
-/* Makes all other resources, for frames of that size in pixels. Content with history becomes zero. */
+/* Creates all other resources, for a frame size in pixels. Resources with history start at zero. */
 bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
 
-/* Runs one frame, all passes. Of `frame` width and height are filled in; `index` is the host's to count
- * from 0 after every resize. `live` is the pipeline's block of live parameters, struct NAME_live; NULL:
- * their defaults. Both are read before the function returns. */
+/* Runs all passes of one frame. Ignores width and height of `frame`; the host counts `index` from 0
+ * after every resize. `live`: the live parameters, struct NAME_live; NULL: their defaults. The
+ * function reads both before it returns. */
 bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live);
 
-/* What a resource is made of, imported or not: to copy it, or to sample it, after a frame. Of resources
- * that are no outputs other passes may have taken the texture. 0 for the kind that it is not; good until
- * resize. */
+/* The OpenGL object of a resource, imported or not, to copy or sample it after a frame. Other
+ * passes may have reused the texture of a resource that is no output. The other field is 0. Valid
+ * until resize. */
 struct dt_gl_resource {
     unsigned buffer, texture;
 };
 bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
-/* Milliseconds of each pass of the last frame, pass_count of them, NAN for a skipped one. Waits for the
+/* Milliseconds of each pass of the last frame, pass_count values; NAN: skipped. Waits for the
  * frame. */
 bool dt_gl_timings(struct gl_runtime *rt, double *pass_ms);
 

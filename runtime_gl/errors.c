@@ -1,4 +1,4 @@
-/* The ways of telling errors. Called by every file of this folder. */
+/* Error checks and messages. Called by every file of this folder. */
 #include "internal.h"
 
 #include <string.h>
@@ -37,8 +37,8 @@ static const char *reset_text(GLenum status)
     }
 }
 
-/* Names the pass in which it was noticed: the guilty one when an observer has every pass finish
- * before the next. */
+/* Names the pass that noticed the reset. With an observer this pass caused the reset, since every
+ * pass finishes before the next. */
 static bool device_lost(struct gl_runtime *rt, const char *call, const char *object, GLenum status)
 {
     struct dt_core *core = &rt->core;
@@ -56,8 +56,8 @@ bool gl_check(struct gl_runtime *rt, const char *call, const char *object)
     if (error == GL_CONTEXT_LOST)
         return device_lost(rt, call, object, rt->gl.GetGraphicsResetStatus());
     dt_error(&rt->core, "%s: gl%.*s: %s", object, (int)strcspn(call, "("), call, error_text(error));
-    /* The next call must not be blamed for what this one left behind; a lost context repeats its
-     * error for ever. */
+    /* Clears further errors, so that the next call is not blamed for them. Stops after 8: a lost
+     * context repeats its error forever. */
     for (int i = 0; i < 8 && error != GL_NO_ERROR && error != GL_CONTEXT_LOST; i++)
         error = rt->gl.GetError();
     return false;

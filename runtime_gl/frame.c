@@ -1,5 +1,5 @@
-/* One frame: the verbs that a panel's record calls by way of the front. OpenGL records nothing; each
- * acts at once, in the order of the calls. */
+/* One frame: the verbs that a panel's record calls through the front. OpenGL records nothing: each
+ * verb runs at once. */
 #include "internal.h"
 
 #include <math.h>
@@ -28,8 +28,8 @@ bool gl_begin(void *runtime, uint32_t pass, bool runs)
     (void)runs;
     rt->recording = true;
     rt->grouped = GL(rt, name, PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, pass, -1, name));
-    /* llvmpipe draws later, but dispatches at once, and notes the time when it draws: a dispatch that
-     * waits for nothing would be over before its time begins. */
+    /* llvmpipe defers draws and timestamps but runs dispatches at once. Without glFinish a dispatch
+     * would end before its first timestamp. */
     return rt->grouped &&
            (!rt->queries || (GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP)) &&
                              (!gl_is_software(rt) || GL(rt, name, Finish()))));
@@ -45,7 +45,7 @@ bool gl_end(void *runtime, uint32_t pass)
     return GL(rt, name, PopDebugGroup());
 }
 
-/* OpenGL itself orders all but what shaders store. */
+/* OpenGL needs barriers only after shader stores; it orders all other accesses itself. */
 static GLbitfield bits_of(const struct gl_runtime *rt, const struct dt_barrier *barrier)
 {
     const struct gl_resource *resource = dt_resource(&rt->core, barrier->resource);
@@ -168,7 +168,7 @@ static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
     }
 }
 
-/* Of a layered draw all layers of the images, which are as many as it has. */
+/* A layered draw clears all layers of its images. */
 bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
     struct gl_runtime *rt = runtime;
@@ -180,7 +180,7 @@ bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
             return false;
     if (!info->depth || info->depth->load)
         return true;
-    rt->gl.DepthMask(GL_TRUE); /* clears obey it */
+    rt->gl.DepthMask(GL_TRUE); /* clears obey the mask */
     return GL(rt, pass_name(rt, pass),
               ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0,
                                       rt->core.panel->storage[info->depth->resource].clear));
@@ -218,7 +218,7 @@ static void set_raster_state(struct gl_runtime *rt, const struct dt_program *inf
                                       [DT_COMPARE_GREATER] = GL_GREATER,
                                       [DT_COMPARE_ALWAYS] = GL_ALWAYS};
     enable(rt, GL_DEPTH_TEST,
-           info->depth_test || info->depth_write); /* without the test nothing is written */
+           info->depth_test || info->depth_write); /* depth writes need the test */
     rt->gl.DepthMask(info->depth_write);
     rt->gl.DepthFunc(info->depth_test ? compares[info->compare] : GL_ALWAYS);
     enable(rt, GL_CULL_FACE, info->cull != DT_CULL_NONE);
@@ -250,8 +250,8 @@ static bool begin_draw(struct gl_runtime *rt, uint32_t pass, uint32_t layers, GL
     return GL(rt, name, UseProgram(program->handle)) && GL(rt, name, BindVertexArray(input));
 }
 
-/* Programs without vertex input fetch their vertices from the storage buffers, but are drawn by
- * index all the same. */
+/* Programs without vertex input fetch vertices from storage buffers; their draws are indexed,
+ * too. */
 static bool begin_indexed(struct gl_runtime *rt, uint32_t pass, uint32_t layers, uint32_t indices)
 {
     const struct gl_buffer *buffer = gl_buffer_of(rt, indices);
@@ -291,15 +291,15 @@ bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-/* Barriers between passes say nothing of the frame before, nor of what a host has done: the frame
- * begins and, for a host, ends with one for all. */
+/* Pass barriers order only this frame. So a frame begins with a full barrier, against earlier
+ * frames and the host, and a host's frame also ends with one. */
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     bool good = gl_buffer_write(rt, &rt->builtin.frame, frame, sizeof *frame) &&
                 gl_buffer_write(rt, &rt->builtin.live, live, core->pipeline->live_size) &&
                 GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS)) && dt_front_record(core, live);
-    if (rt->grouped) /* the pass failed in between */
+    if (rt->grouped) /* a pass failed between begin and end */
         rt->gl.PopDebugGroup();
     rt->recording = rt->grouped = false;
     return good && (core->hosted ? GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS))

@@ -1,5 +1,5 @@
-/* Pipelines in a context of somebody else's: the functions of diptych_gl.h, on top of the front's. The
- * context's state is kept and given back around each. Called by other programs. */
+/* The functions of diptych_gl.h: pipelines in a host's context, on top of the front. They save and
+ * restore the context's state around OpenGL calls. Called by other programs. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -61,11 +61,12 @@ static bool import_buffer(const struct gl_runtime *rt, struct gl_buffer *buffer,
 {
     uint64_t alignment = rt->buffer_alignment, most = rt->core.limits.storage_bytes;
     if (!range->buffer || range->size < least || range->offset % (alignment ? alignment : 1))
-        return dt_error(&rt->core,
-                        "%s: a buffer of at least %llu bytes is needed, at a multiple of %llu, but "
-                        "%llu bytes at %llu were given",
-                        name, (unsigned long long)least, (unsigned long long)alignment,
-                        (unsigned long long)range->size, (unsigned long long)range->offset);
+        return dt_error(
+            &rt->core,
+            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
+            "are needed",
+            name, (unsigned long long)range->size, (unsigned long long)range->offset,
+            (unsigned long long)least, (unsigned long long)alignment);
     if (range->size > most)
         return dt_error(&rt->core, "%s: %llu bytes, but %s binds at most %llu; import fewer", name,
                         (unsigned long long)range->size, rt->core.device_name,
@@ -78,7 +79,7 @@ static bool import_buffer(const struct gl_runtime *rt, struct gl_buffer *buffer,
     return true;
 }
 
-/* One white texel in place of the textures that the host has not. */
+/* One white texel, if the host has no textures. */
 static bool import_textures(struct gl_runtime *rt, unsigned textures)
 {
     static const float white[4] = {1, 1, 1, 1};
@@ -100,12 +101,11 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
     struct gl_builtin *builtin = &rt->builtin;
     if (scene->indices.offset)
         return dt_error(&rt->core,
-                        "scene indices: at byte %llu, but draws count from the start of the "
-                        "buffer; give them one of their own",
+                        "scene indices: offset %llu, but it must be 0; use a separate buffer",
                         (unsigned long long)scene->indices.offset);
     rt->index_count = scene->index_count;
     struct dt_gl_range materials = scene->materials;
-    if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* as a uniform block */
+    if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* the uniform block */
         materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     return import_buffer(rt, &builtin->vertices, "scene vertices", &scene->vertices,
                          sizeof(struct dt_vertex)) &&

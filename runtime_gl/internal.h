@@ -1,8 +1,8 @@
-/* What the files of the OpenGL runtime share: the runtime's state, the one way to call OpenGL, the
- * objects that resources and programs are made of, and the functions that cross files. Knows no
- * pipeline. All state is in struct gl_runtime, and OpenGL is called through a table of its own, so
- * several contexts live side by side. Every function that returns bool has logged the error when it
- * returns false; every destroy takes zeroed structs, and zeroes them. */
+/* Shared by the files of the OpenGL runtime: the runtime's state, the GL macro for calls, the
+ * objects behind resources and programs, and functions used across files. Independent of any
+ * pipeline. All state is in struct gl_runtime, including the table of OpenGL functions, so several
+ * contexts can coexist. A bool function logs the error before it returns false. Every destroy
+ * function accepts a zeroed struct, and zeroes its argument. */
 #ifndef DIPTYCH_RUNTIME_GL_INTERNAL_H
 #define DIPTYCH_RUNTIME_GL_INTERNAL_H
 
@@ -13,24 +13,24 @@
 
 struct gl_context_kind;
 
-/* One OpenGL context and whatever stands below it; see context.c. */
+/* One OpenGL context with its platform handles; see context.c. */
 struct gl_context {
-    const struct gl_context_kind *kind; /* NULL: not made */
+    const struct gl_context_kind *kind; /* NULL: not created */
     void *display;                      /* EGLDisplay */
     void *context;                      /* EGLContext or OSMesaContext */
     void *library;                      /* libOSMesa */
     void *window;                       /* GLFWwindow */
     bool owns_glfw;
-    uint8_t pixels[16 * 16 * 4]; /* OSMesa wants a default framebuffer; nothing is drawn to it */
+    uint8_t pixels[16 * 16 * 4]; /* default framebuffer, which OSMesa needs; unused */
 };
 
 struct gl_buffer {
     const char *name;
     GLuint handle;
     GLsizeiptr size;  /* bytes, at least 16 */
-    GLsizeiptr block; /* bytes bound as a uniform block, where that is more than size */
-    GLintptr offset;  /* bytes; 0 but for a host's */
-    bool imported;    /* the handle is a host's, and so are the bytes before and behind */
+    GLsizeiptr block; /* bytes bound as a uniform block, if more than size */
+    GLintptr offset;  /* bytes; 0 except in a host's buffer */
+    bool imported;    /* the host owns the buffer */
 };
 
 struct gl_image {
@@ -43,25 +43,25 @@ struct gl_image {
     bool imported; /* the texture is a host's */
 };
 
-struct gl_resource { /* one of the two */
+struct gl_resource { /* buffer or image */
     struct gl_buffer buffer;
     struct gl_image image;
-    bool stored; /* shaders store to the buffer or texture, perhaps as another resource */
+    bool stored; /* shaders store to the buffer or texture, perhaps through another resource */
 };
 
 struct gl_program {
     GLuint handle;
-    GLuint framebuffer; /* of a draw, while there are resources */
+    GLuint framebuffer; /* of a draw; exists while the resources exist */
 };
 
-/* What every pipeline may bind beside its resources: enum dt_builtin. */
+/* Objects that every pipeline may bind besides its resources: enum dt_builtin. */
 struct gl_builtin {
     struct gl_buffer frame, live, vertices, indices, materials;
     struct gl_image textures;
     GLuint texture_sampler;
 };
 
-/* What present.c shows in a window; made when it is first used. */
+/* Objects of present.c for the window; created on first use. */
 struct gl_present {
     GLuint program;
     GLuint samplers[2]; /* filtered, not filtered */
@@ -69,11 +69,11 @@ struct gl_present {
     struct gl_image textures[DT_WINDOW_TEXTURES];
 };
 
-struct gl_kept; /* state.c: a host's state while it is away */
+struct gl_kept; /* state.c: the saved state of a host's context */
 
 struct gl_runtime {
     struct dt_core core;
-    struct dt_backend backend; /* gl_backend and what only an app has; see runtime.c */
+    struct dt_backend backend; /* gl_backend plus functions for the app; see runtime.c */
     GladGLContext gl;
     struct gl_context context;
     bool debug, glsl;          /* see struct dt_runtime_options */
@@ -82,59 +82,59 @@ struct gl_runtime {
     struct gl_builtin builtin;
     uint32_t index_count;
     GLuint scene_input, no_input; /* vertex array objects */
-    GLuint nearest;               /* the sampler of bindings without one */
+    GLuint nearest;               /* for bindings that name no sampler */
     struct gl_present present;
 
     GLuint *queries;         /* two per pass: begin, end; NULL without timing */
-    bool recording, grouped; /* a pass has begun in this frame; and its debug group is open */
+    bool recording, grouped; /* a pass has begun in this frame; its debug group is open */
 
-    /* a host's context: current in every call, and left as it was found */
+    /* with a host's context, which is current in every call */
     bool leave_state;
     GLuint *imports;      /* per resource of the panel: the host's texture, or 0 */
-    struct gl_kept *kept; /* NULL: nothing is to be given back */
+    struct gl_kept *kept; /* NULL: nothing to restore */
 };
 
-/* The one way to make an OpenGL call that can fail: true, or one DT_ERROR that names the call
- * and the object. */
+/* Makes an OpenGL call that can fail. True, or logs one DT_ERROR that names the call and the
+ * object. */
 #define GL(rt, object, call) ((rt)->gl.call, gl_check((rt), #call, (object)))
 bool gl_check(struct gl_runtime *rt, const char *call, const char *object);
 
-/* glFinish, and an error when the device was reset meanwhile. */
+/* glFinish; an error if the device was reset. */
 bool gl_finish(struct gl_runtime *rt, const char *object);
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 
-/* Makes the context that the options name current, loads rt->gl, sets the fixed state. */
+/* Creates the context `name` and makes it current, loads rt->gl, sets the fixed state. */
 bool gl_context_open(struct gl_runtime *rt, const char *name);
 bool gl_context_current(struct gl_runtime *rt);
-void gl_context_wait_for_screen(void);       /* swaps of the current context do, from now on */
-void gl_context_swap(struct gl_runtime *rt); /* shows what was drawn into the window */
-/* Of what is drawn into the window; 0 where it is minimised. */
+void gl_context_wait_for_screen(void);       /* sets the swap interval to 1 */
+void gl_context_swap(struct gl_runtime *rt); /* shows the window's back buffer */
+/* Size of the window's framebuffer in pixels; 0 while minimised. */
 void gl_context_window_size(struct gl_runtime *rt, int *width, int *height);
 void gl_context_close(struct gl_runtime *rt);
 
 /* ---- state.c --------------------------------------------------------------------------------- */
 
-/* True when the context has all of the extensions; else `missing` lists the others, separated by
- * blanks. */
+/* True when the context has all of the extensions; else `missing` lists the missing ones, separated
+ * by blanks. */
 bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
                 size_t size);
-/* Whether the current context has all that the runtime needs; and its limits. */
+/* Checks that the current context has all required features, and reads its limits. */
 bool gl_context_suits(struct gl_runtime *rt);
 bool gl_is_software(const struct gl_runtime *rt); /* the driver draws on the CPU */
-/* Everything that passes rely on and do not set themselves. */
+/* Sets the state that passes rely on but do not set. */
 bool gl_state_fix(struct gl_runtime *rt);
 
-/* Around whatever is done in a host's context: keep what is about to be changed and set all that a host
- * may have set otherwise; then give it back. */
+/* Around all work in a host's context: enter saves the host's state and sets the state that passes
+ * rely on; leave restores the saved state. */
 bool gl_state_enter(struct dt_core *core);
 bool gl_state_leave(struct dt_core *core);
-/* Before a binding is changed for the first time in between. */
+/* Saves one binding, before its first change between enter and leave. */
 void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLuint at);
 
 /* ---- resources.c ----------------------------------------------------------------------------- */
 
-/* How texels of a format lie in memory, in the words of glTextureSubImage and
+/* Memory layout of a format's texels, as arguments of glTextureSubImage and
  * glGetTextureSubImage. */
 struct gl_format {
     GLenum internal, format, type;
@@ -142,24 +142,24 @@ struct gl_format {
 };
 const struct gl_format *gl_format(enum dt_format format);
 GLenum gl_target(const struct gl_image *image);
-/* Of one mip of a side. */
+/* Texels of a side of length `size` at a mip. */
 GLsizei gl_mip_size(uint32_t size, uint32_t mip);
 
-/* Name, size and block are filled in; the data has `size` bytes, or is NULL. */
+/* The caller fills name, size and block. `data` has `size` bytes, or is NULL. */
 bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data);
 bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size);
 void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer);
 
-/* All but the texture is filled in. */
+/* The caller fills all fields except the handle. */
 bool gl_image_create(struct gl_runtime *rt, struct gl_image *image);
-/* A host's texture takes the place of one that would have been made. */
+/* Uses a host's texture instead of creating one; checks that it matches. */
 bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint texture);
 bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     const float clear[4]);
 void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
 
-/* The same byte everywhere. */
+/* Set every byte. */
 bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int byte);
 bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte);
 
@@ -174,12 +174,12 @@ void gl_program_destroy(struct gl_runtime *rt, GLuint *program);
 
 /* ---- panel.c --------------------------------------------------------------------------------- */
 
-/* All that hosts need; neither windows nor reading back. */
+/* Functions for hosts; no window, no read-back. */
 extern const struct dt_backend gl_backend;
 
 bool gl_builtin_create(struct gl_runtime *rt);
 void gl_builtin_destroy(struct gl_runtime *rt);
-/* By index in the pipeline, or enum dt_builtin. */
+/* `resource`: index in the pipeline, or enum dt_builtin. */
 const struct gl_buffer *gl_buffer_of(const struct gl_runtime *rt, uint32_t resource);
 const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resource);
 
@@ -207,11 +207,11 @@ bool gl_resume(struct dt_core *core);
 
 /* ---- scene.c --------------------------------------------------------------------------------- */
 
-bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene); /* replaces the former */
-bool gl_scene_describe(struct gl_runtime *rt); /* the vertex buffer, for draws */
+bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene); /* replaces the old one */
+bool gl_scene_describe(struct gl_runtime *rt);                            /* creates scene_input */
 void gl_scene_destroy(struct gl_runtime *rt);
 
-/* ---- present.c: the verbs of a window; readback.c ---------------------------------------------- */
+/* ---- present.c: the verbs of a window; readback.c -------------------------------------------- */
 
 bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
 bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,

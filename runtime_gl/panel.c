@@ -1,10 +1,10 @@
-/* The tables of a panel as objects of OpenGL: samplers, programs, resources, framebuffers. Called by
- * the front through gl_backend, with the context current. */
+/* Creates the OpenGL objects of a panel: samplers, programs, resources, framebuffers. Called by the
+ * front through gl_backend, with the context current. */
 #include "internal.h"
 
 #include <stdlib.h>
 
-/* ---- What every pipeline uses ---------------------------------------------------------------- */
+/* ---- Built-in objects ------------------------------------------------------------------------ */
 
 bool gl_builtin_create(struct gl_runtime *rt)
 {
@@ -106,7 +106,8 @@ static void destroy_sampler(struct dt_core *core, void *sampler)
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
-/* Of what every runtime brings along and a device may have no uniform block for; resize checks the rest. */
+/* Bytes of a built-in uniform block that may exceed the device's limit, else 0. resize checks
+ * buffers of the pipeline. */
 static uint64_t block_bytes(const struct dt_core *core, const struct dt_binding *binding)
 {
     if (binding->kind != DT_BIND_UNIFORM)
@@ -116,7 +117,7 @@ static uint64_t block_bytes(const struct dt_core *core, const struct dt_binding 
     return binding->resource == DT_LIVE ? core->pipeline->block_size : 0;
 }
 
-/* OpenGL limits the numbers, and not just how many there are. */
+/* OpenGL limits the binding numbers, not only their count. */
 static bool check_binding(const struct dt_core *core, const char *pass,
                           const struct dt_binding *binding)
 {
@@ -149,7 +150,7 @@ static void destroy_program(struct dt_core *core, void *program)
     gl_program_destroy((struct gl_runtime *)core, &((struct gl_program *)program)->handle);
 }
 
-/* Nothing in it belongs to a panel. */
+/* A program holds nothing that depends on the panel. */
 static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
 {
     (void)core, (void)program, (void)pass;
@@ -221,7 +222,7 @@ static void disconnect_program(struct dt_core *core, void *made)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
-/* What a host gave is written by its own passes only. */
+/* An imported image is not shared: only passes of its own resource may write it. */
 static bool can_share(const struct gl_image *image, const struct gl_image *owner)
 {
     return !owner->imported && image->format == owner->format && image->width == owner->width &&
@@ -264,7 +265,8 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
     return gl_buffer_create(rt, buffer, NULL);
 }
 
-/* Resources have their memory: what is left is which of them shaders store to. */
+/* Resources have memory already. Marks those that shaders store to, also through a shared
+ * texture. */
 static bool place_resources(struct dt_core *core)
 {
     const struct gl_runtime *rt = (struct gl_runtime *)core;

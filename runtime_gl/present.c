@@ -1,12 +1,12 @@
-/* Shows pictures and an overlay in the window of context "window": textures, filled from the
- * pipeline's images or from memory, and triangles that show them. The only place that turns pictures
- * the window's way up is the vertices', which count y from the top. Called by the front for the app. */
+/* Shows pictures and an overlay in the window of context "window". Textures are filled from the
+ * pipeline's images or from memory, and drawn as triangles. Vertices count y from the top; nothing
+ * else flips pictures. Called by the front for the app. */
 #include "internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Vertices are fetched from a storage buffer, in clip space already. */
+/* Vertices come from a storage buffer, already in clip space. */
 static const char vertex_text[] =
     "#version 460 core\n"
     "struct Vertex { float x, y, u, v; uint color; };\n"
@@ -31,17 +31,12 @@ static const char fragment_text[] = "#version 460 core\n"
 
 /* ---- Textures -------------------------------------------------------------------------------- */
 
-/* The texture with that many texels; what it held is lost when it had others. */
+/* The texture, resized if needed; a resize loses the content. */
 static struct gl_image *sized_texture(struct gl_runtime *rt, uint32_t texture, uint32_t width,
                                       uint32_t height)
 {
     static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
                                                           "picture 3"};
-    if (texture >= DT_WINDOW_TEXTURES) {
-        dt_error(&rt->core, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES,
-                 texture);
-        return NULL;
-    }
     struct gl_image *image = &rt->present.textures[texture];
     if (image->handle && image->width == width && image->height == height)
         return image;
@@ -95,7 +90,7 @@ static bool prepare(struct gl_runtime *rt)
            gl_program_create(rt, &present->program, "window", &stages);
 }
 
-/* From pixels counted from the top to clip space, whose y = -1 is the window's bottom row. */
+/* Converts pixels, y from the top, to clip space, where y = -1 is the window's bottom row. */
 static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame *frame, int width,
                             int height)
 {
@@ -122,7 +117,7 @@ static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame 
     return good;
 }
 
-/* Picture codes are shown as they are: neither encoded nor turned. */
+/* Shows sRGB codes unchanged: GL_FRAMEBUFFER_SRGB is off. */
 static void begin(struct gl_runtime *rt, int width, int height)
 {
     static const float black[4] = {0, 0, 0, 1};

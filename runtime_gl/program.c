@@ -1,10 +1,10 @@
-/* Programs: linked from the SPIR-V or the GLSL text that the generator embedded. Called by panel.c at
- * create, and by present.c. */
+/* Links programs from the embedded SPIR-V or GLSL. Called by panel.c at create, and by
+ * present.c. */
 #include "internal.h"
 
 #include <stdlib.h>
 
-/* Logs what the driver says about a shader (or program) that it refuses. */
+/* Logs the driver's message about a shader or program that it refuses. */
 static bool log_refusal(struct gl_runtime *rt, const char *program, const char *what, GLuint handle,
                         bool linking)
 {
@@ -36,12 +36,12 @@ static bool load_code(struct gl_runtime *rt, const char *name, GLuint shader,
            GL(rt, name, SpecializeShader(shader, "main", 0, NULL, NULL));
 }
 
-/* Compiles one stage, if there is one, and attaches it; the shader object lives on as long as the
- * program needs it. */
+/* Compiles one stage, if present, and attaches it. OpenGL keeps a deleted shader while it is
+ * attached. */
 static bool attach_stage(struct gl_runtime *rt, GLuint program, const char *name, GLenum kind,
                          const char *what, const struct dt_code *code)
 {
-    if (!code->size && !code->glsl) /* the runtime's own have only text */
+    if (!code->size && !code->glsl) /* absent; the runtime's own shaders have only GLSL */
         return true;
     GLuint shader = rt->gl.CreateShader(kind);
     GLint status = GL_FALSE;

@@ -1,6 +1,5 @@
-/* Copies buffers and images to memory and back, tightly packed, row 0 first. Called by the front for
- * the app. Pixels are packed and unpacked with the fixed state of state.c: no padding, and no buffer in
- * between. */
+/* Copies buffers and images to memory and back, tightly packed, row 0 first. Called by the front
+ * for the app. Relies on the fixed state of state.c: no row padding, no pixel buffer bound. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -61,27 +60,13 @@ static bool write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
            gl_buffer_write(rt, buffer, bytes->data, bytes->size);
 }
 
-/* OpenGL clamps other depths, and Vulkan leaves them undefined. */
-static bool check_depth(const struct gl_runtime *rt, const char *name, const struct dt_bytes *bytes)
-{
-    for (size_t i = 0; i < bytes->size / sizeof(float); i++) {
-        float depth;
-        memcpy(&depth, bytes->data + i * sizeof depth, sizeof depth);
-        if (!(depth >= 0 && depth <= 1))
-            return dt_error(&rt->core, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name,
-                            i, (double)depth);
-    }
-    return true;
-}
-
 static bool write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                         const struct dt_bytes *bytes)
 {
     const struct gl_format *f = gl_format(image->format);
     GLsizei width = (GLsizei)bytes->extent[0], height = (GLsizei)bytes->extent[1];
     GLsizei layers = (GLsizei)bytes->extent[2];
-    if ((image->format == DT_FORMAT_D32F && !check_depth(rt, image->name, bytes)) ||
-        !GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)))
+    if (!GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)))
         return false;
     if (!image->layered)
         return GL(rt, image->name,

@@ -1,5 +1,5 @@
-/* Buffers, images and samplers; the table that translates dt_format. Called by panel.c for a pipeline's
- * resources, and by scene.c, host.c and present.c. */
+/* Buffers, images, samplers, and the table that translates dt_format. Called by panel.c for a
+ * pipeline's resources, and by scene.c, host.c and present.c. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -144,8 +144,8 @@ void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
 
 /* ---- First content --------------------------------------------------------------------------- */
 
-/* The byte that fills an image. A depth image takes values of 0..1 only: zero where four such
- * bytes are another float. */
+/* The byte to fill an image with. A depth image takes only 0..1: zero if four such bytes are
+ * another float. */
 static int image_byte(const struct gl_image *image, int byte)
 {
     float value;
@@ -153,8 +153,8 @@ static int image_byte(const struct gl_image *image, int byte)
     return image->format == DT_FORMAT_D32F && !(value >= 0.0f && value <= 1.0f) ? 0 : byte;
 }
 
-/* One mip, layer by layer, from `texels` of one layer. Texels are given as bytes, not as a clear
- * colour, because a colour is converted and a NaN would not arrive as it left. */
+/* Fills one mip, layer by layer, from `texels` of one layer. Uploads bytes, because OpenGL converts
+ * a clear colour and may change a NaN. */
 static bool fill_mip(struct gl_runtime *rt, const struct gl_image *image, GLint mip,
                      const void *texels)
 {

@@ -1,5 +1,5 @@
-/* The table of verbs that the app calls: the front's, with what an app's context of its own adds. Every
- * verb makes the context current first, so that several runtimes can live in one process. */
+/* struct dt_runtime runtime_gl: the front's verbs plus functions for the app's own context. Every
+ * verb first makes its context current, so that several runtimes can coexist in one process. */
 #include "internal.h"
 
 #include <math.h>
@@ -67,7 +67,7 @@ static bool runtime_is_software(void *runtime)
     return gl_is_software(runtime);
 }
 
-/* A driver may carry out a command before the call returns. */
+/* NAN: a driver may execute a command before the call returns. */
 static double runtime_record_ms(void *runtime)
 {
     (void)runtime;

@@ -1,34 +1,6 @@
-/* Uploads a scene: vertices, indices and materials as buffers that shaders read and draws use,
- * textures as one sRGB array with its given mips. Called by the front for the app; host.c has its
- * scenes described here. */
+/* Uploads a scene: vertices, indices and materials as buffers, textures as one sRGB array with its
+ * mips. Called by the front for the app; host.c calls gl_scene_describe. */
 #include "internal.h"
-
-static bool check_buffer(const struct dt_core *core, const char *name, uint64_t bytes)
-{
-    uint64_t most = core->limits.storage_bytes;
-    return bytes <= most ||
-           dt_error(core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene", name,
-                    (unsigned long long)bytes, core->device_name, (unsigned long long)most);
-}
-
-static bool check_scene(const struct dt_core *core, const struct dt_scene *scene)
-{
-    uint32_t side = core->limits.image_size, layers = core->limits.image_layers;
-    if (scene->material_count > DT_MAX_MATERIALS)
-        return dt_error(core, "the scene has %u materials, but shaders see %d; merge some",
-                        scene->material_count, DT_MAX_MATERIALS);
-    if (scene->texture_width > side || scene->texture_height > side ||
-        scene->texture_layers > layers)
-        return dt_error(core,
-                        "scene textures: %u of %ux%u texels, but %s allows %u of %ux%u; use fewer "
-                        "or smaller ones",
-                        scene->texture_layers, scene->texture_width, scene->texture_height,
-                        core->device_name, layers, side, side);
-    return check_buffer(core, "scene vertices",
-                        (uint64_t)scene->vertex_count * sizeof *scene->vertices) &&
-           check_buffer(core, "scene indices",
-                        (uint64_t)scene->index_count * sizeof *scene->indices);
-}
 
 static bool upload_buffers(struct gl_runtime *rt, const struct dt_scene *scene)
 {
@@ -98,8 +70,8 @@ bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
     struct gl_runtime *rt = (struct gl_runtime *)core;
     gl_scene_destroy(rt);
     rt->index_count = scene->index_count;
-    core->has_scene = check_scene(core, scene) && upload_buffers(rt, scene) &&
-                      upload_textures(rt, scene) && gl_scene_describe(rt);
+    core->has_scene =
+        upload_buffers(rt, scene) && upload_textures(rt, scene) && gl_scene_describe(rt);
     return core->has_scene;
 }
 

@@ -1,13 +1,13 @@
-/* The state of a context: whether it is one that the runtime can use, what passes rely on, and for a host
- * how it was before. Called by context.c when the runtime has a context of its own, by the front and
- * host.c around whatever is done in a host's. */
+/* Checks a context's features, sets the state that passes rely on, saves and restores a host's
+ * state. Called by context.c for the app's own context, by the front and host.c around work in a
+ * host's. */
 #include "internal.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Whether it suits ------------------------------------------------------------------------ */
+/* ---- Required features ----------------------------------------------------------------------- */
 
 static bool has_extension(const struct gl_runtime *rt, const char *name)
 {
@@ -95,7 +95,8 @@ bool gl_context_suits(struct gl_runtime *rt)
     char *device = rt->core.device_name, missing[512];
     snprintf(device, sizeof rt->core.device_name, "%s", renderer ? renderer : "OpenGL");
     if (integer(rt, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_NO_ERROR_BIT)
-        return dt_error(&rt->core, "%s was told to find no errors: unset MESA_NO_ERROR", device);
+        return dt_error(&rt->core, "%s: the context reports no errors; unset MESA_NO_ERROR",
+                        device);
     if (!rt->gl.VERSION_4_6 ||
         !gl_has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing))
         return dt_error(&rt->core, "%s lacks %s: use a newer driver", device,
@@ -104,10 +105,10 @@ bool gl_context_suits(struct gl_runtime *rt)
     return true;
 }
 
-/* ---- What passes rely on --------------------------------------------------------------------- */
+/* ---- Fixed state ----------------------------------------------------------------------------- */
 
-/* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the
- * first vertex provokes, sRGB targets encode. */
+/* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the first
+ * vertex is the provoking one, sRGB targets encode. */
 bool gl_state_fix(struct gl_runtime *rt)
 {
     rt->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -146,7 +147,7 @@ static const GLenum stores[] = {
     GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS,  GL_UNPACK_SWAP_BYTES,
 };
 
-/* Plain bindings: what tells them, and what they are bound to. */
+/* Buffer bindings without an index: name to query, and target. */
 static const struct {
     GLenum name, target;
 } buffers[] = {
@@ -162,7 +163,7 @@ enum {
     STORES = DT_ARRAY_COUNT(stores),
     BUFFERS = DT_ARRAY_COUNT(buffers),
     MAX_BINDINGS = 64,  /* of each kind that a pass may have */
-    MAX_VIEWPORTS = 16, /* as the two below: those of all drivers so far */
+    MAX_VIEWPORTS = 16, /* this and the next two suffice for all known drivers */
     MAX_DRAW_BUFFERS = 8,
     MAX_CLIP_DISTANCES = 8
 };
@@ -194,7 +195,7 @@ struct gl_kept {
     GLfloat viewport[MAX_VIEWPORTS][4];
     GLdouble depth_range[MAX_VIEWPORTS][2];
     struct kept_blend blend[MAX_DRAW_BUFFERS];
-    /* of bindings only what is about to be changed: a bit per number that is kept */
+    /* bindings are saved before their first change; bit n of kept[kind]: binding n is saved */
     uint64_t kept[DT_BIND_IMAGE + 1];
     struct kept_range uniform[MAX_BINDINGS], storage[MAX_BINDINGS];
     struct kept_texture texture[MAX_BINDINGS];
@@ -265,7 +266,7 @@ static void give_viewports(const struct gl_runtime *rt, const struct gl_kept *ke
     }
 }
 
-/* Integers that one call tells, each. */
+/* State that one query returns. */
 static void keep_integers(const struct gl_runtime *rt, struct gl_kept *kept)
 {
     const struct {
@@ -325,7 +326,7 @@ static void give_integers(const struct gl_runtime *rt, const struct gl_kept *kep
         (kept->clip[i] ? gl->Enable : gl->Disable)(GL_CLIP_DISTANCE0 + i);
 }
 
-/* As a context begins, but for what passes set before every draw. */
+/* Sets the initial state of a context, except for state that passes set before every draw. */
 static bool neutralise(struct gl_runtime *rt)
 {
     for (size_t i = 0; i < SWITCHES; i++)
@@ -449,7 +450,8 @@ static void give_bindings(const struct gl_runtime *rt, const struct gl_kept *kep
     }
 }
 
-/* Indexed bindings change the plain ones, and units the active one: those come last. */
+/* give_bindings changes bindings without an index and the active unit; give_integers restores
+ * them. */
 bool gl_state_leave(struct dt_core *core)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;

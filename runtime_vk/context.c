@@ -1,5 +1,5 @@
-/* Instance, device, queue and command buffers of a runtime that has its own. Called by runtime.c when it
- * is opened and closed. */
+/* Instance, device, queue and command buffers of the app's own runtime. Called by runtime.c at open
+ * and close. */
 #include "internal.h"
 
 #include <stdio.h>
@@ -8,11 +8,11 @@
 
 enum { MAX_DEVICES = 16, MAX_EXTENSIONS = 16 };
 
-/* ---- Messages --------------------------------------------------------------------------------- */
+/* ---- Messages -------------------------------------------------------------------------------- */
 
-/* Only messages of type VALIDATION count. PERFORMANCE ones tell, for example, of vertex
- * attributes that a depth-only pass leaves unread, which is what such a pass wants; GENERAL ones
- * come from the loader's search for drivers. */
+/* Only VALIDATION messages count as errors. PERFORMANCE messages are often unwanted, for example
+ * about vertex attributes that a depth-only pass leaves unread. GENERAL messages come from the
+ * loader's search for drivers. */
 static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                      VkDebugUtilsMessageTypeFlagsEXT types,
                                      const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
@@ -60,7 +60,7 @@ static bool open_instance(struct vk_runtime *rt)
     };
     VkValidationFeaturesEXT features = {
         .sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-        .pNext = &messenger, /* hears what happens while the instance is made */
+        .pNext = &messenger, /* reports messages of vkCreateInstance */
         .enabledValidationFeatureCount = DT_ARRAY_COUNT(enabled),
         .pEnabledValidationFeatures = enabled,
     };
@@ -92,8 +92,8 @@ static bool open_instance(struct vk_runtime *rt)
 
 /* ---- Device ---------------------------------------------------------------------------------- */
 
-/* Index in `devices` that the user's words mean: an index, or a part of the name in any case;
- * -1: none. */
+/* Index of the device that `wanted` names by index or by part of its name, in any case; -1:
+ * none. */
 static int match_device(const VkPhysicalDevice *devices, uint32_t count, const char *wanted)
 {
     char *end;
@@ -126,7 +126,7 @@ static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *
                     wanted, list);
 }
 
-/* vk_device_suits, and where there is a window, it can show what the device draws. */
+/* vk_device_suits; with a window, also whether the device can present to the window. */
 static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text, size_t size)
 {
     uint32_t bits;
@@ -139,7 +139,7 @@ static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *
     return false;
 }
 
-/* The device that the user names; without a name the first that has all that is needed. */
+/* Chooses the device that the user names; without a name the first with all required features. */
 static bool choose_device(struct vk_runtime *rt, const char *wanted)
 {
     VkPhysicalDevice devices[MAX_DEVICES];
@@ -229,7 +229,7 @@ static bool open_commands(struct vk_runtime *rt)
     return true;
 }
 
-/* By the names that the linker knows: tests put functions of their own in their place. */
+/* Uses the linked symbols, so that tests can replace these functions. */
 static void link_functions(struct vk_dispatch *vk)
 {
 #define LINK(name) vk->name = vk##name;

@@ -1,5 +1,5 @@
-/* What the runtime needs of a physical device, and what it remembers of it. Called by context.c, which
- * looks for one, and by host.c, which is given one. */
+/* Required features and stored properties of a physical device. Called by context.c, which searches
+ * a device, and by host.c, which gets one. */
 #include "internal.h"
 
 #include <stdio.h>
@@ -10,7 +10,7 @@ enum { MAX_QUEUE_FAMILIES = 32 };
 static const struct {
     const char *name;
     size_t offset; /* of a VkBool32 in struct vk_features */
-    bool always;   /* whatever the pipeline; the others are named by passes that need them */
+    bool always;   /* every pipeline needs it; others: if a pass needs it */
 } known_features[] = {
 /* NOLINTNEXTLINE(bugprone-macro-parentheses): a member name */
 #define FEATURE(part, name) #name, offsetof(struct vk_features, part.name)

@@ -1,6 +1,6 @@
-/* The Vulkan functions that the runtime calls, as pointers that belong to one device: a host may bring
- * a loader of its own, and its names must not be taken for ours. Filled in context.c for a device that
- * the runtime opens, in host.c for one that it is given. */
+/* Pointers to the Vulkan functions that the runtime calls, per device. They are pointers because a
+ * host may use its own loader. Filled by context.c for the app's own device, by host.c for a
+ * host's. */
 #ifndef DIPTYCH_RUNTIME_VK_DISPATCH_H
 #define DIPTYCH_RUNTIME_VK_DISPATCH_H
 

@@ -1,5 +1,5 @@
-/* What Vulkan's results mean, and names of handles for messages of the validation layers. Called by
- * every file of this folder. */
+/* Names of VkResult values with advice, and object names for the validation layers. Called by every
+ * file of this folder. */
 #include "internal.h"
 
 #include <string.h>
@@ -40,7 +40,7 @@ bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const ch
     if (result == VK_SUCCESS)
         return true;
     rt->core.lost = rt->core.lost || result == VK_ERROR_DEVICE_LOST;
-    const char *own = "rt->vk."; /* a call through the table is told as the function that it is */
+    const char *own = "rt->vk."; /* calls through the table are reported by their Vulkan names */
     bool table = strncmp(call, own, strlen(own)) == 0;
     const char *prefix = table ? "vk" : "";
     call += table ? strlen(own) : 0;

@@ -1,6 +1,5 @@
-/* Command buffers of the runtime's own: what they open and end with, how they are run; the app's
- * frames, and commands that run on the spot. Barriers for everything, and times of passes, which hosts
- * use, too. Nothing here allocates while a frame is recorded. */
+/* The runtime's own command buffers: the app's frames and immediate commands. Also full barriers
+ * and pass timings, which hosts use, too. Nothing here allocates while a frame is recorded. */
 #include "internal.h"
 
 #include <math.h>
@@ -52,22 +51,22 @@ void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct
     image->layout = layout;
 }
 
-/* Every command buffer opens with a full barrier, so that the barriers of a pipeline only have
- * to order what stands in one frame, and uploads, read-backs and last frame's history need none. */
+/* Every command buffer begins with a full barrier. So a pipeline's barriers order only one frame;
+ * uploads, read-backs and last frame's history need none. */
 static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name)
 {
     VkCommandBufferBeginInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT,
     };
-    if (!VK(rt, rt->vk.ResetCommandBuffer(commands, 0), name) || /* may be left half recorded */
+    if (!VK(rt, rt->vk.ResetCommandBuffer(commands, 0), name) || /* may hold a failed recording */
         !VK(rt, rt->vk.BeginCommandBuffer(commands, &info), name))
         return false;
     vk_full_barrier(rt, commands);
     return true;
 }
 
-/* The semaphore, or VK_NULL_HANDLE, is signalled when they are done. */
+/* Submits the commands and waits. Signals `done` unless it is VK_NULL_HANDLE. */
 static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name,
                          VkSemaphore done)
 {
@@ -87,7 +86,7 @@ static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const 
         .signalSemaphoreInfoCount = done != VK_NULL_HANDLE,
         .pSignalSemaphoreInfos = &signal,
     };
-    vk_full_barrier(rt, commands); /* the fence alone does not show writes to the host */
+    vk_full_barrier(rt, commands); /* the fence alone does not make writes visible to the host */
     return VK(rt, rt->vk.EndCommandBuffer(commands), name) &&
            VK(rt, rt->vk.QueueSubmit2(rt->queue, 1, &submit, rt->fence), name) &&
            VK(rt, rt->vk.WaitForFences(rt->device, 1, &rt->fence, VK_TRUE, UINT64_MAX), name) &&
@@ -118,13 +117,13 @@ static double thread_ms(void)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-/* All commands of a frame but the last barrier. */
+/* Records all commands of a frame except the last barrier. */
 static bool record_frame(struct vk_runtime *rt, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     if (!begin_commands(rt, rt->frame_commands, pipeline->name))
         return false;
-    double start = thread_ms(); /* without the reset, which frees the last frame's commands */
+    double start = thread_ms(); /* excludes the reset, which frees the last frame's commands */
     if (rt->core.timing)
         rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
     rt->barriers = 0;
@@ -137,7 +136,7 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
 {
     struct vk_runtime *rt = vk_runtime_of(core);
     const struct dt_pipeline *pipeline = core->pipeline;
-    uint32_t size = pipeline->live_size; /* behind it stands what a frame cannot change */
+    uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
     memcpy(rt->builtin.frame.bytes, frame, sizeof *frame);
     memcpy(rt->builtin.live.bytes, live, size);
     memcpy((char *)rt->builtin.live.bytes + size, (const char *)pipeline->live_defaults + size,
@@ -148,7 +147,8 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
     uint32_t dropped =
         rt->drop_barrier > rt->drop_dependency ? rt->drop_barrier : rt->drop_dependency;
     return dropped <= rt->barriers ||
-           dt_error(core, "barrier %u: the frame has %u; drop one of those", dropped, rt->barriers);
+           dt_error(core, "cannot drop barrier %u: the frame has only %u barriers", dropped,
+                    rt->barriers);
 }
 
 /* With an observer every pass ends in a submission, so nothing is pending before the next. */
@@ -165,8 +165,8 @@ bool vk_frame_resume(struct dt_core *core)
     return begin_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name);
 }
 
-/* Milliseconds of every pass that ran; timestamps wrap at the number of bits that the queue
- * counts with. Nobody waits for a host. */
+/* Milliseconds of every pass that ran. Timestamps wrap after timestamp_bits bits. A host has waited
+ * for the frame, so the query does not wait. */
 bool vk_frame_timings(struct dt_core *core, double *pass_ms)
 {
     struct vk_runtime *rt = vk_runtime_of(core);

@@ -1,5 +1,5 @@
-/* Pipelines on a device of somebody else's, recorded into command buffers of somebody else's: the
- * functions of diptych_vk.h. What of their arguments the front does not know is checked here. Called by other programs. */
+/* The functions of diptych_vk.h: pipelines on a host's device, recorded into the host's command
+ * buffers. Checks arguments that the front does not know. Called by other programs. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static bool load_functions(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
                             "device with apiVersion 1.3");
 }
 
-/* Only with the extension, which the host says that it has. */
+/* Called only if the host says that VK_EXT_debug_utils is enabled. */
 static void load_labels(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 {
     rt->begin_label =
@@ -112,7 +112,7 @@ void dt_vk_close(struct vk_runtime *rt)
 {
     if (!rt)
         return;
-    if (rt->physical) { /* all functions are there */
+    if (rt->physical) { /* the functions are loaded */
         dt_front_destroy(&rt->core);
         release_scene(rt);
         vk_builtin_destroy(rt);
@@ -129,11 +129,12 @@ static bool import_buffer(const struct vk_runtime *rt, struct vk_buffer *buffer,
     if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
         alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
     if (!range->buffer || range->size < least || range->offset % alignment)
-        return dt_error(&rt->core,
-                        "%s: a buffer of at least %llu bytes is needed, at a multiple of %llu, but "
-                        "%llu bytes at %llu were given",
-                        name, (unsigned long long)least, (unsigned long long)alignment,
-                        (unsigned long long)range->size, (unsigned long long)range->offset);
+        return dt_error(
+            &rt->core,
+            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
+            "are needed",
+            name, (unsigned long long)range->size, (unsigned long long)range->offset,
+            (unsigned long long)least, (unsigned long long)alignment);
     if (range->size > rt->core.limits.storage_bytes)
         return dt_error(
             &rt->core, "%s: %llu bytes, but the device binds at most %llu; import fewer", name,
@@ -143,7 +144,7 @@ static bool import_buffer(const struct vk_runtime *rt, struct vk_buffer *buffer,
     return true;
 }
 
-/* One white texel in place of the textures that the host has not. */
+/* One white texel, if the host has no textures. */
 static bool create_white(struct vk_runtime *rt)
 {
     const struct vk_image_info info = {
@@ -172,7 +173,7 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
                        DT_MAX_MATERIALS * sizeof(struct dt_material)))
         return false;
     builtin->materials.size =
-        DT_MAX_MATERIALS * sizeof(struct dt_material); /* as a uniform block */
+        DT_MAX_MATERIALS * sizeof(struct dt_material); /* size of the uniform block */
     if (scene->textures)
         builtin->textures = (struct vk_image){
             .name = "scene_textures", .view = scene->textures, .layered = true, .imported = true};
@@ -200,12 +201,12 @@ bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders)
 
 bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
 {
-    /* Of the white texel: as far as anybody has seen it executed. */
+    /* The commands that filled the white texel may never have run: fill it again. */
     rt->builtin.textures.layout = VK_IMAGE_LAYOUT_UNDEFINED;
     return dt_front_resize(&rt->core, width, height);
 }
 
-/* Commands write the uniform blocks, so that frames before this one keep theirs until they are done. */
+/* Commands write the uniform blocks, so that earlier frames in flight keep their values. */
 static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *buffer,
                           VkDeviceSize offset, const void *data, VkDeviceSize size)
 {
@@ -220,7 +221,7 @@ static void write_uniforms(const struct vk_runtime *rt, const struct dt_frame *f
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     const struct dt_frame block = dt_front_frame(&rt->core, frame);
-    uint32_t size = pipeline->live_size; /* behind it stands what a frame cannot change */
+    uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
     write_uniform(rt, &rt->builtin.frame, 0, &block, sizeof block);
     write_uniform(rt, &rt->builtin.live, 0, live ? live : pipeline->live_defaults, size);
     write_uniform(rt, &rt->builtin.live, size, (const char *)pipeline->live_defaults + size,
@@ -243,7 +244,7 @@ static void clear(const struct vk_runtime *rt, struct vk_image *image, float val
     vk_transition(rt, rt->frame_commands, image, layout);
 }
 
-/* First content, which commands of the first frame after resize give. */
+/* Fills resources with history and the white texel in the first frame after resize. */
 static void fill_now(struct vk_runtime *rt)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
@@ -262,8 +263,8 @@ static void fill_now(struct vk_runtime *rt)
         clear(rt, textures, 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
-/* Images come in the layout that the host left them in. What keeps history is expected in the general one,
- * as resize and the frame before leave it. */
+/* Imported images start in the host's layout. The plan expects images with history in GENERAL, as
+ * resize and the frame before leave them. */
 static void take_imports(struct vk_runtime *rt)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
@@ -277,8 +278,8 @@ static void take_imports(struct vk_runtime *rt)
     }
 }
 
-/* After the first barrier frames before this one are done with resources and blocks; the second one is
- * what first uses in the pipeline wait for. */
+/* The first barrier waits for earlier frames, which use the same resources and blocks. First
+ * accesses of the pipeline wait for the second one. */
 static bool record(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
@@ -305,7 +306,7 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
         return false;
     rt->frame_commands = commands;
     rt->core.rendered = record(rt, frame, live);
-    rt->core.sized = rt->core.rendered; /* else layouts as recorded may never come about */
+    rt->core.sized = rt->core.rendered; /* else the recorded layouts may never take effect */
     return rt->core.rendered;
 }
 

@@ -1,5 +1,5 @@
-/* What the files of the Vulkan runtime share: the runtime's state, the one way to check a
- * result, memory, and commands that run at once. Nobody outside this folder includes it. */
+/* Shared by the files of the Vulkan runtime: the runtime's state, the VK macro for results, memory,
+ * and immediate commands. Private to this folder and its tests. */
 #ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
 #define DIPTYCH_RUNTIME_VK_INTERNAL_H
 
@@ -7,16 +7,16 @@
 #include "dispatch.h"
 #include "front.h"
 
-/* ---- What everything is made of -------------------------------------------------------------- */
+/* ---- Objects --------------------------------------------------------------------------------- */
 
 struct vk_buffer {
     const char *name;
     VkBuffer handle;
-    VkDeviceSize offset; /* bytes; 0 but for a host's */
-    VkDeviceSize size;   /* bytes, at least 16 */
-    VkDeviceSize block;  /* bytes bound as a uniform block, where that is more than size; else 0 */
-    VkDeviceMemory memory; /* its own; null: a slot's or a host's */
-    void *bytes;           /* its own memory, mapped for as long as it lives; NULL: it is not */
+    VkDeviceSize offset;   /* bytes; 0 except in a host's buffer */
+    VkDeviceSize size;     /* bytes, at least 16 */
+    VkDeviceSize block;    /* bytes bound as a uniform block, if more than size; else 0 */
+    VkDeviceMemory memory; /* owned; null: a slot's or a host's */
+    void *bytes;           /* owned memory, always mapped; NULL: not mapped */
 };
 
 struct vk_image {
@@ -27,14 +27,14 @@ struct vk_image {
     VkImageAspectFlags aspect;
     uint32_t width, height, layers, mips;
     bool layered;
-    bool imported;                      /* handle and memory are a host's */
-    VkDeviceMemory memory;              /* its own; null: a slot's or a host's */
+    bool imported;                      /* the host owns handle and memory */
+    VkDeviceMemory memory;              /* owned; null: a slot's or a host's */
     VkImageLayout layout;               /* as of the commands recorded so far */
     VkImageView view;                   /* all mips, all layers */
     VkImageView mip_views[DT_MAX_MIPS]; /* one mip, all layers */
 };
 
-/* Of dt_core's array: one of the two, the other one is zero. */
+/* Element of dt_core's array: buffer or image; the other one is zero. */
 struct vk_resource {
     struct vk_buffer buffer;
     struct vk_image image;
@@ -48,41 +48,41 @@ struct vk_program {
     VkDescriptorSet set;
 };
 
-/* What the runtime brings along. */
+/* Objects that the runtime provides to every pipeline. */
 struct vk_builtin {
     struct vk_buffer frame, live; /* uniform blocks */
     struct vk_buffer vertices, indices, materials;
     struct vk_image textures;
     VkSampler texture_sampler; /* trilinear, repeat */
-    VkSampler texel_sampler;   /* for texelFetch, which filters nothing */
+    VkSampler texel_sampler;   /* for texelFetch, without filtering */
 };
 
 enum { VK_MAX_WINDOW_IMAGES = 8 };
 
-/* The window and what present.c shows in it; made when it is first used. */
+/* The window, and objects of present.c, created on first use. */
 struct vk_present {
-    void *window; /* GLFWwindow; NULL: opened without */
+    void *window; /* GLFWwindow; NULL: no window */
     bool owns_glfw;
     VkSurfaceKHR surface;
-    VkSwapchainKHR swapchain; /* null: to be made before the next frame */
+    VkSwapchainKHR swapchain; /* null: created before the next frame */
     VkFormat format;
     uint32_t width, height, image_count;
     VkImage images[VK_MAX_WINDOW_IMAGES];
     VkImageView views[VK_MAX_WINDOW_IMAGES];
-    VkSemaphore drawn[VK_MAX_WINDOW_IMAGES]; /* of each image: it may be shown */
+    VkSemaphore drawn[VK_MAX_WINDOW_IMAGES]; /* per image: drawing has finished */
     VkFence acquired;
     VkSampler samplers[2]; /* filtered, not filtered */
     struct vk_buffer vertices;
     struct vk_image textures[DT_WINDOW_TEXTURES];
-    struct vk_program programs[DT_WINDOW_TEXTURES]; /* alike but for what is bound */
+    struct vk_program programs[DT_WINDOW_TEXTURES]; /* identical except for their bindings */
 };
 
 struct vk_runtime {
-    struct dt_core core;       /* first: the front knows the runtime as this */
-    struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds what the app needs */
+    struct dt_core core;       /* first member: the front casts dt_core pointers */
+    struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
     bool debug;
     uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
-    uint32_t drop_dependency; /* of the one that waits for nothing */
+    uint32_t drop_dependency; /* number of the barrier that waits for nothing; 0: none */
 
     /* context.c */
     struct vk_dispatch vk;
@@ -103,19 +103,19 @@ struct vk_runtime {
     PFN_vkSetDebugUtilsObjectNameEXT set_name;
 
     struct vk_present present;
-    struct vk_buffer staging; /* copies to and from the device pass through; grows on demand */
+    struct vk_buffer staging; /* for copies to and from the device; grows on demand */
     struct vk_builtin builtin;
     uint32_t index_count; /* of the scene */
 
     /* panel.c: of the pipeline */
     VkDeviceMemory *slots;
-    struct dt_vk_image *imports; /* one per resource; image null: there is none */
+    struct dt_vk_image *imports; /* one per resource; image null: not imported */
     VkQueryPool queries;         /* two per pass */
 
     /* Of a frame. */
-    uint32_t barriers; /* recorded so far */
-    double record_ms;  /* CPU time of recording the last one; NAN with an observer */
-    bool fills;        /* the next one of a host begins with the first content of resources */
+    uint32_t barriers; /* number of barriers recorded so far */
+    double record_ms;  /* CPU time of recording the last frame; NAN with an observer */
+    bool fills;        /* host: the next frame first fills resources with history */
 };
 
 static inline struct vk_runtime *vk_runtime_of(struct dt_core *core)
@@ -128,7 +128,7 @@ static inline struct vk_resource *vk_resource_at(const struct vk_runtime *rt, ui
     return dt_resource(&rt->core, resource);
 }
 
-/* ---- Errors (errors.c); dt_error says what Vulkan does not ------------------------------------ */
+/* ---- Errors (errors.c) ----------------------------------------------------------------------- */
 
 /* True for VK_SUCCESS; else logs "vkFunction(name): VK_ERROR_...: what to do". `call` is the
  * text of the call. */
@@ -146,27 +146,28 @@ struct vk_features {
     VkPhysicalDeviceVulkan12Features vulkan12;
     VkPhysicalDeviceVulkan13Features vulkan13;
 };
-/* Everything that the device has of what pipelines may need. */
+/* All known features that the device supports. */
 void vk_features_wanted(const struct vk_runtime *rt, struct vk_features *features);
-/* Whether the device has what the passes of a pipeline need. */
+/* Whether the device has the features that the passes need; logs a missing one. */
 bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *panel);
 
-/* Writes what the device lacks, ", "-separated, to `text`; true when that is nothing. */
+/* Writes the features that the device lacks to `text`, separated by ", "; true if there are
+ * none. */
 bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text,
                      size_t size);
 /* The first queue family with graphics and compute; UINT32_MAX: there is none. */
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
-/* Makes it the runtime's, with its name and limits. */
+/* Stores the device, its name and its limits in the runtime. */
 void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
 
 /* ---- Context (context.c) --------------------------------------------------------------------- */
 
-/* With a window where `window` says so. */
+/* `window`: also opens a window. */
 bool vk_context_open(struct vk_runtime *rt, const char *device, bool window);
-void vk_context_close(struct vk_runtime *rt); /* takes what a failed open left behind */
+void vk_context_close(struct vk_runtime *rt); /* also after a failed open */
 
-/* ---- Resources (resources.c) ------------------------------------------------------------------ */
+/* ---- Resources (resources.c) ----------------------------------------------------------------- */
 
 VkFormat vk_format(enum dt_format format);
 VkImageLayout vk_layout(unsigned layout); /* enum dt_layout */
@@ -175,12 +176,12 @@ VkImageLayout vk_layout(unsigned layout); /* enum dt_layout */
 struct vk_buffer_info {
     const char *name;
     VkDeviceSize size;        /* bytes; raised to 16 */
-    VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: as many */
+    VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: size */
     VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
 };
 bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
                       const struct vk_buffer_info *info); /* without memory */
-/* The same with memory of its own: the device's, or mapped, which the host sees. */
+/* The same with its own memory: device memory, or mapped, host-visible memory. */
 bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, bool mapped);
 void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer);
@@ -191,7 +192,7 @@ struct vk_image_info {
     VkImageUsageFlags usage; /* TRANSFER_SRC and _DST are added */
     uint32_t width, height, layers, mips;
     bool layered;
-    const struct dt_vk_image *import; /* a host's that takes the place; NULL: none */
+    const struct dt_vk_image *import; /* the host's image to use instead; NULL: none */
 };
 bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info); /* without memory and views */
@@ -199,21 +200,21 @@ bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
                          const struct vk_image_info *info); /* with both */
 void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);
 
-/* Memory of a slot, in device memory where there is some; `name` is the one to blame. */
+/* Allocates memory, device-local if possible; errors name `name`. */
 bool vk_memory_create(struct vk_runtime *rt, VkDeviceMemory *memory,
                       const VkMemoryRequirements *needs, const char *name);
-/* Binds memory to it, unless a host did, and makes an image's views. */
+/* Bind memory; vk_image_bind creates views, and binds no memory to an imported image. */
 bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceMemory memory);
 bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory);
 
 bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info);
 void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
 
-/* At least `size` bytes of staging memory; NULL after an error that names `name`. Undoes earlier
- * pointers. */
+/* At least `size` bytes of staging memory; NULL after an error that names `name`. Invalidates
+ * earlier pointers. */
 void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name);
 
-/* Sets every byte, at once. */
+/* Set every byte, and wait. */
 bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int byte);
 bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte);
 
@@ -226,40 +227,39 @@ struct vk_program_info {
     VkFormat color_formats[DT_MAX_COLOR_TARGETS];
     VkFormat depth_format; /* VK_FORMAT_UNDEFINED: no depth attachment */
     bool scene_vertices;   /* attributes of struct dt_vertex at locations 0 to 3; else none */
-    bool blend_over;       /* by the source's alpha; leaves the target's alone */
+    bool blend_over;       /* blends by the source's alpha; keeps the target's */
 };
 bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info);
 void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
 
-/* What stands at one binding: a buffer, or an image with or without sampler. */
+/* Content of one binding: a buffer, or an image with or without sampler. */
 struct vk_descriptor {
     VkDescriptorBufferInfo buffer;
     VkDescriptorImageInfo image;
 };
-/* All bindings of the program in one call, never while recording. */
+/* Writes all bindings of the program in one call. Not allowed while recording. */
 void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *program,
                      const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
                      uint32_t count);
 
 /* ---- Commands (frame.c) ---------------------------------------------------------------------- */
 
-/* Commands that are executed and waited for on the spot: between begin and end record into the
- * command buffer that begin returns; NULL after an error. Work before and after is ordered
- * against them. */
+/* Immediate commands: record into the command buffer that begin returns (NULL after an error); end
+ * submits and waits. Full barriers order them against work before and after. */
 VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name);
 bool vk_immediate_end(struct vk_runtime *rt, const char *name);
-/* The same, and signals the semaphore for what comes to wait for it. */
+/* The same, and signals the semaphore. */
 bool vk_immediate_end_signal(struct vk_runtime *rt, const char *name, VkSemaphore done);
 
-/* Everything before happens before everything after, and is visible to it; the host too. */
+/* Orders all earlier commands before all later ones; makes writes visible, also to the host. */
 void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands);
-/* The same for one image, which moves to `layout`; a layout of UNDEFINED so far loses the
+/* The same for one image, with a change to `layout`. An old layout of UNDEFINED loses the
  * content. */
 void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
                    VkImageLayout layout);
 
-/* Of struct dt_backend. */
+/* Functions of struct dt_backend. */
 bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
 bool vk_frame_pause(struct dt_core *core);
 bool vk_frame_resume(struct dt_core *core);
@@ -267,16 +267,16 @@ bool vk_frame_timings(struct dt_core *core, double *pass_ms);
 
 /* ---- The pipeline (panel.c, verbs.c) --------------------------------------------------------- */
 
-extern const struct dt_backend vk_backend; /* of what both the app and other programs use */
+extern const struct dt_backend vk_backend; /* functions for the app and other programs */
 extern const struct dt_verbs vk_verbs;
 extern const struct dt_runtime runtime_vk; /* runtime.c */
 
-bool vk_builtin_create(struct vk_runtime *rt); /* all but live block and scene */
+bool vk_builtin_create(struct vk_runtime *rt); /* all except the live block and the scene */
 void vk_builtin_destroy(struct vk_runtime *rt);
 
-/* ---- For the app: read-back (readback.c), scene (scene.c), the window (present.c) ------------- */
+/* ---- For the app: read-back (readback.c), scene (scene.c), the window (present.c) ------------ */
 
-/* Of struct dt_backend. */
+/* Functions of struct dt_backend. */
 bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene);
@@ -290,9 +290,9 @@ void vk_scene_destroy(struct vk_runtime *rt);
 bool vk_window_open(struct vk_runtime *rt); /* before the instance */
 /* The instance extensions that surfaces need. */
 const char *const *vk_window_extensions(uint32_t *count);
-bool vk_window_surface(struct vk_runtime *rt); /* after the instance; also when it was lost */
+bool vk_window_surface(struct vk_runtime *rt); /* after the instance; also after a lost surface */
 bool vk_window_can_present(const struct vk_runtime *rt, VkPhysicalDevice physical, uint32_t family);
 void vk_present_destroy(struct vk_runtime *rt); /* before the device */
-void vk_window_close(struct vk_runtime *rt);    /* after it, before the instance */
+void vk_window_close(struct vk_runtime *rt);    /* after the device, before the instance */
 
 #endif

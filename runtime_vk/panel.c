@@ -1,13 +1,13 @@
-/* A pipeline's tables as Vulkan objects: samplers, programs with their descriptor sets, resources and
- * the memory that they share; and what the runtime brings along. Called by the front through
+/* Creates the Vulkan objects of a panel: samplers, programs with their descriptor sets, resources
+ * and the memory that they share; also the built-in objects. Called by the front through
  * vk_backend. */
 #include "internal.h"
 
 #include <stdlib.h>
 
-/* ---- What the runtime brings along ----------------------------------------------------------- */
+/* ---- Built-in objects ------------------------------------------------------------------------ */
 
-/* Mapped, or in device memory for a host, where commands write it. */
+/* Mapped memory; for a host device memory, which commands write. */
 static bool create_uniform(struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
                            VkDeviceSize size)
 {
@@ -39,7 +39,7 @@ void vk_builtin_destroy(struct vk_runtime *rt)
 
 /* ---- The panel ------------------------------------------------------------------------------- */
 
-/* No frame is on its way: a host has promised it, a runtime with a device of its own waits. */
+/* Makes sure that no frame is in flight: a host guarantees this, the app's runtime waits. */
 static bool rest(struct dt_core *core, const char *verb)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
@@ -201,15 +201,15 @@ static VkMemoryRequirements requirements(const struct vk_runtime *rt,
     return needs;
 }
 
-/* What the largest of its resources needs, of a type that all of them take. */
+/* Allocates the slot for its largest resource, from a memory type that suits all its resources. */
 static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
 {
     VkMemoryRequirements needs = {.memoryTypeBits = UINT32_MAX};
-    const char *name = NULL; /* the one to blame when there is not enough */
+    const char *name = NULL; /* the largest resource; errors name it */
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         const struct vk_resource *resource = vk_resource_at(rt, i);
         if (rt->core.panel->storage[i].slot != slot || resource->image.imported)
-            continue; /* an import brings its memory along */
+            continue; /* the host has bound its memory */
         VkMemoryRequirements own = requirements(rt, resource);
         needs.memoryTypeBits &= own.memoryTypeBits;
         if (own.size > needs.size) {
@@ -220,7 +220,7 @@ static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
     return !name || vk_memory_create(rt, &rt->slots[slot], &needs, name);
 }
 
-/* All users of a slot lie at its start. */
+/* Binds all resources of a slot at offset 0. */
 static bool place_resources(struct dt_core *core)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
@@ -244,14 +244,14 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
     int byte = history ? 0 : core->poison;
     if ((!history && !byte) || resource->image.imported)
         return true;
-    rt->fills = core->hosted; /* nothing of a host's runs now: see fill_now in host.c */
+    rt->fills = core->hosted; /* for a host, the next frame does it: see fill_now in host.c */
     if (rt->fills)
         return true;
     return resource->image.handle ? vk_image_fill(rt, &resource->image, byte)
                                   : vk_buffer_fill(rt, &resource->buffer, byte);
 }
 
-/* ---- What programs see ----------------------------------------------------------------------- */
+/* ---- Descriptors ----------------------------------------------------------------------------- */
 
 static const struct vk_buffer *find_buffer(const struct vk_runtime *rt, uint16_t resource)
 {
@@ -316,7 +316,7 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
     return true;
 }
 
-/* The next connection writes the set anew. */
+/* Nothing to do: the next connection rewrites the set. */
 static void disconnect_program(struct dt_core *core, void *program)
 {
     (void)core, (void)program;

@@ -1,7 +1,7 @@
-/* Shows pictures and an overlay in a window: the surface and its swapchain, which are made anew
- * whenever the window changes, textures, filled from the pipeline's images or from memory, and
- * triangles that show them. The only place that turns pictures the window's way up is the
- * vertices', which count y from the top. Called by context.c, runtime.c and the front. */
+/* Shows pictures and an overlay in a window. The swapchain is recreated whenever the window
+ * changes. Textures are filled from the pipeline's images or from memory, and drawn as triangles.
+ * Vertices count y from the top; nothing else flips pictures. Called by context.c, runtime.c and
+ * the front. */
 #include "internal.h"
 
 #include <GLFW/glfw3.h>
@@ -19,7 +19,7 @@ static bool no_window(const struct vk_runtime *rt, const char *what)
     return dt_error(&rt->core, "%s: %s", what, text ? text : "GLFW does not say why");
 }
 
-/* GLFW is one per process: the runtime that found it uninitialised terminates it, and must be
+/* GLFW is global to the process. The runtime that initialises GLFW also terminates it, and must be
  * closed last. */
 bool vk_window_open(struct vk_runtime *rt)
 {
@@ -103,7 +103,7 @@ static void destroy_swapchain(struct vk_runtime *rt)
     rt->present.swapchain = VK_NULL_HANDLE;
 }
 
-/* One of the formats that show codes as they are. */
+/* Chooses a UNORM format, which shows sRGB codes unchanged. */
 static bool choose_format(struct vk_runtime *rt, VkSurfaceFormatKHR *chosen)
 {
     VkSurfaceFormatKHR formats[64];
@@ -120,8 +120,10 @@ static bool choose_format(struct vk_runtime *rt, VkSurfaceFormatKHR *chosen)
             return true;
         }
     }
-    return dt_error(&rt->core,
-                    "window: it takes no 8 bit RGBA; use --backend gl, or another --device");
+    return dt_error(
+        &rt->core,
+        "window: the surface supports no 8 bit RGBA format; use --backend gl, or another "
+        "--device");
 }
 
 static bool make_image(struct vk_runtime *rt, uint32_t index)
@@ -147,9 +149,10 @@ static bool take_images(struct vk_runtime *rt)
     if (!VK(rt, vkGetSwapchainImagesKHR(rt->device, present->swapchain, &count, NULL), "window"))
         return false;
     if (count > VK_MAX_WINDOW_IMAGES)
-        return dt_error(&rt->core,
-                        "window: %u images, and at most %d were expected; use --backend gl", count,
-                        VK_MAX_WINDOW_IMAGES);
+        return dt_error(
+            &rt->core,
+            "window: the swapchain has %u images, at most %d are supported; use --backend gl",
+            count, VK_MAX_WINDOW_IMAGES);
     if (!VK(rt, vkGetSwapchainImagesKHR(rt->device, present->swapchain, &count, present->images),
             "window"))
         return false;
@@ -165,8 +168,8 @@ static uint32_t clamp(uint32_t value, uint32_t least, uint32_t most)
     return value < least ? least : value > most ? most : value;
 }
 
-/* Whether a failed call tells that the window has changed: then the swapchain, and where it was
- * lost the surface, are made anew for the next frame. */
+/* Whether the result means that the window has changed. Then renew destroys the swapchain,
+ * recreates a lost surface, and the next frame creates a new swapchain. */
 static bool is_outdated(VkResult result)
 {
     return result == VK_ERROR_OUT_OF_DATE_KHR || result == VK_SUBOPTIMAL_KHR ||
@@ -182,12 +185,12 @@ static bool renew(struct vk_runtime *rt, VkResult result)
         return false;
     return vk_window_can_present(rt, rt->physical, rt->queue_family) ||
            dt_error(&rt->core,
-                    "window: it came back where %s cannot draw; start again, or with another "
+                    "window: %s cannot present to the new surface; start again, or use another "
                     "--device",
                     rt->core.device_name);
 }
 
-/* Leaves no swapchain where the window has no pixels. */
+/* Creates no swapchain if the window has no pixels. */
 static bool make_swapchain(struct vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
@@ -233,22 +236,17 @@ static bool make_swapchain(struct vk_runtime *rt)
 
 /* ---- Textures -------------------------------------------------------------------------------- */
 
-/* The texture with that many texels; what it held is lost when it had others. */
+/* The texture, resized if needed; a resize loses the content. */
 static struct vk_image *sized_texture(struct vk_runtime *rt, uint32_t texture, uint32_t width,
                                       uint32_t height)
 {
     static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
                                                           "picture 3"};
-    if (texture >= DT_WINDOW_TEXTURES) {
-        dt_error(&rt->core, "a window has %d textures, and no number %u", DT_WINDOW_TEXTURES,
-                 texture);
-        return NULL;
-    }
     struct vk_image *image = &rt->present.textures[texture];
     if (image->handle && image->width == width && image->height == height)
         return image;
     vk_image_destroy(rt, image);
-    vk_program_destroy(rt, &rt->present.programs[texture]); /* what it is bound to is gone */
+    vk_program_destroy(rt, &rt->present.programs[texture]); /* its bindings are gone */
     const struct vk_image_info info = {.name = names[texture],
                                        .format = DT_FORMAT_RGBA8,
                                        .usage = VK_IMAGE_USAGE_SAMPLED_BIT,
@@ -277,7 +275,7 @@ bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
     vk_transition(rt, commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdCopyImage(commands, image->handle, image->layout, to->handle, to->layout, 1, &region);
     vk_transition(rt, commands, to, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    if (layout != VK_IMAGE_LAYOUT_UNDEFINED) /* nothing can go back to that */
+    if (layout != VK_IMAGE_LAYOUT_UNDEFINED) /* no transition to UNDEFINED exists */
         vk_transition(rt, commands, image, layout);
     return vk_immediate_end(rt, to->name);
 }
@@ -347,7 +345,7 @@ static bool make_program(struct vk_runtime *rt, uint32_t texture)
     return true;
 }
 
-/* All textures that hold something. */
+/* For all textures with content. */
 static bool make_programs(struct vk_runtime *rt)
 {
     for (uint32_t i = 0; i < DT_WINDOW_TEXTURES; i++)
@@ -370,7 +368,7 @@ static bool make_vertices(struct vk_runtime *rt, size_t size)
     return vk_buffer_create_own(rt, &present->vertices, &info, true);
 }
 
-/* From pixels counted from the top to clip space, whose y = -1 is the window's top row here. */
+/* Converts pixels, y from the top, to clip space, where y = -1 is the window's top row. */
 static bool upload_vertices(struct vk_runtime *rt, const struct dt_window_frame *frame)
 {
     if (!make_vertices(rt, frame->vertex_count * sizeof *frame->vertices))
@@ -464,7 +462,7 @@ static void record(VkCommandBuffer commands, const struct vk_present *present, u
     image_barrier(commands, present->images[index], true);
 }
 
-/* Waits until the image may be drawn to; the host waits, as it does for every frame. */
+/* Waits on the CPU until the image may be drawn to. */
 static VkResult acquire(struct vk_runtime *rt, uint32_t *index)
 {
     struct vk_present *present = &rt->present;

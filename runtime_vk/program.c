@@ -1,5 +1,5 @@
-/* One program: shader modules, descriptor set and its layout, compute or graphics pipeline. Made by
- * panel.c for every pass and by present.c for the window; bound to what they see when that is made. */
+/* One program: shader modules, descriptor set and its layout, compute or graphics pipeline. panel.c
+ * creates one for every pass, present.c for the window; vk_program_bind then sets the resources. */
 #include "internal.h"
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
@@ -42,7 +42,7 @@ static bool create_layout(struct vk_runtime *rt, struct vk_program *program,
               info->name);
 }
 
-/* From a pool of its own; none without bindings. */
+/* The set has its own pool; without bindings there is no set. */
 static bool create_set(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info)
 {
@@ -210,12 +210,12 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .polygonMode = VK_POLYGON_MODE_FILL,
         .cullMode = culls[state->cull],
-        .frontFace = VK_FRONT_FACE_CLOCKWISE, /* the match of GL_CCW */
+        .frontFace = VK_FRONT_FACE_CLOCKWISE, /* equals GL_CCW: window y points down */
         .lineWidth = 1,
     };
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = state->depth_test || state->depth_write, /* else nothing is written */
+        .depthTestEnable = state->depth_test || state->depth_write, /* depth writes need the test */
         .depthWriteEnable = state->depth_write,
         .depthCompareOp = state->depth_test ? compares[state->compare] : VK_COMPARE_OP_ALWAYS,
     };

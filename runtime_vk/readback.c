@@ -1,11 +1,11 @@
 /* Copies buffers and images to the host and back, tightly packed. Called by the front, between
- * frames and by observers between passes; leaves every image in the layout that it had. */
+ * frames and by observers between passes. Restores the layout of every image. */
 #include "internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* All layers of one mip, as they lie in the staging buffer. */
+/* All layers of one mip, tightly packed in the staging buffer. */
 static VkBufferImageCopy mip_region(const struct vk_image *image, uint32_t mip,
                                     const struct dt_bytes *shape)
 {
@@ -15,7 +15,7 @@ static VkBufferImageCopy mip_region(const struct vk_image *image, uint32_t mip,
     };
 }
 
-/* Nothing can go back to UNDEFINED. */
+/* No transition to UNDEFINED exists. */
 static void restore_layout(const struct vk_runtime *rt, VkCommandBuffer commands,
                            struct vk_image *image, VkImageLayout layout)
 {
@@ -23,7 +23,7 @@ static void restore_layout(const struct vk_runtime *rt, VkCommandBuffer commands
         vk_transition(rt, commands, image, layout);
 }
 
-/* What lies in the staging buffer becomes `out`. */
+/* Copies the staging buffer to `out`. */
 static bool take_staging(struct vk_runtime *rt, const char *name, struct dt_bytes *out)
 {
     out->data = malloc(out->size ? out->size : 1);
@@ -70,7 +70,7 @@ bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_by
                               : read_buffer(rt, &from->buffer, out);
 }
 
-/* The command buffer of a write, with the bytes in the staging buffer; NULL after an error. */
+/* Copies the bytes to the staging buffer, begins a command buffer; NULL after an error. */
 static VkCommandBuffer begin_write(struct vk_runtime *rt, const char *name,
                                    const struct dt_bytes *bytes)
 {
@@ -92,26 +92,11 @@ static bool write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
     return vk_immediate_end(rt, buffer->name);
 }
 
-/* Vulkan leaves other depths undefined, and OpenGL clamps them. */
-static bool check_depth(const struct vk_runtime *rt, const char *name, const struct dt_bytes *bytes)
-{
-    for (size_t i = 0; i < bytes->size / sizeof(float); i++) {
-        float depth;
-        memcpy(&depth, bytes->data + i * sizeof depth, sizeof depth);
-        if (!(depth >= 0 && depth <= 1))
-            return dt_error(&rt->core, "write %s: texel %zu is %.9g, but a depth is 0 to 1", name,
-                            i, (double)depth);
-    }
-    return true;
-}
-
 static bool write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
                         const struct dt_bytes *bytes)
 {
     VkImageLayout layout = image->layout;
     VkBufferImageCopy region = mip_region(image, mip, bytes);
-    if (image->texel == DT_FORMAT_D32F && !check_depth(rt, image->name, bytes))
-        return false;
     VkCommandBuffer commands = begin_write(rt, image->name, bytes);
     if (!commands)
         return false;

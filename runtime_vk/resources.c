@@ -30,10 +30,11 @@ static bool allocate(struct vk_runtime *rt, VkDeviceMemory *memory, const char *
 {
     int type = find_memory_type(rt, needs->memoryTypeBits, required, wanted);
     if (type < 0)
-        return dt_error(&rt->core,
-                        "%s: the device has no memory that suits all resources which share it; "
-                        "keep them apart, or use another --device",
-                        name);
+        return dt_error(
+            &rt->core,
+            "%s: no memory type of the device suits all resources that share this memory; "
+            "use another --device",
+            name);
     VkDeviceSize heap = rt->memory.memoryHeaps[rt->memory.memoryTypes[type].heapIndex].size;
     VkDeviceSize limit = heap < rt->max_allocation ? heap : rt->max_allocation;
     if (needs->size > limit)
@@ -87,7 +88,7 @@ static bool map(struct vk_runtime *rt, struct vk_buffer *buffer, const VkMemoryR
 {
     return allocate(rt, &buffer->memory, buffer->name, needs,
                     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                    VK_MEMORY_PROPERTY_HOST_CACHED_BIT) && /* read-back without is very slow */
+                    VK_MEMORY_PROPERTY_HOST_CACHED_BIT) && /* uncached read-back is slow */
            VK(rt, rt->vk.MapMemory(rt->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->bytes),
               buffer->name);
 }
@@ -162,7 +163,7 @@ VkImageLayout vk_layout(unsigned layout)
     return layouts[layout];
 }
 
-/* The front has checked resources, but not the scene's textures, and it knows of no formats. */
+/* The front checks sizes of resources, but neither formats nor the scene's textures. */
 static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, const char *name)
 {
     VkImageFormatProperties can;
@@ -170,9 +171,8 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
         rt->physical, create->format, create->imageType, create->tiling, create->usage, 0, &can);
     if (result == VK_ERROR_FORMAT_NOT_SUPPORTED)
         return dt_error(&rt->core,
-                        "image %s: the device does not have its format for what the passes do "
-                        "with it (VkFormat %d, usage 0x%x); use another format, or another "
-                        "--device",
+                        "image %s: the device does not support VkFormat %d with usage 0x%x; use "
+                        "another format, or another --device",
                         name, (int)create->format, create->usage);
     if (!vk_check(rt, result, "vkGetPhysicalDeviceImageFormatProperties", name))
         return false;
@@ -188,7 +188,7 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
                     can.maxExtent.height, can.maxArrayLayers, mips);
 }
 
-/* A host's image takes the place of one that would have been made. */
+/* Uses a host's image instead of creating one; checks that it matches. */
 static bool adopt_image(struct vk_runtime *rt, const struct dt_vk_image *given,
                         struct vk_image *image, const VkImageCreateInfo *wanted)
 {
@@ -316,7 +316,7 @@ bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int b
  * in every format. */
 bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte)
 {
-    enum { TEXEL = 16 }; /* bytes of the largest */
+    enum { TEXEL = 16 }; /* bytes of the largest format */
     VkDeviceSize size = (VkDeviceSize)image->width * image->height * TEXEL;
     void *bytes = vk_staging(rt, size, image->name);
     if (!bytes)

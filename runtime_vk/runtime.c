@@ -1,5 +1,5 @@
-/* struct dt_runtime runtime_vk: the Vulkan runtime as the app sees it, with a device of its own. Most of
- * its verbs are the front's, which comes back through struct dt_backend. */
+/* struct dt_runtime runtime_vk: the Vulkan runtime of the app, with its own device. Most verbs are
+ * the front's, which calls back through struct dt_backend. */
 #include "internal.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static void runtime_close(void *runtime)
     free(rt);
 }
 
-/* All of vk_backend, and what other programs do without. */
+/* vk_backend plus the functions that only the app uses. */
 static void set_backend(struct vk_runtime *rt)
 {
     struct dt_backend *backend = &rt->backend;

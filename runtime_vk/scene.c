@@ -1,19 +1,15 @@
-/* Brings a scene to the device: vertices, indices and materials as buffers, all textures as one
- * array image. Called by the front. */
+/* Uploads a scene: vertices, indices and materials as buffers, all textures as one array image.
+ * Called by the front. */
 #include "internal.h"
 
 #include <string.h>
 
-/* Zeros behind the `bytes` of data. */
+/* Uploads `bytes` of data; the rest of the buffer is zero. */
 static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, const void *data, size_t bytes)
 {
     VkCommandBuffer commands;
     void *staging;
-    if (info->size > rt->core.limits.storage_bytes)
-        return dt_error(&rt->core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene",
-                        info->name, (unsigned long long)info->size, rt->core.device_name,
-                        (unsigned long long)rt->core.limits.storage_bytes);
     if (!vk_buffer_create_own(rt, buffer, info, false) ||
         !(staging = vk_staging(rt, buffer->size, info->name)))
         return false;
@@ -33,7 +29,7 @@ static uint32_t mip_size(uint32_t size, uint32_t mip)
     return size >> mip ? size >> mip : 1;
 }
 
-/* Mip by mip, so that the staging buffer is as large as mip 0 of all layers and not larger. */
+/* Uploads mip by mip, so that the staging buffer needs only the size of mip 0 of all layers. */
 static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const uint8_t *texels)
 {
     for (uint32_t mip = 0; mip < image->mips; mip++) {
@@ -98,9 +94,6 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
         .size = (VkDeviceSize)DT_MAX_MATERIALS * sizeof *scene->materials,
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
     };
-    if (scene->material_count > DT_MAX_MATERIALS)
-        return dt_error(&rt->core, "the scene has %u materials, and shaders see %d: merge some",
-                        scene->material_count, DT_MAX_MATERIALS);
     vk_scene_destroy(rt);
     core->has_scene =
         upload_buffer(rt, &builtin->vertices, &vertices, scene->vertices, vertices.size) &&
@@ -109,7 +102,7 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
                       scene->material_count * sizeof *scene->materials) &&
         upload_textures(rt, scene);
     rt->index_count = scene->index_count;
-    vk_buffer_destroy(rt, &rt->staging); /* as large as the scene: let it go */
+    vk_buffer_destroy(rt, &rt->staging); /* as large as the scene: free it */
     return core->has_scene;
 }
 

@@ -41,8 +41,8 @@ struct vec {
     double x, y, z;
 };
 
-/* Where the parts go: turned by quarter turns about y, then moved. `vertices` counts what the
- * file holds so far. */
+/* Placement of the parts: quarter turns about y, then a move. `vertices`: number of vertices in the
+ * file so far. */
 struct sculptor {
     FILE *file;
     int quarter;

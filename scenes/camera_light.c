@@ -1,5 +1,4 @@
-/* Cameras and lights from numbers; see camera_light.h. Angles are in degrees in a file, in radians in
- * a scene. */
+/* Converts cameras and lights; see camera_light.h. Files have degrees, scenes radians. */
 #include "camera_light.h"
 
 #include <math.h>
@@ -103,7 +102,7 @@ int light_keys(int kind, struct key keys[LIGHT_KEYS])
         [SPOT_POSITION] = KEY_OF_NUMBERS("position", true, 3, -FAR, FAR, 0),
         [SPOT_TARGET] = KEY_OF_NUMBERS("target", false, 3, -FAR, FAR, 0),
         [SPOT_DIRECTION] = KEY_OF_NUMBERS("direction", false, 3, -FAR, FAR, 0),
-        /* the light view is one perspective: less than half of space */
+        /* one perspective covers less than half of space */
         [SPOT_CONE] = KEY_OF_NUMBERS("cone", true, 2, 0, 85, 0),
         [SPOT_INTENSITY] = KEY_OF_NUMBERS("intensity", true, 3, 0, FAR, 0),
         [SPOT_KIND] = {.name = "kind", .type = KEY_TEXT, .required = true},

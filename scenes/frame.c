@@ -9,14 +9,14 @@
 #include <math.h>
 #include <string.h>
 
-/* y is up, unless the view looks along it. */
+/* Up is y, or z if the direction is nearly vertical. */
 static void up_for(const float direction[3], vec3 up)
 {
     bool vertical = fabsf(direction[1]) > 0.99f;
     glm_vec3_copy(vertical ? (vec3){0, 0, 1} : (vec3){0, 1, 0}, up);
 }
 
-/* The corners of a box, one a bit of k per axis. */
+/* Corner k of a box: bit i of k selects the end of axis i. */
 static void corner_of(const float low[3], const float high[3], int k, vec3 corner)
 {
     for (int i = 0; i < 3; i++)
@@ -37,8 +37,8 @@ static void view_bounds(const float low[3], const float high[3], mat4 view, vec3
     }
 }
 
-/* Planes before and behind all of the scene; a viewer inside it gets a near plane of 1/200 of
- * the radius. */
+/* Near and far planes around the scene. For a viewer inside it the near plane is at 1/200 of the
+ * radius. */
 static void depth_range(const struct scene *scene, vec3 box[2], float *near, float *far)
 {
     *near = fmaxf(scene->radius * 0.005f, -box[1][2] * 0.999f);
@@ -79,7 +79,7 @@ static void inverse(const double m[4][4], float out[4][4])
             out[column][row] = (float)a[row][4 + column];
 }
 
-/* Product and inverse from the very matrices that the shaders see. */
+/* Computes product and inverse from the same float matrices that shaders use. */
 static void complete_view(struct dt_view *out, mat4 view, mat4 projection)
 {
     double product[4][4];
@@ -112,8 +112,8 @@ static void camera_view(const struct scene *scene, float aspect, struct dt_view 
     glm_vec3_normalize(out->direction);
 }
 
-/* Along the longest side of the scene that the light does not look along: then the map lies along
- * the scene's walls, and little of it is empty. */
+/* Up is the longest side of the scene that is not along the light: the map is then aligned with the
+ * walls, and little of it is empty. */
 static void up_along_walls(const struct scene *scene, const float direction[3], vec3 up)
 {
     int best = -1;
@@ -127,8 +127,7 @@ static void up_along_walls(const struct scene *scene, const float direction[3], 
     up[best < 0 ? 1 : best] = 1; /* of a unit vector, at most one component is 0.8 or more */
 }
 
-/* Orthographic, as small as holds what the light can reach: the scene, through the opening. Returns
- * the area that it covers. */
+/* The smallest orthographic view of what light can reach through the opening. Returns its area. */
 static float directional_view(const struct scene *scene, struct dt_view *out)
 {
     const struct scene_light *light = &scene->light;

@@ -1,5 +1,5 @@
-/* The C side of image.h: finds and loads the OpenImageIO shim, and writes files by temporary
- * name and rename. Called by texture.c and by the app. */
+/* Implements image.h: finds and loads the OpenImageIO shim; writes files by temporary name and
+ * rename. Called by texture.c and by the app. */
 #include "image.h"
 #include "image_oiio.h"
 #include "mesh.h"
@@ -15,10 +15,10 @@
 
 #define SHIM "libdiptych_image.so"
 
-/* The shim stays loaded after its first use (RTLD_NODELETE), so every call may look it up anew: no
- * global state. It is looked for beside the executable, in the folder above it (tests live one below),
- * from an installation's bin/ in lib/diptych/; for a program that has taken in the scenes as a library
- * below the folder of that; then where the loader looks. */
+/* The shim stays loaded after its first use (RTLD_NODELETE), so every call can open it again
+ * without global state. Search order: beside the executable; its parent folder (tests);
+ * ../lib/diptych/ of an installation; diptych/ beside the library that contains this code; the path
+ * of the loader. */
 static const char *const places[] = {"", "../", "../lib/diptych/", "diptych/"};
 enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 1 };
 
@@ -123,8 +123,7 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
     return true;
 }
 
-/* A write that the library believes in may still be short on a full disk: sync before the rename
- * makes it tell. */
+/* On a full disk a write can be short although the library reports success; fsync detects this. */
 static bool sync_and_rename(const char *from, const char *to, struct image_error *error)
 {
     FILE *file = fopen(from, "rb");

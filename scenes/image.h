@@ -1,6 +1,6 @@
-/* Image files behind a C interface; OpenImageIO is loaded on first use, from a shared object
- * beside the executable, since its libraries cost half a second at process start. Called by
- * scenes (textures) and by the app (pictures). */
+/* C interface to image files. OpenImageIO is loaded on first use, from a shared object beside the
+ * executable, since its libraries cost half a second at process start. Called by scenes (textures)
+ * and by the app (pictures). */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H
 
@@ -13,15 +13,15 @@
 bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,
                       const struct dt_log *log);
 
-/* Loads what these functions need, which takes a quarter of a second: who is about to call one of
- * them may do that on a thread of its own. What goes wrong is told by the first that is called. */
+/* Loads OpenImageIO in advance, for example on another thread; this takes a quarter of a second.
+ * The first function that needs it logs any error. */
 void image_load(void);
 
 /* Width and height of an image file, from its header alone. */
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log);
 
-/* Write whole or not at all (temporary file, then rename). Row 0 of the array is the top of the
- * picture. */
+/* Write the whole file or nothing (temporary file, then rename). Row 0 of the array is the top of
+ * the picture. */
 bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
                      const uint8_t *texels, const struct dt_log *log);
 /* Linear float, EXR; channels 1, 3 or 4. */
@@ -32,9 +32,9 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
                       const struct dt_log *log);
 
 /* OpenImageIO's version of Yee, Pattanaik, Greenberg, A perceptual metric for production testing
- * (2004): how many pixels of two pictures, linear RGB in 0..1, a viewer can tell apart on a screen
- * whose white has `luminance` cd/m2 and that fills `field_of_view` degrees across. OpenImageIO up to
- * 3.1 misses differences of lightness alone (its issue 4948). */
+ * (2004): number of pixels of two pictures, linear RGB in 0..1, that a viewer can tell apart. White
+ * of the screen has `luminance` cd/m2; the screen fills `field_of_view` degrees across. OpenImageIO
+ * up to 3.1 misses differences of lightness alone (its issue 4948). */
 bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,
                        float luminance, float field_of_view, uint64_t *failing,
                        const struct dt_log *log);

@@ -1,6 +1,5 @@
-/* OpenImageIO behind three C functions (image_oiio.h). Built into its own shared object, so that
- * only programs that touch an image file pay for loading the library. No exception leaves this
- * file. */
+/* OpenImageIO behind four C functions (image_oiio.h). Built into its own shared object, so that
+ * only programs that use image files pay for loading the library. No exception leaves this file. */
 #include "image_oiio.h"
 
 #include <OpenImageIO/imagebuf.h>
@@ -127,7 +126,8 @@ try {
     spec.attribute("oiio:UnassociatedAlpha", 1);
     if (is_float)
         spec.attribute("compression", "zip");
-    /* Left alone, OpenImageIO writes today's into an EXR; the same picture is to be the same file. */
+    /* By default OpenImageIO writes the current time into an EXR; equal pictures must be equal
+     * files. */
     spec.attribute("DateTime", "");
     if (!output->open(path, spec))
         return fail(error, output->geterror());

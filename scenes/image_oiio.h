@@ -1,6 +1,6 @@
-/* The C face of the OpenImageIO shim, image_oiio.cpp, which becomes build/libdiptych_image.so.
- * image.c loads that with dlopen and looks these functions up by name; nobody else includes
- * this. All return false with a reason in `error`. */
+/* C interface of the OpenImageIO shim, image_oiio.cpp, which becomes build/libdiptych_image.so.
+ * image.c loads the shim with dlopen and finds these functions by name. All return false with a
+ * reason in `error`. */
 #ifndef DIPTYCH_IMAGE_OIIO_H
 #define DIPTYCH_IMAGE_OIIO_H
 

@@ -15,7 +15,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* What the walk over the nodes carries along. */
+/* State of an import. */
 struct import {
     const struct aiScene *source;
     const char *path;
@@ -51,8 +51,7 @@ static float clamp_unit(float x)
     return x > 0 ? (x < 1 ? x : 1) : 0; /* NaN becomes 0 */
 }
 
-/* The path of texture `name` as the material gives it: relative to the mesh file, with either
- * slash. */
+/* The path of the texture `name`, which is relative to the mesh file and has either slash. */
 static char *beside_mesh(const char *mesh_path, const char *name)
 {
     const char *slash = strrchr(mesh_path, '/');
@@ -94,8 +93,8 @@ static bool texture_name(const struct aiMaterial *material, enum aiTextureType t
            name->length > 0;
 }
 
-/* Index of the texture with this colour and opacity map, added if new; -1 if it cannot be had (a
- * warning tells). */
+/* Index of the texture with this colour and opacity map, added if new; -1, with a warning, if it
+ * cannot be used. */
 static int32_t texture_index(struct import *import, const char *color, const char *opacity)
 {
     struct mesh *mesh = import->mesh;
@@ -222,8 +221,8 @@ static bool normalize(const double v[3], float out[3])
     return true;
 }
 
-/* Unit normal of a triangle. False if it is degenerate: its height is below what single
- * precision tells apart from nothing at the length of its longest side. */
+/* Unit normal of a triangle. False if the triangle is degenerate: relative to its longest side its
+ * height is below single precision. */
 static bool face_normal(const struct dt_vertex corner[3], float out[3])
 {
     double edge[3][3], longest = 0;

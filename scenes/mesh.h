@@ -1,14 +1,14 @@
-/* Between the files of this folder: a triangle mesh while it is still growing, and the textures
- * that its materials name. scene.c imports (mesh.c), subdivides (subdivide.c), fills the texture
- * array (texture.c) and hands the arrays to the scene. Not for callers outside. */
+/* Shared by the files of this folder: a triangle mesh under construction, and the textures of its
+ * materials. scene.c imports (mesh.c), subdivides (subdivide.c), fills the texture array
+ * (texture.c) and moves the arrays into the scene. */
 #ifndef DIPTYCH_MESH_H
 #define DIPTYCH_MESH_H
 
 #include "diptych.h"
 
 /* One layer of the texture array: colour, and an opacity map if the material names one (its red
- * replaces the alpha). The paths are owned; `fd` holds the bytes of a texture that was embedded
- * in the mesh file, then `color` is the path of that descriptor. */
+ * replaces the alpha). The paths are owned. If the texture is embedded in the mesh file, `fd` holds
+ * its bytes and `color` is the path of that descriptor. */
 struct mesh_texture {
     char *color;
     char *opacity; /* or NULL */
@@ -20,7 +20,7 @@ struct mesh {
     uint32_t vertex_count;
     uint32_t *indices; /* three per triangle, counter-clockwise seen from the front */
     uint32_t index_count;
-    /* alpha_cutoff is 0.5 where texture alpha may count, until texture.c knows */
+    /* alpha_cutoff is provisional until texture.c has seen the alpha */
     struct dt_material *materials;
     uint32_t material_count;
     struct mesh_texture *textures;
@@ -39,10 +39,10 @@ void mesh_free(struct mesh *mesh); /* takes a zeroed mesh */
 void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
                  float *radius);
 
-/* Splits every edge longer than `longest_edge` in the middle, until there is none or until a
- * further round would make more than `triangle_limit` triangles (a DT_WARNING tells which edge
- * length was reached). Whether an edge is split depends on its two end points alone, so that
- * neighbours agree and no cracks open. False only when out of memory. */
+/* Splits every edge longer than `longest_edge` in the middle, until none is left or the next round
+ * would exceed `triangle_limit` triangles (a DT_WARNING reports the edge length reached). The split
+ * of an edge depends only on its two end points, so neighbours agree and no cracks open. False only
+ * when out of memory. */
 bool mesh_subdivide(struct mesh *mesh, float longest_edge, uint32_t triangle_limit,
                     const struct dt_log *log);
 
@@ -53,7 +53,7 @@ bool mesh_subdivide(struct mesh *mesh, float longest_edge, uint32_t triangle_lim
 bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
                    const struct dt_log *log);
 
-/* printf into one message of the log. */
+/* Logs one message, formatted like printf. */
 void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 

@@ -1,20 +1,20 @@
-/* Motion files: keyframes of camera and light, and what lies between them; see motion.h.
+/* Motion files: keyframes of camera and light, and the interpolation; see motion.h.
  *
  *   interpolation: catmull_rom     or linear
- *   frames_per_second: 24          then `at` is in seconds; without it, it counts frames
+ *   frames_per_second: 24          then `at` is in seconds; without it, in frames
  *   keys:
  *     - {at: 0, camera: {eye: [0, 1, 3]}, light: {target: [-1, 0, 0]}}
  *     - {at: 12, camera: {eye: [1, 1, 3]}}
  *     - {at: 24, camera: {eye: [1, 1, 2], fov_y: 50}, light: {target: [1, 0, 0]}}
  *
- * `camera` and `light` have the keys, units and ranges of a scene file, each of them optional, and
- * no `kind`: a light stays what it is. Each of their values goes on its own from one keyframe that
- * names it to the next one that does; before the first of these, and after the last, it stands
- * still. One that no keyframe names is the scene's.
+ * `camera` and `light` have the keys, units and ranges of a scene file, all optional, but no
+ * `kind`. Each value is interpolated on its own between the keyframes that name it; before the
+ * first and after the last of these it is constant. A value that no keyframe names is the scene's.
  *
- * catmull_rom is the cubic Hermite spline whose slope at a key is that of the line between its
- * neighbours (Catmull, Rom 1974; in time, so keys need not be evenly spaced), at either end that of
- * the line to its one neighbour. It passes through the keys, and may overshoot between them. */
+ * catmull_rom is a cubic Hermite spline (Catmull, Rom 1974). The slope at a key is that of the line
+ * between its neighbours, at either end that of the line to its one neighbour. Slopes are over
+ * time, so keys need not be evenly spaced. The spline passes through the keys, and may overshoot
+ * between them. */
 #include "motion.h"
 
 #include "camera_light.h"
@@ -40,7 +40,7 @@ struct track {
 /* All tracks of the camera or of the light, as many as it has keys. */
 struct group {
     struct track tracks[GROUP_KEYS];
-    struct key base[GROUP_KEYS]; /* what the scene has */
+    struct key base[GROUP_KEYS]; /* the scene's values */
     int count;
     bool moves;
 };
@@ -55,7 +55,7 @@ struct motion {
 
 /* ---- Between the keys ------------------------------------------------------------------------ */
 
-/* Of one component, at a key. */
+/* Slope of one component, at a key. */
 static double slope(const struct track *track, uint32_t i, int component)
 {
     const struct track_key *before = &track->keys[i > 0 ? i - 1 : 0];
@@ -86,14 +86,14 @@ static void track_at(const struct track *track, bool linear, double frame, doubl
             value[k] += rise * t;
             continue;
         }
-        /* Hermite's cubic, as what it adds to its first key */
+        /* Hermite's cubic, relative to the first key */
         double out = slope(track, i, k) * length, in = slope(track, i + 1, k) * length;
         value[k] += t * (out + t * (3 * rise - 2 * out - in + t * (out + in - 2 * rise)));
     }
 }
 
-/* The group's keys in a frame; what moves stands, while the file is read, at the keyframe that it
- * comes from. */
+/* The group's keys in a frame. The node of a moving key is that of its keyframe, for errors while
+ * the file is read. */
 static void group_at(const struct group *group, bool linear, double frame,
                      struct key keys[GROUP_KEYS])
 {
@@ -186,7 +186,7 @@ static void read_keyframe(struct reader *reader, struct reading *reading, struct
     reader_mapping(reader, node, fy_node_pair_key(first), "the keyframe", keys, COUNT);
     double frame = keys[AT].number[0] * reading->frames_per_unit;
     if (reader->errors == errors && frame > MAX_FRAMES)
-        reader_report(reader, keys[AT].node, "that is frame %.0f; there are at most %d", frame,
+        reader_report(reader, keys[AT].node, "`at` is frame %.0f, but the limit is %d", frame,
                       MAX_FRAMES);
     else if (reader->errors == errors && frame <= reading->last_frame)
         reader_report(reader, keys[AT].node, "`at` must grow from keyframe to keyframe");
@@ -197,7 +197,7 @@ static void read_keyframe(struct reader *reader, struct reading *reading, struct
         read_group(reader, reading, &motion->light, &keys[LIGHT], frame);
 }
 
-/* What a motion says of where a spot shines takes the place of what the scene says of it. */
+/* A motion's `target` or `direction` of a spot replaces the scene's. */
 static void replace_aim(struct reader *reader, struct motion *motion, struct fy_node *place)
 {
     struct group *light = &motion->light;
@@ -212,7 +212,7 @@ static void replace_aim(struct reader *reader, struct motion *motion, struct fy_
     }
 }
 
-/* Whether all of a group's numbers are in their ranges, and go together, in this frame. */
+/* Whether the group's numbers are valid in this frame: ranges and combinations. */
 static bool try_frame(struct reader *reader, const struct motion *motion, const struct group *group,
                       uint32_t frame, struct fy_node *place)
 {
@@ -282,7 +282,7 @@ static void read_motion(struct reader *reader, struct fy_node *root, void *user)
     if (reader->errors == errors && !motion->camera.moves && !motion->light.moves)
         reader_report(reader, place, "no keyframe moves `camera` or `light`");
     replace_aim(reader, motion, place);
-    /* seconds times frames per second may end a rounding error above the frame that was meant */
+    /* rounding may put seconds times frames per second just above the intended frame */
     motion->frames = (uint32_t)ceil(fmax(reading->last_frame - 1e-6, 0)) + 1;
     if (reader->errors == errors)
         try_frames(reader, motion, place);

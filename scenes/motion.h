@@ -7,17 +7,17 @@
 
 struct motion;
 
-/* Reads a motion file for this scene, which has what no keyframe says; its keys are listed at the
- * head of motion.c. All frames are tried, so that motion_at cannot fail. NULL, logged with
- * file:line:col, when the file is wrong. */
+/* Reads a motion file for this scene (keys: see the head of motion.c). Values without keyframes are
+ * the scene's. Checks all frames, so that motion_at cannot fail. NULL after an error, logged with
+ * file:line:col. */
 struct motion *motion_load(const char *path, const struct scene *scene, const struct dt_log *log);
 void motion_free(struct motion *motion); /* takes NULL */
 
-/* From the first frame to the one that shows the last keyframe; 1 and up. */
+/* Number of frames up to the last keyframe; at least 1. */
 uint32_t motion_frames(const struct motion *motion);
 const char *motion_path(const struct motion *motion);
 
-/* Where camera and light are in a frame, from 0 on; after the last keyframe they stand still. */
+/* Camera and light in a frame, counted from 0; constant after the last keyframe. */
 void motion_at(const struct motion *motion, uint32_t frame, struct scene_camera *camera,
                struct scene_light *light);
 

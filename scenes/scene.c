@@ -57,12 +57,12 @@ static void read_light(struct reader *reader, const struct key *self, struct sce
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-/* What the file says beyond camera and light. */
+/* Settings of the file besides camera and light. */
 struct settings {
     struct scene *scene; /* to fill */
     const char *scenes_dir;
     char *mesh_path;    /* where the mesh was found, owned */
-    bool may_lack_mesh; /* asked by the caller: a mesh that is nowhere is no error */
+    bool may_lack_mesh; /* a missing mesh is no error */
     float scale, subdivide;
     uint32_t texture_size;
 };

@@ -15,13 +15,12 @@ struct scene_light {
     int kind; /* DT_LIGHT_DIRECTIONAL or DT_LIGHT_SPOT */
     float position[3];
     float direction[3]; /* unit, the way that light travels */
-    bool aimed;         /* spot: the file gives, in place of the direction, this target */
+    bool aimed;         /* spot: the file gives this target instead of the direction */
     float target[3];
     float cone[2];  /* spot: inner and outer half angle, radians */
     float color[3]; /* directional: irradiance, W/m2; spot: intensity, W/sr */
-    /* Directional: box that all of its light passes through, such as an open roof; the whole
-     * scene's by default. Its silhouette bounds the light's view, so that no sample of it is spent
-     * outside. */
+    /* Directional: box that all light passes through, such as an open roof; default: the whole
+     * scene. The light's view covers only this box, so that no sample is wasted. */
     float opening_min[3], opening_max[3];
 };
 
@@ -37,17 +36,17 @@ struct scene {
     struct motion *motion;         /* of camera and light, see motion.h; NULL: they stand still */
 };
 
-/* Reads a scene file (YAML, its keys are listed at the head of scene.c) and its
- * mesh. The mesh is looked up beside the scene file, then below scenes_dir (may be NULL). Errors
- * carry file:line:col. On false nothing is left allocated. */
+/* Reads a scene file (YAML; keys: see the head of scene.c) and its mesh. The mesh is searched
+ * beside the scene file, then below scenes_dir (may be NULL). Errors have file:line:col. On false
+ * nothing stays allocated. */
 bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
                 const struct dt_log *log);
-/* Reads the scene file alone, and where its mesh is: a string to free(), or NULL when it is in neither
- * place. False, logged, when the file is wrong. */
+/* Reads only the scene file and finds its mesh. *mesh: path, to free(); NULL if the mesh is in
+ * neither folder. False after an error, logged. */
 bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
                      const struct dt_log *log);
-/* Reads a motion file (its keys are listed at the head of motion.c) for the scene, which owns it.
- * Errors as above; on false the scene stands still. */
+/* Reads a motion file (keys: see the head of motion.c) into the scene, which owns the motion.
+ * Errors as above; on false the scene has no motion. */
 bool scene_load_motion(struct scene *scene, const char *path, const struct dt_log *log);
 void scene_free(struct scene *scene); /* takes a zeroed or failed scene */
 
@@ -58,7 +57,7 @@ size_t scene_texel_bytes(const struct dt_scene *data);
  * index stay 0. */
 void scene_frame(const struct scene *scene, uint32_t width, uint32_t height,
                  struct dt_frame *frame);
-/* The same of the frame that has this index in the scene's motion. */
+/* The same for the frame `index` of the scene's motion. */
 void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
                     struct dt_frame *frame);
 

@@ -1,7 +1,6 @@
-/* Splits the long edges of a mesh, so that projections which bend straight lines (paraboloid
- * maps) may be done per vertex. Called by scene.c. Regular refinement in rounds: in each, all
- * edges that are too long get a middle, and every triangle is cut by the middles of its own
- * edges. */
+/* Splits the long edges of a mesh, so that projections which bend straight lines (paraboloid maps)
+ * can be done per vertex. Called by scene.c. Each round adds a middle to every edge that is too
+ * long, and cuts every triangle by the middles of its own edges. */
 #include "mesh.h"
 
 #include <math.h>
@@ -26,8 +25,8 @@ struct round {
     uint32_t index_count;
 };
 
-/* The same bits for (a, b) and (b, a), also where two vertices share a position: neighbours
- * decide alike. */
+/* Same bits for (a, b) and (b, a), and for other vertices at the same positions, so that neighbours
+ * agree. */
 static double edge_square(const struct mesh *mesh, uint32_t a, uint32_t b)
 {
     const float *p = mesh->vertices[a].position, *q = mesh->vertices[b].position;
@@ -106,7 +105,7 @@ static void cut(struct round *round, const uint32_t corner[3])
         mid[k] = split(round, corner[k], corner[(k + 1) % 3]);
         long_edges += mid[k] != UINT32_MAX;
     }
-    /* Turn it so that one long edge is the first, two are the first and second. */
+    /* Rotate the corners so that the long edges come first. */
     int first = 0;
     while (long_edges == 1 && mid[first] == UINT32_MAX)
         first++;

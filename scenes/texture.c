@@ -10,8 +10,8 @@
 
 enum { DEFAULT_LIMIT = 1024, ENCODE_STEPS = 65536 };
 
-/* sRGB codes to linear light and back (IEC 61966-2-1). The way back has so fine a grid that a
- * code survives the round trip. */
+/* sRGB codes to linear light and back (IEC 61966-2-1). `encode` is so fine that every code survives
+ * the round trip. */
 struct srgb {
     float decode[256];
     uint8_t encode[ENCODE_STEPS];
@@ -103,8 +103,8 @@ static uint32_t default_size(const struct mesh *mesh, const struct dt_log *quiet
     return size;
 }
 
-/* Loads layer after layer into mip 0; layer_of[i] tells where texture i went, -1 if it could not
- * be read. Returns how many layers there are. */
+/* Loads layer after layer into mip 0; layer_of[i] is the layer of texture i, -1 if it could not be
+ * read. Returns the number of layers. */
 static uint32_t load_layers(uint8_t *texels, uint32_t size, const struct mesh *mesh,
                             int32_t *layer_of, bool *has_holes, const struct dt_log *warn)
 {
@@ -152,7 +152,7 @@ static void build_mips(const struct srgb *srgb, uint8_t *texels, uint32_t size, 
     }
 }
 
-/* A scene without textures has one white texel, so that there is always something to bind. */
+/* A scene without textures has one white texel, since bindings need a texture. */
 static void set_white(uint8_t *texels, struct dt_scene *scene)
 {
     memset(texels, 255, 4);

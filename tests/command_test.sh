@@ -136,7 +136,7 @@ check "two processes fill it at once" at_once
 unused() { # mode: of the folder, which is then left alone and told of, once
     rm -rf "$cache"
     mkdir -m "$1" "$cache"
-    "${own[@]}" 2>"$work/said" && [ "$(grep -c 'not used as a cache: others may write to it' "$work/said")" = 1 ] &&
+    "${own[@]}" 2>"$work/said" && [ "$(grep -c 'not used as a cache: other users may write to the folder' "$work/said")" = 1 ] &&
         [ -z "$(ls -A "$cache")" ]
 }
 check "a cache that everybody may write to is not used" unused 777

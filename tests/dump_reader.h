@@ -1,5 +1,5 @@
-/* Reads what `diptych render --dump` wrote: the tests' independent eye on a frame. Fails the
- * running cmocka test on anything that it cannot read, so callers need no checks. */
+/* Reads the output of `diptych render --dump`, for tests. Fails the running cmocka test on anything
+ * that it cannot read, so callers need no checks. */
 #ifndef DIPTYCH_TESTS_DUMP_READER_H
 #define DIPTYCH_TESTS_DUMP_READER_H
 

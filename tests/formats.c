@@ -98,8 +98,8 @@ const struct dt_shaders formats_vk = {"vk", &formats_panel, vk_stages};
 
 /* ---- Bytes ----------------------------------------------------------------------------------- */
 
-/* Every bit pattern of a 16 bit number comes up sooner or later, and NaNs that carry something:
- * quiet and signalling, in half and single precision. Depth is 0..1, as of a pass. */
+/* Covers all bit patterns of 16 bit numbers, and NaNs with payload: quiet and signalling, in half
+ * and single precision. Depth is 0..1, as written by a pass. */
 static void fill(struct dt_bytes *bytes, bool depth, uint32_t seed)
 {
     static const uint32_t nans[] = {0x7fc12345, 0xffa54321, 0x7d557eaa, 0xfe01fc01, 0x7f800001};
@@ -121,7 +121,7 @@ static bool is_depth(uint32_t resource)
     return resource < FORMATS_SMALL && resources[resource].format == DT_FORMAT_D32F;
 }
 
-/* All mips of all resources are written, and only then read. */
+/* Writes all mips of all resources first, then reads them. */
 static void write_all(const struct dt_runtime *runtime, void *rt,
                       struct dt_bytes written[][FORMATS_MIPS])
 {

@@ -1,6 +1,6 @@
-/* A pipeline with an image of every format, plain and layered, and two buffers, whose only pass does
- * nothing: what is written must be read back, bit for bit, in every format and mip, and nothing beside it
- * changes. For tests of the runtimes. */
+/* A pipeline with an image of every format, plain and layered, and two buffers; its only pass does
+ * nothing. Written content must be read back bit for bit, in every format and mip, and no other
+ * content may change. For tests of the runtimes. */
 #ifndef FORMATS_H
 #define FORMATS_H
 
@@ -19,7 +19,7 @@ enum {
 extern const struct dt_panel formats_panel;
 extern const struct dt_shaders formats_gl, formats_vk;
 
-void formats_prepare(void); /* before they are used */
+void formats_prepare(void); /* call before use */
 uint32_t formats_mips(uint32_t resource);
 
 /* Opens, writes everything, reads everything, before and after a frame; closes. */

@@ -117,7 +117,7 @@ struct piece {
     uint64_t memory, begin, end;
 };
 
-/* What is known of one access to one piece of memory. */
+/* State of one access to one piece of memory. */
 struct node {
     uint32_t entry; /* UINT32_MAX: before the tape */
     uint32_t command, resource, piece, mips;
@@ -216,7 +216,7 @@ static bool same_place(const struct node *node, uint32_t piece, uint32_t resourc
     return node->piece == piece && (node->resource != resource || node->mips & mips);
 }
 
-/* Whether the memory that a barrier speaks of holds the node's. */
+/* Whether the barrier covers the memory of the node. */
 static bool reaches(const struct checker *checker, const struct tape_barrier *barrier,
                     const struct node *node)
 {
@@ -251,7 +251,7 @@ static void show(const struct tape_barrier *barrier, struct node *node)
             node->visible[bit] |= named_accesses(barrier->dst_access);
 }
 
-/* What one barrier does to a node, from the state before the call. */
+/* Effect of one barrier on a node, from the state before the call. */
 static void pass_barrier(const struct checker *checker, const struct tape_barrier *barrier,
                          const struct node *node, struct node *after)
 {
@@ -285,7 +285,7 @@ static bool is_transition(const struct tape_barrier *barrier)
     return barrier->resource != TAPE_ALL_MEMORY && barrier->old_layout != barrier->new_layout;
 }
 
-/* The change of layout itself, held against everything before it. */
+/* Checks the layout change against everything before it. */
 static void check_transition(struct checker *checker, uint32_t entry)
 {
     const struct tape_barrier *barrier = &checker->tape->entries[entry].barrier;
@@ -327,7 +327,7 @@ static void add_transition(struct checker *checker, uint32_t entry)
     }
 }
 
-/* A change of layout stands for all that came before it: later accesses are held against it alone. */
+/* A layout change replaces all earlier accesses: later accesses are checked only against it. */
 static void forget_before(struct checker *checker, uint32_t entry)
 {
     const struct tape_barrier *barrier = &checker->tape->entries[entry].barrier;
@@ -414,8 +414,8 @@ static void pass_access(struct checker *checker, uint32_t entry)
     }
 }
 
-/* What ran before: a write of everything, complete and available, but visible to nothing: the host has
- * waited for it. */
+/* Everything before the tape: a write of all memory, complete and available, because the host has
+ * waited, but not visible. */
 static void add_past(struct checker *checker)
 {
     for (uint32_t piece = 0; piece < checker->piece_count; piece++) {

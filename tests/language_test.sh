@@ -66,7 +66,7 @@ check "--set within a map that a later one replaces" "$gen" --check templates/rs
 check_status 1 "--set below an unknown name" "$gen" --check $spec --set bussy=7
 check "... names the --set" says "\`--set bussy=7\`: no \`bussy\` in \`params\`; did you mean \`busy\`?" \
     "$gen" --check $spec --set bussy=7
-check "--set of a wrong type points into the option" says "--set:1:6: error: \`busy\` is int" \
+check "--set of a wrong type points into the option" says "--set:1:6: error: \`busy\` has type int" \
     "$gen" --check $spec --set busy=1.5
 check "--set adds a key" says "mip_filter" "$gen" --check $spec --set samplers.points.mip_filter=linear
 # shellcheck disable=SC2317

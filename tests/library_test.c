@@ -344,7 +344,7 @@ static void vulkan_tells_wrong_calls(void **state)
     REFUSED(dt_vk_import_scene(rt, &scene), "scene_materials");
     assert_true(dt_vk_import_scene(rt, &vk.scene));
     assert_true(dt_vk_create(rt, &features_vk));
-    REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "resize comes first");
+    REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "call resize first");
     REFUSED(dt_vk_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_vk_resize(rt, 0, HEIGHT), "frame of 0x16");
     REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_MEMORY, &image), "no image");
@@ -416,7 +416,7 @@ static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_vk_record(rt, begin(), &frame, NULL),
             "pass halves: scene indices at byte 4096, but indirect draws of llvmpipe");
-    REFUSED(dt_vk_record(rt, begin(), &frame, NULL), "resize comes first");
+    REFUSED(dt_vk_record(rt, begin(), &frame, NULL), "call resize first");
     dt_vk_close(rt);
     assert_int_equal(heard.validation, 0);
 }
@@ -909,13 +909,13 @@ static void opengl_tells_wrong_calls(void **state)
     REFUSED(dt_gl_import_scene(rt, &scene), "4 indices");
     scene = right;
     scene.indices.offset = 256;
-    REFUSED(dt_gl_import_scene(rt, &scene), "at byte 256");
+    REFUSED(dt_gl_import_scene(rt, &scene), "offset 256");
     scene = right;
     scene.materials.size = 32;
     REFUSED(dt_gl_import_scene(rt, &scene), "scene materials");
     assert_true(dt_gl_import_scene(rt, &right));
     assert_true(dt_gl_create(rt, &features_gl));
-    REFUSED(dt_gl_record(rt, &frame, NULL), "resize comes first");
+    REFUSED(dt_gl_record(rt, &frame, NULL), "call resize first");
     REFUSED(dt_gl_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_MEMORY, 1), "no image");
     assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, texture_of(GL_RGBA8, WIDTH)));

@@ -266,7 +266,7 @@ static const struct dt_need needs[] = {
 
 /* ---- One frame ------------------------------------------------------------------------------- */
 
-/* A pass that runs, but for its work. */
+/* A pass that runs, except for its work. */
 static bool start(const struct dt_recording *r, uint32_t pass, const struct dt_barrier *barriers,
                   uint32_t count)
 {

@@ -1,6 +1,7 @@
-/* A pipeline written by hand, as the generator would write it, with a pass of every kind; the scene that
- * it draws; and what every resource is to hold after a frame, which follows from the geometry. For tests
- * of the runtimes. The shaders are tests/runtime_shaders, compiled to headers of words. */
+/* A pipeline written by hand, as the generator would write it, with a pass of every kind; its
+ * scene; and the expected content of every resource after a frame, which follows from the geometry.
+ * For tests of the runtimes. The shaders are tests/runtime_shaders, compiled to headers of
+ * words. */
 #ifndef PROBE_H
 #define PROBE_H
 
@@ -12,7 +13,7 @@ enum {
     PROBE_STACK,
     PROBE_STACK_DEPTH,
     PROBE_LEVELS,
-    PROBE_MASK, /* in the memory of depth */
+    PROBE_MASK, /* shares memory with depth */
     PROBE_DISPLAY,
     PROBE_GLOW,
     PROBE_CLEARED,
@@ -46,7 +47,7 @@ enum {
 enum { PROBE_LAYER_COUNT = 4, PROBE_STACK_WIDTH = 16, PROBE_STACK_HEIGHT = 8, PROBE_MIPS = 3 };
 
 struct probe_live {
-    uint32_t mask; /* else the mask pass clears */
+    uint32_t mask; /* 0: the mask pass clears */
     float scale;
     uint32_t glow;
     uint32_t padding;
@@ -58,15 +59,15 @@ extern const struct dt_stages probe_gl_stages[PROBE_PASSES], probe_vk_stages[PRO
 extern const struct dt_shaders probe_gl, probe_vk;
 extern const struct dt_scene probe_scene;
 
-/* For OpenGL's option glsl: the text of the shaders, from their files. The content lives as long as the
- * program does. */
+/* For OpenGL's option glsl: the GLSL text of the shaders, from their files. Lives as long as the
+ * program. */
 const struct dt_shaders *probe_glsl(void);
 
 struct dt_frame probe_frame(uint32_t index);
 struct dt_bytes probe_read(const struct dt_runtime *runtime, void *rt, uint32_t resource,
                            uint32_t mip);
 
-/* Each fails the test when a resource holds something else. */
+/* Each fails the test if a resource has other content. */
 void probe_check_color(const struct dt_runtime *runtime, void *rt, uint32_t width, uint32_t height);
 void probe_check_depth(const struct dt_runtime *runtime, void *rt, uint32_t width, uint32_t height);
 void probe_check_stack(const struct dt_runtime *runtime, void *rt);

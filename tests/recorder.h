@@ -1,5 +1,5 @@
-/* A table of verbs that only takes notes: what a panel's record does, call by call. Two panels do the same
- * when their notes are the same. */
+/* A table of verbs that only notes the calls of a panel's record. Two panels with the same notes do
+ * the same. */
 #ifndef RECORDER_H
 #define RECORDER_H
 
@@ -33,10 +33,11 @@ struct recorder {
     struct recorder_note *notes; /* NULL before the first run */
     uint32_t count, capacity;
     uint32_t calls;   /* of verbs */
-    uint32_t fail_at; /* the call of this number, from 1 on, fails; 0: none */
+    uint32_t fail_at; /* this call, counted from 1, fails; 0: none */
 };
 
-/* One frame; what record returned. Notes of an earlier run are replaced. `live`: NULL for the defaults. */
+/* Records one frame; returns the result of record. Replaces the notes of an earlier run. `live`:
+ * NULL for the defaults. */
 bool recorder_run(struct recorder *recorder, const struct dt_panel *panel, uint32_t width,
                   uint32_t height, const void *live);
 void recorder_free(struct recorder *recorder);
@@ -44,7 +45,7 @@ void recorder_free(struct recorder *recorder);
 /* The note as a line of text, with every argument, and the names of pass and resource. */
 void recorder_line(const struct recorder *recorder, uint32_t note, char *line, size_t size);
 
-/* The first note in which they differ, or that only one of them has; UINT32_MAX: they are the same. */
+/* Index of the first different or additional note; UINT32_MAX: the notes are the same. */
 uint32_t recorder_difference(const struct recorder *a, const struct recorder *b);
 
 #endif

@@ -598,8 +598,7 @@ static void wrong_before_create(struct transcript *transcript, const struct benc
     double ms[PROBE_PASSES];
     WRONG(runtime->resize(rt, 16, 8),
           "resize: no pipeline or no scene yet; create and set_scene come first");
-    WRONG(render(bench, rt, NULL, NULL),
-          "render: the pipeline has no resources; resize comes first");
+    WRONG(render(bench, rt, NULL, NULL), "render: call resize first");
     WRONG(runtime->read(rt, 0, 0, &bytes), "read: the pipeline has no resource 0");
     assert_null(bytes.data);
     WRONG(runtime->write(rt, 0, 0, &bytes), "write: the pipeline has no resource 0");
@@ -624,14 +623,14 @@ static void wrong_before_resize(struct transcript *transcript, const struct benc
     assert_true(runtime->create(rt, bench->probe));
     WRONG(runtime->resize(rt, 16, 8), "create and set_scene come first"); /* the scene is missing */
     assert_true(runtime->set_scene(rt, &probe_scene));
-    WRONG(render(bench, rt, NULL, NULL), "resize comes first, also after a new scene");
+    WRONG(render(bench, rt, NULL, NULL), "call resize first (also after a new scene");
     WRONG(runtime->read(rt, PROBE_COLOR, 0, &bytes),
           "read color: it does not exist yet; resize comes first");
     WRONG(runtime->write(rt, PROBE_COLOR, 0, &bytes), "write color: it does not exist yet");
     WRONG(runtime->resize(rt, 0, 4), "frame of 0x4: ");
     WRONG(runtime->resize(rt, 4, 0), "frame of 4x0: ");
     WRONG(runtime->resize(rt, 1u << 20, 8), "frame of 1048576x8: ");
-    WRONG(render(bench, rt, NULL, NULL), "resize comes first");
+    WRONG(render(bench, rt, NULL, NULL), "call resize first");
 }
 
 static void wrong_after_resize(struct transcript *transcript, const struct bench *bench, void *rt)
@@ -651,11 +650,11 @@ static void wrong_after_resize(struct transcript *transcript, const struct bench
     WRONG(runtime->timings(rt, ms), "timings: none"); /* opened without */
     assert_true(runtime->set_scene(rt, &probe_scene));
     WRONG(render(bench, rt, NULL, NULL),
-          "also after a new scene, an import and a frame that failed");
+          "call resize first (also after a new scene, an import or a failed frame)");
     assert_true(runtime->resize(rt, 16, 8));
     const struct dt_observer stops = {.before_pass = before_pass, .user = &(struct director){0}};
     assert_false(render(bench, rt, NULL, &stops));
-    WRONG(render(bench, rt, NULL, NULL), "a frame that failed");
+    WRONG(render(bench, rt, NULL, NULL), "or a failed frame");
     assert_true(runtime->read(rt, PROBE_FRAMES, 0, &bytes)); /* but what is there can be read */
     free(bytes.data);
     assert_true(runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
@@ -672,16 +671,16 @@ static void wrong_bytes(struct transcript *transcript, const struct bench *bench
     struct dt_bytes depth = probe_read(runtime, rt, FORMATS_PLAIN + DT_FORMAT_D32F, 2);
     memset(bytes.data, 0x55, bytes.size);
     WRONG(runtime->write(rt, rg, 0, &bytes),
-          "write layered_1: 72 bytes of 6x3x2, but it takes 364 of 13x7x2");
+          "write layered_1: 72 bytes of 6x3x2 given, but the resource has 364 bytes of 13x7x2");
     WRONG(runtime->write(rt, rgba, 1, &bytes),
-          "write layered_2: 72 bytes of 6x3x2, but it takes 144 of 6x3x2");
+          "write layered_2: 72 bytes of 6x3x2 given, but the resource has 144 bytes of 6x3x2");
     bytes.extent[0] = 3, bytes.extent[1] = 6;
     WRONG(runtime->write(rt, rg, 1, &bytes),
-          "write layered_1: 72 bytes of 3x6x2, but it takes 72 of 6x3x2");
+          "write layered_1: 72 bytes of 3x6x2 given, but the resource has 72 bytes of 6x3x2");
     WRONG(runtime->write(rt, rg, 3, &bytes), "write layered_1: mip 3, and it has 3");
     WRONG(runtime->write(rt, FORMATS_ODD, 1, &bytes), "write odd: mip 1, and it has 1");
     WRONG(runtime->write(rt, FORMATS_ODD, 0, &bytes),
-          "write odd: 72 bytes of 3x6x2, but it takes 156 of 13x1x1");
+          "write odd: 72 bytes of 3x6x2 given, but the resource has 156 bytes of 13x1x1");
     WRONG(runtime->write(rt, FORMATS_RESOURCES, 0, &bytes),
           "write: the pipeline has no resource 32");
     memcpy(depth.data, (const float[]){0.0f, 1.0f, 1.0000001f}, 12);
@@ -794,6 +793,16 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     WRONG(runtime->resize(rt, 8, 8), "buffer rows: 1048576 bytes, but ");
     *limits = own;
     v->storage[PROBE_ROWS] = probe_panel.storage[PROBE_ROWS];
+    struct dt_scene scene = probe_scene;
+    scene.material_count = DT_MAX_MATERIALS + 1;
+    WRONG(runtime->set_scene(rt, &scene), "materials, but shaders see 2048; merge some");
+    scene = probe_scene;
+    limits->storage_bytes = scene.vertex_count * sizeof *scene.vertices - 1;
+    WRONG(runtime->set_scene(rt, &scene), "scene vertices: ");
+    *limits = own;
+    limits->image_layers = 0;
+    WRONG(runtime->set_scene(rt, &scene), "scene textures: ");
+    *limits = own; /* the scene before is still there */
     assert_true(runtime->resize(rt, 8, 8) && render(bench, rt, NULL, NULL));
     probe_check_color(runtime, rt, 8, 8);
     assert_true(runtime->create(rt, bench->probe)); /* before the other goes */
@@ -826,7 +835,7 @@ static void limits_of_frames(struct transcript *transcript, const struct bench *
     limits->draws = 1;
     WRONG(render(bench, rt, NULL, NULL), "pass again: 2 indirect draws, but ");
     *limits = own;
-    WRONG(render(bench, rt, NULL, NULL), "resize comes first");
+    WRONG(render(bench, rt, NULL, NULL), "call resize first");
     v->panel.record = record_layers;
     assert_true(runtime->resize(rt, 8, 8));
     WRONG(render(bench, rt, NULL, NULL), "pass layers: draws into 5 layers, and image stack has 4");
@@ -959,9 +968,8 @@ static void a_window_shows_only_pictures_of_rgba8(void **state)
     WRONG(bench->runtime->window_copy(rt, 1, PROBE_DISPLAY),
           "window_copy display: it does not exist yet");
     assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
-    WRONG(bench->runtime->window_copy(rt, 1, PROBE_COLOR),
-          "window_copy color: is no image of RGBA8");
-    WRONG(bench->runtime->window_copy(rt, 1, PROBE_ROWS), "window_copy rows: is no image of RGBA8");
+    WRONG(bench->runtime->window_copy(rt, 1, PROBE_COLOR), "window_copy color: not an RGBA8 image");
+    WRONG(bench->runtime->window_copy(rt, 1, PROBE_ROWS), "window_copy rows: not an RGBA8 image");
     WRONG(bench->runtime->window_copy(rt, 1, PROBE_RESOURCES),
           "window_copy: the pipeline has no resource");
     assert_true(bench->runtime->window_copy(rt, 1, PROBE_DISPLAY));

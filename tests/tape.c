@@ -15,7 +15,7 @@ enum { MAX_OBJECTS = 1024, MAX_ENTRIES = 8192, MAX_ATTACHMENTS = 9, NONE = UINT3
 #define STAGE(name)  VK_PIPELINE_STAGE_2_##name##_BIT
 #define ACCESS(name) VK_ACCESS_2_##name##_BIT
 
-/* The loader's function of the name. */
+/* The loader's function `name`. */
 #define REAL(function)                                                                             \
     PFN_##function real;                                                                           \
     *(void **)&real = dlsym(RTLD_NEXT, #function)
@@ -82,7 +82,7 @@ void tape_pass(const char *name)
 
 /* ---- Objects --------------------------------------------------------------------------------- */
 
-/* The place of a handle in a table whose elements begin with it, or NONE. */
+/* Index of a handle in a table whose elements begin with it, or NONE. */
 static uint32_t place_of(const void *table, size_t size, uint64_t handle)
 {
     for (uint32_t i = 0; i < MAX_OBJECTS; i++)

@@ -1,7 +1,7 @@
-/* Records what a process asks of Vulkan: functions of the loader's names stand before the loader's,
- * note what they are told and hand it on. A command buffer becomes a tape (hazard.h): accesses by
- * what the shaders do with what is bound, by attachments and by commands, and every barrier. Linked
- * into barrier_audit. */
+/* Records the Vulkan calls of a process: functions with the names of the loader's note the
+ * arguments and pass the call on. A command buffer becomes a tape (hazard.h) of all barriers and of
+ * the accesses by shaders to bound resources, by attachments and by commands. Linked into
+ * barrier_audit. */
 #ifndef DIPTYCH_TESTS_TAPE_H
 #define DIPTYCH_TESTS_TAPE_H
 
@@ -10,7 +10,7 @@
 /* The command buffer that was begun last, as far as it is recorded; valid until the next begins. */
 const struct tape *tape_last(void);
 
-/* Something that this recorder does not follow was used, or NULL. */
+/* A call that this recorder does not support, or NULL. */
 const char *tape_problem(void);
 
 /* Names a buffer or an image that was created, and the pass of all that is recorded from here on. */

@@ -1,11 +1,10 @@
-/* The vocabulary that generated pipelines, both runtimes and the app share: what a pipeline is made
- * of, what a scene hands to it, and the verbs of a runtime. No graphics API in here, and no
- * pipeline's name.
+/* Types that generated pipelines, both runtimes and the app share: the reflection of a pipeline,
+ * the scene, and the verbs of a runtime. Independent of any graphics API and pipeline.
  *
- * Units: lengths in metres or whatever the scene's unit is after `scale`; angles in radians;
- * radiometry in W, m, sr. All matrices are column-major (m[column][row]), clip space is Vulkan's
- * and glClipControl(LOWER_LEFT, ZERO_TO_ONE)'s: depth 0..1, row 0 of every image in memory is
- * NDC y = -1. */
+ * Units: lengths in metres or in the scene's unit after `scale`; angles in radians; radiometry in
+ * W, m, sr. All matrices are column-major (m[column][row]). Clip space is that of Vulkan and of
+ * glClipControl(LOWER_LEFT, ZERO_TO_ONE): depth 0..1; row 0 of every image in memory is NDC y =
+ * -1. */
 #ifndef DIPTYCH_H
 #define DIPTYCH_H
 
@@ -15,19 +14,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifdef __cplusplus /* which has the same by another name */
+#ifdef __cplusplus /* C++ has it as static_assert */
 #define _Static_assert static_assert
 #endif
 
 #define DT_ARRAY_COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
-/* ---- Log: the one way in which anything below the command line speaks ------------------------ */
+/* ---- Log: the only output of code below the command line ------------------------------------- */
 
 enum dt_level { DT_DEBUG, DT_INFO, DT_WARNING, DT_ERROR };
 
-/* `message` has no trailing newline. A function that fails logs exactly one DT_ERROR that names the
- * thing and what to do, then returns false or NULL; callers above add nothing. Messages of the
- * validation layers and of KHR_debug come as DT_ERROR too, and count in the runtime's
+/* `message` has no trailing newline. A function that fails logs exactly one DT_ERROR, which names
+ * the thing and what to do, then returns false or NULL. Its callers log nothing more. Messages of
+ * the validation layers and of KHR_debug are DT_ERRORs, too, and count in the runtime's
  * `messages`. */
 struct dt_log {
     void (*message)(void *user, enum dt_level level, const char *message);
@@ -96,8 +95,8 @@ struct dt_contract {
     enum dt_contract_kind kind;
     double tolerance; /* unused for EXACT */
     double outliers;  /* IMAGE: share of texels that may be outliers, 0..1 */
-    /* FLIPS: the buffer (index into resources) and the field of it that hold, element by element, the
-     * margin by which a value was decided; margin_field -1: none */
+    /* FLIPS: buffer (index into resources) and field with the margin of each element: how narrowly
+     * its value was decided; margin_field -1: none */
     uint16_t margin_resource;
     int16_t margin_field;
 };
@@ -113,12 +112,11 @@ struct dt_resource {
     const struct dt_field *fields;
     uint32_t field_count;
     uint32_t stride; /* bytes from element to element */
-    /* arguments or indices of draws or dispatches: other content than its passes write could keep a
-     * device busy for ever */
+    /* holds arguments or indices of draws or dispatches: wrong content could hang the device */
     bool controls_work;
     /* images */
     enum dt_format format;
-    bool layered; /* an array image, also with one layer */
+    bool layered; /* an array image, even with one layer */
     uint32_t mips;
 };
 
@@ -127,21 +125,21 @@ enum dt_pass_kind { DT_PASS_DRAW_SCENE, DT_PASS_DRAW_FULLSCREEN, DT_PASS_DISPATC
 struct dt_pass {
     const char *name;
     const char *doc;
-    const char *shader; /* its GLSL body, as the spec names it */
+    const char *shader; /* GLSL body; path as in the spec */
     enum dt_pass_kind kind;
-    bool uses_scene;       /* draws it, or reads its vertices, indices, materials or textures */
+    bool uses_scene;       /* draws the scene, or reads its buffers or textures */
     const uint16_t *reads; /* indices into resources, ascending order of the spec */
     uint32_t read_count;
-    /* everything that the pass writes or updates: what to look at after it */
+    /* resources that the pass writes or updates */
     const uint16_t *writes;
     uint32_t write_count;
-    /* the mip of each of the writes, NULL: 0; of a mip that no pass of the frame has written yet the
-     * content is undefined, except with history */
+    /* mip of each write; NULL: all 0. A mip that no pass of the frame has written yet has undefined
+     * content, unless it has history */
     const uint8_t *write_mips;
-    const char *limit; /* C file that does the same on the CPU, see limit.h; NULL: none */
-    /* float operations, at least, of one invocation that does not return early: of the compute or
-     * vertex shader, and of the fragment shader; one turn of every loop, the cheapest way through
-     * other branches */
+    const char *limit; /* C version of the pass for the CPU, see limit.h; NULL: none */
+    /* lower bound of float operations per invocation without early return: [0] compute or vertex
+     * shader, [1] fragment shader. Counts one iteration of every loop and the cheapest other
+     * branches */
     uint64_t flops[2];
 };
 
@@ -149,7 +147,7 @@ struct dt_param {
     const char *name;
     const char *doc;
     enum dt_type type;
-    bool live;       /* may change at run time; else it is compiled in, and value tells what */
+    bool live;       /* may change at run time; else fixed to value */
     uint32_t offset; /* live: bytes into the live block */
     double value[4]; /* as many as the type has components */
     double min, max; /* -INFINITY, INFINITY where the spec gives none */
@@ -167,21 +165,21 @@ struct dt_pipeline {
     uint32_t pass_count;
     const void *live_defaults; /* the uniform block (std140) with every parameter at its value */
     uint32_t live_size;        /* bytes of live parameters, a multiple of 16, at least 16 */
-    uint32_t block_size;       /* and of those behind that a frame cannot change */
+    uint32_t block_size;       /* live_size plus parameters that a frame cannot change */
     int linear_output;         /* resource shown as linear HDR, for EXR; -1: none */
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
     /* Size of a resource at a frame of width x height. Buffers: extent[0] elements. Images: width,
      * height, layers. */
     void (*extent)(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
                    uint32_t height, uint32_t extent[3]);
-    /* Dispatch: invocations of the pass's shader in a frame of that size with that live block. Draw:
-     * instances. 0 also where an indirect buffer tells the GPU. */
+    /* Dispatch: shader invocations of the pass for this frame size and live block. Draw: instances.
+     * Also 0 if an indirect buffer holds the number. */
     uint64_t (*runs)(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t width,
                      uint32_t height, const void *live);
 };
 
-/* For generated C, which includes math.h. Words of SPIR-V are a string: compilers read one in a quarter of
- * the time that a list of numbers takes. Bounds are those of a parameter whose spec gives none. */
+/* For generated C, which includes math.h. SPIR-V words are a string literal, which compilers parse
+ * four times as fast as a list of numbers. DT_NO_MIN and DT_NO_MAX: the spec gives no bound. */
 #define DT_WORDS(text) U##text
 #define DT_NO_MIN      (-INFINITY)
 #define DT_NO_MAX      INFINITY
@@ -196,7 +194,7 @@ struct dt_stages {
     struct dt_code compute, vertex, fragment;
 };
 
-/* ---- What a scene hands to a pipeline -------------------------------------------------------- */
+/* ---- Scene ----------------------------------------------------------------------------------- */
 
 struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at locations 0 to 3 */
     float position[3];
@@ -214,7 +212,7 @@ struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
 };
 static_assert(sizeof(struct dt_material) == 32, "two vec4");
 
-/* Of a scene: 64 KiB, what desktop devices bind as a uniform block. */
+/* Per scene: 64 KiB, the uniform block size that desktop devices support. */
 enum { DT_MAX_MATERIALS = 2048 };
 
 enum { DT_LIGHT_DIRECTIONAL = 0, DT_LIGHT_SPOT = 1 };
@@ -273,8 +271,8 @@ struct dt_scene {
 
 /* ---- Runtimes -------------------------------------------------------------------------------- */
 
-/* What a backend takes: the panel, which is the same for all, and its own shaders. All of it must live
- * as long as a runtime has it. */
+/* Input of one backend: the panel, which all backends share, and the backend's shaders. All must
+ * live until the runtime's next create or close. */
 struct dt_panel; /* panel.h */
 struct dt_shaders {
     const char *backend; /* "gl" or "vk" */
@@ -290,34 +288,33 @@ struct dt_runtime_options {
     bool debug;  /* validation with synchronization checking; KHR_debug */
     bool glsl;   /* gl: programs from GLSL text instead of SPIR-V */
     bool timing; /* timestamps around every pass */
-    /* 1..255: fill every resource without history with this byte when it is made; 0: leave it */
+    /* 1..255: new resources without history are filled with this byte; 0: not filled */
     int poison;
-    /* vk: the barrier of this number, counted from 1 over the frame in the order of recording, is left
-     * out, to see whether anything notices; 0: none. Logged with its pass and resource. An observer
-     * waits after every pass, and hides it. */
+    /* vk: omits the barrier of this number, to test whether its absence is detected; 0: none.
+     * Counts from 1 over the frame in recording order. Logs its pass and resource. An observer
+     * hides the effect, since it waits after every pass. */
     uint32_t drop_barrier;
-    /* vk: the same for what a barrier waits for: it still changes the layout, but after nothing. */
+    /* vk: the same, but keeps the layout change: the barrier waits for nothing. */
     uint32_t drop_dependency;
 };
 
-/* One texel or element array, tightly packed: buffers as they lie; one mip of an image layer by
- * layer, row 0 first, and the extent is that mip's. */
+/* Tightly packed array: the elements of a buffer, or one mip of an image, layer by layer, row 0
+ * first. The extent is that of the mip. */
 struct dt_bytes {
-    uint8_t *data; /* owner: whoever holds the struct; free() */
+    uint8_t *data; /* owned by the holder of the struct; free() */
     size_t size;
     uint32_t extent[3];
 };
 
 enum dt_action {
-    DT_RUN,  /* the pass does what the plan says */
-    DT_SKIP, /* it only records its barriers: neither work nor clears */
-    DT_STOP  /* the frame fails; whoever returns it has logged why */
+    DT_RUN,  /* run the pass */
+    DT_SKIP, /* record only the barriers of the pass: no work, no clears */
+    DT_STOP  /* the frame fails; the observer has logged why */
 };
 
-/* Called around every pass when given; both may be NULL. All work up to here is finished; before a
- * pass, what it touches may be written, and after it, what is alive may be read and written. A
- * resource that nothing touched yet in this frame, and that keeps no history, takes no writes before
- * its first pass. after_pass returns false to stop. */
+/* Callbacks around every pass; both may be NULL. All earlier work has finished. before_pass may
+ * write the pass's resources; after_pass may read and write live resources, and returns false to
+ * stop. Do not write a resource without history before its first pass of the frame. */
 struct dt_observer {
     enum dt_action (*before_pass)(void *user, uint32_t pass);
     bool (*after_pass)(void *user, uint32_t pass);
@@ -326,9 +323,9 @@ struct dt_observer {
 
 /* ---- Windows --------------------------------------------------------------------------------- */
 
-/* What a window shows is drawn in triangles over black, each draw with one texture that multiplies
- * the vertices' colours, blended by alpha. Texture 0 is the overlay's and filtered, the others are
- * pictures and are not. */
+/* A window shows triangles over black, blended by alpha. Each draw has one texture, multiplied with
+ * the vertex colours. Texture 0 is the overlay, with filtering; the others are pictures, without
+ * filtering. */
 enum { DT_WINDOW_TEXTURES = 4 };
 
 struct dt_window_vertex {
@@ -351,7 +348,7 @@ struct dt_window_frame {
     uint32_t draw_count;
 };
 
-/* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the thing
+/* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the pointer
  * that open returned. */
 struct dt_runtime {
     const char *name; /* "gl", "vk" */
@@ -359,7 +356,7 @@ struct dt_runtime {
     const char *(*device_name)(void *runtime);
     bool (*is_software)(void *runtime);
     bool (*set_scene)(void *runtime,
-                      const struct dt_scene *scene); /* before resize; replaces the former scene */
+                      const struct dt_scene *scene); /* before resize; replaces the old scene */
     bool (*create)(void *runtime,
                    const struct dt_shaders *shaders); /* one pipeline per runtime at a time */
     bool (*resize)(void *runtime, uint32_t width, uint32_t height);
@@ -367,30 +364,29 @@ struct dt_runtime {
                    const struct dt_observer *observer);
     bool (*read)(void *runtime, uint32_t resource, uint32_t mip, /* 0 for a buffer */
                  struct dt_bytes *out);
-    /* Replaces the content of a buffer, or of one mip of an image, by bytes of the size and layout
-     * that read gives; depths are 0 to 1. For observers. */
+    /* Replaces the content of a buffer or of one mip of an image. Size and layout are those of
+     * read; depths are 0 to 1. For observers. */
     bool (*write)(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
     bool (*timings)(
         void *runtime,
         double *pass_ms); /* pass_count values of the last render; NAN for a skipped pass */
-    /* CPU milliseconds that the calling thread spent on recording the last frame, from the first
-     * command to the last and without submission; NAN where commands are carried out while they are
-     * recorded, or with an observer. */
+    /* CPU milliseconds that the calling thread spent on recording the last frame, without
+     * submission; NAN if commands run during recording, or with an observer. */
     double (*record_ms)(void *runtime);
-    /* These four with context "window" only. The GLFWwindow, hidden at first: its events are the
-     * caller's business, and all of it the main thread's. */
+    /* The next four need context "window". Returns the GLFWwindow, hidden at first. The caller
+     * handles its events; only the main thread may use it. */
     void *(*window)(void *runtime);
-    /* Give a texture its content: an image of the pipeline of format RGBA8, or rows of RGBA8. */
+    /* Fill a texture from an RGBA8 image of the pipeline, or from rows of RGBA8. */
     bool (*window_copy)(void *runtime, uint32_t texture, uint32_t resource);
     bool (*window_upload)(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
                           const uint8_t *pixels);
     /* Draws and shows, or does nothing while the window has no pixels. */
     bool (*present)(void *runtime, const struct dt_window_frame *frame);
-    /* Whether a verb has failed because the device or context was lost: then nothing works any more but
-     * close, and opening anew may help. */
+    /* Whether a verb has failed because the device or context was lost. Then only close works;
+     * opening a new runtime may help. */
     bool (*is_lost)(void *runtime);
     uint32_t (*messages)(void *runtime); /* validation and debug messages so far; must be 0 */
-    void (*close)(void *runtime);        /* takes NULL; destroys the panel first */
+    void (*close)(void *runtime);        /* accepts NULL; destroys the pipeline first */
 };
 
 #endif

@@ -1,4 +1,4 @@
-/* The checks above every backend, and the walk over a panel's tables; see front.h. Compiled into each
+/* Checks above every backend, and the walk over a panel's tables; see front.h. Compiled into each
  * runtime. */
 #include "front.h"
 
@@ -48,7 +48,7 @@ static bool enter(struct dt_core *core)
     return !core->backend->enter || core->backend->enter(core);
 }
 
-/* What a verb did, once a host's state is back. */
+/* Restores a host's state. True if that and the verb succeeded. */
 static bool leave(struct dt_core *core, bool good)
 {
     return (!core->backend->leave || core->backend->leave(core)) && good;
@@ -159,7 +159,7 @@ static bool check_buffer(const struct dt_core *core, const struct dt_resource *b
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-/* What was made for a panel, apart from resources: kept while another one takes its place. */
+/* The previous panel's programs, kept while the next panel is created. */
 struct made {
     const struct dt_shaders *shaders;
     void *programs;
@@ -224,7 +224,8 @@ static bool is_zero(const void *bytes, size_t size)
     return true;
 }
 
-/* An edit leaves most programs as they are, so these go from the panel before to the new one. */
+/* Moves an equal program from the previous panel to the new one, since most edits change few
+ * programs. */
 static bool take_program(struct dt_core *core, const struct made *before, uint32_t pass)
 {
     size_t size = core->backend->program_size;
@@ -262,13 +263,13 @@ static void destroy_programs(struct dt_core *core, const struct made *made)
     free(made->programs);
 }
 
-/* All but the programs, which it returns. */
+/* Destroys everything except the programs, which it returns. */
 static struct made take_apart(struct dt_core *core)
 {
     struct made made = {core->shaders, core->programs};
     if (!core->panel)
         return made;
-    core->backend->rest(core, "create"); /* a lost device says so, and is torn down all the same */
+    core->backend->rest(core, "create"); /* a lost device logs an error; go on */
     release_resources(core);
     for (uint32_t i = 0; core->samplers && i < core->panel->sampler_count; i++)
         core->backend->destroy_sampler(core, dt_sampler(core, i));
@@ -457,8 +458,8 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
 bool dt_front_ready(const struct dt_core *core, const char *verb)
 {
     return core->sized || dt_error(core,
-                                   "%s: the pipeline has no resources; resize comes first, also "
-                                   "after a new scene, an import and a frame that failed",
+                                   "%s: call resize first (also after a new scene, an import or a "
+                                   "failed frame)",
                                    verb);
 }
 
@@ -476,7 +477,7 @@ static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
     if (!observer || !observer->before_pass)
         return DT_RUN;
     enum dt_action action = observer->before_pass(observer->user, pass);
-    return enter(core) ? action : DT_STOP; /* it may have used other contexts */
+    return enter(core) ? action : DT_STOP; /* the observer may have used other contexts */
 }
 
 static bool begin(void *runtime, uint32_t pass, bool runs)
@@ -645,11 +646,39 @@ const char *dt_verb_device_name(void *runtime)
     return ((struct dt_core *)runtime)->device_name;
 }
 
+static bool check_scene_buffer(const struct dt_core *core, const char *name, uint64_t bytes)
+{
+    uint64_t most = core->limits.storage_bytes;
+    return bytes <= most ||
+           dt_error(core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene", name,
+                    (unsigned long long)bytes, core->device_name, (unsigned long long)most);
+}
+
+static bool check_scene(const struct dt_core *core, const struct dt_scene *scene)
+{
+    uint32_t side = core->limits.image_size, layers = core->limits.image_layers;
+    if (scene->material_count > DT_MAX_MATERIALS)
+        return dt_error(core, "the scene has %u materials, but shaders see %d; merge some",
+                        scene->material_count, DT_MAX_MATERIALS);
+    if (scene->texture_width > side || scene->texture_height > side ||
+        scene->texture_layers > layers)
+        return dt_error(core,
+                        "scene textures: %u of %ux%u texels, but %s allows %u of %ux%u; use fewer "
+                        "or smaller ones",
+                        scene->texture_layers, scene->texture_width, scene->texture_height,
+                        core->device_name, layers, side, side);
+    return check_scene_buffer(core, "scene vertices",
+                              (uint64_t)scene->vertex_count * sizeof *scene->vertices) &&
+           check_scene_buffer(core, "scene indices",
+                              (uint64_t)scene->index_count * sizeof *scene->indices);
+}
+
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
 {
     struct dt_core *core = runtime;
     core->sized = false; /* programs are connected with the former scene until the next resize */
-    return leave(core, enter(core) && core->backend->upload_scene(core, scene));
+    return check_scene(core, scene) &&
+           leave(core, enter(core) && core->backend->upload_scene(core, scene));
 }
 
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders)
@@ -674,7 +703,7 @@ bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *liv
         leave(core, enter(core) && core->backend->render(
                                        core, &sized, live ? live : core->pipeline->live_defaults));
     core->observer = NULL;
-    core->sized = core->rendered; /* else layouts as recorded may never have come about */
+    core->sized = core->rendered; /* else the recorded layouts may not have taken effect */
     return core->rendered;
 }
 
@@ -686,20 +715,37 @@ bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_byte
            leave(core, enter(core) && core->backend->read(core, resource, mip, out));
 }
 
+/* OpenGL clamps other depths; Vulkan leaves them undefined. */
+static bool check_depth(const struct dt_core *core, const struct dt_resource *image,
+                        const struct dt_bytes *bytes)
+{
+    bool depth = image->kind == DT_IMAGE && image->format == DT_FORMAT_D32F;
+    for (size_t i = 0; depth && i < bytes->size / sizeof(float); i++) {
+        float texel;
+        memcpy(&texel, bytes->data + i * sizeof texel, sizeof texel);
+        if (!(texel >= 0 && texel <= 1))
+            return dt_error(core, "write %s: texel %zu is %.9g, but a depth is 0 to 1", image->name,
+                            i, (double)texel);
+    }
+    return true;
+}
+
 bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
 {
     struct dt_core *core = runtime;
     struct dt_bytes own = {0};
     if (!dt_front_find(core, "write", resource, mip, &own))
         return false;
+    const struct dt_resource *to = &core->pipeline->resources[resource];
     const uint32_t *given = bytes->extent;
     if (bytes->size != own.size || memcmp(given, own.extent, sizeof own.extent) != 0)
         return dt_error(core,
-                        "write %s: %zu bytes of %ux%ux%u, but it takes %zu of %ux%ux%u; give what "
-                        "read gives",
-                        core->pipeline->resources[resource].name, bytes->size, given[0], given[1],
-                        given[2], own.size, own.extent[0], own.extent[1], own.extent[2]);
-    return leave(core, enter(core) && core->backend->write(core, resource, mip, bytes));
+                        "write %s: %zu bytes of %ux%ux%u given, but the resource has %zu bytes of "
+                        "%ux%ux%u; use the size and extent that read returns",
+                        to->name, bytes->size, given[0], given[1], given[2], own.size,
+                        own.extent[0], own.extent[1], own.extent[2]);
+    return check_depth(core, to, bytes) &&
+           leave(core, enter(core) && core->backend->write(core, resource, mip, bytes));
 }
 
 bool dt_verb_timings(void *runtime, double *pass_ms)
@@ -707,24 +753,28 @@ bool dt_verb_timings(void *runtime, double *pass_ms)
     return dt_front_timings(runtime, pass_ms);
 }
 
-static bool has_window(const struct dt_core *core, const char *verb)
+static bool has_window(const struct dt_core *core, const char *verb, uint32_t texture)
 {
-    return core->window || dt_error(core, "%s: the %s runtime was opened without a window", verb,
-                                    core->backend->api);
+    if (!core->window)
+        return dt_error(core, "%s: the %s runtime was opened without a window", verb,
+                        core->backend->api);
+    return texture < DT_WINDOW_TEXTURES ||
+           dt_error(core, "%s: a window has only %d textures, not number %u", verb,
+                    DT_WINDOW_TEXTURES, texture);
 }
 
 bool dt_verb_window_copy(void *runtime, uint32_t texture, uint32_t resource)
 {
     struct dt_core *core = runtime;
     struct dt_bytes shape;
-    if (!has_window(core, "window_copy") ||
+    if (!has_window(core, "window_copy", texture) ||
         !dt_front_find(core, "window_copy", resource, 0, &shape))
         return false;
     const struct dt_resource *image = &core->pipeline->resources[resource];
     if (image->kind != DT_IMAGE || image->format != DT_FORMAT_RGBA8 || image->layered)
-        return dt_error(core,
-                        "window_copy %s: is no image of RGBA8; read it, and use window_upload",
-                        image->name);
+        return dt_error(
+            core, "window_copy %s: not an RGBA8 image without layers; use read and window_upload",
+            image->name);
     return leave(core, enter(core) && core->backend->window_copy(core, texture, resource));
 }
 
@@ -732,7 +782,7 @@ bool dt_verb_window_upload(void *runtime, uint32_t texture, uint32_t width, uint
                            const uint8_t *pixels)
 {
     struct dt_core *core = runtime;
-    return has_window(core, "window_upload") &&
+    return has_window(core, "window_upload", texture) &&
            leave(core,
                  enter(core) && core->backend->window_upload(core, texture, width, height, pixels));
 }
@@ -740,7 +790,7 @@ bool dt_verb_window_upload(void *runtime, uint32_t texture, uint32_t width, uint
 bool dt_verb_present(void *runtime, const struct dt_window_frame *frame)
 {
     struct dt_core *core = runtime;
-    return has_window(core, "present") &&
+    return has_window(core, "present", 0) &&
            leave(core, enter(core) && core->backend->present(core, frame));
 }
 

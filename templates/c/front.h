@@ -1,19 +1,19 @@
-/* What stands above every backend: the state of a runtime as far as all backends share it, the checks of
- * arguments, states and limits, with one set of messages, and the walk over a panel's tables. A backend
- * implements struct dt_backend; struct gl_runtime and struct vk_runtime begin with a struct dt_core.
- * Called by the app through struct dt_runtime, by other programs through diptych_gl.h and diptych_vk.h. */
+/* The layer above every backend: shared runtime state; checks of arguments, states and limits with
+ * common messages; the walk over a panel's tables. A backend implements struct dt_backend; struct
+ * gl_runtime and struct vk_runtime begin with a struct dt_core. Called by the app through struct
+ * dt_runtime, by other programs through diptych_gl.h and diptych_vk.h. */
 #ifndef DIPTYCH_FRONT_H
 #define DIPTYCH_FRONT_H
 
 #include "panel.h"
 
-/* What the device can do; filled by open. */
+/* Limits of the device; filled by open. */
 struct dt_limits {
     uint32_t image_size, image_layers; /* texels along a side; layers of an array */
-    uint32_t target_size[2];           /* of what is drawn into */
+    uint32_t target_size[2];           /* width and height of a render target */
     uint32_t color_targets;
     uint32_t bindings
-        [4]; /* by enum dt_binding_kind: in one shader stage; numbers are below for OpenGL */
+        [4]; /* by enum dt_binding_kind: in one shader stage; OpenGL: limits the numbers, too */
     uint64_t uniform_bytes, storage_bytes; /* bound as one block */
     uint32_t groups[3];                    /* of a dispatch */
     uint32_t draws;                        /* of one indirect draw call */
@@ -26,46 +26,46 @@ struct dt_core {
     struct dt_log log;
     struct dt_limits limits;
     char device_name[256];
-    bool hosted; /* device or context are a host's */
+    bool hosted; /* the host owns device or context */
     bool timing, window;
     int poison;        /* see struct dt_runtime_options */
     uint32_t messages; /* of validation or KHR_debug so far */
-    bool lost;         /* a call has said that the device is */
+    bool lost;         /* a call reported a lost device */
     bool has_scene;
 
     /* The pipeline; NULL before create. */
     const struct dt_shaders *shaders;
     const struct dt_panel *panel;
     const struct dt_pipeline *pipeline;
-    /* Arrays of the backend's own structs, zero where nothing was made: one per resource, pass, sampler. */
+    /* Arrays of the backend's structs, one per resource, pass, sampler; zero: not created. */
     void *resources, *programs, *samplers;
     uint32_t width, height; /* 0: the resources do not exist */
     bool sized;             /* a frame may be rendered: nothing has changed since resize */
-    bool rendered;          /* a frame has been, since resize */
+    bool rendered;          /* a frame was rendered since resize */
 
     /* While a frame is recorded. */
     const struct dt_observer *observer;
-    uint32_t pass; /* as of the last begin */
-    bool skips;    /* the observer wants nothing but its barriers */
-    bool *ran;     /* per pass, in the last frame */
+    uint32_t pass; /* of the last begin */
+    bool skips;    /* DT_SKIP: record only barriers */
+    bool *ran;     /* per pass: work recorded in the last frame */
 };
 
 /* Every bool function logs its error. All take the core that open made. */
 struct dt_backend {
     const char *name; /* "gl", "vk" */
     const char *api;  /* "OpenGL", "Vulkan": in messages */
-    /* Of one element of dt_core's arrays. */
+    /* Bytes of one element of dt_core's arrays. */
     size_t resource_size, program_size, sampler_size;
 
-    /* Around every verb: makes the context current, keeps and gives back a host's state. leave runs
-     * also after a failed enter. NULL: nothing to do. */
+    /* Called around every verb: make the context current, save and restore a host's state. leave
+     * also runs after a failed enter. NULL: nothing to do. */
     bool (*enter)(struct dt_core *core);
     bool (*leave)(struct dt_core *core);
-    bool (*rest)(struct dt_core *core, const char *verb); /* afterwards no frame is on its way */
+    bool (*rest)(struct dt_core *core, const char *verb); /* afterwards no frame is in flight */
 
     bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene);
 
-    /* The pipeline. core->panel is set. end_panel takes what a failed begin_panel left. */
+    /* The pipeline; core->panel is set. end_panel also cleans up after a failed begin_panel. */
     bool (*begin_panel)(
         struct dt_core *core); /* features, uniform block of live parameters, queries */
     void (*end_panel)(struct dt_core *core);
@@ -73,14 +73,14 @@ struct dt_backend {
     void (*destroy_sampler)(struct dt_core *core, void *sampler);
     bool (*create_program)(struct dt_core *core, void *program, uint32_t pass);
     void (*destroy_program)(struct dt_core *core, void *program);
-    /* The program was made for another panel's pass of the same code and state, and is this pass's now. */
+    /* Takes over a program of the previous panel, with the same code and state, for this pass. */
     void (*adopt_program)(struct dt_core *core, void *program, uint32_t pass);
 
-    /* Resources for frames of core->width x height: all are created, then placed, then filled; then
-     * programs are connected with them. */
+    /* Resources for frames of core->width x height. Order: create all, place, fill all, then
+     * connect programs. */
     bool (*create_resource)(struct dt_core *core, uint32_t resource, const uint32_t extent[3]);
-    bool (*place_resources)(struct dt_core *core); /* memory of all slots; NULL: they have theirs */
-    /* First content: zero with history; else core->poison in every byte when it is set. */
+    bool (*place_resources)(struct dt_core *core); /* allocates the slots; NULL: not needed */
+    /* Fills with zero if it has history; else with core->poison, if set. */
     bool (*fill_resource)(struct dt_core *core, uint32_t resource);
     bool (*connect_program)(struct dt_core *core, void *program, uint32_t pass);
     void (*disconnect_program)(struct dt_core *core, void *program);
@@ -89,12 +89,12 @@ struct dt_backend {
 
     /* A frame: calls dt_front_record between its own first and last commands. */
     bool (*render)(struct dt_core *core, const struct dt_frame *frame, const void *live);
-    struct dt_verbs verbs; /* arguments are right, and nothing is skipped */
-    /* For an observer: all work so far is done; and recording goes on. */
+    struct dt_verbs verbs; /* called with checked arguments; not called for skipped work */
+    /* For an observer: finish all work so far; continue recording. */
     bool (*pause)(struct dt_core *core);
     bool (*resume)(struct dt_core *core);
 
-    /* The resource and the mip exist; size and extent of `out` are given, data is to be allocated. */
+    /* Resource and mip exist; size and extent of `out` are set, read allocates data. */
     bool (*read)(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
     bool (*write)(struct dt_core *core, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes);
@@ -114,26 +114,25 @@ void dt_log(const struct dt_core *core, enum dt_level level, const char *format,
 bool dt_error(const struct dt_core *core, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* ---- What both ways in call ------------------------------------------------------------------ */
+/* ---- For the app and for hosts --------------------------------------------------------------- */
 
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
 /* Whether a frame may be recorded. */
 bool dt_front_ready(const struct dt_core *core, const char *verb);
-/* In a backend's render: all passes, by the checked verbs. */
+/* Called by a backend's render: records all passes, through the checked verbs. */
 bool dt_front_record(struct dt_core *core, const void *live);
-/* The frame's block with the size filled in. */
+/* The frame's block with width and height set. */
 struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame);
 /* Whether the resource and the mip exist; `shape` gets size and extent. */
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
                    struct dt_bytes *shape);
-/* Whether an image of the pipeline may be replaced by a host's: after create; resize comes next. */
+/* Checks that a host may import the image; requires create. A resize must follow. */
 bool dt_front_import(struct dt_core *core, uint32_t resource);
-/* Whether the scene is one of triangles; resize comes next. */
+/* Checks that index_count fits triangles. A resize must follow. */
 bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
 bool dt_front_timings(struct dt_core *core, double *pass_ms);
-void dt_front_destroy(
-    struct dt_core *core); /* the pipeline with all that was made for it; for close */
+void dt_front_destroy(struct dt_core *core); /* destroys the pipeline and its objects */
 
 static inline void *dt_resource(const struct dt_core *core, uint32_t resource)
 {
@@ -148,7 +147,7 @@ static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
     return (char *)core->samplers + sampler * core->backend->sampler_size;
 }
 
-/* ---- The app's verbs, those that are alike for all backends ---------------------------------- */
+/* ---- The app's verbs that all backends share ------------------------------------------------- */
 
 const char *dt_verb_device_name(void *runtime);
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);

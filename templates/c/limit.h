@@ -1,31 +1,31 @@
-/* What the CPU could do in place of a pass: plain C that the spec names by `limit`, which diptych
- * bench compiles with -O3 -march=native -ffast-math -fopenmp, checks against the pass's shader, and
- * measures in turn with it. The file includes this header and the pipeline's own, NAME.h, for its
- * structs, parameters and indices, and defines for the pass PASS
+/* A C version of a pass, which shows what the CPU could reach. The spec names the file with
+ * `limit`. diptych bench compiles it with -O3 -march=native -ffast-math -fopenmp, checks it against
+ * the pass's shader, and measures both in turn. The file includes this header and the pipeline's
+ * NAME.h. For the pass PASS it defines
  *
  *     const struct dt_limit_tolerance limit_PASS_tolerance = {...};
  *     void limit_PASS(const struct dt_limit *limit) {...}
  *
- * or nothing where the processor lacks what it is written for. */
+ * or nothing, if the processor lacks the instructions that the code needs. */
 #ifndef DIPTYCH_LIMIT_H
 #define DIPTYCH_LIMIT_H
 
 #include "diptych.h"
 
-/* A number agrees with the shader's when they differ by at most `relative` times the larger, or times
- * the mean magnitude of all, whichever is more. */
+/* Two numbers agree if they differ by at most `relative` times a magnitude: the larger one of the
+ * two, or the mean of all numbers if that is more. */
 struct dt_limit_tolerance {
     double relative;
-    double outliers; /* share of numbers that may do otherwise, 0..1 */
+    double outliers; /* share of numbers that may disagree, 0..1 */
 };
 
 struct dt_limit {
     const struct dt_frame *frame; /* width and height are filled */
     const void *live;             /* the live block */
-    /* by index of resource: mip 0 of what the pass reads, and of what it writes; data is NULL
-     * elsewhere. Bytes as struct dt_runtime's read gives them. */
+    /* by resource index: mip 0 of the pass's inputs and outputs; data is NULL for other resources.
+     * Layout as in struct dt_runtime's read. */
     const struct dt_bytes *inputs;
-    struct dt_bytes *outputs; /* to be written whole */
+    struct dt_bytes *outputs; /* the function writes all bytes */
 };
 
 #endif

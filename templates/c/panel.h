@@ -1,9 +1,11 @@
 /* One pipeline as tables, for every backend: how its resources are stored, what each pass binds and
- * draws into, which features it needs, and `record`, which does a frame by calling verbs. diptych-gen
- * writes these tables into NAME.c, and the app fills them from a spec in memory (gen/lower.h). The
- * front (front.h) checks and walks them; a backend implements the verbs. No graphics API in here.
+ * draws into, which features it needs, and `record`, which records a frame by calling verbs.
+ * diptych-gen writes these tables into NAME.c; the app fills them from a spec in memory
+ * (gen/lower.h). The front (front.h) checks and walks them; a backend implements the verbs.
+ * Independent of any graphics API.
  *
- * Resources and passes are named by their index in the pipeline's reflection (struct dt_pipeline). */
+ * Tables refer to resources and passes by index in the pipeline's reflection (struct
+ * dt_pipeline). */
 #ifndef DIPTYCH_PANEL_H
 #define DIPTYCH_PANEL_H
 
@@ -44,18 +46,18 @@ enum dt_layout {                 /* what an image is laid out for while a pass r
                  DT_LAYOUT_DEPTH
 };
 
-enum { DT_KEEP = 0, DT_DISCARD = 1 }; /* of an image's content, in a barrier */
+enum { DT_KEEP = 0, DT_DISCARD = 1 }; /* the image's old content, in a barrier */
 
-/* Before a pass: its use of `resource` waits for earlier work. The first use in a frame waits, stage
- * by stage, for whatever happened before the frame: its `from` is 0 and its stages are the pass's own.
- * A frame opens with a barrier for all that came before, and these chain to it. */
+/* Recorded before a pass: the pass's accesses to `resource` wait for earlier ones. A frame begins
+ * with a full barrier. The first use in a frame chains to that barrier: its `from` is 0, and its
+ * from_stages are the pass's own stages. */
 struct dt_barrier {
     uint16_t resource;
     uint16_t from_stages; /* enum dt_stage of the earlier accesses */
     uint16_t
-        from; /* enum dt_access of the earlier writes; 0: order alone, nothing to make visible */
+        from; /* enum dt_access of the earlier writes; 0: execution dependency, no memory access */
     uint16_t to_stages, to; /* of the accesses that wait */
-    uint8_t layout;         /* enum dt_layout that an image has from here on */
+    uint8_t layout;         /* enum dt_layout of an image after the barrier */
     bool discard;           /* images: the old content is not needed */
 };
 
@@ -65,11 +67,11 @@ struct dt_storage { /* of one resource */
     uint16_t usage; /* enum dt_access over all passes */
     uint16_t
         slot; /* resources of one slot are never alive in the same pass: they may share memory */
-    /* an earlier resource of the same format and size, never alive at the same time, whose texture this
-     * image may take where memory cannot be shared (OpenGL); -1: none */
+    /* an earlier image of the same format and size, never alive at the same time. OpenGL, which
+     * cannot share memory, uses its texture for this image; -1: none */
     int16_t share;
-    uint32_t block; /* bytes that uniform blocks of the buffer declare; 0: as many as it has */
-    float clear[4]; /* what a target, or a skipped pass, is cleared to; depth: the first */
+    uint32_t block; /* bytes that uniform blocks of the buffer declare; 0: its size */
+    float clear[4]; /* clear value of a target or of a skipped pass; depth: clear[0] */
 };
 
 enum dt_wrap { DT_WRAP_CLAMP, DT_WRAP_REPEAT, DT_WRAP_MIRROR };
@@ -84,7 +86,7 @@ struct dt_sampler {
 
 /* ---- Programs: one per pass ------------------------------------------------------------------ */
 
-/* What bindings name beside resources: what every runtime brings along. */
+/* Built-in resources, which every runtime provides to bindings. */
 enum dt_builtin {
     DT_FRAME = 0xff00,  /* uniform block struct dt_frame */
     DT_LIVE,            /* uniform block of the live parameters */
@@ -92,7 +94,6 @@ enum dt_builtin {
     DT_SCENE_INDICES,   /* uint32_t[] */
     DT_SCENE_MATERIALS, /* struct dt_material[DT_MAX_MATERIALS] */
     DT_SCENE_TEXTURES,  /* array texture, with a trilinear, repeating sampler */
-    DT_NO_RESOURCE
 };
 
 enum dt_binding_kind { DT_BIND_UNIFORM, DT_BIND_STORAGE, DT_BIND_TEXTURE, DT_BIND_IMAGE };
@@ -119,7 +120,7 @@ struct dt_target {
 enum dt_compare { DT_COMPARE_LESS, DT_COMPARE_LESS_EQUAL, DT_COMPARE_GREATER, DT_COMPARE_ALWAYS };
 enum dt_cull { DT_CULL_NONE, DT_CULL_BACK, DT_CULL_FRONT };
 
-/* Draws only but for the bindings. A draw has one colour target at least, or a depth target. */
+/* A dispatch has only the bindings. A draw has at least one colour target or a depth target. */
 struct dt_program {
     const struct dt_binding *bindings; /* all that its shaders declare */
     uint32_t binding_count;
@@ -127,14 +128,14 @@ struct dt_program {
     uint32_t color_count;
     const struct dt_target *depth; /* NULL: none */
     enum dt_compare compare;
-    enum dt_cull cull; /* front faces are counter-clockwise in OpenGL's window, see design of NDC */
+    enum dt_cull cull; /* front faces are counter-clockwise in OpenGL's window coordinates */
     bool depth_test, depth_write;
     bool blend_add;
-    bool layered;            /* gl_Layer picks a layer: targets are all layers; else layer 0 */
+    bool layered;            /* gl_Layer selects the layer of all targets; else layer 0 */
     uint32_t clip_distances; /* that its vertex shader writes */
 };
 
-/* A feature of the device that a pass needs beyond what every pipeline does. */
+/* A device feature that a pass needs in addition to those that every pipeline needs. */
 struct dt_need {
     uint32_t pass;
     const char *feature; /* of VkPhysicalDeviceFeatures or VkPhysicalDeviceVulkan1?Features */
@@ -142,9 +143,9 @@ struct dt_need {
 
 /* ---- Recording ------------------------------------------------------------------------------- */
 
-/* What a frame is done with. Each logs its error and returns false. Between begin and end of a pass come
- * barriers, then bind, then its work, or, where the pass does not run, the clears in place of it.
- * `layers` is the number of instances, and of layers of the targets: 1 but for layered draws. */
+/* The functions that record a frame. Each logs its error and returns false. Between begin and end
+ * of a pass come barriers, then bind and the work; if the pass does not run, only clears. `layers`:
+ * number of instances and of target layers; 1 except for layered draws. */
 struct dt_verbs {
     bool (*begin)(void *runtime, uint32_t pass, bool runs);
     bool (*barriers)(void *runtime, uint32_t pass, const struct dt_barrier *barriers,
@@ -153,12 +154,12 @@ struct dt_verbs {
     bool (*dispatch)(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z);
     bool (*dispatch_indirect)(void *runtime, uint32_t pass, uint32_t arguments);
     bool (*draw_scene)(void *runtime, uint32_t pass, uint32_t layers);
-    /* As many draws as `arguments` has room for (DT_DRAW_BYTES each); indices: a buffer, or DT_SCENE_INDICES. */
+    /* The size of `arguments` gives the number of draws (DT_DRAW_BYTES each); `indices`: a buffer,
+     * or DT_SCENE_INDICES. */
     bool (*draw_indirect)(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                           uint32_t arguments);
     bool (*draw_fullscreen)(void *runtime, uint32_t pass, uint32_t layers);
-    bool (*clear_targets)(void *runtime, uint32_t pass,
-                          uint32_t layers); /* those that do not load */
+    bool (*clear_targets)(void *runtime, uint32_t pass, uint32_t layers); /* targets without load */
     bool (*clear_buffer)(void *runtime, uint32_t pass, uint32_t resource); /* to zero */
     bool (*clear_image)(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip);
     bool (*end)(void *runtime, uint32_t pass);
@@ -182,12 +183,12 @@ struct dt_panel {
     const struct dt_need *needs;
     uint32_t need_count;
     bool (*record)(const struct dt_recording *recording); /* one frame: all passes */
-    const void *plan; /* what a player of the plan keeps; NULL in generated code */
+    const void *plan; /* private data of a plan player; NULL in generated code */
 };
 
 /* ---- For generated C ------------------------------------------------------------------------- */
 
-/* No resource is empty, however small the frame. */
+/* Keeps a size in 1..UINT32_MAX: no resource is empty. */
 static inline uint32_t dt_size(int64_t size)
 {
     return size < 1 ? 1 : size > UINT32_MAX ? UINT32_MAX : (uint32_t)size;
@@ -200,13 +201,13 @@ static inline void dt_set_extent(uint32_t extent[3], int64_t x, int64_t y, int64
     extent[2] = dt_size(z);
 }
 
-/* Workgroups that `count` invocations take; none when the count is not positive. */
+/* Workgroups for `count` invocations; 0 if count is not positive. */
 static inline uint32_t dt_groups(int64_t count, int64_t local)
 {
     return count > 0 ? (uint32_t)((count - 1) / local + 1) : 0;
 }
 
-/* Invocations of a dispatch of that many along each axis. */
+/* Invocations of a dispatch of this size; 0 if an axis is not positive. */
 static inline uint64_t dt_product(int64_t x, int64_t y, int64_t z)
 {
     return x < 1 || y < 1 || z < 1 ? 0 : (uint64_t)(x * y * z);

@@ -1,6 +1,6 @@
-/* Built-in functions whose result depends on the driver, in a fixed order of scalar operations:
- * the same bits everywhere. In exact pipelines a call of NAME in a body becomes one of
- * exact_NAME. Those not here (sqrt, sin, exp, cross, smoothstep, ...) are equal as they are. */
+/* Built-in functions whose result depends on the driver, in a fixed order of scalar operations: the
+ * same bits everywhere. Exact pipelines replace a call of NAME in a body by exact_NAME. Functions
+ * not listed here (sqrt, sin, exp, cross, smoothstep, ...) need no replacement. */
 
 float exact_dot(float a, float b)
 {

@@ -1,4 +1,4 @@
-/* The maps that tell what each VPL sees. */
+/* Visibility maps, one per VPL. */
 #define MAP_SIZE paraboloid_size
 
 int map_of(int instance)

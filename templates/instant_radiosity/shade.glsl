@@ -1,10 +1,10 @@
-/* Irradiance, W/m2, from all VPLs: sum of Phi / pi cos cos V / d^2. Background pixels have a zero normal,
- * so they come out zero. */
+/* Irradiance, W/m2, from all VPLs: sum of Phi / pi cos cos V / d^2. Background pixels have a zero
+ * normal, so they get zero. */
 #include "../ssvp/vpl.glsl"
 
 void main()
 {
-    ivec2 p = min(invocation().xy, indirect_size() - 1); /* beyond the frame: the last again */
+    ivec2 p = min(invocation().xy, indirect_size() - 1); /* outside the frame: the last pixel */
     vec3 x = gbuffer_position(p).xyz;
     vec3 n = gbuffer_normal(p).xyz;
     float closest = 1e-8 * frame.scene_radius * frame.scene_radius;

@@ -1,4 +1,4 @@
-/* Each VPL looks into the hemisphere over its own surface. */
+/* Each VPL's map covers the hemisphere over its surface. */
 #include "../shared/space.glsl"
 
 void main()

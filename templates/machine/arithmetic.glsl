@@ -1,6 +1,6 @@
-/* Products and sums in eight chains that do not wait for each other, enough for a processor's
- * pipelines; the factors keep every chain finite and unknown to the compiler. Twenty steps: with 32,
- * llvmpipe's code runs out of registers and takes eight times as long. */
+/* Multiplies and adds in eight independent chains, enough to fill a processor's pipelines. The
+ * factors keep every chain finite and are unknown to the compiler. Twenty steps: with 32, llvmpipe
+ * runs out of registers and takes eight times as long. */
 #define STEP  a = a * b + c; d = d * b + c;
 #define STEP5 STEP STEP STEP STEP STEP
 

@@ -1,4 +1,4 @@
-/* Every texel once, sixteen bytes each way. */
+/* Copies every texel once, sixteen bytes each way. */
 void main()
 {
     ivec2 p = invocation().xy;

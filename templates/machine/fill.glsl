@@ -1,4 +1,4 @@
-/* Something to copy that is nowhere the same. */
+/* Fills the image to copy; every texel differs. */
 void main()
 {
     ivec2 p = invocation().xy;

@@ -1,7 +1,7 @@
 /* One bounce by gathering pixel lights of the reflective shadow map (Dachsbacher, Stamminger 2005,
  * Equation 1), without visibility. The pattern covers a disk of the map; the weighted mean of its
- * texels stands for all texels of the disk. Each pixel of a tile turns it by another angle, and the
- * filter over the tile takes the pattern out again. */
+ * texels stands for all texels of the disk. Each pixel of a tile rotates the pattern by another
+ * angle; the filter over the tile removes the pattern. */
 #include "../shared/space.glsl"
 #include "../shared/lighting.glsl"
 
@@ -15,7 +15,7 @@ void main()
     bool inside;
     float radius = gather_radius * float(rsm_size);
     vec2 middle = light_texel(x, inside);
-    middle = clamp(middle, radius, float(rsm_size) - radius); /* all of the disk on the map */
+    middle = clamp(middle, radius, float(rsm_size) - radius); /* keep the whole disk on the map */
     float angle = 2.0 * PI * float(pattern_class(p)) / float(pattern_classes);
     vec2 turn = radius * vec2(cos(angle), sin(angle));
     float closest = 1e-8 * frame.scene_radius * frame.scene_radius;

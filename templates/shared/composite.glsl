@@ -1,5 +1,5 @@
 /* Radiance: direct light with its shadow plus the filtered indirect irradiance, times albedo / pi.
- * Albedo comes after the filter, which must not blur textures. Alpha 0 marks the background. */
+ * The filter must not blur textures, so albedo comes after it. Alpha 0 marks the background. */
 #define WITH_SHADOW
 #include "space.glsl"
 #include "lighting.glsl"

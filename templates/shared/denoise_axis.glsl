@@ -1,7 +1,7 @@
-/* One axis of the edge-aware filter over irradiance. A tent that is denoise_radius tiles wide on
- * either side weighs all interleave classes alike, so the pattern of the tile vanishes wherever
- * nothing is cut off. Neighbours beyond a discontinuity are cut off: other normals, and positions
- * off the tangent plane. Includers define SOURCE, a function of the image to read. */
+/* One axis of the edge-aware filter over irradiance. A tent, denoise_radius tiles wide on either
+ * side, weights all interleave classes equally, so it removes the pattern of the tile. Neighbours
+ * beyond a discontinuity have no weight: other normals, or positions off the tangent plane.
+ * Includers define SOURCE, the function that reads the image. */
 vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
 {
     vec4 centre = gbuffer_position(p);

@@ -1,6 +1,6 @@
-/* Winding and modelled normals are not to be trusted: the unit normal is turned to the side of the
- * triangle that is seen from the direction `to_eye`. The triangle decides, not the interpolated
- * normal, which may face away at silhouettes. */
+/* Turns the unit normal to the side of the triangle that `to_eye` sees; winding and modelled
+ * normals are not reliable. The triangle decides the side, because the interpolated normal may face
+ * away at silhouettes. */
 vec3 facing_normal(vec3 normal, vec3 geometric, vec3 to_eye)
 {
     geometric = dot(geometric, to_eye) < 0.0 ? -geometric : geometric;

@@ -1,6 +1,6 @@
-/* The two kinds of light, and their shadow from the reflective shadow map. Includers have the
- * parameters rsm_size and shadow_bias; those that ask for shadows define WITH_SHADOW and read the
- * image rsm_position (w is 1 on a surface). */
+/* Both kinds of light, and their shadow from the reflective shadow map. Includers need the
+ * parameters rsm_size and shadow_bias. For shadows they define WITH_SHADOW and read the image
+ * rsm_position (w is 1 on a surface). */
 
 /* Fraction of a spot's intensity at the cosine of the angle to its axis: full within the inner half
  * angle, none beyond the outer, a smooth step of the cosine between. */
@@ -43,8 +43,8 @@ vec3 sample_flux(vec3 x, float count)
     return frame.light.color * (spot_falloff(cosine) * share * cosine * cosine * cosine);
 }
 
-/* The surface with the unit normal n, m2, that one of `count` equal samples of the light's map stands
- * for at x; seen at a grazing angle, ten times what the light sees. */
+/* Area, m2, that one of `count` equal samples of the light's map represents at x, on a surface with
+ * the unit normal n. At most ten times what the light sees at a grazing angle. */
 float sample_area(vec3 x, vec3 n, float count)
 {
     float share = frame.light.area / count;
@@ -57,9 +57,9 @@ float sample_area(vec3 x, vec3 n, float count)
     return share * cosine * cosine * cosine * dot(d, d) / slope;
 }
 
-/* Position in the light's map, in texels, and whether x is inside the map. Outside it is the place
- * on the border that lies on the way; it stays continuous up to the line behind a spot, since the
- * perspective division by the cosine ends at the cone. */
+/* Position in the light's map, in texels, and whether x is inside the map. Outside, the position is
+ * clamped to the border. It stays continuous up to the line behind a spot, since the divisor has a
+ * lower bound at the cone. */
 vec2 light_texel(vec3 x, out bool inside)
 {
     vec4 clip = transform_point(frame.light_view.view_projection, x);
@@ -71,9 +71,9 @@ vec2 light_texel(vec3 x, out bool inside)
 }
 
 #ifdef WITH_SHADOW
-/* Whether the surface in one texel lies before the tangent plane of the receiver: then it is
- * between it and the light. Other than a comparison of depths this needs no bias for slopes, since
- * the receiver's own plane is never before itself. */
+/* 0 if the surface in one texel lies before the tangent plane of the receiver, so between it and
+ * the light; else 1. Unlike a depth comparison this needs no slope bias, since the receiver's own
+ * plane is never before itself. */
 float texel_light(ivec2 texel, vec3 x, vec3 n, float bias)
 {
     vec4 q = rsm_position(clamp(texel, ivec2(0), ivec2(rsm_size - 1)));

@@ -1,6 +1,6 @@
-/* Tone mapping, second level of the log-average: one workgroup sums the tiles, each invocation a
- * strided run and then a tree, both in fixed order. Leaves the factor that scales radiance before
- * the curve: exposure / log-average. */
+/* Tone mapping, second level of the log-average: one workgroup sums the tiles. Each invocation sums
+ * a strided run, then a tree follows, both in fixed order. Writes the factor on radiance before the
+ * curve: exposure / log-average. */
 shared float log_sum[256];
 shared float surface_sum[256];
 

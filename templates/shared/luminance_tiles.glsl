@@ -1,8 +1,8 @@
 /* Tone mapping, first level of the log-average (Reinhard et al. 2002, Equation 1): one workgroup of
- * 8x8 invocations sums 32x32 pixels, each invocation sixteen of them and then a tree, both in fixed
- * order, so the sum has the same bits on every run. x: sum of log(delta + L); y: pixels that show a
- * surface. The background has no vote: how much sky is in the frame says nothing about the exposure
- * of the room. */
+ * 8x8 invocations sums 32x32 pixels. Each invocation sums sixteen pixels, then a tree follows, both
+ * in fixed order, so the sum has the same bits on every run. x: sum of log(delta + L); y: number of
+ * pixels that show a surface. Background pixels do not count: the amount of sky must not change the
+ * exposure of a room. */
 shared float log_sum[64];
 shared float surface_sum[64];
 

@@ -1,6 +1,6 @@
 /* Points through matrices, unit vectors and frames. Included by every body of the shipped pipelines
- * that needs geometry. Products with a matrix are written out by columns: the order of the sum is
- * then ours, not the driver's. */
+ * that needs geometry. Products with a matrix are written out by columns, which fixes the order of
+ * the sum on every driver. */
 vec4 transform_point(mat4 m, vec3 p)
 {
     return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];

@@ -1,4 +1,4 @@
-/* What a fragment of the scene is made of. Included by the fragment parts of all scene draws. */
+/* Albedo and normal of a fragment. Included by the fragment parts of all scene draws. */
 
 /* Albedo, 0..1; discards the holes of alpha-tested textures. */
 vec3 surface_albedo(uint material, vec2 uv)

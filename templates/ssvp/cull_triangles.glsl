@@ -1,19 +1,19 @@
-/* Which maps draw a triangle, and how many of a chunk each map draws. A map leaves out what cannot show
- * in it: triangles wholly behind the plane through its eye, and those that cover no texel's centre,
- * which in a scene of fine meshes are most of the rest (Wihlidal, GDC 2016).
+/* Decides which maps draw a triangle, and counts the triangles per chunk and map. A map omits
+ * triangles that cannot be visible in it: those behind the plane through its eye, and those that
+ * cover no texel centre, which are most others in finely meshed scenes (Wihlidal, GDC 2016).
  *
- * Corners go to texels as paraboloid_map.glsl has it. Rasterizers move them from there to the nearest
- * point of a grid, up to 1/512 of a texel away with the 8 bits that drivers have, and arithmetic rounds:
- * whatever comes nearer to a centre than SNAP stays. So does what crosses the horizon, where the
- * projection of a corner has no bounds. No branch: drivers that run on CPUs then keep all in registers.
+ * Corners are projected to texels as in paraboloid_map.glsl. Rasterizers snap corners to a grid, up
+ * to 1/512 of a texel away with the usual 8 bits, and arithmetic rounds. So triangles closer than
+ * SNAP to a centre stay. Triangles across the horizon stay, too: their projection has no bounds. No
+ * branches: drivers that run on CPUs then keep all values in registers.
  *
- * A workgroup has a chunk of triangles that follow each other, an invocation a triangle. */
+ * A workgroup handles one chunk of consecutive triangles, an invocation one triangle. */
 
-shared uint masks[chunk_triangles]; /* which of 32 maps draw a triangle, a bit each */
+shared uint masks[chunk_triangles]; /* per triangle: which of 32 maps draw it, one bit each */
 shared uint words[chunk_words * maps_limit];
 
 const float SNAP = 1.0 / 256.0;
-const int ROWS = 4; /* what spans more of them, the short way, covers a centre nearly always */
+const int ROWS = 4; /* a triangle across more rows nearly always covers a centre */
 
 vec3 corner(uint k)
 {
@@ -29,14 +29,14 @@ vec3 place(vec3 d, vec3 tangent, vec3 bitangent, vec3 normal)
     return vec3(local.xy * scale + 0.5 * float(paraboloid_size), local.z);
 }
 
-/* Whether the triangle covers one of the centres (0, 0) to `last`, which stand in ROWS rows at most; `turn`
- * is 1 where it is wound from x to y, else -1. In a row an edge is where inside begins or ends. */
+/* Whether the triangle covers one of the texel centres (0, 0) to `last`, in at most ROWS rows.
+ * `turn`: 1 if wound from x to y, else -1. In each row, every edge bounds the inside along x. */
 bool covers_centre(vec2 a, vec2 b, vec2 c, float turn, vec2 last)
 {
-    vec3 x = vec3(a.y - b.y, b.y - c.y, c.y - a.y) * turn; /* inward, of each edge */
+    vec3 x = vec3(a.y - b.y, b.y - c.y, c.y - a.y) * turn; /* inward normal of each edge */
     vec3 y = vec3(b.x - a.x, c.x - b.x, a.x - c.x) * turn;
     vec3 inner = x * vec3(a.x, b.x, c.x) + y * vec3(a.y, b.y, c.y) - SNAP * (abs(x) + abs(y));
-    x.x = x.x == 0.0 ? 1e-20 : x.x; /* along the rows: inside begins far before the row or far behind */
+    x.x = x.x == 0.0 ? 1e-20 : x.x; /* edge along the rows: its bound lies far outside the row */
     x.y = x.y == 0.0 ? 1e-20 : x.y;
     x.z = x.z == 0.0 ? 1e-20 : x.z;
     vec3 place = inner / x;
@@ -61,7 +61,7 @@ bool draws_triangle(vec3 a, vec3 b, vec3 c)
     vec2 first = ceil(min(min(a.xy, b.xy), c.xy) - (0.5 + SNAP)) + 0.5;
     vec2 last = floor(max(max(a.xy, b.xy), c.xy) - (0.5 - SNAP)) + 0.5 - first;
     bool between = last.x < 0.0 || last.y < 0.0;
-    /* Rows go the long way. */
+    /* Rows run along the longer side. */
     bool tall = last.y > last.x;
     vec2 p = a.xy - first;
     vec2 q = b.xy - first;
@@ -70,17 +70,17 @@ bool draws_triangle(vec3 a, vec3 b, vec3 c)
     q = tall ? q.yx : q;
     r = tall ? r.yx : r;
     last = tall ? last.yx : last;
-    /* Twice the area; which side is inside is not certain where it is as small as its own error, which goes
-     * with the triangle's length. */
+    /* Twice the area. The winding is uncertain if the area is within its rounding error, which
+     * grows with the length of the triangle. */
     float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
     bool few = abs(area) > 1e-3 * max(last.x, 1.0) && last.y < float(ROWS);
     bool beside = few && !covers_centre(p, q, r, area > 0.0 ? 1.0 : -1.0, last);
     return !behind && !(before && (between || beside));
 }
 
-/* From a bit for each map, of 32 triangles, to a bit for each triangle, of 32 maps. The masks are read
- * once, and few invocations are at it: what a read of shared memory costs on drivers that run on CPUs
- * goes by vectors of invocations. */
+/* Transposes bits: from one word of 32 maps per triangle to one word of 32 triangles per map. Few
+ * invocations read each mask once: drivers that run on CPUs pay for a read of shared memory per
+ * vector of invocations. */
 void turn_masks(int word, int from)
 {
     uint mask[32];

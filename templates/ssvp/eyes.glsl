@@ -1,4 +1,4 @@
-/* Which eyes see a receiver, a bit each, for as many as there can be clusters. */
+/* Bit masks of eyes, one bit per eye, for up to maps_limit eyes. */
 uvec2 eye_bit(int eye)
 {
     return eye < 32 ? uvec2(1u << eye, 0u) : uvec2(0u, 1u << (eye - 32));

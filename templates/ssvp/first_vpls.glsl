@@ -1,6 +1,6 @@
 /* First-bounce VPLs: Hammersley samples of the reflective shadow map (Dachsbacher, Stamminger 2005;
- * paper, section on VPL generation). A VPL is one texel exactly, never a blend of texels: a blend
- * at a silhouette would float in the air. */
+ * paper, section on VPL generation). A VPL is exactly one texel: a blend of texels at a silhouette
+ * would float in the air. */
 #include "../shared/space.glsl"
 #include "../shared/lighting.glsl"
 #include "reuse.glsl"

@@ -1,6 +1,6 @@
-/* Writes the triangles that each map draws into its list, in the mesh's order, which decides between two
- * of the same depth. A workgroup has a chunk of triangles, an invocation 32 of them for one map. The
- * pass calls the draws of lists `draws`. */
+/* Writes each map's list of triangles in the order of the mesh, which decides between triangles of
+ * equal depth. A workgroup handles one chunk of triangles, an invocation 32 triangles for one map.
+ * The pass binds the draws of lists as `draws`. */
 shared uint words[chunk_words * maps_limit];
 
 void main()
@@ -15,7 +15,7 @@ void main()
     for (int k = map * chunk_words; k < lane; k++)
         place += uint(bitCount(words[k]));
     int first = chunk * chunk_triangles + 32 * (lane % chunk_words);
-    word = draws[map].index_count > 0u ? word : 0u; /* none: the list found no room */
+    word = draws[map].index_count > 0u ? word : 0u; /* 0: the list found no room */
     for (uint at = 3u * place; word != 0u; at += 3u) {
         int corner = 3 * (first + findLSB(word));
         word &= word - 1u;

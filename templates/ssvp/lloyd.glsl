@@ -1,22 +1,22 @@
 /* k-means over VPLs with the metric vpl_distance (paper, Equation 2; Dong et al. 2009), by Lloyd's
- * iterations. A pass says which: `points`; `point_labels` and `point_margins`, one for each; and
- * `point_centres`, which hold what the last frame kept and what this one keeps.
+ * iterations. The pass binds `points`, `point_labels` and `point_margins` (one per point), and
+ * `point_centres`, which carry the centres from frame to frame.
  *
- * One workgroup does all iterations. Every sum is serial in one invocation, the owner of the
- * cluster, so its order is fixed; ties go to the lowest index. VPLs of zero flux have no vote and
- * the label -1.
+ * One workgroup runs all iterations. One invocation per cluster computes its sums serially, so
+ * their order is fixed; ties go to the lowest index. VPLs of zero flux are ignored and have the
+ * label -1.
  *
- * Afterwards the label of a VPL is the argmin over the centres' position and normal, which are those
- * that the last iteration began with, and mean and mean_normal are the means of the members so
- * labelled. Next frame begins with the means. The margin of a label is how much farther than its own
- * the second nearest of those centres is.
+ * The label of a VPL is the argmin over position and normal of the centres, as they were at the
+ * start of the last iteration. mean and mean_normal are the means of the members with that label;
+ * the next frame starts from the means. The margin of a label is the distance to the second nearest
+ * of these centres minus the distance to the nearest.
  *
- * Mesa's software drivers let the loops of a shader turn 65,535 times, all of them together, and then
- * leave them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). So where there would be more, long loops take a
- * block at a turn (kmeans_block), whose loop of constant length the compiler unrolls: with every parameter
- * at its max there are about 56,000 turns. Blocks take long to compile, and so does every read of a buffer:
- * what is read twice is kept. Arrays are as long as they can have to be, for any number of points and
- * centres, so that another number is not another shader. */
+ * Mesa's software drivers limit all loops of a shader together to 65,535 iterations, then leave
+ * them (LP_MAX_TGSI_LOOP_ITERATIONS in gallivm). If there would be more, long loops process a block
+ * per iteration (kmeans_block); the compiler unrolls the inner loop of constant length. With every
+ * parameter at its max there are about 56,000 iterations. Blocks compile slowly, and so do buffer
+ * reads: values that are read twice are kept. Arrays have the largest size that any number of
+ * points and centres needs, so that the shader does not depend on these numbers. */
 #include "../shared/space.glsl"
 
 shared vec3 centre_position[maps_limit];
@@ -27,8 +27,8 @@ shared int member_count[maps_limit];
 shared int label[points_limit];
 shared float apart[points_limit];
 shared float power[points_limit];
-shared uint most_apart; /* of all lanes, its bits */
-shared int first_apart; /* the first VPL that is so far away; points_count: none is away at all */
+shared uint most_apart; /* largest distance of all lanes, as bits of a float */
+shared int first_apart; /* first VPL at that distance; points_count: none */
 
 void none_apart()
 {
@@ -36,8 +36,8 @@ void none_apart()
     first_apart = points_count;
 }
 
-/* Last frame's mean; in the first frame, without reuse_centres, and when the light reached nothing
- * until now, one of the living VPLs, evenly spaced in their order. */
+/* Starts at last frame's mean. If there is none, or without reuse_centres, starts at one of the
+ * VPLs with flux, evenly spaced in their order. */
 void seed(int c)
 {
     int living = 0;
@@ -86,9 +86,9 @@ void assign(int k)
     point_margins[k] = lives && point_centres_count > 1 ? second - least : -1.0;
 }
 
-/* Mean of the positions, normalised sum of the normals. Where normals cancel out, the normal of the
- * brightest member. A sum begins with its first term: 0.0 + x is x to a driver that has unrolled the
- * loop and knows the 0.0, also where x is -0.0. */
+/* Mean of the positions, normalised sum of the normals. If normals cancel out, takes the normal of
+ * the brightest member. A sum starts with its first term, not with 0.0: after unrolling, a driver
+ * may turn 0.0 + x into x, which differs for x = -0.0. */
 void average(int c)
 {
     vec3 position = vec3(0.0);
@@ -117,9 +117,9 @@ void average(int c)
     member_count[c] = members;
 }
 
-/* An empty cluster moves to the VPL that is farthest from its own centre, of several to the first; two
- * empty ones take two VPLs. One that finds none keeps its centre. The bits of distances, which are never
- * negative here, are in the order of the distances. */
+/* Moves an empty cluster to the VPL farthest from its centre, the first if there are several. Two
+ * empty clusters take two VPLs; a cluster that finds none keeps its centre. Distances here are not
+ * negative, so their bits sort like the distances. */
 void reseed_empty(int lane, int lanes)
 {
     for (int c = 0; c < point_centres_count; c++) {

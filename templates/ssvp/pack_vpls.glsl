@@ -1,6 +1,6 @@
-/* VPLs in the order in which interleave classes shade them, and the eyes that these ask: those of all
- * clusters, since a VPL takes the map of its cluster as its own; where a class has fewer VPLs than there
- * are clusters, one for each VPL. Classes that get one less are filled up with VPLs of zero flux. */
+/* Packs VPLs and the eyes that they use, in the order in which interleave classes shade them. A VPL
+ * uses the map of its cluster. So a class has the eyes of all clusters, or one per VPL if it has
+ * fewer VPLs than there are clusters. Classes with one VPL less get a VPL of zero flux. */
 #include "classes.glsl"
 #include "eyes.glsl"
 

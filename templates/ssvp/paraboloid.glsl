@@ -1,5 +1,5 @@
-/* The maps that second-bounce VPLs are sampled from, and that tell what a cluster of first-bounce VPLs
- * sees, from the lists of what each draws. */
+/* Paraboloid maps of first-bounce clusters, drawn from the maps' triangle lists. They give the
+ * visibility of the clusters and the samples for second-bounce VPLs. */
 #ifdef VERTEX
 uint first_triangle(int instance)
 {

@@ -1,18 +1,18 @@
-/* Paraboloid maps (Heidrich, Seidel 1998), all clusters in layered draws. The pass calls the maps' eyes
- * `views`. Includers say MAP_SIZE, texels per side; map_of(k) and first_triangle(k), of an instance; and
- * their fragment part defines write_texel(reach, number), what a texel keeps.
+/* Paraboloid maps (Heidrich, Seidel 1998), all clusters in layered draws. The pass binds the maps'
+ * eyes as `views`. Includers define MAP_SIZE, texels per side; map_of(k) and first_triangle(k) of
+ * the instance k; and in their fragment part write_texel(reach, number), which stores a texel.
  *
  * The projection is uv = d.xy / (1 + d.z) for the unit direction d in the cluster's frame, written
- * with the homogeneous coordinate |d| + d.z so that clipping at the horizon and the interpolation of
- * positions stay linear in space.
+ * with the homogeneous coordinate |d| + d.z so that clipping at the horizon and the interpolation
+ * of positions stay linear in space.
  *
- * Triangles are still bent, since only their corners are projected. The texel's own direction is
- * therefore cut with the plane of the triangle: where neighbours share a plane the stored distance is
- * that of an exact map, however coarse the triangles.
+ * Only corners are projected, so triangles are still bent. Therefore the texel's own direction is
+ * intersected with the plane of the triangle: where neighbours share a plane, the stored distance
+ * is that of an exact map, however coarse the triangles.
  *
- * Most triangles are smaller than a texel, so what counts is how little a fragment does: the vertices
- * bring positions in the cluster's own frame, where a texel's direction is known without it, and
- * normals and albedo are for those to find who need them, by the number of the triangle. */
+ * Most triangles are smaller than a texel, so a fragment must be cheap. Vertices provide positions
+ * in the cluster's frame, where the texel's direction is known without a transform. Maps do not
+ * store normals and albedo; readers get them by the triangle's number. */
 
 #ifdef VERTEX
 layout(location = 0) out vec3 local;
@@ -32,7 +32,7 @@ void main()
     first_number = first_triangle(gl_InstanceIndex) + 1u;
     float w = length(d) + local.z;
     gl_Position = vec4(local.xy, 0.5 * w, w);
-    gl_ClipDistance[0] = views[c].member < 0 ? -1.0 : local.z; /* nothing for an empty cluster */
+    gl_ClipDistance[0] = views[c].member < 0 ? -1.0 : local.z; /* clips all of an empty cluster */
     gl_Layer = c;
 }
 #endif
@@ -44,8 +44,8 @@ layout(location = 2) flat in float alpha_cutoff;
 layout(location = 3) flat in int texture_layer;
 layout(location = 4) flat in uint first_number;
 
-/* Whether a hole of an alpha-tested texture is here. The nearest texel of the finest level tells: a map
- * is far coarser than any texture, and what is averaged to half holes would be all hole or none. */
+/* Whether the fragment is in a hole of an alpha-tested texture. Reads the nearest texel of mip 0:
+ * averaged alpha would make half-open areas all hole or all solid. */
 bool in_hole()
 {
     bool tested = alpha_cutoff > 0.0 && texture_layer >= 0;
@@ -55,8 +55,8 @@ bool in_hole()
     return texelFetch(scene_textures, at, 0).a < alpha_cutoff && tested;
 }
 
-/* Unit direction of this texel in the cluster's frame. Texels outside the disk look behind the horizon
- * and are never asked for. */
+/* Unit direction of this texel in the cluster's frame. Texels outside the disk look behind the
+ * horizon; no lookup uses them. */
 vec3 texel_direction()
 {
     vec2 p = gl_FragCoord.xy * (2.0 / float(MAP_SIZE)) - 1.0;
@@ -71,7 +71,7 @@ void main()
     vec3 normal = cross(dFdx(local), dFdy(local)); /* of the triangle; not unit, either side */
     float interpolated = length(local);
     float cut = dot(local, normal) / dot(texel_direction(), normal);
-    /* Not where the texel's ray runs along the plane or misses it. */
+    /* False if the texel's ray runs along the plane or misses it. */
     bool sound = cut > 0.5 * interpolated && cut < 2.0 * interpolated;
     float reach = sound ? cut : interpolated;
     write_texel(reach, first_number + uint(gl_PrimitiveID));

@@ -1,4 +1,4 @@
-/* What a texel of the maps that second-bounce VPLs are sampled from keeps; the maps' draws are one each. */
+/* Texels of the first-bounce maps store distance and triangle. One draw per map. */
 #define MAP_SIZE paraboloid_size
 
 int map_of(int instance)

@@ -1,7 +1,7 @@
-/* Where the list of each map begins, and within it what comes of each chunk of triangles: counts become
- * places. Lists stand one behind the other as long as there is room; a map that finds none draws the
- * whole scene, in a pass of its own. An invocation has a map. The pass calls the draws of lists `draws`
- * and those of the whole scene `whole_draws`. */
+/* Prefix sums of triangle counts: the start of each map's list, and of each chunk within the list.
+ * Lists follow each other as long as there is room; a map whose list finds no room draws the whole
+ * scene, in a separate pass. One invocation per map. The pass binds the draws of lists as `draws`,
+ * those of the whole scene as `whole_draws`. */
 shared uint totals[64];
 
 void main()

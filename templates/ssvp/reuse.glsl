@@ -1,8 +1,8 @@
-/* Whether a frame takes the sampling patterns of the one before, which is what keeps a sequence
- * coherent (paper, section on temporal coherence), or shifts them by a vector of its own (Cranley,
- * Patterson 1976), which shows what the reuse is worth. The vectors are those of the R2 sequence
- * (Roberts 2018), multiples of the inverse of the plastic number and of its square, in integers of
- * 2^-32, so that no rounding has a say; that of the first frame is zero. */
+/* With reuse_pattern all frames use the same sampling patterns, which keeps a sequence coherent
+ * (paper, section on temporal coherence). Without, each frame shifts them by its own vector
+ * (Cranley, Patterson 1976), to show the effect of the reuse. The vectors are the R2 sequence
+ * (Roberts 2018): multiples of the inverse of the plastic number and of its square, as integers of
+ * 2^-32, so without rounding errors. The first frame has the zero vector. */
 vec2 pattern_shift()
 {
     uint turns = reuse_pattern == 1 ? 0u : frame.index;
@@ -10,14 +10,14 @@ vec2 pattern_shift()
     return vec2(shift) * (1.0 / 16777216.0);
 }
 
-/* A point of the unit square. */
+/* Shifts a point of the unit square. */
 vec2 shift_square(vec2 u)
 {
     return fract(u + pattern_shift());
 }
 
-/* A point of the unit disk, in the square of its radius and in its angle: these two map the disk to
- * a rectangle and keep area, whatever map the point came from. */
+/* Shifts a point of the unit disk in its squared radius and its angle. These two map the disk to a
+ * rectangle and preserve area, whatever map the point came from. */
 vec2 shift_disk(vec2 p)
 {
     if (reuse_pattern == 1)

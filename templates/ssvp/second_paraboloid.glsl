@@ -1,4 +1,4 @@
-/* The maps that tell what a cluster of second-bounce VPLs sees. */
+/* Visibility maps of clusters of second-bounce VPLs. */
 #define MAP_SIZE second_map_size
 
 int map_of(int instance)
@@ -8,7 +8,7 @@ int map_of(int instance)
 
 uint first_triangle(int instance)
 {
-    return 0u; /* nobody asks for a triangle's number */
+    return 0u; /* unused: these maps store no triangle */
 }
 
 #ifdef FRAGMENT

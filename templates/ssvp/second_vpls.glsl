@@ -3,8 +3,8 @@
  * angle of a texel times the cosine of the emitter (derived in the notes on formulae from dw = 4 dA
  * / (1 + r^2)^2 and cos = (1 - r^2) / (1 + r^2)); the weights sum to 1.
  *
- * N is the same for all clusters, as in the paper, or with second_by_flux in proportion to their
- * flux, so that every VPL carries about the same: bright clusters are not left with a few VPLs when
+ * N is the same for all clusters, as in the paper. With second_by_flux N is proportional to the
+ * cluster's flux, so that all VPLs carry similar flux: bright clusters get enough VPLs, even if
  * there are many clusters. */
 #include "reuse.glsl"
 #include "seen.glsl"
@@ -12,7 +12,7 @@
 struct DiskSample {
     int cluster;
     vec2 place;   /* on the unit disk */
-    float number; /* of samples that the cluster has, its N; not an integer with second_by_flux */
+    float number; /* samples of the cluster, N; not an integer with second_by_flux */
 };
 
 float power_of_all()
@@ -32,9 +32,9 @@ DiskSample equal_share(int k)
     return drawn;
 }
 
-/* The clusters lie on a line, each as long as its power, and VPLs stand on it at equal distances.
- * Where one stands within its cluster is its first coordinate, the radical inverse of its number the
- * second: the VPLs of a cluster are a Hammersley set, however many they are. */
+/* Clusters lie on a line, each as long as its power; VPLs lie on this line at equal distances. The
+ * place within the cluster is the first coordinate, the radical inverse of the index the second. So
+ * the VPLs of each cluster are a Hammersley set, whatever their number. */
 DiskSample share_by_flux(int k, float all)
 {
     float place = (float(k) + 0.5) / float(second_total) * all;
@@ -63,18 +63,18 @@ ivec2 map_texel(vec2 p)
     return clamp(texel, ivec2(0), ivec2(paraboloid_size - 1));
 }
 
-/* N samples on the unit disk are N / pi per unit of its area, hence N (1 + s)^2 / (4 pi) to the
- * steradian with s = r^2, of which a square metre takes cos / d^2. The light of a cluster comes from all
- * of it, not from the map's eye alone, so pi d^2 is at least its area. What faces the eye by less than
- * a tenth counts as a tenth. */
+/* N samples on the unit disk are N / pi per unit of its area, hence N (1 + s)^2 / (4 pi) per
+ * steradian with s = r^2. A square metre covers cos / d^2 steradians. The whole cluster emits
+ * light, not only the map's eye, so pi d^2 is at least the area of the cluster. The cosine is at
+ * least a tenth. */
 float samples_per_area(int c, float samples, float s, float square, float cosine)
 {
     float spread = max(PI * square, cluster_views[c].area);
     return samples * (1.0 + s) * (1.0 + s) * max(cosine, 0.1) / (4.0 * spread);
 }
 
-/* Samples per m2 that the cluster c, which has so many, places around x; none where its map has seen
- * something before x. */
+/* Samples per m2 around x of the cluster c, which has `samples` in all. 0 if the cluster's map has
+ * a surface in front of x. */
 float samples_around(int c, float samples, vec3 x, vec3 n)
 {
     vec3 d = x - cluster_views[c].position;
@@ -89,8 +89,8 @@ float samples_around(int c, float samples, vec3 x, vec3 n)
     return sees ? samples_per_area(c, samples, min(dot(p, p), 1.0), square, cosine) : 0.0;
 }
 
-/* The surface that a second-bounce VPL at x stands for: one of all that any cluster places there. `own`
- * is what its own one does. */
+/* Area that a second-bounce VPL at x represents: 1 / (samples per m2 there, of all clusters).
+ * `own`: samples per m2 of the VPL's own cluster. */
 float area_of(int own_cluster, float own, float all, vec3 x, vec3 n)
 {
     float sum = own;

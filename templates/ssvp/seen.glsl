@@ -1,10 +1,10 @@
-/* What a texel of a paraboloid map shows: the surface of the triangle whose place it keeps. Included by
- * what samples the maps. */
+/* The surface that a texel of a paraboloid map shows, from the number of the triangle in the texel.
+ * Included by passes that sample the maps. */
 #include "../shared/space.glsl"
 #include "../shared/facing.glsl"
 
 struct Seen {
-    bool surface; /* or nothing: the light left the scene */
+    bool surface; /* false: the light left the scene */
     vec3 position, normal, albedo;
 };
 
@@ -13,8 +13,8 @@ vec3 corner_position(SceneVertex v)
     return vec3(v.px, v.py, v.pz);
 }
 
-/* Albedo of the triangle at these barycentric coordinates, on the level of its texture that has a texel
- * for what is asked for: `extent`, in areas of the parallelogram that is twice the triangle. */
+/* Albedo of the triangle at these barycentric coordinates. `extent`: size of the sampled area,
+ * relative to twice the area of the triangle; it selects the mip. */
 vec3 albedo_of(SceneVertex a, SceneVertex b, SceneVertex c, vec3 weights, float extent)
 {
     SceneMaterial m = scene_materials[a.material];
@@ -32,7 +32,7 @@ vec3 albedo_of(SceneVertex a, SceneVertex b, SceneVertex c, vec3 weights, float 
     return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : texel.rgb), 0.0, 1.0);
 }
 
-/* By the place of a corner in the lists of what maps draw, and behind them in the scene. */
+/* Corner at a place in map_indices; places beyond map_indices continue in scene_indices. */
 SceneVertex corner_at(uint place)
 {
     uint listed = 3u * uint(listed_triangles);

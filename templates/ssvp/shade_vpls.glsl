@@ -1,18 +1,18 @@
-    /* Included inside main, after vpl.glsl: irradiance, W/m2, at the position x with the unit normal n,
-     * from the VPLs of this class, into `shaded`. Formulae, "Shading": sum of Phi / pi (n_k . w)+ (n .
-     * -w)+ V / d^2, times the number of classes. Background pixels have a zero normal, so they come out
-     * zero. */
+    /* Included inside main, after vpl.glsl. Writes to `shaded` the irradiance, W/m2, at position x
+     * with unit normal n, from the VPLs of this class. Formulae, "Shading": sum of Phi / pi (n_k .
+     * w)+ (n . -w)+ V / d^2, times the number of classes. Background pixels have a zero normal, so
+     * they get zero. */
     float closest = 1e-8 * frame.scene_radius * frame.scene_radius;
-    /* Each class looks up the maps a little beside the receiver; the filter over the tile then
-     * makes that percentage-closer filtering, visibility_blur texels wide. */
+    /* Each class looks up the maps at a small offset. The filter over the tile turns this into
+     * percentage-closer filtering, visibility_blur texels wide. */
     vec2 stratum = vec2(interleave_class() % tile.x, interleave_class() / tile.x) + 0.5;
     vec2 middle = 0.5 * float(paraboloid_size) + visibility_blur * (stratum / vec2(tile) - 0.5);
     /* Half a texel's diagonal in radians at the centre of a map, where dw = 4 dA. */
     float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
     vec3 sum = vec3(0.0);
 
-    /* All VPLs of a cluster are seen or hidden with its eye, so each eye is asked once; its answer is a
-     * bit. */
+    /* All VPLs of a cluster share the visibility of its eye. So each eye is tested once; the result
+     * is a bit. */
     uvec2 lit = uvec2(0u);
     for (Eye e : first_eye_range) {
         Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, closest, middle);

@@ -1,4 +1,4 @@
-/* How many workgroups cull the scene's triangles; none, when there are more than have room. */
+/* Number of workgroups that cull the scene's triangles; 0 if there are more than cull_chunks. */
 void main()
 {
     uint chunks = (frame.triangle_count + uint(chunk_triangles) - 1u) / uint(chunk_triangles);

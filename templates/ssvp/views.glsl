@@ -1,8 +1,8 @@
-/* The view of each cluster's paraboloid map, the cluster's flux, and the surface that it stands for. A
- * pass says of which VPLs: `points` with their `point_labels` and `point_centres`; and where: `views`.
- * A mean can float in the air or lie inside geometry (the paper warns of it), so the eye is the member
- * nearest to it by the metric, lifted along that member's normal; the map's axis is that normal too,
- * since a hemisphere around any other would look into the member's own surface. */
+/* View of each cluster's paraboloid map, with flux and area of the cluster. The pass binds its
+ * inputs as `points`, `point_labels` and `point_centres`, its output as `views`. A mean can float
+ * in the air or lie inside geometry (the paper warns of it). So the eye is the member nearest to
+ * the mean by the metric, lifted along that member's normal. The normal is also the map's axis: any
+ * other hemisphere would look into the member's own surface. */
 #include "../shared/space.glsl"
 
 void main()

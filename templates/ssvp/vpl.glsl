@@ -1,14 +1,14 @@
-/* What VPLs and the eyes of their maps do to one receiver at the position x with the unit normal n, for
- * shade_vpls.glsl.
+/* Light of a VPL, and its visibility by maps, at one receiver with position x and unit normal n.
+ * Used by shade_vpls.glsl and instant_radiosity/shade.glsl.
  *
- * No branch: drivers that run on CPUs then keep all in registers. Cosines stay unnormalised, so that a
- * division serves several. Lengths are bounded from below by `closest`, m2, where they only guard a
- * division. */
+ * No branches: drivers that run on CPUs then keep all values in registers. Cosines stay
+ * unnormalised, so that one division serves several. Lower bounds of `closest`, m2, only guard
+ * divisions. */
 
-/* 1/m2, of a VPL from which the receiver is d away. A point's is cos cos / d^2. A disk's, on its axis, is cos
- * cos / (d^2 + area / pi); beside it the disk is seen foreshortened, and so is its area here: the sum
- * over the disks of a surface then keeps most of the light in corners, which see it from its plane,
- * and no receiver sees a spot. */
+/* Geometry term of a VPL, 1/m2, with the receiver at distance d. Point: cos cos / d^2. Disk, on its
+ * axis: cos cos / (d^2 + area / pi). Beside the axis the disk is foreshortened, and so is its area
+ * here. Therefore the sum over the disks of a surface keeps most of the light in corners, which see
+ * the surface edge-on, and no receiver gets a bright spot. */
 float geometry_term(vec3 d, vec3 normal, float disk, vec3 n, float closest)
 {
     float square = max(dot(d, d), closest);
@@ -18,15 +18,15 @@ float geometry_term(vec3 d, vec3 normal, float disk, vec3 n, float closest)
     return leaving * arriving * distance / (square * (square * distance + disk * leaving));
 }
 
-/* The receiver, as an eye and its map have it. */
+/* The receiver relative to an eye and its map. */
 struct Sight {
     vec3 from_eye;
-    float reach; /* its length */
+    float reach; /* length of from_eye */
     ivec2 texel; /* of the map */
 };
 
-/* `middle` is that of the map in texels. Receivers behind the horizon of the map, which members of the
- * cluster that face elsewhere can see, take the depth before it. */
+/* `middle`: centre of the map in texels. A receiver behind the horizon of the map uses a texel
+ * before the horizon; other members of the cluster may see such a receiver. */
 Sight sight(vec3 from_eye, vec3 tangent, vec3 bitangent, vec3 axis, float closest, vec2 middle)
 {
     Sight s;
@@ -38,10 +38,10 @@ Sight sight(vec3 from_eye, vec3 tangent, vec3 bitangent, vec3 axis, float closes
     return s;
 }
 
-/* What the map has seen in the texel's direction, `seen` away, hides the receiver when it lies before
- * the receiver's tangent plane by more than `bias` times the distance: the receiver's own plane never
- * does, however coarse the map. A receiver that faces away from the eye, but not from the VPL, is
- * compared by distance. */
+/* The map's surface in the texel's direction, at distance `seen`, hides the receiver if it lies
+ * before the receiver's tangent plane by more than `bias` times the distance. The receiver's own
+ * plane never hides it, however coarse the map. Distances are compared if a receiver faces away
+ * from the eye. */
 bool is_seen(Sight s, vec3 tangent, vec3 bitangent, vec3 axis, vec3 n, float seen, float bias)
 {
     float height = -dot(n, s.from_eye);

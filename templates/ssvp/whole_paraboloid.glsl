@@ -1,5 +1,5 @@
-/* The maps of paraboloid.glsl whose lists found no room, from the whole scene: its triangles are numbered
- * behind those of all lists. */
+/* Maps of paraboloid.glsl whose lists found no room, drawn from the whole scene. Triangle numbers
+ * continue after those of all lists. */
 #ifdef VERTEX
 uint first_triangle(int instance)
 {
