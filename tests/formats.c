@@ -9,9 +9,7 @@
 #include <cmocka.h>
 
 #include "formats.h"
-
-#include "idle.comp.h"
-#include "gl/idle.comp.h"
+#include "shaders.h"
 
 static struct dt_resource resources[FORMATS_RESOURCES] = {
     [FORMATS_SMALL] = {.name = "small", .kind = DT_BUFFER, .stride = 4},

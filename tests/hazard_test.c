@@ -12,10 +12,7 @@
 #include "hazard.h"
 #include "spirv_uses.h"
 
-#include "count.comp.h"
-#include "mask.comp.h"
-#include "plan.comp.h"
-#include "scene.frag.h"
+#include "shaders.h"
 
 /* ---- A tape in a few words ------------------------------------------------------------------- */
 

@@ -19,7 +19,7 @@ static void open_dump(struct dump *dump, const char *backend)
 {
     char arguments[256];
     snprintf(arguments, sizeof arguments,
-             "--scene scenes/cornell.yaml --spec tests/specs/layout.yaml --size 8x8 --set gain=1.5 "
+             "--scene scenes/cornell.yaml --spec tests/specs/layouts.yaml --size 8x8 --set gain=1.5 "
              "--backend %s",
              backend);
     dump_render(dump, arguments);

@@ -4,37 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "again.frag.h"
-#include "count.comp.h"
-#include "display.frag.h"
-#include "display.vert.h"
-#include "glow.frag.h"
-#include "keep.comp.h"
-#include "layers.frag.h"
-#include "layers.vert.h"
-#include "level_0.comp.h"
-#include "level_1.comp.h"
-#include "level_2.frag.h"
-#include "mask.comp.h"
-#include "plan.comp.h"
-#include "scene.frag.h"
-#include "scene.vert.h"
-
-#include "gl/again.frag.h"
-#include "gl/count.comp.h"
-#include "gl/display.frag.h"
-#include "gl/display.vert.h"
-#include "gl/glow.frag.h"
-#include "gl/keep.comp.h"
-#include "gl/layers.frag.h"
-#include "gl/layers.vert.h"
-#include "gl/level_0.comp.h"
-#include "gl/level_1.comp.h"
-#include "gl/level_2.frag.h"
-#include "gl/mask.comp.h"
-#include "gl/plan.comp.h"
-#include "gl/scene.frag.h"
-#include "gl/scene.vert.h"
+#include "shaders.h"
 
 /* ---- Reflection ------------------------------------------------------------------------------ */
 
