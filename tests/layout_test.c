@@ -18,10 +18,11 @@ static const char *backends[] = {"gl", "vk"};
 static void open_dump(struct dump *dump, const char *backend)
 {
     char arguments[256];
-    snprintf(arguments, sizeof arguments,
-             "--scene scenes/cornell.yaml --spec tests/specs/layouts.yaml --size 8x8 --set gain=1.5 "
-             "--backend %s",
-             backend);
+    snprintf(
+        arguments, sizeof arguments,
+        "--scene scenes/cornell.yaml --spec tests/specs/layouts.yaml --size 8x8 --set gain=1.5 "
+        "--backend %s",
+        backend);
     dump_render(dump, arguments);
 }
 

@@ -21,7 +21,7 @@
     X("templates/instant_radiosity.yaml", instant_radiosity)                                       \
     X("templates/machine.yaml", machine)                                                           \
     X("tests/specs/features.yaml", features)                                                       \
-    X("tests/specs/layouts.yaml", layouts)                                                          \
+    X("tests/specs/layouts.yaml", layouts)                                                         \
     X("tests/specs/mips.yaml", mips)                                                               \
     X("tests/specs/body.yaml", body)
 
