@@ -5,16 +5,17 @@
 
 #include "diptych.h"
 
-enum option_kind {                /* with the field that takes the value */
-                   OPTION_FLAG,   /* bool; the option takes no value */
-                   OPTION_STRING, /* const char * */
-                   OPTION_CHOICE, /* const char *: one of the words in `argument` */
-                   OPTION_COUNT,  /* uint32_t from 1 to OPTIONS_MAX_COUNT */
-                   OPTION_INDEX,  /* uint32_t from 0 to OPTIONS_MAX_COUNT */
-                   OPTION_NUMBER, /* double above 0 */
-                   OPTION_SIZE,   /* uint32_t[2] from WIDTHxHEIGHT */
-                   OPTION_SET,    /* struct text_list: PATH=VALUE, repeated */
-                   OPTION_TEXTS   /* struct text_list: any text, repeated */
+/* With the field that takes the value. */
+enum option_kind {
+    OPTION_FLAG,   /* bool; the option takes no value */
+    OPTION_STRING, /* const char * */
+    OPTION_CHOICE, /* const char *: one of the words in `argument` */
+    OPTION_COUNT,  /* uint32_t from 1 to OPTIONS_MAX_COUNT */
+    OPTION_INDEX,  /* uint32_t from 0 to OPTIONS_MAX_COUNT */
+    OPTION_NUMBER, /* double above 0 */
+    OPTION_SIZE,   /* uint32_t[2] from WIDTHxHEIGHT */
+    OPTION_SET,    /* struct text_list: PATH=VALUE, repeated */
+    OPTION_TEXTS   /* struct text_list: any text, repeated */
 };
 
 enum { OPTIONS_MAX_COUNT = 1000000, OPTIONS_MAX_SIZE = 65536 };

@@ -18,8 +18,8 @@ enum report_part {
 
 struct report {
     struct steps steps;
-    struct grid
-        grid; /* columns: picture and the sweep's parameter; points by scene, picture, value */
+    /* columns: picture and the sweep's parameter; points by scene, picture, value */
+    struct grid grid;
     const char *columns[2];
     char *command;      /* that makes this report, for /bin/sh */
     char *outline_path; /* absolute */

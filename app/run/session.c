@@ -20,8 +20,6 @@ bool session_open(struct session *session, const struct session_info *info)
         .info = *info, .runtime = find_runtime(side->backend), .frame = info->first_frame};
     session->source = (struct log_source){.log = &info->console->log, .name = side->label};
     session->log = info->name_in_log ? log_from(&session->source) : info->console->log;
-    if (options->debug) /* newer validation layers leave out what shaders access otherwise */
-        setenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC", "1", 0);
     console_status(info->console, "%s: opening the device", side->label);
     session->handle = session->runtime->open(&(struct dt_runtime_options){
         .log = session->log,

@@ -13,37 +13,40 @@
 
 /* ---- How passes use resources ---------------------------------------------------------------- */
 
-enum dt_access {                           /* masks */
-                 DT_READ_STORAGE = 1 << 0, /* a storage buffer, or imageLoad */
-                 DT_WRITE_STORAGE = 1 << 1,
-                 DT_READ_TEXTURE = 1 << 2, /* texelFetch, or through a sampler */
-                 DT_READ_UNIFORM = 1 << 3,
-                 DT_READ_COLOR = 1 << 4, /* a colour target that is blended with or kept */
-                 DT_WRITE_COLOR = 1 << 5,
-                 DT_READ_DEPTH = 1 << 6,
-                 DT_WRITE_DEPTH = 1 << 7,
-                 DT_READ_INDIRECT = 1 << 8, /* arguments of a draw or dispatch */
-                 DT_READ_INDEX = 1 << 9,
-                 DT_WRITE_CLEAR = 1 << 10 /* a clear in place of a skipped pass */
+/* Masks: what a pass does with a resource. */
+enum dt_access {
+    DT_READ_STORAGE = 1 << 0, /* a storage buffer, or imageLoad */
+    DT_WRITE_STORAGE = 1 << 1,
+    DT_READ_TEXTURE = 1 << 2, /* texelFetch, or through a sampler */
+    DT_READ_UNIFORM = 1 << 3,
+    DT_READ_COLOR = 1 << 4, /* a colour target that is blended with or kept */
+    DT_WRITE_COLOR = 1 << 5,
+    DT_READ_DEPTH = 1 << 6,
+    DT_WRITE_DEPTH = 1 << 7,
+    DT_READ_INDIRECT = 1 << 8, /* arguments of a draw or dispatch */
+    DT_READ_INDEX = 1 << 9,
+    DT_WRITE_CLEAR = 1 << 10 /* a clear in place of a skipped pass */
 };
 
-enum dt_stage { /* masks */
-                DT_STAGE_COMPUTE = 1 << 0,
-                DT_STAGE_VERTEX = 1 << 1,
-                DT_STAGE_FRAGMENT = 1 << 2,
-                DT_STAGE_COLOR = 1 << 3, /* writing and blending of colour targets */
-                DT_STAGE_DEPTH = 1 << 4, /* depth tests, early and late */
-                DT_STAGE_INDIRECT = 1 << 5,
-                DT_STAGE_INDEX = 1 << 6,
-                DT_STAGE_CLEAR = 1 << 7
+/* Masks: where in the pipeline of a device. */
+enum dt_stage {
+    DT_STAGE_COMPUTE = 1 << 0,
+    DT_STAGE_VERTEX = 1 << 1,
+    DT_STAGE_FRAGMENT = 1 << 2,
+    DT_STAGE_COLOR = 1 << 3, /* writing and blending of colour targets */
+    DT_STAGE_DEPTH = 1 << 4, /* depth tests, early and late */
+    DT_STAGE_INDIRECT = 1 << 5,
+    DT_STAGE_INDEX = 1 << 6,
+    DT_STAGE_CLEAR = 1 << 7
 };
 
-enum dt_layout {                 /* what an image is laid out for while a pass runs */
-                 DT_LAYOUT_NONE, /* a buffer */
-                 DT_LAYOUT_GENERAL,
-                 DT_LAYOUT_READ, /* textures */
-                 DT_LAYOUT_COLOR,
-                 DT_LAYOUT_DEPTH
+/* What an image is laid out for while a pass runs. */
+enum dt_layout {
+    DT_LAYOUT_NONE, /* a buffer */
+    DT_LAYOUT_GENERAL,
+    DT_LAYOUT_READ, /* textures */
+    DT_LAYOUT_COLOR,
+    DT_LAYOUT_DEPTH
 };
 
 enum { DT_KEEP = 0, DT_DISCARD = 1 }; /* the image's old content, in a barrier */
@@ -54,8 +57,8 @@ enum { DT_KEEP = 0, DT_DISCARD = 1 }; /* the image's old content, in a barrier *
 struct dt_barrier {
     uint16_t resource;
     uint16_t from_stages; /* enum dt_stage of the earlier accesses */
-    uint16_t
-        from; /* enum dt_access of the earlier writes; 0: execution dependency, no memory access */
+    /* enum dt_access of the earlier writes; 0: execution dependency, no memory access */
+    uint16_t from;
     uint16_t to_stages, to; /* of the accesses that wait */
     uint8_t layout;         /* enum dt_layout of an image after the barrier */
     bool discard;           /* images: the old content is not needed */
@@ -65,8 +68,8 @@ struct dt_barrier {
 
 struct dt_storage { /* of one resource */
     uint16_t usage; /* enum dt_access over all passes */
-    uint16_t
-        slot; /* resources of one slot are never alive in the same pass: they may share memory */
+    /* resources of one slot are never alive in the same pass: they may share memory */
+    uint16_t slot;
     /* an earlier image of the same format and size, never alive at the same time. OpenGL, which
      * cannot share memory, uses its texture for this image; -1: none */
     int16_t share;
@@ -107,8 +110,8 @@ struct dt_binding {
     uint8_t mip;     /* textures: one, or DT_ALL_MIPS; images: one */
     uint8_t layout;  /* images and textures: enum dt_layout during the pass */
     uint16_t access; /* images: DT_READ_STORAGE, DT_WRITE_STORAGE or both */
-    int16_t
-        sampler; /* textures: index into the samplers; -1: nearest and clamped, for texelFetch */
+    /* textures: index into the samplers; -1: nearest and clamped, for texelFetch */
+    int16_t sampler;
 };
 
 struct dt_target {
