@@ -119,12 +119,23 @@ static bool check_live_ends(struct checker *c, const struct expr *expr, const st
     return good;
 }
 
+static bool check_terms(struct checker *c, const struct expr *expr, const struct limits *limits)
+{
+    if (expr_terms(expr) <= EXPR_MOST_TERMS)
+        return true;
+    diag_error(c->diag, expr_loc(expr),
+               "%s of `%s` has more than %d terms with those of its constants", limits->what,
+               limits->of, EXPR_MOST_TERMS);
+    return false;
+}
+
 bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits)
 {
     if (!expr)
         return false;
     remember(c, expr);
-    if (!expr_resolve(expr, c->pipeline, c->diag) || !check_reach(c, expr, limits))
+    if (!expr_resolve(expr, c->pipeline, c->diag) || !check_terms(c, expr, limits) ||
+        !check_reach(c, expr, limits))
         return false;
     for (int i = 0; i < FRAME_SIZES; i++)
         if (!check_value(c, expr, limits, frame_sizes[i], ""))
@@ -168,16 +179,6 @@ void check_params(struct checker *c)
         check_param(c, &c->pipeline->params[i]);
 }
 
-/* A constant is ready when all constants that it mentions are settled. Constants that never become
- * ready form a cycle or depend on one. */
-static bool is_ready(const struct checker *c, const struct constant *constant, const bool *settled)
-{
-    for (uint32_t i = 0; i < c->pipeline->constant_count; i++)
-        if (!settled[i] && expr_mentions(constant->value, c->pipeline->constants[i].name))
-            return false;
-    return true;
-}
-
 static void settle(struct checker *c, struct constant *constant)
 {
     struct limits limits = {"the value", constant->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN,
@@ -187,37 +188,53 @@ static void settle(struct checker *c, struct constant *constant)
         constant->folded = 1;
         return;
     }
+    constant->terms = expr_terms(constant->value);
     constant->folds = expr_reach(constant->value) == EXPR_BAKED;
     if (constant->folds)
         expr_eval(constant->value, 1, 1, &constant->folded);
 }
 
+enum visit { VISIT_NEW, VISIT_ACTIVE, VISIT_SETTLED, VISIT_CYCLE };
+
+/* Settles a constant after those that it mentions. Constants in a cycle, and those that depend on
+ * one, stay unsettled. */
+static enum visit visit(struct checker *c, uint32_t index, enum visit *visits, uint32_t depth)
+{
+    struct pipeline *pipeline = c->pipeline;
+    struct constant *constant = &pipeline->constants[index];
+    if (visits[index] == VISIT_ACTIVE)
+        return VISIT_CYCLE;
+    if (visits[index] != VISIT_NEW)
+        return visits[index];
+    visits[index] = VISIT_ACTIVE;
+    enum visit result = VISIT_SETTLED;
+    for (uint32_t i = 0; i < pipeline->constant_count && depth < EXPR_MOST_TERMS; i++)
+        if (visits[i] != VISIT_SETTLED &&
+            expr_mentions(constant->value, pipeline->constants[i].name) &&
+            visit(c, i, visits, depth + 1) == VISIT_CYCLE)
+            result = VISIT_CYCLE;
+    if (result == VISIT_SETTLED)
+        settle(c, constant);
+    return visits[index] = result;
+}
+
 void check_constants(struct checker *c)
 {
     struct pipeline *pipeline = c->pipeline;
-    bool *settled = calloc(pipeline->constant_count + 1, sizeof *settled), moved = true;
-    c->out_of_memory |= !settled;
-    while (settled && moved) {
-        moved = false;
-        for (uint32_t i = 0; i < pipeline->constant_count; i++)
-            if (!settled[i] && is_ready(c, &pipeline->constants[i], settled)) {
-                settle(c, &pipeline->constants[i]);
-                settled[i] = moved = true;
-            }
-    }
-    for (uint32_t i = 0; settled && i < pipeline->constant_count; i++) {
+    enum visit *visits = calloc(pipeline->constant_count + 1, sizeof *visits);
+    c->out_of_memory |= !visits;
+    for (uint32_t i = 0; visits && i < pipeline->constant_count; i++)
+        visit(c, i, visits, 0);
+    for (uint32_t i = 0; visits && i < pipeline->constant_count; i++) {
         struct constant *constant = &pipeline->constants[i];
-        if (settled[i])
+        if (visits[i] != VISIT_CYCLE)
             continue;
         remember(c, constant->value);
         diag_error(c->diag, constant->loc, "the constant `%s` depends on itself", constant->name);
+        constant->value = NULL;
+        constant->folded = 1;
     }
-    for (uint32_t i = 0; settled && i < pipeline->constant_count; i++)
-        if (!settled[i]) {
-            pipeline->constants[i].value = NULL;
-            pipeline->constants[i].folded = 1;
-        }
-    free(settled);
+    free(visits);
 }
 
 /* ---- Sizes ----------------------------------------------------------------------------------- */

@@ -25,11 +25,15 @@ struct message {
     unsigned order;
 };
 
+enum { MOST_MESSAGES = 1000 }; /* of one severity; a reader needs no more */
+
 struct diag {
     struct message *messages;
     unsigned count, capacity, errors;
-    bool failed;  /* out of memory: some message is lost */
-    bool repeats; /* the last error or warning is a duplicate; its notes may be, too */
+    unsigned seen[3]; /* by enum severity; those beyond MOST_MESSAGES are not kept */
+    bool failed;      /* out of memory: some message is lost */
+    bool hidden;      /* the last error or warning is not kept, nor are its notes */
+    bool repeats;     /* the last error or warning is a duplicate; its notes may be, too */
 };
 
 /* ---- Sources --------------------------------------------------------------------------------- */
@@ -146,8 +150,13 @@ static bool is_duplicate(const struct diag *diag, const struct message *message)
 static void add_message(struct diag *diag, enum severity severity, struct loc loc,
                         const char *format, va_list arguments)
 {
+    bool note = severity == SEVERITY_NOTE;
     if (severity == SEVERITY_ERROR)
         diag->errors++;
+    if (!note)
+        diag->hidden = ++diag->seen[severity] > MOST_MESSAGES;
+    if (diag->hidden)
+        return;
     if (diag->count == diag->capacity) {
         unsigned capacity = diag->capacity ? 2 * diag->capacity : 32;
         struct message *messages = realloc(diag->messages, capacity * sizeof *messages);
@@ -164,7 +173,6 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
         diag->failed = true;
         return;
     }
-    bool note = severity == SEVERITY_NOTE;
     bool duplicate = (!note || diag->repeats) && is_duplicate(diag, &message);
     diag->repeats = note ? diag->repeats : duplicate;
     if (duplicate) {
@@ -286,6 +294,10 @@ void diag_write(struct diag *diag, FILE *out)
     if (sorted)
         for (unsigned i = 0; i < diag->count; i++)
             print_message(out, &sorted[i]);
+    for (int i = SEVERITY_ERROR; i <= SEVERITY_WARNING; i++)
+        if (diag->seen[i] > MOST_MESSAGES)
+            fprintf(out, "diptych-gen: %s: %u more of them are not shown\n", severity_names[i],
+                    diag->seen[i] - MOST_MESSAGES);
     if (!sorted || diag->failed)
         fputs("diptych-gen: error: out of memory while reporting; some messages are missing\n",
               out);
@@ -293,5 +305,6 @@ void diag_write(struct diag *diag, FILE *out)
     for (unsigned i = 0; i < diag->count; i++)
         free(diag->messages[i].text);
     diag->count = 0;
-    diag->failed = false;
+    memset(diag->seen, 0, sizeof diag->seen);
+    diag->failed = diag->hidden = false;
 }

@@ -53,11 +53,11 @@ struct parser {
     const char *text;
     size_t at;
     struct loc loc; /* of the whole text */
-    unsigned depth;
+    unsigned depth, terms;
     bool failed;
 };
 
-enum { DEEPEST = 64 }; /* nesting; keeps a hostile spec from exhausting the stack */
+enum { DEEPEST = 64 }; /* later stages recurse over nesting and terms */
 
 static struct loc place(const struct parser *p, size_t from, size_t to)
 {
@@ -67,10 +67,13 @@ static struct loc place(const struct parser *p, size_t from, size_t to)
     return loc;
 }
 
+enum { SHOWN = 100 }; /* bytes of an expression in a message */
+
 static struct expr *fail(struct parser *p, size_t from, size_t to, const char *what)
 {
     if (!p->failed)
-        diag_error(p->diag, place(p, from, to), "%s in the expression `%s`", what, p->text);
+        diag_error(p->diag, place(p, from, to), "%s in the expression `%.*s%s`", what, SHOWN,
+                   p->text, strlen(p->text) > SHOWN ? "..." : "");
     p->failed = true;
     return NULL;
 }
@@ -93,6 +96,8 @@ static bool take(struct parser *p, const char *token)
 
 static struct expr *node(struct parser *p, enum operation operation, size_t from)
 {
+    if (++p->terms > EXPR_MOST_TERMS)
+        return fail(p, from, from + 1, "more than 1000 terms");
     struct expr *expr = arena_alloc(p->model->arena, sizeof *expr);
     if (!expr) {
         p->failed = true;
@@ -414,6 +419,16 @@ bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct dia
     return good;
 }
 
+size_t expr_terms(const struct expr *expr)
+{
+    if (!expr)
+        return 0;
+    size_t terms = expr->operation == OP_NAME && expr->constant ? expr->constant->terms : 1;
+    for (int i = 0; i < 3; i++)
+        terms += expr_terms(expr->operand[i]);
+    return terms;
+}
+
 bool expr_mentions(const struct expr *expr, const char *name)
 {
     if (!expr)
@@ -448,7 +463,7 @@ static unsigned reach_of_operands(const struct expr *expr)
 static unsigned reach_of_name(const struct expr *expr)
 {
     if (expr->constant)
-        return expr_reach(expr->constant->value);
+        return expr->constant->folds ? EXPR_BAKED : expr_reach(expr->constant->value);
     return expr->param && expr->param->live ? EXPR_LIVE : EXPR_BAKED;
 }
 

@@ -35,6 +35,9 @@ enum expr_result expr_eval_live(const struct expr *expr, int64_t frame_width, in
 struct loc expr_loc(const struct expr *expr);
 /* Place of the part where expr_eval fails; of the whole expression when it succeeds. */
 struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t frame_height);
+enum { EXPR_MOST_TERMS = 1000 };
+/* Operators, names and numbers, with those of the constants that it names. */
+size_t expr_terms(const struct expr *expr);
 /* Whether the expression itself names this parameter or constant; not through a constant. */
 bool expr_mentions(const struct expr *expr, const char *name);
 

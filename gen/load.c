@@ -1,6 +1,11 @@
 /* From a spec to tables; see load.h. */
 #include "load.h"
 
+#include <errno.h>
+#include <string.h>
+
+#include "watchdog.h"
+
 bool spec_read(struct spec *spec, const struct spec_request *request, struct diag *diag)
 {
     spec->model.arena = spec->model.arena ? spec->model.arena : arena_create();
@@ -12,8 +17,8 @@ bool spec_read(struct spec *spec, const struct spec_request *request, struct dia
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }
 
-bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
-               struct diag *diag)
+static bool load(struct spec *spec, const struct spec_request *request, bool tables,
+                 struct diag *diag)
 {
     struct model *model = &spec->model;
     if (!spec_read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
@@ -27,6 +32,18 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
     if (tables && !spec->tables)
         diag_error(diag, (struct loc){0}, "out of memory");
     return !tables || spec->tables;
+}
+
+bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
+               struct diag *diag)
+{
+    if (!watchdog_start(request->seconds ? request->seconds : SPEC_SECONDS)) {
+        diag_error(diag, (struct loc){0}, "no timer: %s", strerror(errno));
+        return false;
+    }
+    bool good = load(spec, request, tables, diag);
+    watchdog_stop();
+    return good;
 }
 
 void spec_free(struct spec *spec)

@@ -6,12 +6,15 @@
 #include "lower.h"
 #include "shader_cache.h"
 
+enum { SPEC_SECONDS = 60 }; /* of processor time, which is enough for a hundred of ssvp's size */
+
 struct spec_request {
     const char *path;
     const char *const *sets; /* "PATH=VALUE" */
     size_t set_count;
     const char *templates;      /* folder with glsl/ */
     struct shader_cache *cache; /* NULL: every shader is compiled */
+    unsigned seconds;           /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
 };
 
 /* The results for one spec. Zero before spec_load; call spec_free also after an error. */

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "command.h"
@@ -51,7 +50,7 @@ static const struct option_row option_rows[] = {
     ROW("--cache", OPTION_STRING, cache, "DIR",
         "keep compiled shaders there: the next generation compiles only those that have changed"),
     ROW("--limit", OPTION_STRING, limit, "SECONDS",
-        "end after that much processor time, with SIGXCPU"),
+        "end with an error after that much processor time (default: 60)"),
     ROW("--templates", OPTION_STRING, templates, "DIR",
         "folder with glsl/ (default: templates here, else those that came with the program)"),
     ROW("--variations", OPTION_STRING, variations, "N",
@@ -285,30 +284,17 @@ static struct shader_cache *open_cache(const char *folder)
     return cache;
 }
 
-/* Limits the processor time, so that a spec cannot make diptych-gen hang. */
-static bool set_limit(const char *text)
-{
-    uint64_t seconds;
-    if (!text)
-        return true;
-    if (!read_number("--limit", text, 1, 3600, 1, &seconds))
-        return false;
-    const struct rlimit limit = {.rlim_cur = seconds, .rlim_max = seconds + 1};
-    if (!setrlimit(RLIMIT_CPU, &limit))
-        return true;
-    fprintf(stderr, "diptych-gen: error: --limit %s: %s\n", text, strerror(errno));
-    return false;
-}
-
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
-    if (!set_limit(options->limit))
+    uint64_t seconds;
+    if (!read_number("--limit", options->limit, 1, 3600, SPEC_SECONDS, &seconds))
         return STATUS_FAILED;
     struct spec_request request = {.path = options->spec,
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
+                                   .seconds = (unsigned)seconds,
                                    .cache = open_cache(options->cache)};
     bool good = spec_load(&g->spec, &request, options->out, g->diag);
     shader_cache_close(request.cache);

@@ -47,6 +47,7 @@ struct constant { /* named integer expression */
     bool literal; /* a literal in GLSL even when it depends on uniform parameters */
     bool folds;   /* check: depends on baked parameters alone */
     int64_t folded;
+    size_t terms; /* check: see expr_terms */
 };
 
 struct field {

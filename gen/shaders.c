@@ -2,6 +2,7 @@
  * and by vary.c to test that they compile. One thread emits the text, since that changes the model.
  * Several threads compile the shaders that are not in the cache. */
 #include "shader_cache.h"
+#include "watchdog.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -61,8 +62,11 @@ static void *compile_some(void *user)
     struct diag *unheard = diag_create();
     for (uint32_t i; unheard && (i = atomic_fetch_add(&jobs->next, 1)) < jobs->count;) {
         struct job *job = &jobs->list[i];
-        if (!job->twin)
-            job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
+        if (job->twin)
+            continue;
+        watchdog_begin(job->pass->name);
+        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
+        watchdog_end(job->pass->name);
     }
     diag_free(unheard);
     return NULL;

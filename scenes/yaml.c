@@ -265,55 +265,7 @@ static bool drop_duplicates(struct fy_node *node, const struct yaml_sink *sink)
     return true;
 }
 
-/* ---- Aliases --------------------------------------------------------------------------------- */
-
-enum { MOST_DEPTH = 256 };
-
-/* Adds the nodes that the expansion of aliases makes below `node`; false, and *place: a limit is
- * passed. */
-static bool count_aliased(struct fy_node *node, int depth, bool aliased, long *count,
-                          struct fy_node **place)
-{
-    void *iterator = NULL;
-    struct fy_node_pair *pair;
-    struct fy_node *item, *target;
-    if (!node)
-        return true;
-    if (fy_node_is_alias(node)) {
-        if (!*place || !aliased)
-            *place = node;
-        target = fy_node_resolve_alias(node); /* NULL: libfyaml reports that on its own */
-        return !target || target == node ||
-               (depth < MOST_DEPTH && count_aliased(target, depth + 1, true, count, place));
-    }
-    *count += aliased;
-    if (*count > YAML_MOST_ALIASED || depth > MOST_DEPTH)
-        return false;
-    if (fy_node_get_type(node) == FYNT_SEQUENCE)
-        while ((item = fy_node_sequence_iterate(node, &iterator)))
-            if (!count_aliased(item, depth + 1, aliased, count, place))
-                return false;
-    if (fy_node_get_type(node) == FYNT_MAPPING)
-        while ((pair = fy_node_mapping_iterate(node, &iterator)))
-            if (!count_aliased(fy_node_pair_key(pair), depth + 1, aliased, count, place) ||
-                !count_aliased(fy_node_pair_value(pair), depth + 1, aliased, count, place))
-                return false;
-    return true;
-}
-
-static bool check_aliases(struct fy_node *root, const struct yaml_sink *sink)
-{
-    long count = 0;
-    struct fy_node *place = NULL;
-    if (count_aliased(root, 0, false, &count, &place))
-        return true;
-    report(sink, yaml_node_place(place ? place : root), false,
-           "aliases add more than %d nodes, or nest more than %d deep", YAML_MOST_ALIASED,
-           MOST_DEPTH);
-    return false;
-}
-
-/* ---- Parsing --------------------------------------------------------------------------------- */
+/* ---- Syntax ---------------------------------------------------------------------------------- */
 
 static void report_syntax(struct fy_diag *messages, const struct yaml_sink *sink)
 {
@@ -329,6 +281,83 @@ static void report_syntax(struct fy_diag *messages, const struct yaml_sink *sink
         report(sink, (struct yaml_place){.length = 1}, false, "YAML: the file has no content");
 }
 
+/* ---- Aliases --------------------------------------------------------------------------------- */
+
+enum { MOST_DEPTH = 256 };
+
+struct expansion {
+    long count;            /* nodes that aliases add */
+    struct fy_node *alias; /* the one that is followed */
+    bool needed;           /* the document has an alias or a merge key */
+};
+
+static bool count_aliased(struct fy_node *node, int depth, bool aliased, struct expansion *e);
+
+static bool follow(struct fy_node *alias, int depth, bool aliased, struct expansion *e)
+{
+    struct fy_node *target = fy_node_resolve_alias(alias); /* NULL: libfyaml reports it */
+    e->needed = true;
+    if (!aliased)
+        e->alias = alias;
+    return !target || target == alias ||
+           (depth < MOST_DEPTH && count_aliased(target, depth + 1, true, e));
+}
+
+static bool is_merge(struct fy_node *key)
+{
+    size_t length = 0;
+    bool scalar = key && fy_node_get_type(key) == FYNT_SCALAR && !fy_node_is_alias(key);
+    const char *text = scalar ? fy_node_get_scalar(key, &length) : NULL;
+    return text && length == 2 && !memcmp(text, "<<", 2);
+}
+
+/* False: a limit is passed. */
+static bool count_aliased(struct fy_node *node, int depth, bool aliased, struct expansion *e)
+{
+    void *iterator = NULL;
+    struct fy_node_pair *pair;
+    struct fy_node *item;
+    if (!node)
+        return true;
+    if (fy_node_is_alias(node))
+        return follow(node, depth, aliased, e);
+    e->count += aliased;
+    if (e->count > YAML_MOST_ALIASED || depth > MOST_DEPTH)
+        return false;
+    if (fy_node_get_type(node) == FYNT_SEQUENCE)
+        while ((item = fy_node_sequence_iterate(node, &iterator)))
+            if (!count_aliased(item, depth + 1, aliased, e))
+                return false;
+    if (fy_node_get_type(node) == FYNT_MAPPING)
+        while ((pair = fy_node_mapping_iterate(node, &iterator))) {
+            e->needed |= is_merge(fy_node_pair_key(pair));
+            if (!count_aliased(fy_node_pair_key(pair), depth + 1, aliased, e) ||
+                !count_aliased(fy_node_pair_value(pair), depth + 1, aliased, e))
+                return false;
+        }
+    return true;
+}
+
+/* fy_document_resolve takes time quadratic in the keys of a mapping: only where it is needed. */
+static bool expand(struct fy_document *document, struct fy_diag *messages,
+                   const struct yaml_sink *sink)
+{
+    struct fy_node *root = fy_document_root(document);
+    struct expansion e = {0};
+    if (!count_aliased(root, 0, false, &e)) {
+        report(sink, yaml_node_place(e.alias ? e.alias : root), false,
+               "aliases add more than %d nodes, or nest more than %d deep", YAML_MOST_ALIASED,
+               MOST_DEPTH);
+        return false;
+    }
+    if (!e.needed || !fy_document_resolve(document))
+        return true;
+    report_syntax(messages, sink);
+    return false;
+}
+
+/* ---- Parsing --------------------------------------------------------------------------------- */
+
 static struct fy_document *parse(const char *text, size_t length, struct fy_diag *messages,
                                  const struct yaml_sink *sink)
 {
@@ -337,22 +366,14 @@ static struct fy_document *parse(const char *text, size_t length, struct fy_diag
                                       FYPCF_QUIET | FYPCF_COLLECT_DIAG | FYPCF_ALLOW_DUPLICATE_KEYS,
                                   .diag = messages};
     struct fy_document *document = fy_document_build_from_string(&config, text, length);
-    struct fy_node *root = document ? fy_document_root(document) : NULL;
-    bool syntax = document;
-    if (syntax && !drop_duplicates(root, sink)) {
+    bool good = document && drop_duplicates(fy_document_root(document), sink);
+    if (!document)
+        report_syntax(messages, sink);
+    else if (!good)
         report(sink, (struct yaml_place){.length = 1}, false, "out of memory");
-        fy_document_destroy(document);
-        return NULL;
-    }
-    if (syntax && !check_aliases(root, sink)) {
-        fy_document_destroy(document);
-        return NULL;
-    }
-    if (syntax && !fy_document_resolve(document))
+    if (good && expand(document, messages, sink))
         return document;
-    report_syntax(messages, sink);
-    if (document)
-        fy_document_destroy(document);
+    fy_document_destroy(document);
     return NULL;
 }
 

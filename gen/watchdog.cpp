@@ -1,0 +1,100 @@
+/* See watchdog.h. C++ for the handler of failed allocations. */
+extern "C" {
+#include "watchdog.h"
+}
+
+#include <csignal>
+#include <cstring>
+#include <ctime>
+#include <new>
+
+#include <unistd.h>
+
+namespace
+{
+
+enum { MOST_NAMES = 16 };
+const char *volatile names[MOST_NAMES]; /* a pass is compiled while its name is in here */
+timer_t timer;
+bool running;
+struct sigaction former_action;
+std::new_handler former_handler;
+
+void say(const char *text)
+{
+    if (write(STDERR_FILENO, text, strlen(text)) < 0)
+        return; /* nobody is left to tell */
+}
+
+[[noreturn]] void end(const char *what)
+{
+    say("error: ");
+    say(what);
+    const char *said = nullptr;
+    for (const char *name : names)
+        if (name && name != said) {
+            say(said ? " or " : ", while compiling the pass ");
+            say(name);
+            said = name;
+        }
+    say("\n");
+    _exit(1);
+}
+
+void out_of_time(int)
+{
+    end("the spec takes more processor time than the limit: a macro, a loop or a switch is too "
+        "large,");
+}
+
+void out_of_memory()
+{
+    end("out of memory");
+}
+
+} // namespace
+
+bool watchdog_start(unsigned seconds)
+{
+    struct sigevent event = {};
+    struct sigaction action = {};
+    struct itimerspec time = {};
+    event.sigev_notify = SIGEV_SIGNAL;
+    event.sigev_signo = SIGXCPU;
+    action.sa_handler = out_of_time;
+    time.it_value.tv_sec = static_cast<time_t>(seconds);
+    if (running || timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &timer) != 0)
+        return running;
+    if (sigaction(SIGXCPU, &action, &former_action) != 0 ||
+        timer_settime(timer, 0, &time, nullptr) != 0) {
+        timer_delete(timer);
+        return false;
+    }
+    former_handler = std::set_new_handler(out_of_memory);
+    running = true;
+    return true;
+}
+
+void watchdog_stop(void)
+{
+    if (!running)
+        return;
+    timer_delete(timer);
+    sigaction(SIGXCPU, &former_action, nullptr);
+    std::set_new_handler(former_handler);
+    running = false;
+}
+
+void watchdog_begin(const char *name)
+{
+    for (const char *volatile &slot : names)
+        if (__sync_bool_compare_and_swap(&slot, static_cast<const char *>(nullptr), name))
+            return;
+}
+
+void watchdog_end(const char *name)
+{
+    for (const char *volatile &slot : names)
+        if (__sync_bool_compare_and_swap(&slot, name, static_cast<const char *>(nullptr)))
+            return;
+}

@@ -1,0 +1,17 @@
+/* Ends the process when a spec takes too much processor time or memory, with a message: glslang can
+ * neither be interrupted nor be told a limit. Called by load.c and shaders.c. */
+#ifndef DIPTYCH_GEN_WATCHDOG_H
+#define DIPTYCH_GEN_WATCHDOG_H
+
+#include <stdbool.h>
+
+/* From here on, the process ends with status 1 after so many seconds of processor time of all its
+ * threads, and when C++ code runs out of memory. False: errno. */
+bool watchdog_start(unsigned seconds);
+void watchdog_stop(void);
+
+/* The message names the passes that threads are compiling. `name` must outlive the matching end. */
+void watchdog_begin(const char *name);
+void watchdog_end(const char *name);
+
+#endif

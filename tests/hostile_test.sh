@@ -1,0 +1,73 @@
+#!/usr/bin/env bash
+# What comes in from outside breaks nothing: specs of absurd size, files that are none, streams that are full. Each ends soon,
+# with a message and the right exit status. TAP.
+. "$(dirname "$0")/tap.sh"
+gen=$build/diptych-gen
+cd "$root" || exit 1
+
+# ---- Sizes ----------------------------------------------------------------------------------------------------------
+
+/usr/bin/python3 tests/hostile.py "$work"
+# shellcheck disable=SC2317 # called through check
+ends() { # spec status text: within 10 s of processor time, which is five times what a loaded machine needs
+    "$gen" --check --limit "${4:-10}" --templates templates "$work/$1.yaml" >"$work/said" 2>&1
+    local status=$?
+    cut -c 1-200 "$work/said" | head -n 3
+    [ "$status" = "$2" ] && grep -qF -- "$3" "$work/said"
+}
+check "5,000 parameters" ends parameters 0 "4000 more of them are not shown"
+check "5,000 equal keys" ends duplicates 1 "the key \`a\` stands twice"
+check "20,000 errors" ends errors 1 "error: 19000 more of them are not shown"
+check "a name of 1 MB" ends name 1 "name too long"
+check "a text of 10 MB" ends doc 0 "1 passes"
+check "1,000 passes" ends passes 0 "1000 passes"
+check "an expression of 100,000 terms" ends terms 1 "error: more than 1000 terms in the expression \`1+1+"
+check "... of 100,000 levels" ends nesting 1 "error: more than 64 nested levels"
+check "constants that double" ends doubling 1 "the value of \`c9\` has more than 1000 terms with those of its constants"
+check "2,000 constants of each other, backwards" ends chain 1 "more than 1000 terms"
+check "macros that double" ends macros 1 "more processor time than the limit" 1
+check "... name the pass" grep -qF "while compiling the pass fill" "$work/said"
+check "20,000 cases" ends cases 1 "more processor time than the limit" 1
+check "20,000 blocks" ends braces 1 "memory exhausted"
+
+# ---- Files that are none --------------------------------------------------------------------------------------------
+
+mkfifo "$work/pipe"
+ln -s /dev/zero "$work/zero"
+sed "s|shader: fill.glsl|shader: pipe|" "$work/fill.yaml" >"$work/body_pipe.yaml"
+sed "s|shader: fill.glsl|shader: zero|" "$work/fill.yaml" >"$work/body_zero.yaml"
+# shellcheck disable=SC2317
+refuses() { # text command...
+    local text=$1 status
+    shift
+    timeout 20 "$@" >"$work/said" 2>&1
+    status=$?
+    cat "$work/said"
+    [[ $status = [12] ]] && grep -qF -- "$text" "$work/said"
+}
+check "a spec that is a pipe" refuses "it is no regular file" "$gen" --check "$work/pipe"
+check "... a device" refuses "it is no regular file" "$gen" --check /dev/zero
+check "a body that is a pipe" refuses "it is no regular file" "$gen" --check --templates templates "$work/body_pipe.yaml"
+check "... a device" refuses "it is no regular file" "$gen" --check --templates templates "$work/body_zero.yaml"
+scene=("$diptych" render --backend vk -o "$work/a.png" --spec "$work/fill.yaml")
+check "a scene that is a pipe" refuses "it is no regular file" "${scene[@]}" --scene "$work/pipe"
+check "a motion that is a device" refuses "it is no regular file" "${scene[@]}" --scene scenes/cornell.yaml --motion /dev/zero
+
+# ---- Streams --------------------------------------------------------------------------------------------------------
+
+# shellcheck disable=SC2317
+is_full() { # command...: with a full standard output
+    "$@" >/dev/full 2>"$work/said"
+    local status=$?
+    cat "$work/said"
+    [ "$status" = 2 ] && grep -q "standard output" "$work/said"
+}
+for words in --help --version --schema --reference --describe "--variations 1 templates/rsm.yaml" "--check templates/rsm.yaml"; do
+    # shellcheck disable=SC2086 # words
+    check "diptych-gen $words on a full disk" is_full "$gen" $words
+done
+for words in --help --version "help render" "render --help" list; do
+    # shellcheck disable=SC2086
+    check "diptych $words on a full disk" is_full "$diptych" $words
+done
+finish
