@@ -85,6 +85,16 @@ const char *source_path(struct arena *arena, const char *path)
     return out;
 }
 
+/* A path that does not exist counts as inside: opening it fails anyway. */
+static bool is_inside(const char *root, const char *path)
+{
+    char *real = root ? realpath(path, NULL) : NULL;
+    size_t length = root ? strlen(root) : 0;
+    bool inside = !real || (!strncmp(real, root, length) && real[length] == '/');
+    free(real);
+    return inside;
+}
+
 const struct source *source_read(struct model *model, const char *path, const char **reason)
 {
     const char *plain = source_path(model->arena, path);
@@ -92,6 +102,10 @@ const struct source *source_read(struct model *model, const char *path, const ch
     *reason = strerror(ENOMEM);
     if (!plain || !source)
         return NULL;
+    if (!is_inside(model->root, plain)) {
+        *reason = "it is outside the folder that may be read";
+        return NULL;
+    }
     char *text = input_read(plain, MOST_SOURCE_BYTES, &source->length, reason);
     if (!text)
         return NULL;

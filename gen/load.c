@@ -14,6 +14,7 @@ bool spec_read(struct spec *spec, const struct spec_request *request, struct dia
         return false;
     }
     spec->model.templates_dir = request->templates;
+    spec->model.root = request->root;
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }
 

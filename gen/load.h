@@ -13,6 +13,7 @@ struct spec_request {
     const char *const *sets; /* "PATH=VALUE" */
     size_t set_count;
     const char *templates;      /* folder with glsl/ */
+    const char *root;           /* real path: files outside are not read; NULL: no limit */
     struct shader_cache *cache; /* NULL: every shader is compiled */
     unsigned seconds;           /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
 };

@@ -353,6 +353,7 @@ struct model {
     uint32_t input_count;
     /* folder with glsl/, for library pieces and included files */
     const char *templates_dir;
+    const char *root; /* real path of the folder that holds all files to read; NULL: no limit */
     /* emit_glsl: the file of each source-string number in #line; the numbers start at 1 */
     const struct source **glsl_sources;
     uint32_t glsl_source_count;

@@ -22,7 +22,7 @@ struct dt_scene_file *dt_scene_open(const char *path, const char *meshes, const 
     }
     locale_t point = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     locale_t before = point ? uselocale(point) : (locale_t)0; /* of this thread alone */
-    bool good = scene_load(&file->scene, path, meshes, log);
+    bool good = scene_load(&file->scene, path, meshes, false, log);
     if (point) {
         uselocale(before);
         freelocale(point);

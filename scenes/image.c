@@ -1,7 +1,10 @@
 /* Implements image.h: finds and loads the OpenImageIO shim; writes files by temporary name and
  * rename. Called by texture.c and by the app. */
 #include "image.h"
+
+#include "child.h"
 #include "image_oiio.h"
+#include "input.h"
 #include "mesh.h"
 
 #include <dlfcn.h>
@@ -13,7 +16,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define SHIM "libdiptych_image.so"
+#define SHIM             "libdiptych_image.so"
+#define MOST_IMAGE_BYTES ((size_t)1 << 30)
 
 /* The shim stays loaded after its first use (RTLD_NODELETE), so every call can open it again
  * without global state. Search order: beside the executable; its parent folder (tests);
@@ -73,9 +77,20 @@ static void *shim_function(void *shim, const char *name, const struct dt_log *lo
     return function;
 }
 
+/* OpenImageIO opens the file by its name. */
+static bool may_open(const char *path, const struct dt_log *log)
+{
+    const char *reason;
+    child_opens(path);
+    if (input_check(path, MOST_IMAGE_BYTES, &reason))
+        return true;
+    log_message(log, DT_ERROR, "cannot read image %s: %s", path, reason);
+    return false;
+}
+
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
 {
-    void *shim = shim_open(log);
+    void *shim = may_open(path, log) ? shim_open(log) : NULL;
     if (!shim)
         return false;
     image_oiio_size_fn *size = (image_oiio_size_fn *)shim_function(shim, "image_oiio_size", log);
@@ -90,7 +105,7 @@ bool image_size(const char *path, uint32_t *width, uint32_t *height, const struc
 static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                        void **texels, const struct dt_log *log)
 {
-    void *shim = shim_open(log);
+    void *shim = may_open(path, log) ? shim_open(log) : NULL;
     if (!shim)
         return false;
     image_oiio_read_fn *read = (image_oiio_read_fn *)shim_function(shim, "image_oiio_read", log);

@@ -84,6 +84,15 @@ try {
 extern "C" bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                                 void **texels, image_error *error)
 try {
+    auto header = OIIO::ImageInput::open(path);
+    if (!header)
+        return fail(error, OIIO::geterror());
+    uint64_t pixels = header->spec().image_pixels();
+    if (pixels > IMAGE_MOST_PIXELS)
+        return fail(error, std::to_string(header->spec().width) + "x" +
+                               std::to_string(header->spec().height) + " pixels are too many; " +
+                               std::to_string(IMAGE_MOST_PIXELS) + " is the limit");
+    header->close();
     OIIO::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);
     OIIO::ImageBuf source(path, 0, 0, nullptr, &hints);

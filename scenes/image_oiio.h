@@ -12,6 +12,9 @@
 extern "C" {
 #endif
 
+/* An image is read as four floats a pixel: 1 GiB. */
+enum { IMAGE_MOST_PIXELS = 1 << 26 };
+
 struct image_error {
     char text[512];
 };

@@ -42,34 +42,66 @@ static char *read_all(int file, size_t expected, size_t most, size_t *length)
     return NULL;
 }
 
-static char *read_regular(int file, size_t most, size_t *length, const char **reason)
+static const char *too_large(size_t most)
 {
-    static _Thread_local char large[64];
+    static _Thread_local char text[64];
+    snprintf(text, sizeof text, "it is larger than %zu MiB", most >> 20);
+    return text;
+}
+
+/* The descriptor of a regular file of at most `most` bytes; -1: *reason. */
+static int open_regular(const char *path, size_t most, size_t *length, const char **reason)
+{
     struct stat status;
-    char *text = NULL;
+    int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     *reason = NULL;
-    snprintf(large, sizeof large, "it is larger than %zu MiB", most >> 20);
-    if (fstat(file, &status) != 0)
+    if (file < 0 || fstat(file, &status) != 0)
         *reason = strerror(errno);
     else if (S_ISDIR(status.st_mode))
         *reason = strerror(EISDIR);
     else if (!S_ISREG(status.st_mode))
         *reason = "it is no regular file";
     else if ((size_t)status.st_size > most)
-        *reason = large;
-    else if (!(text = read_all(file, (size_t)status.st_size, most, length)))
-        *reason = errno == EFBIG ? large : strerror(errno);
-    return text;
+        *reason = too_large(most);
+    else
+        *length = (size_t)status.st_size;
+    if (!*reason)
+        return file;
+    if (file >= 0)
+        close(file);
+    return -1;
+}
+
+bool input_check(const char *path, size_t most, const char **reason)
+{
+    size_t length;
+    int file = open_regular(path, most, &length, reason);
+    if (file >= 0)
+        close(file);
+    return file >= 0;
+}
+
+FILE *input_open(const char *path, size_t most, const char **reason)
+{
+    size_t length;
+    int file = open_regular(path, most, &length, reason);
+    FILE *stream = file < 0 ? NULL : fdopen(file, "rb");
+    if (file >= 0 && !stream) {
+        *reason = strerror(errno);
+        close(file);
+    }
+    return stream;
 }
 
 char *input_read(const char *path, size_t most, size_t *length, const char **reason)
 {
-    int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (file < 0) {
-        *reason = strerror(errno);
+    size_t expected;
+    int file = open_regular(path, most, &expected, reason);
+    if (file < 0)
         return NULL;
-    }
-    char *text = read_regular(file, most, length, reason);
+    char *text = read_all(file, expected, most, length);
+    if (!text)
+        *reason = errno == EFBIG ? too_large(most) : strerror(errno);
     close(file);
     return text;
 }

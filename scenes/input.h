@@ -3,12 +3,18 @@
 #ifndef DIPTYCH_SCENES_INPUT_H
 #define DIPTYCH_SCENES_INPUT_H
 
+#include <stdbool.h>
 #include <stddef.h>
-
-#define INPUT_MOST_BYTES ((size_t)1 << 30) /* where a reader asks for no smaller limit */
+#include <stdio.h>
 
 /* The whole file and a terminating zero that *length does not count; free(). NULL: *reason says
  * why; it is valid until the next call in this thread. `most` is the limit in bytes. */
 char *input_read(const char *path, size_t most, size_t *length, const char **reason);
+
+/* Opens such a file; NULL: *reason, as above. */
+FILE *input_open(const char *path, size_t most, const char **reason);
+
+/* For a library that opens the file by its name. False: *reason, as above. */
+bool input_check(const char *path, size_t most, const char **reason);
 
 #endif

@@ -3,6 +3,10 @@
  * collected. Called by scene.c. */
 #include "mesh.h"
 
+#include "child.h"
+#include "input.h"
+
+#include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
@@ -13,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* State of an import. */
@@ -380,6 +385,78 @@ static bool weld(struct import *import)
     return true;
 }
 
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/* Meshes with what they name, such as .mtl and .bin. */
+#define MOST_MESH_BYTES ((size_t)4 << 30)
+
+static size_t read_file(struct aiFile *file, char *buffer, size_t size, size_t count)
+{
+    return fread(buffer, size, count, (FILE *)file->UserData);
+}
+
+static size_t write_file(struct aiFile *file, const char *buffer, size_t size, size_t count)
+{
+    (void)file, (void)buffer, (void)size, (void)count;
+    return 0; /* an import writes nothing */
+}
+
+static size_t tell_file(struct aiFile *file)
+{
+    long at = ftell((FILE *)file->UserData);
+    return at < 0 ? 0 : (size_t)at;
+}
+
+static size_t file_size(struct aiFile *file)
+{
+    struct stat status;
+    return fstat(fileno((FILE *)file->UserData), &status) == 0 ? (size_t)status.st_size : 0;
+}
+
+static aiReturn seek_file(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+    int whence = origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END;
+    return fseek((FILE *)file->UserData, (long)offset, whence) == 0 ? aiReturn_SUCCESS
+                                                                    : aiReturn_FAILURE;
+}
+
+static void flush_file(struct aiFile *file)
+{
+    (void)file;
+}
+
+/* assimp opens whatever a mesh names: here regular files alone, for reading. */
+static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
+{
+    const struct dt_log *log = (const struct dt_log *)io->UserData;
+    const char *reason;
+    if (*mode != 'r' || access(path, F_OK) != 0)
+        return NULL; /* assimp tries names */
+    child_opens(path);
+    FILE *stream = input_open(path, MOST_MESH_BYTES, &reason);
+    struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
+    if (file)
+        *file = (struct aiFile){.ReadProc = read_file,
+                                .WriteProc = write_file,
+                                .TellProc = tell_file,
+                                .FileSizeProc = file_size,
+                                .SeekProc = seek_file,
+                                .FlushProc = flush_file,
+                                .UserData = (aiUserData)stream};
+    else if (stream)
+        fclose(stream);
+    else
+        log_message(log, DT_WARNING, "%s: not read: %s", path, reason);
+    return file;
+}
+
+static void close_file(struct aiFileIO *io, struct aiFile *file)
+{
+    (void)io;
+    fclose((FILE *)file->UserData);
+    free(file);
+}
+
 /* ---- The whole ------------------------------------------------------------------------------- */
 
 static bool import_triangles(struct import *import)
@@ -411,7 +488,13 @@ static bool import_triangles(struct import *import)
 bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
 {
     *mesh = (struct mesh){0};
-    const struct aiScene *source = aiImportFile(path, aiProcess_Triangulate);
+    struct aiFileIO io = {open_file, close_file, (aiUserData)(void *)log};
+    const char *reason;
+    if (!input_check(path, MOST_MESH_BYTES, &reason)) {
+        log_message(log, DT_ERROR, "%s: %s", path, reason);
+        return false;
+    }
+    const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
     if (!source || !source->mRootNode) {
         log_message(log, DT_ERROR, "%s: %s", path,
                     source ? "an empty mesh file" : aiGetErrorString());

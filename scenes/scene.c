@@ -16,6 +16,7 @@
  * all light must pass through, such as a hole in a roof; without it light comes from everywhere.
  * Irradiance is perpendicular to the rays (W/m2), intensity that on the axis (W/sr). */
 #include "camera_light.h"
+#include "child.h"
 #include "mesh.h"
 #include "motion.h"
 
@@ -135,6 +136,7 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
                       const struct dt_log *log)
 {
     struct mesh mesh;
+    child_opens(settings->mesh_path);
     if (!mesh_import(&mesh, settings->mesh_path, settings->scale, log))
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);
@@ -158,14 +160,86 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
     return ok;
 }
 
-bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
+/* ---- In a child process ---------------------------------------------------------------------- */
+
+/* The arrays of a scene as they are written: the struct, then these one after the other. */
+struct array {
+    const void **data;
+    size_t bytes;
+};
+enum { ARRAYS = 4 };
+
+static void arrays_of(struct scene *scene, struct array arrays[ARRAYS])
+{
+    struct dt_scene *d = &scene->data;
+    const struct array all[ARRAYS] = {
+        {(const void **)&d->vertices, d->vertex_count * sizeof *d->vertices},
+        {(const void **)&d->indices, d->index_count * sizeof *d->indices},
+        {(const void **)&d->materials, d->material_count * sizeof *d->materials},
+        {(const void **)&d->texels, scene_texel_bytes(d)},
+    };
+    memcpy(arrays, all, sizeof all);
+}
+
+static bool write_mesh(FILE *result, void *user, const struct dt_log *log)
+{
+    const struct settings *settings = user;
+    struct scene *scene = settings->scene;
+    struct array arrays[ARRAYS];
+    if (!load_mesh(scene, settings, log))
+        return false;
+    arrays_of(scene, arrays);
+    fwrite(scene, sizeof *scene, 1, result); /* child_run checks the stream */
+    for (int i = 0; i < ARRAYS; i++)
+        fwrite(*arrays[i].data, 1, arrays[i].bytes, result);
+    return true;
+}
+
+static bool read_mesh(struct scene *scene, FILE *result, const struct dt_log *log)
+{
+    struct scene from;
+    struct array arrays[ARRAYS];
+    bool good = fread(&from, sizeof from, 1, result) == 1;
+    if (good) {
+        from.path = scene->path; /* pointers of the other process */
+        from.motion = scene->motion;
+        from.data.vertices = NULL;
+        from.data.indices = NULL;
+        from.data.materials = NULL;
+        from.data.texels = NULL;
+        *scene = from;
+        arrays_of(scene, arrays);
+    }
+    for (int i = 0; good && i < ARRAYS; i++) {
+        void *memory = malloc(arrays[i].bytes ? arrays[i].bytes : 1);
+        *arrays[i].data = memory;
+        good = memory && fread(memory, 1, arrays[i].bytes, result) == arrays[i].bytes;
+    }
+    if (!good)
+        log_message(log, DT_ERROR, "%s: out of memory", scene->path);
+    return good;
+}
+
+static bool load_mesh_apart(struct scene *scene, struct settings *settings,
+                            const struct dt_log *log)
+{
+    FILE *result = child_run(write_mesh, settings, log);
+    bool good = result && read_mesh(scene, result, log);
+    if (result)
+        fclose(result);
+    return good;
+}
+
+/* ---- The whole ------------------------------------------------------------------------------- */
+
+bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,
                 const struct dt_log *log)
 {
     *scene = (struct scene){0};
     struct settings settings = {.scene = scene, .scenes_dir = scenes_dir};
     scene->path = strdup(path);
     bool ok = scene->path && reader_file(path, &scene_file, &settings, log) &&
-              load_mesh(scene, &settings, log);
+              (apart ? load_mesh_apart(scene, &settings, log) : load_mesh(scene, &settings, log));
     free(settings.mesh_path);
     if (!ok)
         scene_free(scene);

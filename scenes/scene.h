@@ -38,8 +38,8 @@ struct scene {
 
 /* Reads a scene file (YAML; keys: see the head of scene.c) and its mesh. The mesh is searched
  * beside the scene file, then below scenes_dir (may be NULL). Errors have file:line:col. On false
- * nothing stays allocated. */
-bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
+ * nothing stays allocated. `apart`: mesh and textures are read in a child process (child.h). */
+bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,
                 const struct dt_log *log);
 /* Reads only the scene file and finds its mesh. *mesh: path, to free(); NULL if the mesh is in
  * neither folder. False after an error, logged. */

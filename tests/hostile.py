@@ -1,6 +1,8 @@
 """Writes specs that are far larger than any real one into a folder: `hostile.py FOLDER`. See hostile_test.sh."""
 import os
+import struct
 import sys
+import zlib
 
 BASE = """pipeline: big
 params:
@@ -56,3 +58,36 @@ body("macros", value="A25", work="float x = 1.0;",
      before="#define A0 x+x\n" + "".join(f"#define A{i + 1} A{i}+A{i}\n" for i in range(25)))
 body("cases", value="y", work="float y = 0.0; switch (p.x) {\n" + lines(20000, "case {0}: y = {0}.0; break;\n") + "}")
 body("braces", work="{" * 20000 + "}" * 20000)
+
+
+# ---- Scenes: see hostile_test.sh ----
+
+SCENE = """mesh: {mesh}
+camera: {{eye: [0, 0, 5], target: [0, 0, 0], fov_y: 40}}
+light: {{kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}}
+"""
+
+
+def scene(name, mtl, before=""):
+    put(name + ".mtl", mtl)
+    put(name + ".obj", before or f"mtllib {name}.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n")
+    put(name + ".yaml", SCENE.format(mesh=name + ".obj"))
+
+
+def png(name, size):
+    """Black, of one bit a pixel."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    packer = zlib.compressobj(9)
+    data = b"".join(packer.compress(bytes(1 + (size + 7) // 8)) for _ in range(size)) + packer.flush()
+    with open(os.path.join(sys.argv[1], name), "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", size, size, 1, 0, 0, 0, 0))
+                   + chunk(b"IDAT", data) + chunk(b"IEND", b""))
+
+
+scene("early_map", "map_Kd a.png\n")
+scene("zero_map", "newmtl m\nmap_Kd /dev/zero\n")
+scene("huge_map", "newmtl m\nmap_Kd huge.png\n")
+scene("zero_mtl", "", "mtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+png("huge.png", 30000)
+put("zero_mesh.yaml", SCENE.format(mesh="/dev/zero"))

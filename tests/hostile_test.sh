@@ -53,6 +53,45 @@ scene=("$diptych" render --backend vk -o "$work/a.png" --spec "$work/fill.yaml")
 check "a scene that is a pipe" refuses "it is no regular file" "${scene[@]}" --scene "$work/pipe"
 check "a motion that is a device" refuses "it is no regular file" "${scene[@]}" --scene scenes/cornell.yaml --motion /dev/zero
 
+# ---- Scenes ---------------------------------------------------------------------------------------------------------
+
+# shellcheck disable=SC2317
+warns() { # text command...: does its work all the same
+    local text=$1
+    shift
+    timeout 60 "$@" >"$work/said" 2>&1 || { cat "$work/said"; return 1; }
+    cat "$work/said"
+    grep -qF -- "$text" "$work/said"
+}
+check "assimp crashes in a child process alone" refuses "early_map.mtl: the library that reads this file crashed (Segmentation fault)" \
+    "${scene[@]}" --scene "$work/early_map.yaml"
+check "a mesh that is a device" refuses "/dev/zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mesh.yaml"
+check "materials" warns "zero: not read: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
+check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
+check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
+
+# ---- Evidence -------------------------------------------------------------------------------------------------------
+
+mkdir "$work/spec"
+cp tests/specs/features* "$work/spec/"
+sed -i 's/histogram\[bin\].count = n;/&\n#ifdef VULKAN\n    histogram[bin].count += 1u;\n#endif/' "$work/spec/features_count.glsl"
+"$diptych" compare --scene scenes/cornell.yaml --spec "$work/spec/features.yaml" --size 17x9 --bisect "$work/good" >"$work/said" 2>&1
+# shellcheck disable=SC2317
+damaged() { # text sed-script-for-the-manifest
+    rm -rf "$work/bad"
+    cp -r "$work/good" "$work/bad"
+    sed -i "$2" "$work/bad/manifest.json"
+    refuses "$1" "$diptych" replay "$work/bad" --backend vk
+}
+check "a replay of a block outside the folder" damaged "outside the folder" 's#"frame_block":\s*"[^"]*"#"frame_block": "../good/frame.raw"#'
+check "... of a device" damaged "outside the folder" 's#"frame_block":\s*"[^"]*"#"frame_block": "../../../../../../dev/zero"#'
+check "... of a spec outside" damaged "outside the folder" 's#"spec":\s*"[^"]*"#"spec": "../good/spec/features.yaml"#'
+rm -rf "$work/bad"
+cp -r "$work/good" "$work/bad"
+cp "$work/bad/spec/features_count.glsl" "$work/elsewhere.glsl"
+ln -sf "$work/elsewhere.glsl" "$work/bad/spec/features_count.glsl"
+check "... of a body outside" refuses "outside the folder that may be read" "$diptych" replay "$work/bad" --backend vk
+
 # ---- Streams --------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317

@@ -77,7 +77,7 @@ static void put(const char *name, const char *text)
 static void load(struct scene *scene, const char *path, struct heard *heard)
 {
     const struct dt_log log = {hear, heard};
-    if (!scene_load(scene, path, NULL, &log))
+    if (!scene_load(scene, path, NULL, false, &log))
         fail_msg("%s", heard->text);
 }
 
@@ -645,7 +645,7 @@ static void assert_refused(const char *text, const char *const *lines, size_t co
     struct heard heard = {{0}, ""};
     const struct dt_log log = {hear, &heard};
     struct scene scene;
-    assert_false(scene_load(&scene, at("bad.yaml"), NULL, &log));
+    assert_false(scene_load(&scene, at("bad.yaml"), NULL, false, &log));
     assert_int_equal(heard.count[DT_ERROR], 1);
     assert_null(scene.data.vertices);
     for (size_t i = 0; i < count; i++) {
@@ -710,7 +710,7 @@ static void missing_mesh_says_where_it_looked(void **state)
     struct heard heard = {{0}, ""};
     const struct dt_log log = {hear, &heard};
     struct scene scene;
-    assert_false(scene_load(&scene, at("lost.yaml"), "/no/where", &log));
+    assert_false(scene_load(&scene, at("lost.yaml"), "/no/where", false, &log));
     const char *words[] = {"lost.yaml:1:7: error:",
                            at("sponza/sponza.obj"),
                            "/no/where/sponza/sponza.obj",
@@ -731,7 +731,7 @@ static void mesh_is_found_below_the_scenes_folder(void **state)
     struct heard heard = {{0}, ""};
     const struct dt_log log = {hear, &heard};
     struct scene scene;
-    assert_true(scene_load(&scene, at("below.yaml"), at("meshes"), &log));
+    assert_true(scene_load(&scene, at("below.yaml"), at("meshes"), false, &log));
     assert_int_equal(scene.source_triangles, 12);
     scene_free(&scene);
 }

@@ -282,9 +282,10 @@ void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, u
     (void)frame;
 }
 
-bool scene_load(struct scene *scene, const char *path, const char *scenes_dir,
+bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,
                 const struct dt_log *log)
 {
+    (void)apart;
     (void)scene;
     (void)path;
     (void)scenes_dir;

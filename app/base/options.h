@@ -31,6 +31,7 @@ struct options {
     const char *output;
     const char *spec;      /* NULL: the project's own */
     const char *templates; /* folder of the GLSL library; NULL: the project's */
+    const char *root;      /* no option: the folder of a replay, which reads no file outside */
     union {                /* two names of one list: the table stores text_list */
         struct text_list set_list;
         struct {

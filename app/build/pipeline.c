@@ -20,6 +20,7 @@ struct load {
     char *tools, *spec, *templates, *cache;
     const char **sets; /* those of no live parameter, sorted */
     uint32_t set_count;
+    const char *root;
 };
 
 char *pipeline_spec_path(const char *spec, const struct dt_log *log)
@@ -89,7 +90,8 @@ static struct plan_request request_of(const struct load *load)
                                  .templates = load->templates,
                                  .sets = load->sets,
                                  .set_count = load->set_count,
-                                 .cache = load->cache};
+                                 .cache = load->cache,
+                                 .root = load->root};
 }
 
 /* Those of live parameters are left out. Names that the spec does not know stay: planning judges them. */
@@ -136,7 +138,8 @@ static bool set_live(struct pipeline *pipeline, const struct options *options,
 static bool find(struct load *load, struct console *console, const struct options *options)
 {
     const struct dt_log *log = &console->log;
-    *load = (struct load){.sets = calloc(options->set_count + 1, sizeof *load->sets)};
+    *load = (struct load){.sets = calloc(options->set_count + 1, sizeof *load->sets),
+                          .root = options->root};
     load->tools = tools_folder(log);
     load->spec = load->tools ? pipeline_spec_path(options->spec, log) : NULL;
     load->templates = !load->spec          ? NULL

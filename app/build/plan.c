@@ -64,7 +64,8 @@ static struct spec_request spec_request(const struct plan_request *request)
     return (struct spec_request){.path = request->spec,
                                  .sets = request->sets,
                                  .set_count = request->set_count,
-                                 .templates = request->templates};
+                                 .templates = request->templates,
+                                 .root = request->root};
 }
 
 struct plan *plan_load(const struct plan_request *request, struct console *console)

@@ -12,6 +12,7 @@ struct plan_request {
     const char *const *sets;
     uint32_t set_count;
     const char *cache; /* folder of compiled shaders; NULL: none */
+    const char *root;  /* real path: files outside are not read; NULL: no limit */
 };
 
 /* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */

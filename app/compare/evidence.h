@@ -43,6 +43,7 @@ bool evidence_write(const struct evidence *evidence, const char *place);
 struct evidence_case {
     struct console *console;
     const char *folder;
+    char *root; /* its real path */
     struct cJSON *manifest;
     struct options options; /* options that the pipeline was loaded with, from the folder */
     char *spec, *templates; /* of these options */

@@ -1,5 +1,6 @@
 /* Reads evidence folders; see evidence.h. A mismatch with the manifest or the pipeline is an error
  * that names the file: a damaged copy must not look like a difference. */
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,12 +76,24 @@ static bool read_manifest(struct evidence_case *evidence)
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
+/* The real path of a file in the folder. The folder may come from anyone: no name leads outside. */
 static char *path_within(const struct evidence_case *evidence, const char *name)
 {
-    char *path = format_string("%s/%s", evidence->folder, name);
-    if (!path)
+    char *path = format_string("%s/%s", evidence->root, name);
+    char *real = path ? realpath(path, NULL) : NULL;
+    size_t length = strlen(evidence->root);
+    if (!path) {
         out_of_memory(evidence);
-    return path;
+    } else if (!real) {
+        report_error(log_of(evidence), "%s: cannot be read: %s", path, strerror(errno));
+    } else if (strncmp(real, evidence->root, length) != 0 || real[length] != '/') {
+        report_error(log_of(evidence), "%s/manifest.json: names %s, which is outside the folder",
+                     evidence->folder, name);
+        free(real);
+        real = NULL;
+    }
+    free(path);
+    return real;
 }
 
 static bool read_options(struct evidence_case *evidence)
@@ -235,6 +248,36 @@ static bool make_scene(struct evidence_case *evidence)
     return (vertices && indices && materials && texels) || out_of_memory(evidence);
 }
 
+/* Sizes and indices with which no shader reads outside the arrays. */
+static bool check_scene(const struct evidence_case *evidence)
+{
+    const struct dt_scene *scene = &evidence->scene.data;
+    bool good = scene->index_count % 3 == 0;
+    for (uint32_t i = 0; good && i < scene->index_count; i++)
+        good = scene->indices[i] < scene->vertex_count;
+    for (uint32_t i = 0; good && i < scene->vertex_count; i++)
+        good = scene->vertices[i].material < scene->material_count;
+    for (uint32_t i = 0; good && i < scene->material_count; i++)
+        good = scene->materials[i].texture < (int32_t)scene->texture_layers;
+    if (!good)
+        report_error(log_of(evidence),
+                     "%s: its scene names vertices, materials or textures that it "
+                     "does not have: the folder is damaged",
+                     evidence->folder);
+    return good;
+}
+
+static bool check_texture(const struct evidence_case *evidence)
+{
+    enum { MOST_SIZE = 16384, MOST_LAYERS = 4096, MOST_MIPS = 15 };
+    const struct dt_scene *scene = &evidence->scene.data;
+    return (scene->texture_width >= 1 && scene->texture_width <= MOST_SIZE &&
+            scene->texture_height >= 1 && scene->texture_height <= MOST_SIZE &&
+            scene->texture_layers >= 1 && scene->texture_layers <= MOST_LAYERS &&
+            scene->texture_mips >= 1 && scene->texture_mips <= MOST_MIPS) ||
+           manifest_error(evidence, "scene");
+}
+
 static bool read_scene(struct evidence_case *evidence)
 {
     const cJSON *entry = cJSON_GetObjectItem(evidence->manifest, "scene");
@@ -247,7 +290,8 @@ static bool read_scene(struct evidence_case *evidence)
         !read_number(evidence, entry, "texture_width", &scene->texture_width) ||
         !read_number(evidence, entry, "texture_height", &scene->texture_height) ||
         !read_number(evidence, entry, "texture_layers", &scene->texture_layers) ||
-        !read_number(evidence, entry, "texture_mips", &scene->texture_mips))
+        !read_number(evidence, entry, "texture_mips", &scene->texture_mips) ||
+        !check_texture(evidence))
         return false;
     scene->vertices =
         read_exactly(evidence, "scene/vertices.raw", scene->vertex_count * sizeof *scene->vertices);
@@ -261,7 +305,7 @@ static bool read_scene(struct evidence_case *evidence)
     scene->texels = scene->materials
                         ? read_exactly(evidence, "scene/texels.raw", scene_texel_bytes(scene))
                         : NULL;
-    return scene->texels;
+    return scene->texels && check_scene(evidence);
 }
 
 /* ---- All of it ------------------------------------------------------------------------------- */
@@ -273,6 +317,13 @@ bool evidence_read(struct evidence_case *evidence, struct console *console,
         (struct evidence_case){.console = console, .folder = options->folder, .options = *options};
     evidence->options.sets = NULL;
     evidence->options.set_count = 0;
+    evidence->root = realpath(options->folder, NULL);
+    evidence->options.root = evidence->root;
+    if (!evidence->root) {
+        report_error(log_of(evidence), "%s/manifest.json: cannot be read: %s", options->folder,
+                     strerror(errno));
+        return false;
+    }
     if (!read_manifest(evidence) || !read_options(evidence))
         return false;
     struct pipeline *pipeline = &evidence->pipeline;
@@ -301,6 +352,7 @@ void evidence_free(struct evidence_case *evidence)
     free(evidence->options.sets);
     free(evidence->templates);
     free(evidence->spec);
+    free(evidence->root);
     cJSON_Delete(evidence->manifest);
     *evidence = (struct evidence_case){0};
 }

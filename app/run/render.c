@@ -326,13 +326,13 @@ static bool prepare(struct render *render)
     const struct dt_log *log = &render->console->log;
     if (!can_write_picture(render) || (options->timings && !file_can_write(options->timings, log)))
         return false;
-    render->loads_images =
-        options->output && pthread_create(&render->images, NULL, load_images, NULL) == 0;
     if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
     if (!find_shown(render) || !find_fault(render) ||
         !session_load_scene(&render->scene, render->console, options))
         return false;
+    render->loads_images = /* after the scene, whose child process would inherit a held lock */
+        options->output && pthread_create(&render->images, NULL, load_images, NULL) == 0;
     render->options.frames = session_frames(options, &render->scene);
     if (options->timings &&
         !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))

@@ -96,7 +96,7 @@ bool session_load_scene(struct scene *scene, struct console *console, const stru
     const char *folder = options->scenes ? options->scenes : getenv("DIPTYCH_SCENES");
     console_status(console, "loading %s", options->scene);
     *scene = (struct scene){0};
-    return scene_load(scene, options->scene, folder, &console->log) &&
+    return scene_load(scene, options->scene, folder, true, &console->log) &&
            (!options->motion || scene_load_motion(scene, options->motion, &console->log));
 }
 

@@ -1,0 +1,136 @@
+/* A forked child with limits, its messages and its result; see child.h. */
+#include "child.h"
+
+#include "mesh.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+/* Memory that parent and child share. */
+struct shared {
+    char path[4096]; /* that the child opened last */
+};
+static struct shared *shared_with_parent; /* set in the child alone */
+
+void child_opens(const char *path)
+{
+    if (shared_with_parent)
+        snprintf(shared_with_parent->path, sizeof shared_with_parent->path, "%s", path);
+}
+
+/* ---- Messages: level and text, as many as there are ------------------------------------------ */
+
+static void send_message(void *user, enum dt_level level, const char *message)
+{
+    FILE *messages = user;
+    fprintf(messages, "%c%s%c", 'a' + (int)level, message, '\0');
+    fflush(messages); /* a crash must not lose it */
+}
+
+static void pass_messages_on(FILE *messages, const struct dt_log *log)
+{
+    char *text = NULL;
+    size_t capacity = 0;
+    rewind(messages);
+    while (getdelim(&text, &capacity, '\0', messages) > 1)
+        if (*text >= 'a' && *text <= 'a' + (int)DT_ERROR)
+            log_message(log, (enum dt_level)(*text - 'a'), "%s", text + 1);
+    free(text);
+}
+
+/* ---- The child ------------------------------------------------------------------------------- */
+
+static _Noreturn void run(child_work *work, void *user, FILE *result, FILE *messages,
+                          struct shared *shared)
+{
+    const struct rlimit seconds = {CHILD_SECONDS, CHILD_SECONDS + 1}, no_core = {0};
+    const struct dt_log log = {.message = send_message, .user = messages};
+    shared_with_parent = shared;
+    bool good = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && setrlimit(RLIMIT_CPU, &seconds) == 0 &&
+                setrlimit(RLIMIT_CORE, &no_core) == 0;
+    if (!good)
+        log_message(&log, DT_ERROR, "a child process cannot be limited: %s", strerror(errno));
+    good = good && work(result, user, &log);
+    if (good && (fflush(result) != 0 || ferror(result))) {
+        log_message(&log, DT_ERROR, "the result of a child process: %s", strerror(errno));
+        good = false;
+    }
+    _exit(good ? EXIT_SUCCESS : EXIT_FAILURE);
+}
+
+/* ---- The parent ------------------------------------------------------------------------------ */
+
+static FILE *open_memory(const char *name)
+{
+    int file = memfd_create(name, MFD_CLOEXEC);
+    FILE *stream = file < 0 ? NULL : fdopen(file, "w+");
+    if (file >= 0 && !stream)
+        close(file);
+    return stream;
+}
+
+static bool wait_for(pid_t child, int *status)
+{
+    while (waitpid(child, status, 0) < 0)
+        if (errno != EINTR)
+            return false;
+    return true;
+}
+
+/* Whether the child ended well; logs what ended it if that was a signal. */
+static bool judge(int status, const struct shared *shared, const struct dt_log *log)
+{
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+        log_message(log, DT_ERROR, "%s: reading it takes more than %d s of processor time",
+                    shared->path, CHILD_SECONDS);
+    else if (WIFSIGNALED(status))
+        log_message(log, DT_ERROR,
+                    "%s: the library that reads this file crashed (%s); the file is damaged",
+                    shared->path, strsignal(WTERMSIG(status)));
+    return WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS;
+}
+
+static bool run_apart(child_work *work, void *user, FILE *result, FILE *messages,
+                      struct shared *shared, const struct dt_log *log)
+{
+    int status = 0;
+    fflush(NULL); /* else the child's copy of a buffer could be written, too */
+    pid_t child = fork();
+    if (child == 0)
+        run(work, user, result, messages, shared);
+    if (child < 0 || !wait_for(child, &status)) {
+        log_message(log, DT_ERROR, "a child process cannot be started: %s", strerror(errno));
+        return false;
+    }
+    pass_messages_on(messages, log);
+    return judge(status, shared, log);
+}
+
+FILE *child_run(child_work *work, void *user, const struct dt_log *log)
+{
+    FILE *result = open_memory("result"), *messages = open_memory("messages");
+    struct shared *shared =
+        mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    bool good = false;
+    if (result && messages && shared != MAP_FAILED)
+        good = run_apart(work, user, result, messages, shared, log);
+    else
+        log_message(log, DT_ERROR, "memory for a child process: %s", strerror(errno));
+    if (shared != MAP_FAILED)
+        munmap(shared, sizeof *shared);
+    if (messages)
+        fclose(messages);
+    if (good) {
+        rewind(result);
+        return result;
+    }
+    if (result)
+        fclose(result);
+    return NULL;
+}

@@ -1,0 +1,23 @@
+/* Work that reads files of strangers, in a child process: libraries may crash, hang or take all
+ * memory there. Called by scene.c, and by the files whose work it is. */
+#ifndef DIPTYCH_SCENES_CHILD_H
+#define DIPTYCH_SCENES_CHILD_H
+
+#include "diptych.h"
+
+#include <stdio.h>
+
+/* Writes its result; logs what is wrong and returns false. */
+typedef bool child_work(FILE *result, void *user, const struct dt_log *log);
+
+enum { CHILD_SECONDS = 600 }; /* of processor time */
+
+/* Runs `work` in a forked child and passes its messages on to `log`. Returns the result as a stream
+ * at its start, for fclose. NULL: an error was logged; when the child crashed, that error names the
+ * file of the last child_opens. No other thread may load libraries or hold their locks. */
+FILE *child_run(child_work *work, void *user, const struct dt_log *log);
+
+/* The file that the work opens next. Does nothing outside a child. */
+void child_opens(const char *path);
+
+#endif
