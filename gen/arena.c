@@ -45,8 +45,10 @@ void *arena_alloc(struct arena *arena, size_t size)
     if (!block || block->size - block->used < size) {
         size_t room = size > BLOCK_SIZE ? size : BLOCK_SIZE;
         block = calloc(1, sizeof *block + room);
-        if (!block)
+        if (!block) {
+            memory_lost();
             return NULL;
+        }
         block->size = room;
         block->next = arena->blocks;
         arena->blocks = block;

@@ -10,24 +10,29 @@
 /* ---- Reserved names -------------------------------------------------------------------------- */
 
 static const char *const reserved_words =
-    /* GLSL 4.60, sections 3.6 and 3.7, and C11 */
-    " active asm atomic_uint attribute auto bool break buffer bvec2 bvec3 bvec4 case cast centroid "
-    "char class coherent common"
-    " const continue default discard dmat2 dmat3 dmat4 do double dvec2 dvec3 dvec4 else enum "
-    "extern external false filter"
-    " fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 hvec3 hvec4 if image1D image2D "
-    "image2DArray image3D in"
-    " inline inout input int interface invariant isampler2D ivec2 ivec3 ivec4 layout long lowp "
-    "mat2 mat3 mat4 mediump"
-    " namespace noinline noperspective out output partition patch precise precision public "
-    "readonly register resource"
-    " restrict return sample sampler sampler2D sampler2DArray sampler2DShadow sampler3D "
-    "samplerCube shared short signed"
-    " sizeof smooth static struct subroutine superp switch template texture1D texture2D this true "
-    "typedef uint uimage2D union"
-    " uniform unsigned using usampler2D uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile "
-    "while writeonly"
-    " int8_t int16_t int32_t int64_t uint8_t uint16_t uint32_t uint64_t size_t NULL main ";
+    /* GLSL 4.60, sections 3.6 and 3.7, and GL_KHR_vulkan_glsl; more of them: is_glsl_type */
+    " active asm atomic_uint attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid "
+    " class coherent common const continue default discard do double dvec2 dvec3 dvec4 else enum "
+    " extern external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 "
+    " hvec3 hvec4 if in inline inout input int interface invariant isubpassInput isubpassInputMS "
+    " ivec2 ivec3 ivec4 layout long lowp mediump namespace noinline noperspective out output "
+    " partition patch precise precision public readonly resource restrict return sample sampler "
+    " samplerShadow shared short sizeof smooth static struct subpassInput subpassInputMS "
+    " subroutine superp switch template this true typedef uint uniform union unsigned using "
+    " usubpassInput usubpassInputMS uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while "
+    " writeonly "
+    /* C23 */
+    " alignas alignof auto char constexpr nullptr register signed static_assert thread_local "
+    " typeof typeof_unqual _Alignas _Alignof _Atomic _BitInt _Bool _Complex _Decimal128 "
+    " _Decimal32 _Decimal64 _Generic _Imaginary _Noreturn _Static_assert _Thread_local "
+    /* C++20: its programs include the generated header */
+    " and and_eq bitand bitor catch char16_t char32_t char8_t co_await co_return co_yield compl "
+    " concept const_cast consteval constinit decltype delete dynamic_cast explicit export friend "
+    " import module mutable new noexcept not not_eq operator or or_eq private protected "
+    " reinterpret_cast requires static_cast throw try typeid typename virtual wchar_t xor xor_eq "
+    /* names and macros of the headers that generated C includes, and of compilers */
+    " NULL i386 int16_t int32_t int64_t int8_t linux main offsetof size_t uint16_t uint32_t "
+    " uint64_t uint8_t unix ";
 
 static const char *const taken_words =
     /* functions of GLSL that a declaration would hide */
@@ -56,6 +61,50 @@ static bool in_words(const char *words, const char *name)
     return false;
 }
 
+static bool skip(const char **at, const char *prefix)
+{
+    size_t length = strlen(prefix);
+    bool there = !strncmp(*at, prefix, length);
+    *at += there ? length : 0;
+    return there;
+}
+
+/* Names such as mat2x3, usampler2DArray, iimageBuffer, textureCube. */
+static bool is_glsl_type(const char *name)
+{
+    static const char *const shapes[] = {"1D",     "2DRect", "2DMS", "2D",
+                                         "3DRect", "3D",     "Cube", "Buffer"};
+    const char *at = name + (*name == 'd');
+    if (skip(&at, "mat") && *at >= '2' && *at <= '4')
+        return !at[1] || (at[1] == 'x' && at[2] >= '2' && at[2] <= '4' && !at[3]);
+    at = name + (*name == 'i' && strncmp(name, "image", 5) != 0) + (*name == 'u');
+    if (!skip(&at, "sampler") && !skip(&at, "image") && !skip(&at, "texture"))
+        return false;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+        if (skip(&at, shapes[i])) {
+            skip(&at, "Array");
+            skip(&at, "Shadow");
+            return !*at;
+        }
+    return false;
+}
+
+/* Macros of <stdint.h>, <limits.h> and diptych.h, such as INT32_MAX, UINT8_C, CHAR_BIT, DT_ERROR. */
+static bool is_macro(const char *name)
+{
+    static const char *const ends[] = {"_MAX", "_MIN", "_C", "_WIDTH", "_BIT"};
+    size_t length = strlen(name);
+    if (!strncmp(name, "DT_", 3))
+        return true;
+    for (const char *at = name; *at; at++)
+        if (islower((unsigned char)*at))
+            return false;
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        if (length > strlen(ends[i]) && !strcmp(name + length - strlen(ends[i]), ends[i]))
+            return true;
+    return false;
+}
+
 static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
 {
     if (!strncmp(name, "gl_", 3))
@@ -63,8 +112,13 @@ static void check_word(struct checker *c, const char *name, struct loc loc, bool
     else if (strstr(name, "__"))
         diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL",
                    name);
-    else if (in_words(reserved_words, name))
-        diag_error(c->diag, loc, "`%s` is a reserved word of GLSL or C", name);
+    else if (in_words(reserved_words, name) || is_glsl_type(name))
+        diag_error(c->diag, loc, "`%s` is a reserved word of GLSL, C or C++; choose another name",
+                   name);
+    else if (is_macro(name))
+        diag_error(c->diag, loc, "`%s` may be a macro of a C header; choose another name", name);
+    else if (*name == '_' && isupper((unsigned char)name[1]))
+        diag_error(c->diag, loc, "`%s`: C reserves names that start with _ and a capital", name);
     else if (!scoped && in_words(taken_words, name))
         diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
 }

@@ -42,8 +42,13 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
         diag_error(diag, (struct loc){0}, "no timer: %s", strerror(errno));
         return false;
     }
+    memory_forget();
     bool good = load(spec, request, tables, diag);
     watchdog_stop();
+    if (memory_was_lost() || (!good && !diag_error_count(diag))) { /* all else is reported */
+        diag_error(diag, (struct loc){0}, "out of memory");
+        return false;
+    }
     return good;
 }
 

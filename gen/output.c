@@ -12,8 +12,12 @@
 
 #include "stages.h"
 
+#include "scenes/temporary.h"
+
 struct output_file {
     char *path, *temporary; /* temporary: NULL while there is none */
+    char *former;           /* a second name of the file that was replaced; NULL: there was none */
+    bool replaced, is_new;
     struct text text;
     bool unchanged;
     bool stream; /* the path is a pipe, a terminal or the like: write to it, never replace it */
@@ -97,24 +101,23 @@ bool write_all(int descriptor, const void *bytes, size_t length)
     return true;
 }
 
+static void remove_left_over(const char *path)
+{
+    unlink(path);
+}
+
 static bool write_temporary(struct output_file *file)
 {
     if (!make_folders(file->path))
         return false;
-    char *path;
-    if (asprintf(&path, "%s.XXXXXX", file->path) < 0)
-        return false;
-    int descriptor = mkstemp(path);
-    if (descriptor < 0) {
-        fail("write", file->path);
-        free(path);
-        return false;
-    }
-    file->temporary = path;
-    mode_t mask = umask(0);
-    umask(mask);
-    bool good = write_all(descriptor, file->text.data, file->text.length) &&
-                !fchmod(descriptor, 0666 & ~mask);
+    temporary_sweep(file->path, remove_left_over);
+    file->temporary = temporary_path(file->path);
+    int descriptor = file->temporary
+                         ? open(file->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)
+                         : -1;
+    if (descriptor < 0)
+        return fail("write", file->path);
+    bool good = write_all(descriptor, file->text.data, file->text.length);
     if (!good)
         fail("write", file->path);
     if (close(descriptor) && good)
@@ -134,14 +137,50 @@ static bool write_stream(const struct output_file *file)
     return good;
 }
 
+static void remove_name(char **path)
+{
+    if (*path)
+        unlink(*path);
+    free(*path);
+    *path = NULL;
+}
+
 static void remove_temporaries(struct output *output)
 {
     for (size_t i = 0; i < output->count; i++) {
+        remove_name(&output->files[i].temporary);
+        remove_name(&output->files[i].former);
+    }
+}
+
+/* Gives the former file a second name for `restore`, then renames the new one over it. */
+static bool replace(struct output_file *file)
+{
+    if (asprintf(&file->former, "%s" TEMPORARY_FORMER, file->temporary) < 0) {
+        file->former = NULL;
+        return fail("write", file->path);
+    }
+    bool linked = !link(file->path, file->former);
+    file->is_new = !linked && errno == ENOENT;
+    if (!linked && !file->is_new)
+        remove_name(&file->former); /* a file system without links: there is no way back */
+    if (rename(file->temporary, file->path))
+        return fail("write", file->path);
+    free(file->temporary);
+    file->temporary = NULL;
+    file->replaced = true;
+    return true;
+}
+
+/* After an error: all files are the former ones again. */
+static void restore(struct output *output)
+{
+    for (size_t i = 0; i < output->count; i++) {
         struct output_file *file = &output->files[i];
-        if (file->temporary)
-            unlink(file->temporary);
-        free(file->temporary);
-        file->temporary = NULL;
+        if (!file->replaced)
+            continue;
+        if (file->is_new ? unlink(file->path) : !file->former || rename(file->former, file->path))
+            fail("restore", file->path);
     }
 }
 
@@ -197,12 +236,10 @@ static bool write_and_rename(struct output *output, const sigset_t *signals)
             return false;
     for (size_t i = 0; i < output->count; i++) {
         struct output_file *file = &output->files[i];
-        if (file->unchanged)
+        if (file->unchanged || (file->stream ? write_stream(file) : replace(file)))
             continue;
-        if (file->stream ? !write_stream(file) : rename(file->temporary, file->path) != 0)
-            return file->stream ? false : fail("write", file->path);
-        free(file->temporary);
-        file->temporary = NULL;
+        restore(output);
+        return false;
     }
     return true;
 }
@@ -211,7 +248,7 @@ bool output_commit(struct output *output)
 {
     for (size_t i = 0; i < output->count; i++)
         output->failed |= output->files[i].text.failed;
-    if (output->failed) {
+    if (output->failed || memory_was_lost()) {
         fputs("diptych-gen: error: out of memory; nothing was written\n", stderr);
         return false;
     }

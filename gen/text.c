@@ -3,9 +3,27 @@
 #include "text.h"
 
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static atomic_bool lost;
+
+bool memory_was_lost(void)
+{
+    return atomic_load(&lost);
+}
+
+void memory_lost(void)
+{
+    atomic_store(&lost, true);
+}
+
+void memory_forget(void)
+{
+    atomic_store(&lost, false);
+}
 
 /* Makes room for `more` bytes and the terminating NUL. */
 static bool text_reserve(struct text *text, size_t more)
@@ -21,6 +39,7 @@ static bool text_reserve(struct text *text, size_t more)
     char *data = realloc(text->data, capacity);
     if (!data) {
         text->failed = true;
+        memory_lost();
         return false;
     }
     text->data = data;
@@ -48,6 +67,7 @@ void text_add(struct text *text, const char *format, ...)
     int length = vsnprintf(room ? text->data + text->length : NULL, room, format, arguments);
     if (length < 0) {
         text->failed = true;
+        memory_lost();
     } else if ((size_t)length < room) {
         text->length += (size_t)length;
     } else if (text_reserve(text, (size_t)length)) {

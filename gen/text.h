@@ -19,4 +19,10 @@ void text_add_json(struct text *text, const char *string); /* quoted and escaped
 void text_wrap(struct text *text, size_t columns);
 void text_free(struct text *text);
 
+/* Whether any text or arena of this process ran out of memory since memory_forget. What was made
+ * since then may be incomplete. */
+bool memory_was_lost(void);
+void memory_lost(void); /* for the allocators alone */
+void memory_forget(void);
+
 #endif

@@ -6,6 +6,7 @@
 #include "image_oiio.h"
 #include "input.h"
 #include "mesh.h"
+#include "temporary.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -154,6 +155,11 @@ static bool sync_and_rename(const char *from, const char *to, struct image_error
     return ok;
 }
 
+static void remove_file(const char *path)
+{
+    unlink(path);
+}
+
 static bool image_write(const char *path, const char *format, uint32_t width, uint32_t height,
                         uint32_t channels, const void *texels, const struct dt_log *log)
 {
@@ -167,11 +173,11 @@ static bool image_write(const char *path, const char *format, uint32_t width, ui
         return false;
     image_oiio_write_fn *write =
         (image_oiio_write_fn *)shim_function(shim, "image_oiio_write", log);
-    char temporary[PATH_MAX];
-    int length = snprintf(temporary, sizeof temporary, "%s.%ld.tmp", path, (long)getpid());
-    struct image_error error = {"the path is too long"};
-    bool ok = write && length < (int)sizeof temporary;
+    char *temporary = temporary_path(path);
+    struct image_error error = {"out of memory"};
+    bool ok = write && temporary;
     if (ok) {
+        temporary_sweep(path, remove_file);
         errno = 0;
         ok = write(temporary, format, width, height, channels, texels, &error) &&
              sync_and_rename(temporary, path, &error);
@@ -180,6 +186,7 @@ static bool image_write(const char *path, const char *format, uint32_t width, ui
     }
     if (write && !ok)
         log_message(log, DT_ERROR, "cannot write %s: %s", path, error.text);
+    free(temporary);
     dlclose(shim);
     return ok;
 }

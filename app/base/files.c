@@ -15,6 +15,7 @@
 
 #include "base/console.h"
 #include "scenes/input.h"
+#include "scenes/temporary.h"
 
 char *format_string(const char *format, ...)
 {
@@ -60,13 +61,19 @@ static bool is_stream(const struct stat *status)
     return !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
 }
 
+static void remove_left_over(const char *path)
+{
+    unlink(path);
+}
+
 /* In the folder of the final file, with its permissions; links are followed. */
 static bool write_and_rename(const char *path, const struct stat *old, const void *data,
                              size_t size)
 {
     char *real = realpath(path, NULL);
     const char *place = real ? real : path;
-    char *temporary = format_string("%s.tmp-%d", place, (int)getpid());
+    char *temporary = temporary_path(place);
+    temporary_sweep(place, remove_left_over);
     int descriptor =
         temporary ? open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
     if (descriptor >= 0 && old) /* fails on file systems without permissions: nothing is lost */

@@ -12,6 +12,7 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
+#include "scenes/temporary.h"
 
 static void ignore_message(void *user, enum dt_level level, const char *message)
 {
@@ -78,13 +79,19 @@ bool folder_can_write(struct console *console, const char *option, const char *p
     return good;
 }
 
+static void remove_left_over(const char *path)
+{
+    file_remove_tree(path);
+}
+
 bool folder_begin(struct folder *folder, struct console *console, const char *option,
                   const char *place, const char *mark)
 {
     *folder = (struct folder){
         .console = console, .option = option, .mark = mark, .place = without_slash(place)};
-    char *temporary =
-        folder->place ? format_string("%s.tmp-%d", folder->place, (int)getpid()) : NULL;
+    char *temporary = folder->place ? temporary_path(folder->place) : NULL;
+    if (temporary)
+        temporary_sweep(folder->place, remove_left_over);
     if (!temporary) {
         report_error(&console->log, "out of memory");
         return false;

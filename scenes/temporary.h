@@ -1,0 +1,15 @@
+/* Names of files and folders that are written beside their final place and renamed there. Called by
+ * image.c, gen/output.c, app/base/files.c and app/base/folder.c. */
+#ifndef DIPTYCH_SCENES_TEMPORARY_H
+#define DIPTYCH_SCENES_TEMPORARY_H
+
+#define TEMPORARY_FORMER "-former" /* may follow, for a second name of what is replaced */
+
+/* PATH.tmp-PID; free(). NULL when out of memory. */
+char *temporary_path(const char *path);
+
+/* Removes, with `remove`, what processes that are gone left under such names in the folder of
+ * `path`. Looks into a folder once as long as the process names no other one. */
+void temporary_sweep(const char *path, void (*remove)(const char *path));
+
+#endif

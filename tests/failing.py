@@ -1,0 +1,99 @@
+"""Makes the N-th call of malloc, open, read, write, rename... fail in a command: `failing.py LIBRARY SAMPLES OUT -- COMMAND`.
+OUT is the folder or file that the command writes. Each run must end with status 0 and the right output, or with another, a
+message, and the output of before: OLD has the options with which that is made. No run may crash. With KILL=1 the process is killed there instead: the next run must find the folder fit to use, and
+leave no temporary file. SAMPLES: numbers N to try for each kind of call, spread evenly; 0: all. Called by hostile_test.sh."""
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+
+KINDS = os.environ.get("KINDS", "malloc calloc realloc open read write rename mmap").split()
+
+
+def content(path):
+    """Hashes of all files by name; None where there is none."""
+    if os.path.isfile(path):
+        return {"": hashlib.sha256(open(path, "rb").read()).hexdigest()}
+    found = {}
+    for folder, _, names in os.walk(path):
+        for name in names:
+            full = os.path.join(folder, name)
+            found[os.path.relpath(full, path)] = hashlib.sha256(open(full, "rb").read()).hexdigest()
+    return found
+
+
+def remove(path):
+    if os.path.isdir(path):
+        shutil.rmtree(path)
+    elif os.path.exists(path):
+        os.remove(path)
+
+
+def run(library, command, **more):
+    environment = dict(os.environ, LD_PRELOAD=library, **more)
+    try:
+        return subprocess.run(command, env=environment, capture_output=True, text=True, errors="replace", timeout=120, check=False)
+    except subprocess.TimeoutExpired:
+        return None
+
+
+def judge(result, out, right, old):
+    """What is wrong with a run; None: nothing."""
+    if result is None:
+        return "it hangs"
+    if result.returncode < 0:
+        return f"signal {-result.returncode}"
+    now = content(out)
+    if result.returncode == 0:
+        return None if now == right else "status 0, but the output is wrong"
+    if not result.stderr.strip():
+        return f"status {result.returncode} without a message"
+    return None if now == old else f"a failed run leaves {sorted(name for name in set(now) | set(old) if now.get(name) != old.get(name))}"
+
+
+def judge_killed(library, command, out, right):
+    again = run(library, command)
+    if again is None or again.returncode != 0:
+        return f"the next run fails: {again and again.stderr[-300:]}"
+    return None if content(out) == right else f"the next run leaves {sorted(set(content(out)) - set(right))}"
+
+
+def main():
+    library, samples, out = sys.argv[1], int(sys.argv[2]), sys.argv[3]
+    command = sys.argv[sys.argv.index("--") + 1:]
+    kills = "KILL" in os.environ
+    counts = out + ".counts"
+    remove(out)
+    first = run(library, command, FAIL_COUNT=counts)
+    right = content(out)
+    if first.returncode or not right:
+        sys.exit(f"the command itself fails: {first.stderr}")
+    before = out + ".before"
+    remove(before)
+    if "OLD" in os.environ:
+        remove(out)
+        run(library, command + os.environ["OLD"].split())
+        os.rename(out, before)
+    old = content(before)
+    totals = {name: int(number) for name, number in (line.split() for line in open(counts))}
+    tried, wrong = 0, 0
+    for kind in KINDS:
+        total = totals[kind]
+        step = 1 if not samples else max(1, -(-total // samples))
+        for number in range(1, total + 1, step):
+            remove(out)
+            if old:
+                (shutil.copytree if os.path.isdir(before) else shutil.copy)(before, out)
+            more = {"FAIL_KILL": "1"} if kills else {}
+            result = run(library, command, FAIL_CALL=f"{kind}:{number}", **more)
+            problem = judge_killed(library, command, out, right) if kills else judge(result, out, right, old)
+            tried += 1
+            if problem:
+                wrong += 1
+                print(f"{kind} {number} of {total}: {problem[:300]}: {(result.stderr if result else str())[-200:]}")
+    print(f"{tried} runs of {' '.join(os.path.basename(word) for word in command[:2])}, {wrong} wrong")
+    sys.exit(wrong > 0)
+
+
+main()
