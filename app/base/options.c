@@ -158,7 +158,6 @@ static const struct option_row rows[] = {
      "the picture with the last value); writes rows.csv and plots (default: agree)"},
     {"--x", OPTION_STRING, AT(x), VERB_SWEEP, 0, "PATH",
      "--measure: the --grid on the x axis of plots; the others become lines (default: the first)"},
-    {"--verb", OPTION_CHOICE, AT(verb), VERB_SWEEP, 0, "compare", "verb of each run"},
     {"--jobs", OPTION_COUNT, AT(jobs), VERB_SWEEP, 0, "J",
      "runs at a time (default: one per processor)"},
     {"--slurm", OPTION_FLAG, AT(slurm), VERB_SWEEP, 0, NULL,

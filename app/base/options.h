@@ -76,7 +76,6 @@ struct options {
     struct text_list scene_list; /* sweep, report: instead of scene and size */
     struct text_list size_list;
     struct text_list grid;
-    const char *verb;
     const char *topic;                         /* help: a verb, or NULL */
     const char *measure;                       /* sweep: of agree,time,error,own; NULL: agree */
     const char *x;                             /* sweep: path of a grid; NULL: the first */

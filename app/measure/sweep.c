@@ -1,4 +1,4 @@
-/* `diptych sweep`: runs a verb over many variations of a spec, scenes and sizes. Writes a folder
+/* `diptych sweep`: runs `compare` over many variations of a spec, scenes and sizes. Writes a folder
  * with an edge per run in a ninja file, starts ninja there, and summarises. Finished runs are kept:
  * the same command continues an interrupted sweep. sweep_grid.c does --measure. */
 #include "measure/sweep.h"

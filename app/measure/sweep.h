@@ -8,7 +8,7 @@
  *   "runs"     objects: "scene", "width", "height", "frames", "sets", "exact", "command"; run N is number
  *              N - 1 of the list; "exact" false: the run's spec promises no equal bits
  *   "redrawn"  draws of the generator that were no valid spec, with the reason
- * and in DIR/runs, once run N is over: N.txt, what it said; N.json, what the verb wrote; N.result, its exit
+ * and in DIR/runs, once run N is over: N.txt, what it said; N.json, what `compare` wrote; N.result, its exit
  * status and milliseconds. */
 #ifndef DIPTYCH_SWEEP_H
 #define DIPTYCH_SWEEP_H

@@ -21,7 +21,7 @@ static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const c
     static const char *const flags[] = {"glsl", "debug"};
     const cJSON *options = cJSON_GetObjectItem(sweep, "options"), *set;
     quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
-    fprintf(out, " %s", sweep_text(options, "verb"));
+    fputs(" compare", out);
     quote_option(out, "--scene", sweep_text(run, "scene"));
     quote_option(out, "--spec", sweep_text(options, "spec"));
     fprintf(out, " --size %ux%u --frames %u", sweep_number(run, "width"),

@@ -93,7 +93,6 @@ cJSON *sweep_options(const struct options *options, const struct dt_log *log)
     char *folder = options->scenes ? realpath(options->scenes, NULL) : NULL;
     cJSON *root = cJSON_CreateObject();
     bool good = spec;
-    add_text(root, "verb", options->verb ? options->verb : "compare");
     add_text(root, "spec", spec);
     cJSON *scenes = cJSON_AddArrayToObject(root, "scene");
     for (uint32_t i = 0; i < options->scene_list.count; i++)
