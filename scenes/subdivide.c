@@ -20,7 +20,6 @@ struct round {
     double limit; /* square of the longest edge allowed */
     struct edge *edges;
     uint32_t slot_mask;
-    uint32_t vertex_capacity;
     uint32_t *indices; /* the triangles after this round */
     uint32_t index_count;
 };

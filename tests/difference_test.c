@@ -460,20 +460,6 @@ static void json_has_what_was_told(void **state)
     cJSON_Delete(root);
 }
 
-static void contracts_are_named(void **state)
-{
-    (void)state;
-    struct dt_contract contract = TOLERANCE(ABS, 0.001);
-    assert_told(contract_describe(&contract), "abs 0.001");
-    contract =
-        (struct dt_contract){.kind = DT_CONTRACT_IMAGE, .tolerance = 0.02, .outliers = 0.1 / 100};
-    assert_told(contract_describe(&contract), "image 0.02, outliers 0.1 %");
-    contract = TOLERANCE(FLIPS, 3);
-    assert_told(contract_describe(&contract), "flips 3");
-    contract = EXACT;
-    assert_told(contract_describe(&contract), "exact");
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -492,7 +478,6 @@ int main(void)
         cmocka_unit_test(flips_are_allowed_and_listed),
         cmocka_unit_test(flips_without_margins),
         cmocka_unit_test(json_has_what_was_told),
-        cmocka_unit_test(contracts_are_named),
     };
     return cmocka_run_group_tests_name("difference", tests, NULL, NULL);
 }

@@ -198,10 +198,6 @@ def argument_structs(pipeline):
     return {pipeline.spec["buffers"][entry["indirect"]]["of"] for entry in pipeline.passes() if "indirect" in entry}
 
 
-def ranged_buffers(pipeline):
-    return {part["of"] for entry in pipeline.passes() for part in entry.get("ranges", {}).values()}
-
-
 def image_of_targets(pipeline):
     return {name for entry in pipeline.passes() if "draw" in entry for name in changes(entry)}
 

@@ -198,11 +198,6 @@ void hash_bytes(uint64_t *hash, const void *data, size_t size)
     *hash = XXH3_64bits_withSeed(data, size, *hash);
 }
 
-void hash_string(uint64_t *hash, const char *text)
-{
-    hash_bytes(hash, text, strlen(text) + 1);
-}
-
 bool hash_file(uint64_t *hash, const char *path)
 {
     FILE *stream = fopen(path, "rb");

@@ -42,7 +42,6 @@ bool file_remove_tree(const char *path); /* true when there was nothing to remov
  * file hashes as its bytes do. */
 #define FILE_HASH_START UINT64_C(0)
 void hash_bytes(uint64_t *hash, const void *data, size_t size);
-void hash_string(uint64_t *hash, const char *text); /* and the zero: "a", "bc" is not "ab", "c" */
-bool hash_file(uint64_t *hash, const char *path);   /* silent: false when it cannot be read */
+bool hash_file(uint64_t *hash, const char *path); /* silent: false when it cannot be read */
 
 #endif

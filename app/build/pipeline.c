@@ -183,7 +183,6 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options)
 {
     struct load load;
-    double start = milliseconds_now();
     *pipeline = (struct pipeline){0};
     bool good = find(&load, console, options);
     if (good) {
@@ -191,7 +190,6 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, options, &console->log);
-        pipeline->load_ms = milliseconds_now() - start;
     }
     forget(&load);
     if (!good)

@@ -14,7 +14,6 @@ struct pipeline {
     /* info->live_size bytes: the defaults with the live parameters that were set; owned */
     void *live;
     struct plan *plan;      /* owned */
-    double load_ms;         /* that reading, planning and compiling took */
     char *spec, *templates; /* real paths of what it was made from; owned */
 };
 

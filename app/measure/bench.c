@@ -9,7 +9,6 @@
 
 #include "base/files.h"
 #include "base/tool.h"
-#include "run/timings.h"
 
 enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3 };
 

@@ -12,7 +12,6 @@
 #include "base/files.h"
 #include "base/texels.h"
 #include "base/tool.h"
-#include "run/timings.h"
 #include "run/worker.h"
 
 /* ---- Compiling ------------------------------------------------------------------------------- */

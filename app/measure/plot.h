@@ -24,7 +24,6 @@ struct plot {
     size_t data_size, lines_size;
     uint32_t line_count, point_count;
     double low, high; /* of y, positive */
-    bool bars;        /* of the line begun last */
 };
 
 /* Whether gnuplot is installed, checked before hours of work; logs the error. */

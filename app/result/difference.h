@@ -83,9 +83,6 @@ char *difference_describe_worst(const struct difference *difference,
 char *difference_list_flips(const struct difference *difference, const struct dt_resource *resource,
                             const char *const labels[2]);
 
-/* The contract as text: `exact`, `ulp 4`, `image 0.0196, outliers 0.1 %`, `flips 1`. */
-char *contract_describe(const struct dt_contract *contract);
-
 /* Adds to an object: contract, elements, differing, beyond, not_finite, size_differs, verdict, worst,
  * and with the contract `flips` the list of them. */
 void difference_json(struct cJSON *root, const struct difference *difference,

@@ -94,26 +94,6 @@ static char *describe_pair(const struct number_pair *pair, const char *const lab
 
 /* ---- In words -------------------------------------------------------------------------------- */
 
-char *contract_describe(const struct dt_contract *contract)
-{
-    switch (contract->kind) {
-    case DT_CONTRACT_ULP:
-        return format_string("ulp %.9g", contract->tolerance);
-    case DT_CONTRACT_ABS:
-        return format_string("abs %.9g", contract->tolerance);
-    case DT_CONTRACT_REL:
-        return format_string("rel %.9g", contract->tolerance);
-    case DT_CONTRACT_IMAGE:
-        return format_string("image %.9g, outliers %.9g %%", contract->tolerance,
-                             contract->outliers * 100);
-    case DT_CONTRACT_FLIPS:
-        return format_string("flips %.9g", contract->tolerance);
-    case DT_CONTRACT_EXACT:
-        break;
-    }
-    return format_string("exact");
-}
-
 /* The error without its place: "0.25", "2 ulp", "3 flips", "7 numbers are NaN or Inf, the
  * first". */
 static char *describe_size(const struct difference *difference, const struct dt_contract *contract)

@@ -14,7 +14,6 @@
 
 #include "base/files.h"
 #include "base/texels.h"
-#include "run/timings.h"
 
 enum message_kind {
     /* from the child */
