@@ -71,7 +71,8 @@ void plan_lifetimes(struct model *model)
     }
 }
 
-bool resources_overlap(const struct resource *a, const struct resource *b)
+/* Whether both are alive in a common pass. */
+static bool overlap(const struct resource *a, const struct resource *b)
 {
     if (a->history || b->history)
         return true;
@@ -88,7 +89,7 @@ static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint3
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *other = &pipeline->resources[i];
 
-        if (placed[i] && other->slot == slot && resources_overlap(other, resource))
+        if (placed[i] && other->slot == slot && overlap(other, resource))
             return false;
     }
     return true;
@@ -184,7 +185,7 @@ static bool can_borrow(const struct pipeline *pipeline, const struct resource *o
         const struct resource *other = &pipeline->resources[i];
 
         if ((other == owner || other->share == (int)owner->index) && other != borrower &&
-            resources_overlap(other, borrower))
+            overlap(other, borrower))
             return false;
     }
     return true;

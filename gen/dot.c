@@ -35,9 +35,15 @@ void dot_extent(struct text *out, const struct resource *resource)
         text_add(out, ", %" PRIu32 " mips", mips_of(resource));
 }
 
+/* Words for the bits of a mask. */
+struct word {
+    unsigned bits;
+    const char *text;
+};
+
 /* In `words`, an entry of several bits must come before those of one. */
-void dot_words(struct text *out, const struct dot_word *words, size_t count, unsigned mask,
-               const char *between)
+static void add_words(struct text *out, const struct word *words, size_t count, unsigned mask,
+                      const char *between)
 {
     bool any = false;
 
@@ -52,10 +58,10 @@ void dot_words(struct text *out, const struct dot_word *words, size_t count, uns
 
 static void accesses(struct text *out, unsigned kinds, unsigned stages)
 {
-    static const struct dot_word stage_words[] = {
+    static const struct word stage_words[] = {
         {STAGE_COMPUTE, "compute"}, {STAGE_VERTEX, "vertex"}, {STAGE_FRAGMENT, "fragment"},
         {STAGE_COLOR, "colour"},    {STAGE_DEPTH, "depth"},   {STAGE_CLEAR, "clear"}};
-    static const struct dot_word kind_words[] = {
+    static const struct word kind_words[] = {
         {ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE, "storage read and write"},
         {ACCESS_STORAGE_READ, "storage read"},
         {ACCESS_STORAGE_WRITE, "storage write"},
@@ -73,11 +79,11 @@ static void accesses(struct text *out, unsigned kinds, unsigned stages)
     if (!kinds || kinds & in_shaders) {
         const unsigned shader_stages = STAGE_COMPUTE | STAGE_VERTEX | STAGE_FRAGMENT;
 
-        dot_words(out, stage_words, sizeof stage_words / sizeof *stage_words,
+        add_words(out, stage_words, sizeof stage_words / sizeof *stage_words,
                   kinds ? stages & shader_stages : stages, "/");
         text_add(out, kinds ? " " : " change of layout");
     }
-    dot_words(out, kind_words, sizeof kind_words / sizeof *kind_words, kinds, ", ");
+    add_words(out, kind_words, sizeof kind_words / sizeof *kind_words, kinds, ", ");
 }
 
 void dot_barrier(struct text *out, const struct barrier *barrier)

@@ -18,13 +18,6 @@ void dot_bytes(struct text *out, const char *before, uint64_t bytes, const char 
 void dot_extent(struct text *out, const struct resource *resource);
 /* "compute storage write, clear → compute storage read" */
 void dot_barrier(struct text *out, const struct barrier *barrier);
-/* Words for the bits of a mask. */
-struct dot_word {
-    unsigned bits;
-    const char *text;
-};
-void dot_words(struct text *out, const struct dot_word *words, size_t count, unsigned mask,
-               const char *between);
 
 /* What a pass does with a resource: mask, 0: nothing. */
 enum { DOT_READS = 1, DOT_WRITES = 2 };

@@ -76,9 +76,6 @@ int field_choice(struct reader *reader, const struct fields *fields, const char 
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
 struct expr *node_expr(struct reader *reader, struct fy_node *node);
 void *reader_alloc(struct reader *reader, size_t count, size_t size); /* at least one element */
-/* Whether the value is one that the key allows; reports an error if not. */
-bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
-                 struct loc loc);
 
 /* read_params.c */
 bool param_value(struct reader *reader, struct fy_node *node, double value[4], uint32_t *components,

@@ -138,7 +138,9 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
     return false;
 }
 
-bool value_check(struct reader *reader, const struct key *key, struct fy_node *node, struct loc loc)
+/* Whether the value is one that the key allows; reports an error if not. */
+static bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
+                        struct loc loc)
 {
     struct loc place = node && node_loc(reader, node).line ? node_loc(reader, node) : loc;
     if (node && key->child != SECTION_NONE && key->type != KEY_LIST && key->type != KEY_NAMES &&

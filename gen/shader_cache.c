@@ -58,7 +58,9 @@ static bool asks_for_place(const char *text, size_t length)
     return memmem(text, length, "__LINE__", 8) || memmem(text, length, "__FILE__", 8);
 }
 
-bool shader_text_same(const char *a, size_t a_length, const char *b, size_t b_length)
+/* Whether two texts compile to the same shader. Ignores #line and the comment with the pass name,
+ * except in a text that uses __LINE__ or __FILE__. */
+static bool is_same_text(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     const char *a_end = a + a_length, *b_end = b + b_length;
 
@@ -81,7 +83,7 @@ struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, en
 
     for (uint32_t i = 0; i < pass; i++) {
         const struct text *other = &shaders[i].stage[stage].glsl;
-        if (other->length && shader_text_same(other->data, other->length, glsl->data, glsl->length))
+        if (other->length && is_same_text(other->data, other->length, glsl->data, glsl->length))
             return (struct shader *)&shaders[i].stage[stage];
     }
     return NULL;

@@ -14,12 +14,8 @@ struct shader_cache *shader_cache_open(const char *folder, uint32_t mebibytes,
 /* Removes old entries if new ones were added. Accepts NULL. */
 void shader_cache_close(struct shader_cache *cache);
 
-/* Whether two texts compile to the same shader. Ignores #line and the comment with the pass name,
- * except in a text that uses __LINE__ or __FILE__. */
-bool shader_text_same(const char *a, size_t a_length, const char *b, size_t b_length);
-
-/* The same stage of an earlier pass with the same text (shader_text_same), or NULL. `pass`: index
- * in order of execution. */
+/* The same stage of an earlier pass that compiles to the same shader, or NULL. `pass`: index in
+ * order of execution. */
 struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage);
 
 /* Fills shader->words from the entry for its GLSL. False: no entry, or a damaged one. One thread at

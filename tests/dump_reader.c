@@ -31,19 +31,22 @@ static uint8_t *read_file(const char *path, size_t *size)
     return data;
 }
 
-void dump_open(struct dump *dump, const char *directory)
+static const cJSON *entries(const struct dump *dump)
+{
+    return cJSON_GetObjectItem(dump->manifest, "entries");
+}
+
+static void read_manifest(struct dump *dump)
 {
     char path[600];
-    *dump = (struct dump){0};
-    snprintf(dump->directory, sizeof dump->directory, "%s", directory);
-    snprintf(path, sizeof path, "%s/manifest.json", directory);
     size_t size;
+    snprintf(path, sizeof path, "%s/manifest.json", dump->directory);
     uint8_t *text = read_file(path, &size);
     dump->manifest = cJSON_Parse((const char *)text);
     free(text);
     if (!dump->manifest)
         fail_msg("%s is no JSON", path);
-    if (dump_entry_count(dump) == 0)
+    if (cJSON_GetArraySize(entries(dump)) == 0)
         fail_msg("%s has no entries", path);
 }
 
@@ -56,49 +59,19 @@ void dump_render(struct dump *dump, const char *arguments)
              build ? build : "build", directory, arguments, directory);
     if (system(command) != 0)
         fail_msg("failed: %s", command);
-    snprintf(command, sizeof command, "%s/dump", directory);
-    dump_open(dump, command);
-    dump->temporary = 1;
+    *dump = (struct dump){0};
+    snprintf(dump->directory, sizeof dump->directory, "%s/dump", directory);
+    read_manifest(dump);
 }
 
 void dump_close(struct dump *dump)
 {
-    if (dump->temporary) {
-        char command[600];
-        snprintf(command, sizeof command, "rm -rf '%.*s'", (int)strlen(dump->directory) - 5,
-                 dump->directory);
-        assert_int_equal(system(command), 0);
-    }
+    char command[600];
+    snprintf(command, sizeof command, "rm -rf '%.*s'", (int)strlen(dump->directory) - 5,
+             dump->directory);
+    assert_int_equal(system(command), 0);
     cJSON_Delete(dump->manifest);
     dump->manifest = NULL;
-}
-
-static const cJSON *entries(const struct dump *dump)
-{
-    return cJSON_GetObjectItem(dump->manifest, "entries");
-}
-
-size_t dump_entry_count(const struct dump *dump)
-{
-    return (size_t)cJSON_GetArraySize(entries(dump));
-}
-
-static const char *entry_string(const struct dump *dump, size_t i, const char *key)
-{
-    const char *value =
-        cJSON_GetStringValue(cJSON_GetObjectItem(cJSON_GetArrayItem(entries(dump), (int)i), key));
-    assert_non_null(value);
-    return value;
-}
-
-const char *dump_entry_pass(const struct dump *dump, size_t i)
-{
-    return entry_string(dump, i, "pass");
-}
-
-const char *dump_entry_resource(const struct dump *dump, size_t i)
-{
-    return entry_string(dump, i, "resource");
 }
 
 static size_t number(const cJSON *object, const char *key)

@@ -11,7 +11,6 @@ struct cJSON;
 struct dump {
     char directory[512];
     struct cJSON *manifest;
-    int temporary;
 };
 
 struct dump_entry { /* one resource, or one mip of it, after one pass */
@@ -23,7 +22,6 @@ struct dump_entry { /* one resource, or one mip of it, after one pass */
     const struct cJSON *description; /* the manifest's entry */
 };
 
-void dump_open(struct dump *dump, const char *directory);
 /* Runs `diptych render --dump` with these further arguments in a temporary directory, and opens the
  * dump. The program is $DIPTYCH_BUILD/diptych, build/diptych without it; the working directory is
  * the project's root. */
@@ -44,9 +42,5 @@ void dump_texel(const struct dump_entry *entry, size_t x, size_t y, size_t layer
 
 /* Whether the manifest has this mip of the resource after the pass. */
 int dump_has_mip(const struct dump *dump, const char *pass, const char *resource, size_t mip);
-/* Number of entries in the manifest, and the names in the i-th. */
-size_t dump_entry_count(const struct dump *dump);
-const char *dump_entry_pass(const struct dump *dump, size_t i);
-const char *dump_entry_resource(const struct dump *dump, size_t i);
 
 #endif

@@ -37,7 +37,7 @@ void formats_prepare(void)
     }
 }
 
-uint32_t formats_mips(uint32_t resource)
+static uint32_t mip_count(uint32_t resource)
 {
     return resource < FORMATS_SMALL ? FORMATS_MIPS : 1;
 }
@@ -80,7 +80,7 @@ static bool record(const struct dt_recording *r)
     return r->verbs->begin(r->runtime, 0, true) && r->verbs->end(r->runtime, 0);
 }
 
-const struct dt_panel formats_panel = {
+static const struct dt_panel panel = {
     .pipeline = &pipeline,
     .storage = storage,
     .programs = programs,
@@ -91,8 +91,8 @@ const struct dt_panel formats_panel = {
 static const struct dt_stages gl_stages[] = {
     {.compute = {gl_idle_comp, sizeof gl_idle_comp, NULL}}};
 static const struct dt_stages vk_stages[] = {{.compute = {idle_comp, sizeof idle_comp, NULL}}};
-const struct dt_shaders formats_gl = {"gl", &formats_panel, gl_stages};
-const struct dt_shaders formats_vk = {"vk", &formats_panel, vk_stages};
+const struct dt_shaders formats_gl = {"gl", &panel, gl_stages};
+const struct dt_shaders formats_vk = {"vk", &panel, vk_stages};
 
 /* ---- Bytes ----------------------------------------------------------------------------------- */
 
@@ -124,7 +124,7 @@ static void write_all(const struct dt_runtime *runtime, void *rt,
                       struct dt_bytes written[][FORMATS_MIPS])
 {
     for (uint32_t i = 0; i < FORMATS_RESOURCES; i++) {
-        for (uint32_t mip = 0; mip < formats_mips(i); mip++) {
+        for (uint32_t mip = 0; mip < mip_count(i); mip++) {
             struct dt_bytes *bytes = &written[i][mip];
             assert_true(runtime->read(rt, i, mip, bytes)); /* for its size */
             fill(bytes, is_depth(i), i * FORMATS_MIPS + mip);
@@ -137,7 +137,7 @@ static void check_all(const struct dt_runtime *runtime, void *rt,
                       struct dt_bytes written[][FORMATS_MIPS])
 {
     for (uint32_t i = 0; i < FORMATS_RESOURCES; i++) {
-        for (uint32_t mip = 0; mip < formats_mips(i); mip++) {
+        for (uint32_t mip = 0; mip < mip_count(i); mip++) {
             struct dt_bytes bytes;
             assert_true(runtime->read(rt, i, mip, &bytes));
             if (memcmp(bytes.data, written[i][mip].data, bytes.size) != 0)
@@ -160,7 +160,7 @@ void formats_run(const struct dt_runtime *runtime, const struct dt_runtime_optio
     assert_true(runtime->render(rt, &frame, NULL, NULL)); /* which touches nothing */
     check_all(runtime, rt, written);
     for (uint32_t i = 0; i < FORMATS_RESOURCES; i++)
-        for (uint32_t mip = 0; mip < formats_mips(i); mip++)
+        for (uint32_t mip = 0; mip < mip_count(i); mip++)
             free(written[i][mip].data);
     assert_int_equal(runtime->messages(rt), 0);
     runtime->close(rt);

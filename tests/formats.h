@@ -16,11 +16,9 @@ enum {
     FORMATS_RESOURCES
 };
 
-extern const struct dt_panel formats_panel;
 extern const struct dt_shaders formats_gl, formats_vk;
 
 void formats_prepare(void); /* call before use */
-uint32_t formats_mips(uint32_t resource);
 
 /* Opens, writes everything, reads everything, before and after a frame; closes. */
 void formats_run(const struct dt_runtime *runtime, const struct dt_runtime_options *options,

@@ -74,7 +74,6 @@ void probe_check_stack(const struct dt_runtime *runtime, void *rt);
 /* `frames`: the first element of the buffer of that name. */
 void probe_check_rest(const struct dt_runtime *runtime, void *rt, uint32_t width, uint32_t height,
                       uint32_t frames, const struct probe_live *live);
-void probe_check_spare(const struct dt_runtime *runtime, void *rt, int poison);
 
 /* Frames of three sizes, passes on and off, with all checks; opens and closes. `options` has a log that
  * counts errors in `errors`, debug, timing and poison 0xab. */

@@ -218,7 +218,7 @@ void probe_check_rest(const struct dt_runtime *runtime, void *rt, uint32_t width
     check_pictures(runtime, rt, width, height, live);
 }
 
-void probe_check_spare(const struct dt_runtime *runtime, void *rt, int poison)
+static void check_spare(const struct dt_runtime *runtime, void *rt, int poison)
 {
     for (uint32_t mip = 0; mip < PROBE_MIPS; mip++) {
         struct dt_bytes bytes =
@@ -248,7 +248,7 @@ static void run_size(const struct dt_runtime *runtime, void *rt, uint32_t width,
     const struct probe_live run = {.mask = 1, .scale = 0.25f, .glow = 1}, off = {.scale = 0.25f};
     struct dt_frame frame = probe_frame(0);
     assert_true(runtime->resize(rt, width, height));
-    probe_check_spare(runtime, rt, 0xab);
+    check_spare(runtime, rt, 0xab);
     assert_true(runtime->render(rt, &frame, &run, NULL));
     probe_check_color(runtime, rt, width, height);
     probe_check_stack(runtime, rt);
@@ -258,7 +258,7 @@ static void run_size(const struct dt_runtime *runtime, void *rt, uint32_t width,
     assert_true(runtime->render(rt, &frame, &off, NULL));
     probe_check_stack(runtime, rt);
     probe_check_rest(runtime, rt, width, height, 1 + 101, &off);
-    probe_check_spare(runtime, rt, 0xab);
+    check_spare(runtime, rt, 0xab);
     check_timings(runtime, rt, &off);
 }
 

@@ -38,7 +38,15 @@ static bool is_same_surface(const struct seen_point *a, const struct seen_point 
            fabs(dot3(a->plane, apart)) < most_off_plane * (double)a->depth;
 }
 
-struct taps change_reproject(const struct seen *before, const struct seen_point *point)
+/* Pixels of a frame and their weights, which interpolate the value at a point; the weights sum to
+ * 1. 0 taps: the point was not visible. */
+struct taps {
+    uint32_t count;
+    size_t pixel[4];
+    float weight[4];
+};
+
+static struct taps reproject(const struct seen *before, const struct seen_point *point)
 {
     struct taps taps = {0};
     double place[2], sum = 0;
@@ -115,7 +123,7 @@ bool change_measure(struct change *change, const struct seen seen[2],
     for (uint32_t y = 0; y < now->height; y++)
         for (uint32_t x = 0; x < now->width; x++) {
             size_t pixel = (size_t)y * now->width + x;
-            const struct taps taps = change_reproject(&seen[0], &now->points[pixel]);
+            const struct taps taps = reproject(&seen[0], &now->points[pixel]);
             change->surfaces += now->points[pixel].depth > 0;
             add_pixel(change, &blocks[y / block * columns + x / block], &taps, pixel, test,
                       reference);

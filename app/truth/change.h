@@ -41,15 +41,6 @@ struct seen {
     float view_projection[4][4]; /* clip space as in struct dt_view */
 };
 
-/* Pixels of a frame and their weights, which interpolate the value at a point; the weights sum to
- * 1. 0 taps: the point was not visible. */
-struct taps {
-    uint32_t count;
-    size_t pixel[4];
-    float weight[4];
-};
-struct taps change_reproject(const struct seen *before, const struct seen_point *point);
-
 /* Change between two frames, see above; or sums over many pairs. */
 struct change {
     uint64_t surfaces; /* pixels that show a surface */

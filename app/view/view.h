@@ -153,9 +153,6 @@ void view_show(struct view *view, uint32_t resource); /* its layer and mip go ba
 uint32_t view_mips(const struct view *view);
 uint32_t view_layers(const struct view *view);
 
-/* The pipeline's display output, shown from device memory as it is. */
-bool view_is_direct(const struct view *view);
-
 /* Call after that pass: reads the shown resource, and points, when the pass is the last to write
  * them. */
 bool view_take(const struct view *view, struct view_side *side, uint32_t pass);

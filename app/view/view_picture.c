@@ -61,7 +61,8 @@ void view_show(struct view *view, uint32_t resource)
     view->mip = 0;
 }
 
-bool view_is_direct(const struct view *view)
+/* Whether the pipeline's display output is shown from device memory. */
+static bool is_direct(const struct view *view)
 {
     const struct dt_pipeline *info = view->pipeline.info;
     const struct dt_resource *resource = &info->resources[view->resource];
@@ -200,7 +201,7 @@ static bool upload(const struct view *view, uint32_t index)
 bool view_pictures(struct view *view)
 {
     const struct session *window = &view->side[0].session;
-    uint32_t first = view_is_direct(view) ? 1 : 0;
+    uint32_t first = is_direct(view) ? 1 : 0;
     view->direct = first > 0;
     if (view->direct) {
         view_forget(&view->side[0]);
