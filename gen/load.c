@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "shader_cache.h"
 #include "watchdog.h"
 
 bool spec_read(struct spec *spec, const struct spec_request *request, struct diag *diag)
@@ -26,8 +27,12 @@ static bool load(struct spec *spec, const struct spec_request *request, bool tab
         diag_error_count(diag))
         return false;
     layout_model(model);
-    if (!plan_model(model, diag) || diag_error_count(diag) ||
-        !shaders_compile(model, spec->shaders, request->cache, diag))
+    if (!plan_model(model, diag) || diag_error_count(diag))
+        return false;
+    struct shader_cache *cache = shader_cache_open(request->cache, diag);
+    bool good = shaders_compile(model, spec->shaders, cache, diag);
+    shader_cache_close(cache);
+    if (!good)
         return false;
     spec->tables = tables ? lower(model, spec->shaders) : NULL;
     if (tables && !spec->tables)

@@ -4,7 +4,6 @@
 #define DIPTYCH_GEN_LOAD_H
 
 #include "lower.h"
-#include "shader_cache.h"
 
 enum { SPEC_SECONDS = 60 }; /* of processor time, which is enough for a hundred of ssvp's size */
 
@@ -12,10 +11,10 @@ struct spec_request {
     const char *path;
     const char *const *sets; /* "PATH=VALUE" */
     size_t set_count;
-    const char *templates;      /* folder with glsl/ */
-    const char *root;           /* real path: files outside are not read; NULL: no limit */
-    struct shader_cache *cache; /* NULL: every shader is compiled */
-    unsigned seconds;           /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
+    const char *templates; /* folder with glsl/ */
+    const char *root;      /* real path: files outside are not read; NULL: no limit */
+    const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
+    unsigned seconds;      /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
 };
 
 /* The results for one spec. Zero before spec_load; call spec_free also after an error. */

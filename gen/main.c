@@ -14,7 +14,6 @@
 
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
 enum { GENERATED_COLUMNS = 100 };
-enum { CACHE_MIB = 64 };
 
 enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 
@@ -48,7 +47,8 @@ static const struct option_row option_rows[] = {
     ROW("--json", OPTION_STRING, json, "FILE",
         "also write what was generated, or the errors, as JSON"),
     ROW("--cache", OPTION_STRING, cache, "DIR",
-        "keep compiled shaders there: the next generation compiles only those that have changed"),
+        "keep compiled shaders there, at most DIPTYCH_CACHE_MIB (default: 64): the next generation "
+        "compiles only those that have changed"),
     ROW("--limit", OPTION_STRING, limit, "SECONDS",
         "end with an error after that much processor time (default: 60)"),
     ROW("--templates", OPTION_STRING, templates, "DIR",
@@ -275,15 +275,6 @@ static bool read_number(const char *name, const char *text, uint64_t least, uint
     return false;
 }
 
-static struct shader_cache *open_cache(const char *folder)
-{
-    const char *problem = NULL;
-    struct shader_cache *cache = folder ? shader_cache_open(folder, CACHE_MIB, &problem) : NULL;
-    if (problem)
-        fprintf(stderr, "diptych-gen: warning: %s: not used as a cache: %s\n", folder, problem);
-    return cache;
-}
-
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
@@ -295,10 +286,8 @@ static enum status generate(struct generation *g)
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
                                    .seconds = (unsigned)seconds,
-                                   .cache = open_cache(options->cache)};
-    bool good = spec_load(&g->spec, &request, options->out, g->diag);
-    shader_cache_close(request.cache);
-    if (!good)
+                                   .cache = options->cache};
+    if (!spec_load(&g->spec, &request, options->out, g->diag))
         return STATUS_WRONG_SPEC;
     enum status status = options->check ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)

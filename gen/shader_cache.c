@@ -18,6 +18,7 @@
 
 /* Raise after a change of the SPIR-V that spirv.c or loops.c write. */
 enum { REWRITING = 1 };
+enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 
 struct head {
@@ -29,7 +30,6 @@ static const char magic[8] = "dtspv 2";
 
 struct shader_cache {
     int folder;
-    uint64_t most_bytes;
     bool added;
     unsigned number; /* of temporary files */
 };
@@ -252,16 +252,25 @@ static struct file *list_files(int folder, size_t *count, uint64_t *bytes)
     return files;
 }
 
+static uint64_t most_bytes(void)
+{
+    const char *text = getenv("DIPTYCH_CACHE_MIB");
+    char *end = NULL;
+    unsigned long value = text ? strtoul(text, &end, 10) : 0;
+    bool valid = text && end > text && !*end && value <= MOST_MIB;
+    return (uint64_t)(valid ? value : DEFAULT_MIB) << 20;
+}
+
 /* Above the limit, removes least recently used entries down to three quarters of the limit: then
  * the next entries need no removal. */
 static void remove_old(const struct shader_cache *cache)
 {
     size_t count = 0;
-    uint64_t bytes = 0;
+    uint64_t bytes = 0, most = most_bytes();
     struct file *files = list_files(cache->folder, &count, &bytes);
-    if (files && bytes > cache->most_bytes) {
+    if (files && bytes > most) {
         qsort(files, count, sizeof *files, oldest_first);
-        for (size_t i = 0; i < count && bytes > cache->most_bytes / 4 * 3; i++)
+        for (size_t i = 0; i < count && bytes > most / 4 * 3; i++)
             if (!unlinkat(cache->folder, files[i].name, 0))
                 bytes -= files[i].bytes;
     }
@@ -291,16 +300,19 @@ static int open_folder(const char *folder, const char **problem)
     return -1;
 }
 
-struct shader_cache *shader_cache_open(const char *folder, uint32_t mebibytes, const char **problem)
+struct shader_cache *shader_cache_open(const char *folder, struct diag *diag)
 {
-    struct shader_cache *cache = calloc(1, sizeof *cache);
-    *problem = NULL;
+    static bool warned;
+    const char *problem = NULL;
+    struct shader_cache *cache = folder ? calloc(1, sizeof *cache) : NULL;
     if (!cache)
         return NULL;
-    cache->most_bytes = (uint64_t)mebibytes << 20;
-    cache->folder = open_folder(folder, problem);
+    cache->folder = open_folder(folder, &problem);
     if (cache->folder >= 0)
         return cache;
+    if (!warned)
+        diag_warning(diag, (struct loc){0}, "%s: not used as a cache: %s", folder, problem);
+    warned = true;
     free(cache);
     return NULL;
 }

@@ -6,12 +6,11 @@
 
 struct shader_cache;
 
-/* Opens the folder; makes it when it is missing. NULL: *problem says why, for example that others
- * own the folder or may write to it; without a problem, out of memory. `mebibytes`: above this
- * size, shader_cache_close removes least recently used entries. */
-struct shader_cache *shader_cache_open(const char *folder, uint32_t mebibytes,
-                                       const char **problem);
-/* Removes old entries if new ones were added. Accepts NULL. */
+/* Opens the folder; makes it when it is missing. NULL: the folder is NULL, or cannot be used, for
+ * example because others may write to it; the first such folder of a process is a warning. */
+struct shader_cache *shader_cache_open(const char *folder, struct diag *diag);
+/* If entries were added, removes the least recently used ones above DIPTYCH_CACHE_MIB (environment;
+ * default: 64). Accepts NULL. */
 void shader_cache_close(struct shader_cache *cache);
 
 /* The same stage of an earlier pass that compiles to the same shader, or NULL. `pass`: index in

@@ -55,7 +55,7 @@ cp "$root/templates/shared/tonemap.glsl" "$body"
 generate before && cp "$work/before/vk/tonemap.comp.spv" "$work/before.spv"
 check "... which is other code" test "$(cmp -s "$work/edited.spv" "$work/before.spv" && echo same)" != same
 check "what was there before the edit is still there" is_as_without
-check "so is another value of a parameter" is_as_without --set rsm_size=64
+check "so is another value of a parameter" is_as_without --set samples=16
 check "and the other way to compile" is_as_without --set exactness=fast
 
 rm -rf "$cache"
@@ -73,6 +73,21 @@ done
 check "another shader's entry under its name is a miss, and made anew" is_mended another
 check "an entry that is a pipe is a miss, and made anew" is_mended by_pipe
 check "an entry that is missing is made anew" is_mended rm "$entry"
+
+# An entry larger than the default limit, used last two days ago: a new entry makes it go, unless DIPTYCH_CACHE_MIB allows for it.
+# shellcheck disable=SC2317
+keeps_old() { # samples, which makes new entries
+    truncate -s 65M "$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&
+        generate sized --cache "$cache" --set "samples=$1" && [ -e "$cache/old.spv" ]
+}
+# shellcheck disable=SC2317
+env_keeps_old() { # DIPTYCH_CACHE_MIB samples
+    DIPTYCH_CACHE_MIB=$1 keeps_old "$2"
+}
+check_status 1 "without DIPTYCH_CACHE_MIB the cache keeps to 64 MiB" keeps_old 8
+check "a larger DIPTYCH_CACHE_MIB is heeded" env_keeps_old 100 32
+check_status 1 "so is a smaller" env_keeps_old 1 48
+check_status 1 "one that is no number is ignored" env_keeps_old 100x 80
 
 # Errors come in order and with their carets, as often as one asks, though shaders are compiled side by side.
 cat >>"$body" <<'BROKEN'

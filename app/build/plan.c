@@ -11,8 +11,6 @@
 #include "build/play.h"
 #include "gen/load.h"
 
-enum { DEFAULT_CACHE_MIB = 64 };
-
 struct plan {
     struct spec spec;
 };
@@ -34,29 +32,6 @@ static void tell(struct diag *diag, bool failed, struct console *console)
         tool_tell(file, failed, console);
 }
 
-/* ---- Cache ----------------------------------------------------------------------------------- */
-
-static uint32_t cache_mebibytes(void)
-{
-    const char *text = getenv("DIPTYCH_CACHE_MIB");
-    char *end = NULL;
-    unsigned long value = text ? strtoul(text, &end, 10) : DEFAULT_CACHE_MIB;
-    return text && (end == text || *end || value > 1 << 20) ? DEFAULT_CACHE_MIB : (uint32_t)value;
-}
-
-static struct shader_cache *open_cache(const char *folder, struct console *console)
-{
-    static bool said;
-    const char *problem = NULL;
-    struct shader_cache *cache =
-        folder ? shader_cache_open(folder, cache_mebibytes(), &problem) : NULL;
-    if (problem && !said) {
-        report_message(&console->log, DT_WARNING, "%s: not used as a cache: %s", folder, problem);
-        said = true;
-    }
-    return cache;
-}
-
 /* ---- Load ------------------------------------------------------------------------------------ */
 
 static struct spec_request spec_request(const struct plan_request *request)
@@ -65,7 +40,8 @@ static struct spec_request spec_request(const struct plan_request *request)
                                  .sets = request->sets,
                                  .set_count = request->set_count,
                                  .templates = request->templates,
-                                 .root = request->root};
+                                 .root = request->root,
+                                 .cache = request->cache};
 }
 
 struct plan *plan_load(const struct plan_request *request, struct console *console)
@@ -75,9 +51,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
     struct diag *diag = diag_create();
     bool good = plan && diag;
     if (good) {
-        wanted.cache = open_cache(request->cache, console);
         good = spec_load(&plan->spec, &wanted, true, diag);
-        shader_cache_close(wanted.cache);
         tell(diag, !good, console);
     } else {
         report_error(&console->log, "out of memory");
