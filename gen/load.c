@@ -7,7 +7,7 @@
 #include "shader_cache.h"
 #include "watchdog.h"
 
-bool spec_read(struct spec *spec, const struct spec_request *request, struct diag *diag)
+static bool read(struct spec *spec, const struct spec_request *request, struct diag *diag)
 {
     spec->model.arena = spec->model.arena ? spec->model.arena : arena_create();
     if (!spec->model.arena) {
@@ -23,7 +23,7 @@ static bool load(struct spec *spec, const struct spec_request *request, bool tab
                  struct diag *diag)
 {
     struct model *model = &spec->model;
-    if (!spec_read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
+    if (!read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
         diag_error_count(diag))
         return false;
     layout_model(model);

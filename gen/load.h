@@ -29,7 +29,4 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
                struct diag *diag);
 void spec_free(struct spec *spec);
 
-/* Only reads the spec, without checks: gives the names of its parameters. */
-bool spec_read(struct spec *spec, const struct spec_request *request, struct diag *diag);
-
 #endif

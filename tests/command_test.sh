@@ -32,7 +32,7 @@ refused 2 '--size 99999x99999' "${render[@]}" --backend gl --size 99999x99999 -o
 refused 2 'must end in .exr' "${render[@]}" --backend gl -o "$work/a.jpg"
 refused 2 '-o FILE is missing' "${render[@]}" --backend gl
 refused 2 '--set bounces: must be PATH=VALUE' "${render[@]}" --backend gl --set bounces
-refused 1 '--set bounces=9: must be of type int, from 0 to 2' "${render[@]}" --backend vk -o "$work/a.png" --set bounces=9
+refused 1 'is 9, above its max of 2' "${render[@]}" --backend vk -o "$work/a.png" --set bounces=9
 # shellcheck disable=SC2016 # these are no commands
 refused 1 'did you mean `bounces`?' "${render[@]}" --backend vk -o "$work/a.png" --set bouncez=1
 refused 1 "$work/absent/a.png: cannot be written" "${render[@]}" --backend vk -o "$work/absent/a.png"

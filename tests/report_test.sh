@@ -83,8 +83,8 @@ check "... to a whole page" /usr/bin/python3 "$root/tests/report.py" "$work/held
 
 # ---- What fails -------------------------------------------------------------------------------------------------------
 
-# The parameter has no such values. What was made with others must not stand in for them.
-sed -i 's/^sweep: .*/sweep: {parameter: level, values: [0.05, 0.1, 7]}/; s/level=0.1]/level=9]/' "$folder/grey/report.yaml"
+# The parameter has no such value, and the other name is no parameter. What was made with others must not stand in for them.
+sed -i 's/^sweep: .*/sweep: {parameter: level, values: [0.05, 0.1, 7]}/; s/level=0.1]/levels=0.1]/' "$folder/grey/report.yaml"
 check "steps that fail are told, and the rest is done" said 1 "there is no result of: " "${small[@]}"
 check "... and the page is there, without their numbers" /usr/bin/python3 "$root/tests/report.py" "$report" --incomplete
 

@@ -9,18 +9,15 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/live.h"
 #include "base/tool.h"
 
 /* Processor time after which a spec hangs. */
 #define TRY_SECONDS "30"
 
-/* What a load needs, found from the options. */
+/* The folders and the spec of a load, as real paths; owned. */
 struct load {
-    char *tools, *spec, *templates, *cache;
-    const char **sets; /* those of no live parameter, sorted */
-    uint32_t set_count;
-    const char *root;
+    char *tools, *spec, *templates;
+    char *cache; /* NULL: none */
 };
 
 char *pipeline_spec_path(const char *spec, const struct dt_log *log)
@@ -70,99 +67,31 @@ static char *cache_folder(const char *tools)
     return folder;
 }
 
-/* ---- Overrides ------------------------------------------------------------------------------- */
-
-/* A bare name is a parameter or a top-level key, everything else (dots, brackets) a path in the
- * spec. */
-static bool is_bare(const char *set)
-{
-    return strcspn(set, ".[") > strcspn(set, "=");
-}
-
-static int compare_strings(const void *a, const void *b)
-{
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
-static struct plan_request request_of(const struct load *load)
-{
-    return (struct plan_request){.spec = load->spec,
-                                 .templates = load->templates,
-                                 .sets = load->sets,
-                                 .set_count = load->set_count,
-                                 .cache = load->cache,
-                                 .root = load->root};
-}
-
-/* Those of live parameters are left out. Names that the spec does not know stay: planning judges them. */
-static bool sort_sets(struct load *load, const struct options *options, struct console *console)
-{
-    bool *live = calloc(options->set_count + 1, sizeof *live);
-    bool good = live && load->sets;
-    for (uint32_t i = 0; good && i < options->set_count; i++)
-        if (!is_bare(options->sets[i]))
-            load->sets[load->set_count++] = options->sets[i];
-    if (!good) {
-        report_error(&console->log, "out of memory");
-    } else if (load->set_count < options->set_count) {
-        struct plan_request request = request_of(load);
-        good = plan_find_live(&request, (const char *const *)options->sets, options->set_count,
-                              live, console);
-        for (uint32_t i = 0; good && i < options->set_count; i++)
-            if (is_bare(options->sets[i]) && !live[i])
-                load->sets[load->set_count++] = options->sets[i];
-    }
-    if (good)
-        qsort(load->sets, load->set_count, sizeof *load->sets, compare_strings);
-    free(live);
-    return good;
-}
-
-static bool set_live(struct pipeline *pipeline, const struct options *options,
-                     const struct dt_log *log)
-{
-    bool good = true;
-    for (uint32_t i = 0; i < options->set_count && good; i++) {
-        const char *value = strchr(options->sets[i], '=') + 1;
-        char *name = strndup(options->sets[i], (size_t)(value - 1 - options->sets[i]));
-        const struct dt_param *param = name ? live_param(pipeline->info, name) : NULL;
-        if (param && param->live && is_bare(options->sets[i]))
-            good = live_set(pipeline->info, pipeline->live, param, value, log);
-        free(name);
-    }
-    return good;
-}
-
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-static bool find(struct load *load, struct console *console, const struct options *options)
+static bool find(struct load *load, const struct options *options, const struct dt_log *log)
 {
-    const struct dt_log *log = &console->log;
-    *load = (struct load){.sets = calloc(options->set_count + 1, sizeof *load->sets),
-                          .root = options->root};
-    load->tools = tools_folder(log);
+    *load = (struct load){.tools = tools_folder(log)};
     load->spec = load->tools ? pipeline_spec_path(options->spec, log) : NULL;
     load->templates = !load->spec          ? NULL
                       : options->templates ? realpath(options->templates, NULL)
                                            : templates_folder(log);
-    load->cache = load->tools ? cache_folder(load->tools) : NULL;
     if (load->spec && !load->templates)
         report_error(log, "%s: cannot be read: %s",
                      options->templates ? options->templates : "templates", strerror(errno));
-    return load->templates && sort_sets(load, options, console);
+    load->cache = load->templates ? cache_folder(load->tools) : NULL;
+    return load->templates;
 }
 
 static void forget(struct load *load)
 {
-    free(load->sets);
     free(load->cache);
     free(load->templates);
     free(load->spec);
     free(load->tools);
 }
 
-static bool take_plan(struct pipeline *pipeline, struct load *load, const struct options *options,
-                      const struct dt_log *log)
+static bool take_plan(struct pipeline *pipeline, struct load *load, const struct dt_log *log)
 {
     pipeline->info = plan_pipeline(pipeline->plan);
     pipeline->gl = plan_shaders(pipeline->plan, "gl");
@@ -176,7 +105,7 @@ static bool take_plan(struct pipeline *pipeline, struct load *load, const struct
     pipeline->spec = load->spec;
     pipeline->templates = load->templates;
     load->spec = load->templates = NULL;
-    return set_live(pipeline, options, log);
+    return true;
 }
 
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
@@ -184,12 +113,17 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
 {
     struct load load;
     *pipeline = (struct pipeline){0};
-    bool good = find(&load, console, options);
+    bool good = find(&load, options, &console->log);
     if (good) {
-        struct plan_request request = request_of(&load);
+        const struct plan_request request = {.spec = load.spec,
+                                             .templates = load.templates,
+                                             .sets = options->sets,
+                                             .set_count = options->set_count,
+                                             .cache = load.cache,
+                                             .root = options->root};
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
-        good = pipeline->plan && take_plan(pipeline, &load, options, &console->log);
+        good = pipeline->plan && take_plan(pipeline, &load, &console->log);
     }
     forget(&load);
     if (!good)
@@ -197,12 +131,13 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
     return good;
 }
 
-static bool run_generator(const struct load *load, struct console *console)
+static bool run_generator(const struct load *load, const struct options *options,
+                          struct console *console)
 {
     static const struct tool generator = {
         .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
     char *tool = format_string("%s/diptych-gen", load->tools);
-    char **argv = calloc(load->set_count * 2 + 12, sizeof *argv);
+    char **argv = calloc(options->set_count * 2 + 12, sizeof *argv);
     bool good = false;
     if (tool && argv) {
         const char *const words[] = {
@@ -213,9 +148,9 @@ static bool run_generator(const struct load *load, struct console *console)
         for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
             if (words[i])
                 argv[n++] = (char *)words[i];
-        for (uint32_t i = 0; i < load->set_count; i++) {
+        for (uint32_t i = 0; i < options->set_count; i++) {
             argv[n++] = (char *)"--set";
-            argv[n++] = (char *)load->sets[i];
+            argv[n++] = (char *)options->sets[i];
         }
         good = tool_run(&generator, argv, -1, console);
     } else {
@@ -226,20 +161,10 @@ static bool run_generator(const struct load *load, struct console *console)
     return good;
 }
 
-/* Sorting the overrides reads the spec in this process; so all of them go to the other one first, where a
- * live parameter's does no harm. */
 bool pipeline_try(struct console *console, const struct options *options)
 {
-    const struct dt_log *log = &console->log;
-    struct load load = {.sets = (const char **)options->sets, .set_count = options->set_count};
-    load.tools = tools_folder(log);
-    load.spec = load.tools ? pipeline_spec_path(options->spec, log) : NULL;
-    load.templates =
-        load.spec ? options->templates ? realpath(options->templates, NULL) : templates_folder(log)
-                  : NULL;
-    load.cache = load.tools ? cache_folder(load.tools) : NULL;
-    bool good = load.templates && run_generator(&load, console);
-    load.sets = NULL;
+    struct load load;
+    bool good = find(&load, options, &console->log) && run_generator(&load, options, console);
     forget(&load);
     return good;
 }

@@ -11,8 +11,7 @@
 struct pipeline {
     const struct dt_pipeline *info;
     const struct dt_shaders *gl, *vk;
-    /* info->live_size bytes: the defaults with the live parameters that were set; owned */
-    void *live;
+    void *live;             /* info->live_size bytes, initially info->live_defaults; owned */
     struct plan *plan;      /* owned */
     char *spec, *templates; /* real paths of what it was made from; owned */
 };
@@ -22,7 +21,7 @@ char *pipeline_spec_path(const char *spec, const struct dt_log *log);
 
 /* Reads, checks and plans; compiles the shaders that the cache does not have: in build/cache beside the
  * executable, or in $XDG_CACHE_HOME/diptych when it is installed or that cannot be written. --set of a live
- * parameter only writes pipeline->live. On false the error is logged and nothing is left loaded. */
+ * parameter only changes its default. On false the error is logged and nothing is left loaded. */
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options);
 /* Whether another process, which may crash or hang, takes the spec: it leaves the shaders in the cache, so

@@ -34,19 +34,14 @@ static void tell(struct diag *diag, bool failed, struct console *console)
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-static struct spec_request spec_request(const struct plan_request *request)
-{
-    return (struct spec_request){.path = request->spec,
-                                 .sets = request->sets,
-                                 .set_count = request->set_count,
-                                 .templates = request->templates,
-                                 .root = request->root,
-                                 .cache = request->cache};
-}
-
 struct plan *plan_load(const struct plan_request *request, struct console *console)
 {
-    struct spec_request wanted = spec_request(request);
+    const struct spec_request wanted = {.path = request->spec,
+                                        .sets = request->sets,
+                                        .set_count = request->set_count,
+                                        .templates = request->templates,
+                                        .root = request->root,
+                                        .cache = request->cache};
     struct plan *plan = calloc(1, sizeof *plan);
     struct diag *diag = diag_create();
     bool good = plan && diag;
@@ -138,33 +133,4 @@ char *plan_header(const struct plan *plan)
     if (text.failed)
         text_free(&text);
     return text.data;
-}
-
-static bool is_live(const struct pipeline *pipeline, const char *set)
-{
-    size_t length = strcspn(set, "=");
-    for (uint32_t i = 0; i < pipeline->param_count; i++) {
-        const struct param *param = &pipeline->params[i];
-        if (strlen(param->name) == length && !strncmp(param->name, set, length))
-            return param->live;
-    }
-    return false;
-}
-
-bool plan_find_live(const struct plan_request *request, const char *const *sets, uint32_t set_count,
-                    bool *live, struct console *console)
-{
-    struct spec_request wanted = spec_request(request);
-    struct spec spec = {0};
-    struct diag *diag = diag_create();
-    bool good = diag && spec_read(&spec, &wanted, diag) && !diag_error_count(diag);
-    for (uint32_t i = 0; good && i < set_count; i++)
-        live[i] = is_live(&spec.model.pipeline, sets[i]);
-    if (!good && diag)
-        tell(diag, true, console);
-    else if (!good)
-        report_error(&console->log, "out of memory");
-    diag_free(diag);
-    spec_free(&spec);
-    return good;
 }

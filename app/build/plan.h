@@ -34,8 +34,4 @@ uint64_t plan_hash(const struct plan *plan);
 /* NAME.h, for such a file; free(). */
 char *plan_header(const struct plan *plan);
 
-/* Whether the name before `=` of each --set is a live parameter of the spec, into live[]. */
-bool plan_find_live(const struct plan_request *request, const char *const *sets, uint32_t set_count,
-                    bool *live, struct console *console);
-
 #endif
