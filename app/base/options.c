@@ -98,10 +98,10 @@ static const struct option_row rows[] = {
      "give OpenGL the GLSL text instead of SPIR-V"},
     {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation layers and KHR_debug; any message fails the run"},
-    {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER | VERB_COMPARE, 0, "N",
-     "leave out the N-th barrier of Vulkan's frame, to test whether --debug reports it; render "
-     "runs one more frame, since reading results waits after every pass"},
-    {"--drop-dependency", OPTION_COUNT, AT(drop_dependency), VERB_RENDER | VERB_COMPARE, 0, "N",
+    {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER, 0, "N",
+     "leave out the N-th barrier of Vulkan's frame, to test whether --debug reports it; runs one "
+     "more frame, since reading results waits after every pass"},
+    {"--drop-dependency", OPTION_COUNT, AT(drop_dependency), VERB_RENDER, 0, "N",
      "keep the layout change of the N-th barrier, but drop what it waits for"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder from which `replay` runs the guilty pass alone"},
