@@ -10,7 +10,8 @@
 
 #include "diptych.h"
 
-/* Exit statuses that scripts rely on. `compare` gives EXIT_DIFFER. */
+/* Exit statuses that scripts rely on. Verbs that compare give EXIT_DIFFER, and EXIT_USAGE also when
+ * they could not run. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
 enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8, CONSOLE_CAPTURES = 2 };

@@ -9,8 +9,6 @@
 #include "compare/bisect.h"
 #include "result/identity.h"
 
-enum { COULD_NOT_RUN = 2 };
-
 /* Fills resources without history before the first frame: memory that no pass has written then
  * differs in every pair. */
 enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
@@ -465,5 +463,5 @@ int verb_compare(struct console *console, const struct options *options)
     for (uint32_t i = 0; i < compare.pair_count; i++)
         differ |= compare.pairs && compare.pairs[i].broken;
     release(&compare);
-    return !good ? COULD_NOT_RUN : differ ? EXIT_DIFFER : EXIT_FINE;
+    return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

@@ -11,7 +11,7 @@
 #include "result/difference.h"
 #include "run/worker.h"
 
-enum { COULD_NOT_RUN = 2, POISON = 0xa5 };
+enum { POISON = 0xa5 };
 
 struct lone_pass {
     struct console *console;
@@ -256,7 +256,7 @@ int verb_replay(struct console *console, const struct options *options)
 {
     struct lone_pass alone = {.console = console, .options = options};
     bool good = run(&alone);
-    int status = COULD_NOT_RUN;
+    int status = EXIT_USAGE;
     console_status(console, "%s", "");
     if (good) {
         uint32_t count = row_count(&alone.evidence.rows.outputs, alone.evidence.pass);

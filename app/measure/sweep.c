@@ -13,8 +13,6 @@
 #include "base/files.h"
 #include "base/tool.h"
 
-enum { COULD_NOT_RUN = 2 };
-
 const char *sweep_text(const cJSON *object, const char *name)
 {
     const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
@@ -152,7 +150,7 @@ static int run_sweep(struct console *console, const struct options *options, cJS
 {
     const struct dt_log *log = &console->log;
     char *folder = make_folder(options->output, log);
-    int status = COULD_NOT_RUN;
+    int status = EXIT_USAGE;
     bool good = folder && sweep_add_commands(sweep, folder, log);
     console_hold(console);
     good = good && sweep_write(sweep, folder, options->slurm, log);
@@ -173,12 +171,12 @@ int verb_sweep(struct console *console, const struct options *options)
 {
     bool good = true, measures = false;
     if (!sweep_measures(options, &measures, &console->log))
-        return COULD_NOT_RUN;
+        return EXIT_USAGE;
     if (measures)
         return sweep_measure(console, options);
     cJSON *sweep = options->collect ? read_sweep(options->output, true, &good, &console->log)
                                     : make_sweep(console, options);
-    int status = COULD_NOT_RUN;
+    int status = EXIT_USAGE;
     if (sweep && good)
         status = options->collect ? sweep_summarise(console, sweep, options->output)
                                   : run_sweep(console, options, sweep);

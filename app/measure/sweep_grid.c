@@ -10,7 +10,7 @@
 #include "measure/plot.h"
 #include "measure/sweep.h"
 
-enum { COULD_NOT_RUN = 2, MOST_POINTS = 100000, LINE_HEIGHT = 18 };
+enum { MOST_POINTS = 100000, LINE_HEIGHT = 18 };
 
 /* One value list of --grid. */
 struct axis {
@@ -412,11 +412,11 @@ static int summarise(struct measured_sweep *sweep)
         good = draw_plot(sweep, &plotted[i]);
     free(csv);
     if (!good)
-        return COULD_NOT_RUN;
+        return EXIT_USAGE;
     uint32_t failed = print_table(sweep);
     console->result = sweep_json(sweep, failed);
     if (failed)
-        return COULD_NOT_RUN;
+        return EXIT_USAGE;
     return any_differs(cJSON_GetObjectItem(console->result, "rows")) ? EXIT_DIFFER : EXIT_FINE;
 }
 
@@ -439,7 +439,7 @@ int sweep_measure(struct console *console, const struct options *options)
     const struct dt_log *log = &console->log;
     struct measured_sweep sweep = {0};
     struct steps *steps = &sweep.steps;
-    int status = COULD_NOT_RUN;
+    int status = EXIT_USAGE;
     bool good = read_measures(&sweep.measures, options->measure, log) &&
                 check_options(&sweep, options, log) && read_axes(&sweep, options, log) &&
                 steps_begin(steps, "sweep", console, options) &&

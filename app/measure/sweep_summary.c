@@ -6,7 +6,7 @@
 #include "base/files.h"
 #include "measure/sweep.h"
 
-enum { COULD_NOT_RUN = 2, SETTINGS_WIDTH = 60 };
+enum { SETTINGS_WIDTH = 60 };
 
 /* MAY_DIFFER: it does, and its spec promises no equal bits. */
 enum verdict { AGREE, DIFFER, MAY_DIFFER, FAILED, NOT_RUN, VERDICTS };
@@ -268,7 +268,7 @@ int sweep_summarise(struct console *console, const cJSON *sweep, const char *fol
     struct result *results = calloc((size_t)count + 1, sizeof *results);
     if (!results) {
         report_error(&console->log, "out of memory");
-        return COULD_NOT_RUN;
+        return EXIT_USAGE;
     }
     cJSON_ArrayForEach(run, runs)
     {
@@ -285,6 +285,6 @@ int sweep_summarise(struct console *console, const cJSON *sweep, const char *fol
     }
     free(results);
     if (!good || totals[FAILED] || totals[NOT_RUN])
-        return COULD_NOT_RUN;
+        return EXIT_USAGE;
     return totals[DIFFER] ? EXIT_DIFFER : EXIT_FINE;
 }
