@@ -1,6 +1,7 @@
 /* Files whole or not at all; see files.h. */
 #include "base/files.h"
 
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
@@ -101,6 +102,16 @@ bool file_write(const char *path, const void *data, size_t size, const struct dt
     }
     if (!good)
         report_error(log, "%s: cannot be written: %s", path, strerror(errno));
+    return good;
+}
+
+bool file_write_json(const char *path, const struct cJSON *value, const struct dt_log *log)
+{
+    char *text = cJSON_Print(value);
+    if (!text)
+        report_error(log, "%s: out of memory", path);
+    bool good = text && file_write(path, text, strlen(text), log);
+    cJSON_free(text);
     return good;
 }
 

@@ -8,6 +8,8 @@
 
 #include "diptych.h"
 
+struct cJSON;
+
 /* printf into a new string; NULL when out of memory. */
 char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
@@ -19,6 +21,9 @@ char *file_contents(int file);
 
 /* Writes a temporary file beside `path` and renames it: the file appears whole or not at all. */
 bool file_write(const char *path, const void *data, size_t size, const struct dt_log *log);
+
+/* A JSON value, written as file_write does. */
+bool file_write_json(const char *path, const struct cJSON *value, const struct dt_log *log);
 
 /* A file written in memory first, through `out`. file_draft_end writes it as file_write does and
  * always frees the draft; a NULL path or an empty draft counts as out of memory. */

@@ -105,16 +105,34 @@ bool folder_begin(struct folder *folder, struct console *console, const char *op
     return true;
 }
 
-bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size)
+/* The path of a file in the folder, whose own folders are made; NULL, logged; free(). */
+static char *begin_file(const struct folder *folder, const char *name)
 {
     const struct dt_log *log = &folder->console->log;
     char *path = format_string("%s/%s", folder->temporary, name);
     char *parent = path ? strndup(path, (size_t)(strrchr(path, '/') - path)) : NULL;
-    bool good = parent;
-    if (!good)
+    if (!parent)
         report_error(log, "out of memory");
-    good = good && file_make_folders(parent, log) && file_write(path, data, size, log);
+    bool good = parent && file_make_folders(parent, log);
     free(parent);
+    if (good)
+        return path;
+    free(path);
+    return NULL;
+}
+
+bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size)
+{
+    char *path = begin_file(folder, name);
+    bool good = path && file_write(path, data, size, &folder->console->log);
+    free(path);
+    return good;
+}
+
+bool folder_write_json(const struct folder *folder, const char *name, const struct cJSON *value)
+{
+    char *path = begin_file(folder, name);
+    bool good = path && file_write_json(path, value, &folder->console->log);
     free(path);
     return good;
 }

@@ -24,6 +24,7 @@ bool folder_can_write(struct console *console, const char *option, const char *p
 
 /* Writes a file, whose name may lead through folders: they are made. */
 bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size);
+bool folder_write_json(const struct folder *folder, const char *name, const struct cJSON *value);
 
 /* Puts it in its place, or throws it away. Takes a zeroed one. */
 bool folder_end(struct folder *folder, bool keep);

@@ -66,16 +66,9 @@ static cJSON *outcome_json(const struct console *console, const char *verb, int 
 bool outcome_write(struct console *console, const char *verb, const char *path, int status)
 {
     cJSON *root = outcome_json(console, verb, status);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(console);
-        good = file_write(path, text, strlen(text), &console->log);
-        console_release(console);
-    } else {
-        report_error(&console->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
+    console_hold(console);
+    bool good = file_write_json(path, root, &console->log);
+    console_release(console);
     cJSON_Delete(root);
     return good;
 }

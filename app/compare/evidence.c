@@ -437,7 +437,7 @@ static bool write_manifest(const struct writing *writing)
     if (options->fault)
         cJSON_AddStringToObject(manifest, "fault", options->fault);
     add_region(writing);
-    return write_text(writing, "manifest.json", cJSON_Print(manifest));
+    return folder_write_json(&writing->folder, "manifest.json", manifest);
 }
 
 static void begin_manifest(const struct writing *writing)

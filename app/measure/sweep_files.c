@@ -190,15 +190,6 @@ static void write_submit(FILE *out, const cJSON *sweep, const char *folder)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-static void write_manifest(FILE *out, const cJSON *sweep, const char *folder)
-{
-    char *text = cJSON_Print(sweep);
-    (void)folder;
-    if (text)
-        fprintf(out, "%s\n", text);
-    cJSON_free(text);
-}
-
 typedef void content_writer(FILE *out, const cJSON *sweep, const char *folder);
 
 static bool write_content(const cJSON *sweep, const char *folder, const char *name,
@@ -220,16 +211,18 @@ bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struc
         content_writer *writer;
         bool slurm;
     } files[] = {
-        {"commands", write_commands, false},   {"run.sh", write_runner, false},
-        {"build.ninja", write_ninja, false},   {"array.sh", write_array, true},
-        {"collect.sh", write_collect, true},   {"submit.sh", write_submit, true},
-        {"sweep.json", write_manifest, false}, /* last: marks the folder as a sweep's */
+        {"commands", write_commands, false}, {"run.sh", write_runner, false},
+        {"build.ninja", write_ninja, false}, {"array.sh", write_array, true},
+        {"collect.sh", write_collect, true}, {"submit.sh", write_submit, true},
     };
     char *runs = format_string("%s/runs", folder);
-    bool good = runs && file_make_folders(runs, log);
+    char *manifest = format_string("%s/sweep.json", folder);
+    bool good = runs && manifest && file_make_folders(runs, log);
     for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++)
         if (slurm || !files[i].slurm)
             good = write_content(sweep, folder, files[i].name, files[i].writer, log);
+    good = good && file_write_json(manifest, sweep, log); /* last: marks the folder as a sweep's */
+    free(manifest);
     free(runs);
     return good;
 }

@@ -156,16 +156,6 @@ static cJSON *summary_json(const struct result *results, int count, const int to
     return root;
 }
 
-static bool write_json(const cJSON *root, const char *path, const struct dt_log *log)
-{
-    char *text = cJSON_Print(root);
-    bool good = text && file_write(path, text, strlen(text), log);
-    if (!text)
-        report_error(log, "%s: out of memory", path);
-    cJSON_free(text);
-    return good;
-}
-
 static void put_field(FILE *out, const char *text, char end)
 {
     fputc('"', out);
@@ -253,7 +243,7 @@ static bool write_files(struct console *console, const struct result *results, i
     char *csv = format_string("%s/summary.csv", folder);
     console_hold(console);
     console->result = summary_json(results, count, totals, sweep);
-    bool good = json && csv && write_json(console->result, json, &console->log) &&
+    bool good = json && csv && file_write_json(json, console->result, &console->log) &&
                 write_csv(results, count, csv, &console->log);
     console_release(console);
     free(csv);

@@ -102,12 +102,7 @@ static bool write_manifest(struct dump *dump)
     cJSON_AddItemToObject(dump->manifest, "history", dump->history);
     cJSON_AddItemToObject(dump->manifest, "entries", dump->entries);
     dump->history = dump->entries = NULL;
-    char *text = cJSON_Print(dump->manifest);
-    bool good = text && folder_write(&dump->folder, "manifest.json", text, strlen(text));
-    if (!text)
-        report_error(&dump->console->log, "out of memory");
-    cJSON_free(text);
-    return good;
+    return folder_write_json(&dump->folder, "manifest.json", dump->manifest);
 }
 
 bool dump_end(struct dump *dump, bool keep)

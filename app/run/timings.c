@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/files.h"
 #include "base/spread.h"
@@ -73,16 +72,9 @@ bool timings_write(const struct timings *timings, const struct session *session,
     cJSON_AddNumberToObject(root, "frame_ms",
                             spread_of(timings->frame_ms, timings->frames, 1).median);
     add_passes(root, timings, pipeline);
-    char *text = cJSON_Print(root);
-    bool good = false;
-    if (text) {
-        console_hold(session->info.console);
-        good = file_write(path, text, strlen(text), &session->log);
-        console_release(session->info.console);
-    } else {
-        report_error(&session->log, "%s: out of memory", path);
-    }
-    cJSON_free(text);
+    console_hold(session->info.console);
+    bool good = file_write_json(path, root, &session->log);
+    console_release(session->info.console);
     cJSON_Delete(root);
     return good;
 }
