@@ -16,6 +16,7 @@
 
 #include "base/console.h"
 #include "scenes/input.h"
+#include "scenes/scene.h"
 #include "scenes/temporary.h"
 
 char *format_string(const char *format, ...)
@@ -225,6 +226,14 @@ bool hash_file(uint64_t *hash, const char *path)
     bool good = !ferror(stream);
     fclose(stream);
     return good;
+}
+
+void hash_scene(uint64_t *hash, const struct dt_scene *scene)
+{
+    hash_bytes(hash, scene->vertices, scene->vertex_count * sizeof *scene->vertices);
+    hash_bytes(hash, scene->indices, scene->index_count * sizeof *scene->indices);
+    hash_bytes(hash, scene->materials, scene->material_count * sizeof *scene->materials);
+    hash_bytes(hash, scene->texels, scene_texel_bytes(scene));
 }
 
 char *file_contents(int file)

@@ -48,5 +48,6 @@ bool file_remove_tree(const char *path); /* true when there was nothing to remov
 #define FILE_HASH_START UINT64_C(0)
 void hash_bytes(uint64_t *hash, const void *data, size_t size);
 bool hash_file(uint64_t *hash, const char *path); /* silent: false when it cannot be read */
+void hash_scene(uint64_t *hash, const struct dt_scene *scene); /* mesh, materials and textures */
 
 #endif

@@ -36,14 +36,15 @@ static bool is_marked(const char *place, const char *mark)
     return marked;
 }
 
-static bool is_empty(const char *place)
+bool folder_is_empty(const char *place)
 {
     DIR *listing = opendir(place);
     int entries = 0;
-    while (listing && readdir(listing))
+    if (!listing)
+        return errno == ENOENT;
+    while (entries <= 2 && readdir(listing))
         entries++;
-    if (listing)
-        closedir(listing);
+    closedir(listing);
     return entries == 2; /* itself and its parent */
 }
 
@@ -53,7 +54,7 @@ static bool may_replace(const struct folder *folder)
     if (lstat(folder->place, &info) != 0 && errno == ENOENT)
         return true;
     if (S_ISDIR(info.st_mode) &&
-        (is_marked(folder->place, folder->mark) || is_empty(folder->place)))
+        (is_marked(folder->place, folder->mark) || folder_is_empty(folder->place)))
         return true;
     report_error(&folder->console->log,
                  "%s %s: exists and was not written by an earlier %s; name another folder",

@@ -1,12 +1,12 @@
 /* Prepares and plans a folder of measurements; see steps.h. */
 #include "measure/steps.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
+#include "base/folder.h"
 #include "base/quote.h"
 #include "base/tool.h"
 #include "build/pipeline.h"
@@ -163,13 +163,7 @@ bool steps_make_folder(struct steps *steps)
 {
     const struct dt_log *log = &steps->console->log;
     const char *path = steps->options->output;
-    DIR *listing = opendir(path);
-    int entries = 0;
-    while (listing && readdir(listing))
-        entries++;
-    if (listing)
-        closedir(listing);
-    if (entries > 2 && !is_own(steps, path)) {
+    if (!folder_is_empty(path) && !is_own(steps, path)) {
         report_error(log, "%s: holds files, but no %s; give another folder", path,
                      strcmp(steps->verb, "report") == 0 ? "report" : "sweep that measures");
         return false;

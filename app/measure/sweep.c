@@ -3,7 +3,6 @@
  * the same command continues an interrupted sweep. sweep_grid.c does --measure. */
 #include "measure/sweep.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "base/folder.h"
 #include "base/tool.h"
 
 const char *sweep_text(const cJSON *object, const char *name)
@@ -27,18 +27,6 @@ uint32_t sweep_number(const cJSON *object, const char *name)
 
 /* ---- The folder ------------------------------------------------------------------------------ */
 
-static bool is_empty(const char *folder)
-{
-    DIR *listing = opendir(folder);
-    bool empty = true;
-    for (struct dirent *entry = listing ? readdir(listing) : NULL; entry && empty;
-         entry = readdir(listing))
-        empty = strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0;
-    if (listing)
-        closedir(listing);
-    return empty;
-}
-
 /* Reads the folder's sweep; NULL with *good true when there is none. */
 static cJSON *read_sweep(const char *folder, bool wanted, bool *good, const struct dt_log *log)
 {
@@ -53,7 +41,7 @@ static cJSON *read_sweep(const char *folder, bool wanted, bool *good, const stru
         if (text && !*good)
             report_error(log, "%s: is no file of diptych sweep", path);
         free(text);
-    } else if (path && !is_empty(folder)) {
+    } else if (path && !folder_is_empty(folder)) {
         report_error(log, "%s: holds files, but no sweep; give another folder", folder);
         *good = false;
     }

@@ -39,39 +39,29 @@ static bool hash_scene_file(char text[HASH_TEXT], const struct scene *scene,
 /* All that the scene hands to a pipeline, in every bit. */
 static void hash_scene_data(char text[HASH_TEXT], const struct identity *identity)
 {
-    const struct dt_scene *data = &identity->scene->data;
     uint64_t hash = FILE_HASH_START;
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
     scene_frame_at(identity->scene, identity->frame, identity->size[0], identity->size[1], &frame);
     hash_bytes(&hash, &frame, sizeof frame);
-    hash_bytes(&hash, data->vertices, data->vertex_count * sizeof *data->vertices);
-    hash_bytes(&hash, data->indices, data->index_count * sizeof *data->indices);
-    hash_bytes(&hash, data->materials, data->material_count * sizeof *data->materials);
-    hash_bytes(&hash, data->texels, scene_texel_bytes(data));
+    hash_scene(&hash, &identity->scene->data);
     write_hash(text, hash);
 }
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
+/* A number, or a list of them for a vector. */
+static cJSON *values_json(const struct dt_param *param, const double *values)
+{
+    int count = (int)type_components(param->type);
+    return count > 1 ? cJSON_CreateDoubleArray(values, count) : cJSON_CreateNumber(values[0]);
+}
+
 static cJSON *live_value(const struct dt_param *param, const void *live)
 {
-    static const enum number_kind kinds[] = {[DT_TYPE_FLOAT] = NUMBER_FLOAT,
-                                             [DT_TYPE_INT] = NUMBER_INT,
-                                             [DT_TYPE_UINT] = NUMBER_UINT,
-                                             [DT_TYPE_BOOL] = NUMBER_UINT};
-    const uint8_t *place = (const uint8_t *)live + param->offset;
-    uint32_t count = type_components(param->type);
-    cJSON *list = cJSON_CreateArray();
-    for (uint32_t i = 0; i < count; i++) {
-        double value = number_value(kinds[type_scalar(param->type)], place + i * 4);
-        cJSON_AddItemToArray(list, cJSON_CreateNumber(value));
-    }
-    if (count > 1)
-        return list;
-    cJSON *value = cJSON_DetachItemFromArray(list, 0);
-    cJSON_Delete(list);
-    return value;
+    double values[4];
+    live_get(live, param, values);
+    return values_json(param, values);
 }
 
 static cJSON *live_values(const struct identity *identity)
@@ -132,19 +122,13 @@ static bool add_sources(cJSON *manifest, const struct identity *identity, const 
     return true;
 }
 
-static cJSON *param_value(const struct dt_param *param)
-{
-    int count = (int)type_components(param->type);
-    return count > 1 ? cJSON_CreateDoubleArray(param->value, count)
-                     : cJSON_CreateNumber(param->value[0]);
-}
-
 static void add_params(cJSON *manifest, const struct dt_pipeline *info)
 {
     cJSON *values = cJSON_AddObjectToObject(manifest, "params");
     for (uint32_t i = 0; i < info->param_count; i++)
         if (!info->params[i].live)
-            cJSON_AddItemToObject(values, info->params[i].name, param_value(&info->params[i]));
+            cJSON_AddItemToObject(values, info->params[i].name,
+                                  values_json(&info->params[i], info->params[i].value));
 }
 
 static int compare_strings(const void *a, const void *b)

@@ -125,14 +125,10 @@ static bool check_options(struct reference *reference)
 
 /* ---- Checkpoints ----------------------------------------------------------------------------- */
 
-static uint64_t scene_hash(const struct reference *reference)
+static uint64_t input_hash(const struct reference *reference)
 {
-    const struct dt_scene *data = &reference->scene.data;
     uint64_t hash = FILE_HASH_START;
-    hash_bytes(&hash, data->vertices, data->vertex_count * sizeof *data->vertices);
-    hash_bytes(&hash, data->indices, data->index_count * sizeof *data->indices);
-    hash_bytes(&hash, data->materials, data->material_count * sizeof *data->materials);
-    hash_bytes(&hash, data->texels, scene_texel_bytes(data));
+    hash_scene(&hash, &reference->scene.data);
     hash_bytes(&hash, &reference->frame, sizeof reference->frame);
     return hash;
 }
@@ -149,7 +145,7 @@ static char *describe_settings(const struct reference *reference)
                          info->output == TRACER_IRRADIANCE ? "irradiance" : "radiance",
                          info->box_filter ? "box" : "centre", info->emission ? "yes" : "no",
                          info->sequence == SEQUENCE_RANDOM ? "random" : "sobol", info->seed,
-                         scene_hash(reference));
+                         input_hash(reference));
 }
 
 static bool resume(struct reference *reference)
