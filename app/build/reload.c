@@ -38,37 +38,28 @@ struct reload {
 
 /* ---- What is watched ------------------------------------------------------------------------- */
 
-static bool add_folder(void *user, const char *file)
+static void add_folder(struct reload *reload, const char *file)
 {
-    struct reload *reload = user;
     char *path = realpath(file, NULL);
     char *slash = path ? strrchr(path, '/') : NULL;
-    if (!slash) {
-        free(path);
-        return true;
-    }
-    *slash = 0;
-    for (uint32_t i = 0; i < reload->folder_count; i++) {
-        if (strcmp(reload->folders[i], path) == 0) {
-            free(path);
-            return true;
-        }
-    }
-    if (reload->folder_count < MAX_FOLDERS)
+    bool wanted = slash && reload->folder_count < MAX_FOLDERS;
+    if (slash)
+        *slash = 0;
+    for (uint32_t i = 0; wanted && i < reload->folder_count; i++)
+        wanted = strcmp(reload->folders[i], path) != 0;
+    if (wanted)
         reload->folders[reload->folder_count++] = path;
     else
         free(path);
-    return true;
 }
 
-static bool watch(struct reload *reload, const struct pipeline *pipeline)
+static void watch(struct reload *reload, const struct pipeline *pipeline)
 {
     uint32_t count;
     const char *const *sources = plan_sources(pipeline->plan, &count);
-    bool good = add_folder(reload, pipeline->spec);
-    for (uint32_t i = 0; good && i < count; i++)
-        good = add_folder(reload, sources[i]);
-    return good;
+    add_folder(reload, pipeline->spec);
+    for (uint32_t i = 0; i < count; i++)
+        add_folder(reload, sources[i]);
 }
 
 static bool is_source(const char *name)
@@ -199,8 +190,8 @@ struct reload *reload_start(struct console *console, const struct options *optio
     if (reload) {
         *reload = (struct reload){.console = console, .options = options};
         pthread_mutex_init(&reload->lock, NULL);
-        if (watch(reload, pipeline))
-            error = pthread_create(&reload->thread, NULL, run, reload);
+        watch(reload, pipeline);
+        error = pthread_create(&reload->thread, NULL, run, reload);
         if (!error)
             return reload;
         for (uint32_t i = 0; i < reload->folder_count; i++)
