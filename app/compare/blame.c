@@ -113,7 +113,7 @@ static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
         &rows->pipeline->resources[rows->outputs.list[index].resource];
     struct dt_bytes bytes = copies[0];
     uint64_t hash = 0;
-    if (!difference_add(&judge->blame->own[index], resource, judge->replay->frame, copies) ||
+    if (!difference_measure(&judge->blame->own[index], resource, judge->replay->frame, copies) ||
         !fingerprint(resource, &bytes, &hash)) {
         report_error(&judge->replay->console->log, "out of memory");
         return false;

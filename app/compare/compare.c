@@ -46,10 +46,9 @@ static bool compare_copies(struct compare *compare, const struct row *row, uint3
     bool good = fingerprint(resource, &copies[0], hash);
     for (uint32_t i = 0; i < compare->pair_count && good; i++) {
         struct pair *pair = &compare->pairs[i];
-        pair->found = (struct difference){0};
         if (!source_take(&compare->sources[i + 1], row, &copies[1]))
             return false;
-        good = difference_add(&pair->found, resource, frame, copies);
+        good = difference_measure(&pair->found, resource, frame, copies);
     }
     if (!good)
         report_error(&compare->console->log, "out of memory");

@@ -81,13 +81,6 @@ static void add_pair(cJSON *root, const struct compare *compare, const struct pa
             results, result_json(compare, pair, &rows->outputs.list[i], &pair->results[i], true));
 }
 
-static void add_corner(cJSON *region, const char *name, const uint32_t corner[3], int axes)
-{
-    cJSON *item = cJSON_AddArrayToObject(region, name);
-    for (int i = 0; i < axes; i++)
-        cJSON_AddItemToArray(item, cJSON_CreateNumber(corner[i]));
-}
-
 /* Adds the region of --bisect. Axes: x, y and, in layered images, the layer; or the index of an
  * element. */
 static void add_region(cJSON *event, const struct compare *compare, const struct row *guilty)
@@ -96,9 +89,7 @@ static void add_region(cJSON *event, const struct compare *compare, const struct
     int axes = resource->kind == DT_BUFFER ? 1 : resource->layered ? 3 : 2;
     cJSON *item = cJSON_AddObjectToObject(event, "region");
     cJSON_AddNumberToObject(item, "failing", (double)compare->found.failing);
-    add_corner(item, "low", compare->found.low, axes);
-    add_corner(item, "high", compare->found.high, axes);
-    add_corner(item, "smallest", compare->found.smallest, axes);
+    region_json(item, &compare->found, axes);
     cJSON_AddStringToObject(event, "case", compare->options.bisect);
 }
 

@@ -396,26 +396,16 @@ static bool write_script(const struct writing *writing)
     return good;
 }
 
-static cJSON *number_list(const uint32_t *numbers, uint32_t count)
-{
-    cJSON *list = cJSON_CreateArray();
-    for (uint32_t i = 0; i < count; i++)
-        cJSON_AddItemToArray(list, cJSON_CreateNumber(numbers[i]));
-    return list;
-}
-
 static void add_region(const struct writing *writing)
 {
     const struct evidence *evidence = writing->evidence;
     const struct region *region = &evidence->region;
     const struct dt_resource *resource =
         &evidence->pipeline->info->resources[guilty_row(evidence)->resource];
-    uint32_t axes = resource->kind == DT_BUFFER ? 1 : 3;
+    int axes = resource->kind == DT_BUFFER ? 1 : 3;
     cJSON *entry = cJSON_AddObjectToObject(writing->manifest, "failing");
     cJSON_AddNumberToObject(entry, "elements", (double)region->failing);
-    cJSON_AddItemToObject(entry, "low", number_list(region->low, axes));
-    cJSON_AddItemToObject(entry, "high", number_list(region->high, axes));
-    cJSON_AddItemToObject(entry, "smallest", number_list(region->smallest, axes));
+    region_json(entry, region, axes);
 }
 
 static bool write_manifest(const struct writing *writing)

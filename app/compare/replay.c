@@ -53,9 +53,9 @@ static bool write_inputs(struct lone_pass *alone)
 static bool is_same(const struct dt_resource *resource, const struct dt_bytes copies[2], bool *same)
 {
     struct dt_resource exact = *resource;
-    struct difference difference = {0};
+    struct difference difference;
     exact.contract = (struct dt_contract){.kind = DT_CONTRACT_EXACT};
-    bool good = difference_add(&difference, &exact, 0, copies);
+    bool good = difference_measure(&difference, &exact, 0, copies);
     *same = !difference.differing && !difference.size_differs;
     return good;
 }
@@ -76,8 +76,9 @@ static bool compare_outputs(struct lone_pass *alone)
             return false;
         const struct dt_bytes expected[2] = {evidence->outputs[0][i], found};
         const struct dt_bytes actual[2] = {evidence->outputs[1][i], found};
-        good = difference_add(&alone->differences[i], resource, evidence->frame.index, expected) &&
-               is_same(resource, actual, &alone->recorded[i]);
+        good =
+            difference_measure(&alone->differences[i], resource, evidence->frame.index, expected) &&
+            is_same(resource, actual, &alone->recorded[i]);
     }
     if (!good)
         report_error(&alone->console->log, "out of memory");

@@ -130,7 +130,6 @@ struct frame {
     const struct numbers *numbers;
     const struct dt_bytes *copies;
     uint32_t index;
-    uint64_t beyond, not_finite;
 };
 
 static void keep_flip(struct difference *difference, const struct number_pair *pair)
@@ -139,7 +138,7 @@ static void keep_flip(struct difference *difference, const struct number_pair *p
         difference->flips[difference->flip_count++] = (struct flip){.pair = *pair};
 }
 
-static void add_element(struct difference *difference, struct frame *frame, uint64_t element)
+static void add_element(struct difference *difference, const struct frame *frame, uint64_t element)
 {
     bool differs = false, beyond = false;
     for (uint32_t c = 0; c < frame->numbers->count; c++) {
@@ -161,15 +160,15 @@ static void add_element(struct difference *difference, struct frame *frame, uint
             keep_flip(difference, &pair);
         if (!difference->worst.valid || pair.error > difference->worst.error)
             difference->worst = pair;
-        frame->not_finite += odd;
+        difference->not_finite += odd;
         differs |= pair.bits[0] != pair.bits[1];
         beyond |= odd || is_beyond(frame->contract, pair.error);
     }
     difference->differing += differs;
-    frame->beyond += beyond;
+    difference->beyond += beyond;
 }
 
-static void add_elements(struct difference *difference, struct frame *frame)
+static void add_elements(struct difference *difference, const struct frame *frame)
 {
     const struct numbers *numbers = frame->numbers;
     const uint8_t *const data[2] = {frame->copies[0].data, frame->copies[1].data};
@@ -185,10 +184,11 @@ static void add_elements(struct difference *difference, struct frame *frame)
             add_element(difference, frame, i);
 }
 
-bool difference_add(struct difference *difference, const struct dt_resource *resource,
-                    uint32_t frame, const struct dt_bytes copies[2])
+bool difference_measure(struct difference *difference, const struct dt_resource *resource,
+                        uint32_t frame, const struct dt_bytes copies[2])
 {
     struct numbers numbers;
+    *difference = (struct difference){0};
     if (!numbers_of(&numbers, resource)) {
         free(numbers.components);
         return false;
@@ -201,14 +201,12 @@ bool difference_add(struct difference *difference, const struct dt_resource *res
         copies[0].size < difference->elements * numbers.stride ||
         memcmp(extent, copies[1].extent, (buffer ? 1 : 3) * sizeof *extent) != 0)
         difference->size_differs = true;
-    struct frame now = {
+    const struct frame now = {
         .contract = &resource->contract, .numbers = &numbers, .copies = copies, .index = frame};
     if (!difference->size_differs)
         add_elements(difference, &now);
-    difference->beyond += now.beyond;
-    difference->not_finite += now.not_finite;
-    difference->broken |= difference->size_differs || now.not_finite ||
-                          now.beyond > allowed(&resource->contract, difference->elements);
+    difference->broken = difference->size_differs || difference->not_finite ||
+                         difference->beyond > allowed(&resource->contract, difference->elements);
     free(numbers.components);
     return true;
 }
@@ -219,20 +217,18 @@ bool difference_needs_margins(const struct difference *difference,
                               const struct dt_resource *resource)
 {
     return resource->contract.kind == DT_CONTRACT_FLIPS && resource->contract.margin_field >= 0 &&
-           difference->flip_count > 0 && !difference->flips[difference->flip_count - 1].has_margins;
+           difference->flip_count > 0;
 }
 
 void difference_add_margins(struct difference *difference, const struct dt_resource *resource,
                             const struct dt_resource *margin, const struct dt_bytes margins[2])
 {
     uint32_t offset = margin->fields[resource->contract.margin_field].offset;
-    uint32_t frame =
-        difference->flip_count ? difference->flips[difference->flip_count - 1].pair.frame : 0;
     for (uint32_t i = 0; i < difference->flip_count; i++) {
         struct flip *flip = &difference->flips[i];
         size_t at = flip->pair.element * margin->stride + offset;
         bool there = at + sizeof(float) <= margins[0].size && at + sizeof(float) <= margins[1].size;
-        if (flip->pair.frame != frame || flip->has_margins || !there)
+        if (!there)
             continue;
         flip->has_margins = true;
         for (int k = 0; k < 2; k++)

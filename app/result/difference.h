@@ -36,27 +36,26 @@ struct flip {
 
 enum { MOST_FLIPS = 16 }; /* kept in the list; all are counted */
 
-/* Of one resource after one pass, over all frames compared so far. Zero-initialise; holds no
- * memory. */
+/* Of one resource after one pass of one frame. Holds no memory. */
 struct difference {
-    uint64_t elements;   /* or texels, in one frame */
+    uint64_t elements;   /* or texels */
     uint64_t differing;  /* with at least one differing number */
     uint64_t beyond;     /* with at least one number beyond the tolerance; flips: all that differ */
     uint64_t not_finite; /* numbers that are NaN or Inf in either copy */
     bool size_differs;   /* the copies have different sizes: nothing else was compared */
-    bool broken;         /* some frame broke the contract */
+    bool broken;         /* the copies are beyond the contract */
     uint32_t extent[3];
     struct number_pair worst; /* the largest error; the first NaN or Inf is the largest of all */
     struct flip flips[MOST_FLIPS];
     uint32_t flip_count;
 };
 
-/* Adds one frame's copies. Only declared fields count, not padding. NaN and Inf always fail, also
- * with equal bits. False when out of memory. */
-bool difference_add(struct difference *difference, const struct dt_resource *resource,
-                    uint32_t frame, const struct dt_bytes copies[2]);
+/* Compares the copies of one frame. Only declared fields count, not padding. NaN and Inf always
+ * fail, also with equal bits. False when out of memory. */
+bool difference_measure(struct difference *difference, const struct dt_resource *resource,
+                        uint32_t frame, const struct dt_bytes copies[2]);
 
-/* Whether difference_add has just kept flips whose contract names margins: then both copies of
+/* Whether there are flips whose contract names margins: then both copies of
  * contract.margin_resource, as they are after the same pass, go to difference_add_margins. */
 bool difference_needs_margins(const struct difference *difference,
                               const struct dt_resource *resource);

@@ -1,6 +1,7 @@
 /* Finds the smallest region that fails; see region.h. */
 #include "result/region.h"
 
+#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,12 +31,12 @@ static bool make_map(struct map *map, const struct dt_resource *resource,
     uint32_t stride = resource_stride(resource);
     map->fails = calloc(elements ? elements : 1, sizeof *map->fails);
     for (uint64_t i = 0; map->fails && i < elements; i++) {
-        struct difference difference = {0};
+        struct difference difference;
         struct dt_bytes element[2];
         for (int side = 0; side < 2; side++)
             element[side] = (struct dt_bytes){
                 .data = copies[side].data + i * stride, .size = stride, .extent = {1, 1, 1}};
-        if (!difference_add(&difference, resource, 0, element))
+        if (!difference_measure(&difference, resource, 0, element))
             return false;
         map->fails[i] = difference.beyond > 0;
     }
@@ -144,4 +145,18 @@ char *region_describe(const struct region *region, const struct dt_resource *res
     free(y);
     free(x);
     return text;
+}
+
+static void add_place(cJSON *object, const char *name, const uint32_t *place, int axes)
+{
+    cJSON *list = cJSON_AddArrayToObject(object, name);
+    for (int i = 0; i < axes; i++)
+        cJSON_AddItemToArray(list, cJSON_CreateNumber(place[i]));
+}
+
+void region_json(cJSON *object, const struct region *region, int axes)
+{
+    add_place(object, "low", region->low, axes);
+    add_place(object, "high", region->high, axes);
+    add_place(object, "smallest", region->smallest, axes);
 }
