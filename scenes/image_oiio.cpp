@@ -6,12 +6,13 @@
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
 #include <string>
+
+#include "srgb.h"
 
 namespace
 {
@@ -23,17 +24,6 @@ bool fail(image_error *error, const std::string &reason)
     return false;
 }
 
-/* sRGB, IEC 61966-2-1: resizing averages light, not codes. */
-float decode(float code)
-{
-    return code <= 0.04045f ? code / 12.92f : std::pow((code + 0.055f) / 1.055f, 2.4f);
-}
-
-float encode(float light)
-{
-    return light <= 0.0031308f ? light * 12.92f : 1.055f * std::pow(light, 1.0f / 2.4f) - 0.055f;
-}
-
 void map_color(OIIO::ImageBuf &image, float (*map)(float))
 {
     for (OIIO::ImageBuf::Iterator<float> texel(image); !texel.done(); ++texel)
@@ -41,17 +31,18 @@ void map_color(OIIO::ImageBuf &image, float (*map)(float))
             texel[channel] = map(texel[channel]);
 }
 
+/* Averages light, not codes. */
 bool resize(OIIO::ImageBuf &image, uint32_t width, uint32_t height, bool is_encoded)
 {
     if (is_encoded)
-        map_color(image, decode);
+        map_color(image, srgb_decode);
     OIIO::ROI roi(0, (int)width, 0, (int)height, 0, 1, 0, 4);
     OIIO::ImageBuf resized = OIIO::ImageBufAlgo::resize(image, "triangle", 0.0f, roi);
     if (resized.has_error())
         return false;
     image = resized;
     if (is_encoded)
-        map_color(image, encode);
+        map_color(image, srgb_encode);
     return true;
 }
 

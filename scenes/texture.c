@@ -3,6 +3,7 @@
 #include "image.h"
 #include "mesh.h"
 #include "scene.h"
+#include "srgb.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,11 +23,7 @@ static struct srgb *srgb_tables(void)
     struct srgb *tables = malloc(sizeof *tables);
     if (!tables)
         return NULL;
-    for (int i = 0; i < 256; i++) {
-        double code = i / 255.0;
-        tables->decode[i] =
-            (float)(code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4));
-    }
+    srgb_decode_table(tables->decode);
     for (int i = 0; i < ENCODE_STEPS; i++) {
         double light = i / (double)(ENCODE_STEPS - 1);
         double code = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;

@@ -8,6 +8,7 @@
 
 #include "base/console.h"
 #include "base/texels.h"
+#include "scenes/srgb.h"
 
 /* Layout of a layered image: a sheet of layers, as square as possible. */
 struct sheet {
@@ -99,11 +100,6 @@ static struct range find_range(const float *numbers, size_t count, bool depth)
         range.most = fmaxf(range.most, numbers[i]);
     }
     return range;
-}
-
-static float srgb_encode(float linear)
-{
-    return linear <= 0.0031308f ? linear * 12.92f : 1.055f * powf(linear, 1 / 2.4f) - 0.055f;
 }
 
 static float map_number(const struct dt_resource *resource, struct range range, float value)

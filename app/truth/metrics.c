@@ -10,6 +10,7 @@
 #include "base/files.h"
 #include "base/options.h"
 #include "scenes/image.h"
+#include "scenes/srgb.h"
 #include "truth/image_metrics.h"
 
 /* Luminance of the Yee metric's display: OpenImageIO's default white, cd/m2. */
@@ -51,12 +52,6 @@ static bool holds_light(const char *path)
     return false;
 }
 
-/* sRGB, IEC 61966-2-1. */
-static float decode(float code)
-{
-    return code <= 0.04045f ? code / 12.92f : powf((code + 0.055f) / 1.055f, 2.4f);
-}
-
 static bool read_image(struct metrics *metrics, int which, const char *path)
 {
     const struct dt_log *log = &metrics->console->log;
@@ -68,7 +63,7 @@ static bool read_image(struct metrics *metrics, int which, const char *path)
     for (uint64_t i = 0; i < count; i++) /* in place: three floats are less than four */
         for (uint64_t channel = 0; channel < 3; channel++) {
             float value = rgba[4 * i + channel];
-            rgba[3 * i + channel] = metrics->hdr ? value : decode(value);
+            rgba[3 * i + channel] = metrics->hdr ? value : srgb_decode(value);
         }
     image->texels = rgba;
     return true;
@@ -192,11 +187,9 @@ static bool measure(struct metrics *metrics)
 
 /* ---- Output ---------------------------------------------------------------------------------- */
 
-/* sRGB, IEC 61966-2-1. */
 static uint8_t encode(float linear)
 {
-    float code = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1 / 2.4f) - 0.055f;
-    return (uint8_t)(255 * fminf(fmaxf(code, 0), 1) + 0.5f);
+    return (uint8_t)(255 * fminf(fmaxf(srgb_encode(linear), 0), 1) + 0.5f);
 }
 
 /* Writes errors as colours, or a picture as the LDR metrics used it. */

@@ -13,6 +13,7 @@
 #endif
 
 #include "base/console.h"
+#include "scenes/srgb.h"
 
 enum { SOLID, WITH_HOLES, GEOMETRIES };
 
@@ -27,15 +28,6 @@ struct ray_scene {
 };
 
 /* ---- Materials ------------------------------------------------------------------------------- */
-
-/* IEC 61966-2-1, as the texture units of both backends decode. */
-static void fill_linear(float linear[256])
-{
-    for (int i = 0; i < 256; i++) {
-        double code = i / 255.0;
-        linear[i] = (float)(code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4));
-    }
-}
 
 /* One axis of a bilinear lookup: two neighbouring texels, repeated, and the weight of the second. */
 static float neighbours(float coordinate, uint32_t size, uint32_t texel[2])
@@ -186,7 +178,7 @@ struct ray_scene *ray_scene_open(const struct dt_scene *scene, const struct dt_l
     struct ray_scene *rays = malloc(sizeof *rays);
     if (rays) {
         *rays = (struct ray_scene){.data = scene, .log = log};
-        fill_linear(rays->linear);
+        srgb_decode_table(rays->linear);
     }
     if (!rays || !sort_triangles(rays))
         report_error(log, "out of memory for %u triangles", scene->index_count / 3);

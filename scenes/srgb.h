@@ -1,0 +1,27 @@
+/* sRGB codes from 0 to 1 and linear light (IEC 61966-2-1). Called by readers and writers of images;
+ * also from C++. */
+#ifndef DIPTYCH_SCENES_SRGB_H
+#define DIPTYCH_SCENES_SRGB_H
+
+#include <math.h>
+
+static inline float srgb_decode(float code)
+{
+    return code <= 0.04045f ? code / 12.92f : powf((code + 0.055f) / 1.055f, 2.4f);
+}
+
+static inline float srgb_encode(float light)
+{
+    return light <= 0.0031308f ? light * 12.92f : 1.055f * powf(light, 1 / 2.4f) - 0.055f;
+}
+
+/* The light of every 8-bit code, rounded once: as texture units decode. */
+static inline void srgb_decode_table(float light[256])
+{
+    for (int i = 0; i < 256; i++) {
+        double code = i / 255.0;
+        light[i] = (float)(code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4));
+    }
+}
+
+#endif
