@@ -43,10 +43,10 @@ static const struct verb verbs[] = {
      "alone.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics, EXIT_FAILED},
     {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
-     "Compares pixels where both frames show the same surface, found by casting rays. Flicker\n"
-     "is the mean difference between the pictures' change and the reference's. Percentages are\n"
-     "of the reference's mean, or without one, of the pictures'; app/truth/change.h has the\n"
-     "formulas.\n"
+     "Compares pixels where both frames show the same surface, found by casting rays. Change\n"
+     "is the mean absolute difference of a pixel between two frames. Flicker is the mean\n"
+     "absolute difference between the pictures' and the reference's differences. Percentages\n"
+     "are of the mean of the reference, or without one, of the pictures.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_flicker, EXIT_FAILED},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
