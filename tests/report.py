@@ -167,6 +167,8 @@ def check_motion(page, folder, results):
     with open(os.path.join(folder, f"plots/change_{SCENE}_{MOTION}.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [r["frame"] for r in rows] == ["1"]
+    assert "--from-bounce 0 --bounces 1 --quantity radiance" in page.elements[0][2]
+    assert "radiance, the radiance, changes" in page.elements[0][2]
     for row, step in zip(rows, results[f"{SCENE}/{MOTION}/other.json"]["per_frame"]):
         near(row["reference"], 100 * step["relative_change_reference"], "CSV")
         near(row["other"], 0, "CSV")

@@ -98,5 +98,14 @@ sed 's/total: .*/total: [1, 2]/' "$folder/grey/report.yaml" >"$folder/grey/bad.y
 check "numbers of other values" said 2 "as many numbers as the sweep has values" "${small[@]}" --outline "$folder/grey/bad.yaml"
 sed 's/frames: 2/frames: 1/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"
 check "a motion of one frame" said 2 "\`frames\` is out of range: it lies between 2 and" "${small[@]}" --outline "$folder/grey/bad.yaml"
+sed 's/quantity: .*/quantity: light/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"
+check "a motion of another quantity" said 2 "\`quantity\` takes \`radiance\` or \`irradiance\`" "${small[@]}" --outline "$folder/grey/bad.yaml"
+sed 's/from_bounce: .*/from_bounce: 2/' "$folder/grey/report.yaml" >"$folder/grey/bad.yaml"
+check "a motion of more bounces than the reference has" said 2 "must be at most \`bounces\`" "${small[@]}" --outline "$folder/grey/bad.yaml"
+sed '/quantity: /d; /from_bounce: /d' "$folder/grey/report.yaml" >"$folder/grey/default.yaml"
+"${small[@]}" --outline "$folder/grey/default.yaml" --collect -o "$work/default" >/dev/null 2>&1
+check "by default a motion is of indirect irradiance" \
+    grep -q -- '--from-bounce 1 --bounces 1 --quantity irradiance' "$work/default/index.html"
+check "... as the page says" grep -q 'the indirect irradiance, changes' "$work/default/index.html"
 check "no scene left" said 2 "no scene is left" "${small[@]}" --scene "$folder/absent.yaml"
 finish

@@ -37,6 +37,9 @@ char *report_outline_file(const struct report *report, const char *name);
 /* Iterates over the outline's motions of a scene; NULL gives the first. */
 const cJSON *report_next_motion(const struct report *report, const struct step_scene *scene,
                                 const cJSON *motion);
+/* What the references of motions show: "radiance" or "irradiance", from so many bounces on. */
+const char *report_motion_quantity(const struct report *report);
+int report_motion_from_bounce(const struct report *report);
 /* The sweep: its parameter, its values, and how many. */
 const char *report_parameter(const struct report *report);
 const cJSON *report_values(const struct report *report);

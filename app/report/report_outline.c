@@ -6,6 +6,7 @@
  *   pictures: [{name: ..., title: ..., set: [PATH=VALUE, ...]}, ...]
  *   sweep: {parameter: NAME, values: [...]}       of each picture; the last value is the best
  *   motion: {frames: N, size: WxH, spp: N, block: N, show: RESOURCE,
+ *            quantity: radiance|irradiance, from_bounce: N,   of the references (irradiance, 1)
  *            of: [{name: ..., title: ..., scene: NAME, file: FILE}, ...],
  *            runs: [{name: ..., title: ..., set: [...]}, ...]}
  *   stages: [{name: ..., doc: ..., passes: [...]}, ...]
@@ -143,6 +144,22 @@ static void read_lists(struct reader *reader, const struct key *pictures, const 
     read_list(reader, stages, "a stage", stage, DT_ARRAY_COUNT(stage), check_stage);
 }
 
+/* Reports settings of a motion that `diptych reference` refuses. `bounces` is the reference's. */
+static void check_traced(struct reader *reader, const struct key *quantity,
+                         const struct key *from_bounce, const struct key *bounces)
+{
+    const char *text = quantity->node && fy_node_is_scalar(quantity->node)
+                           ? fy_node_get_scalar0(quantity->node)
+                           : "radiance";
+    struct fy_node *place = from_bounce->node ? from_bounce->node : bounces->node;
+    if (strcmp(text, "radiance") != 0 && strcmp(text, "irradiance") != 0)
+        reader_report(reader, quantity->node, "`quantity` takes `radiance` or `irradiance`");
+    if (place && bounces->node && from_bounce->number[0] > bounces->number[0])
+        reader_report(reader, place,
+                      "`from_bounce` of `motion` (default: 1) must be at most `bounces` of "
+                      "`reference`");
+}
+
 /* `bounces` is the reference's. */
 static void read_motion(struct reader *reader, const struct key *self, const struct key *bounces)
 {
@@ -153,12 +170,14 @@ static void read_motion(struct reader *reader, const struct key *self, const str
     static const struct key run[] = {{.name = "name", .type = KEY_TEXT, .required = true},
                                      {.name = "title", .type = KEY_TEXT, .required = true},
                                      {.name = "set", .type = KEY_SEQUENCE, .required = true}};
-    enum { FRAMES, SPP, BLOCK, SIZE, SHOW, OF, RUNS, COUNT };
+    enum { FRAMES, SPP, BLOCK, FROM_BOUNCE, SIZE, SHOW, QUANTITY, OF, RUNS, COUNT };
     struct key keys[COUNT] = {
         [FRAMES] = KEY_OF_NUMBERS("frames", true, 1, 2, OPTIONS_MAX_FRAMES, 2),
         [SPP] = KEY_OF_NUMBERS("spp", true, 1, 1, OPTIONS_MAX_FRAMES, 1),
         [BLOCK] = KEY_OF_NUMBERS("block", true, 1, 1, OPTIONS_MAX_SIZE, 1),
+        [FROM_BOUNCE] = KEY_OF_NUMBERS("from_bounce", false, 1, 0, 1000, 1),
         [SIZE] = {.name = "size", .type = KEY_TEXT, .required = true},
+        [QUANTITY] = {.name = "quantity", .type = KEY_TEXT},
         [SHOW] = {.name = "show", .type = KEY_TEXT, .required = true},
         [OF] = {.name = "of", .type = KEY_SEQUENCE, .required = true},
         [RUNS] = {.name = "runs", .type = KEY_SEQUENCE, .required = true},
@@ -166,12 +185,11 @@ static void read_motion(struct reader *reader, const struct key *self, const str
     read_part(reader, self, "`motion`", keys, COUNT);
     read_list(reader, &keys[OF], "a motion", of, DT_ARRAY_COUNT(of), check_name);
     read_list(reader, &keys[RUNS], "a run", run, DT_ARRAY_COUNT(run), check_picture);
-    for (int i = FRAMES; i <= BLOCK; i++)
+    for (int i = FRAMES; i <= FROM_BOUNCE; i++)
         if (keys[i].number[0] != floor(keys[i].number[0]))
             reader_report(reader, keys[i].node, "`%s` takes a whole number", keys[i].name);
-    if (self->node && bounces->node && bounces->number[0] < 1)
-        reader_report(reader, bounces->node,
-                      "`motion` shows indirect light: `bounces` must be 1 or more");
+    if (self->node)
+        check_traced(reader, &keys[QUANTITY], &keys[FROM_BOUNCE], bounces);
 }
 
 /* One number for each value of the sweep, or fewer. */
@@ -288,6 +306,19 @@ const cJSON *report_next_motion(const struct report *report, const struct step_s
     while (motion && strcmp(step_text(motion, "scene"), scene->name) != 0)
         motion = motion->next;
     return motion;
+}
+
+const char *report_motion_quantity(const struct report *report)
+{
+    const cJSON *motion = cJSON_GetObjectItem(report->outline, "motion");
+    return cJSON_HasObjectItem(motion, "quantity") ? step_text(motion, "quantity") : "irradiance";
+}
+
+int report_motion_from_bounce(const struct report *report)
+{
+    const cJSON *motion = cJSON_GetObjectItem(report->outline, "motion");
+    const cJSON *from = cJSON_GetObjectItem(motion, "from_bounce");
+    return from ? from->valueint : 1;
 }
 
 const char *report_parameter(const struct report *report)

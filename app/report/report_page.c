@@ -293,6 +293,12 @@ static void add_motions(cJSON *page, struct report *report)
     cJSON_AddNumberToObject(motions, "frames", cJSON_GetObjectItem(settings, "frames")->valueint);
     cJSON_AddStringToObject(motions, "size", step_text(settings, "size"));
     cJSON_AddStringToObject(motions, "show", step_text(settings, "show"));
+    int from = report_motion_from_bounce(report);
+    char *light =
+        from > 1 ? format_string("%s from bounce %d on", report_motion_quantity(report), from)
+                 : format_string("%s%s", from ? "indirect " : "", report_motion_quantity(report));
+    cJSON_AddStringToObject(motions, "light", light ? light : "");
+    free(light);
     cJSON_AddNumberToObject(motions, "block", cJSON_GetObjectItem(settings, "block")->valueint);
     cJSON_AddItemToObject(motions, "list", list);
 }

@@ -212,8 +212,7 @@ static bool add_motion_step(struct report *report, const struct step_scene *scen
     return good;
 }
 
-/* Path-traces indirect light of one frame. Each step waits for the one before, so that the last
- * stands for all. */
+/* Path-traces one frame. Each step waits for the one before, so that the last stands for all. */
 static bool add_motion_reference(struct report *report, const struct step_scene *scene,
                                  const cJSON *motion, const char *name, int frame)
 {
@@ -226,10 +225,11 @@ static bool add_motion_reference(struct report *report, const struct step_scene 
         put_motion(&command, report, scene, motion);
         quote_option(command.out, "--size", step_text(motion_settings(report), "size"));
         fprintf(command.out,
-                " --frame %d --from-bounce 1 --bounces %.0f --quantity irradiance --spp %d "
-                "--seed %d",
-                frame, cJSON_GetObjectItem(reference, "bounces")->valuedouble,
-                motion_count(report, "spp"), strcmp(name, "reference") == 0 ? 1 : 2);
+                " --frame %d --from-bounce %d --bounces %.0f --quantity %s --spp %d --seed %d",
+                frame, report_motion_from_bounce(report),
+                cJSON_GetObjectItem(reference, "bounces")->valuedouble,
+                report_motion_quantity(report), motion_count(report, "spp"),
+                strcmp(name, "reference") == 0 ? 1 : 2);
         command_file(&command, "-o", picture);
         command_file(&command, "--json", json);
     }
