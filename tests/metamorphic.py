@@ -3,8 +3,8 @@ resource after every pass is held against its counterpart, field by field. Print
 
     metamorphic.py [--all] [--only TEXT] BUILD
 
-BUILD is the folder of the executables. Without --all each kind of rewrite is tried on one pipeline, with it on all that
-it fits."""
+BUILD is the folder of the executables. Without --all each kind of rewrite is tried on one pipeline, some of them together
+and each alone only where that fails; with --all each alone on every pipeline that it fits."""
 import argparse
 import json
 import os
@@ -32,19 +32,18 @@ class Failure(Exception):
 
 
 class Workshop:
-    """Renders pipelines into dumps below one folder. Compiled pipelines are kept there too, by content."""
+    """Renders pipelines into dumps below one folder."""
 
     def __init__(self, build):
         self.build = os.path.abspath(build)
         self.folder = os.path.join(self.build, "tests/metamorphic")
-        self.environment = {**os.environ, "XDG_CACHE_HOME": os.path.join(self.folder, "cache")}
         self.originals = {}
+        self.generated = {}
 
     def run(self, *command):
         try:
-            done = subprocess.run(command, cwd=ROOT, env=self.environment, stdin=subprocess.DEVNULL, check=False,
-                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8", errors="replace",
-                                  timeout=TIMEOUT)
+            done = subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, check=False, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, encoding="utf-8", errors="replace", timeout=TIMEOUT)
         except subprocess.TimeoutExpired:
             raise Failure(f"{' '.join(command)}\nnot done after {TIMEOUT} s") from None
         if done.returncode != 0:
@@ -71,6 +70,12 @@ class Workshop:
         shutil.rmtree(folder, ignore_errors=True)
         self.run(os.path.join(self.build, "diptych-gen"), spec, "-o", folder, *overrides(settings))
         return folder
+
+    def generated_original(self, name):
+        if name not in self.generated:
+            path, settings = PIPELINES[name]
+            self.generated[name] = self.generate(os.path.join(ROOT, path), settings, f"{name}/original/generated")
+        return self.generated[name]
 
 
 def overrides(settings):
@@ -167,20 +172,19 @@ def same_files(first, second):
     return sum(len(files) for _, _, files in os.walk(first))
 
 
-def try_rewrite(workshop, name, description, function):
+def try_rewrite(workshop, name, description, *functions):
     """Returns what was compared, in words; raises Failure where anything differs."""
     path, settings = PIPELINES[name]
     path = os.path.join(ROOT, path)
-    pipeline = rewrites.apply(function, path, settings)
+    pipeline = rewrites.apply(functions, path, settings)
     if pipeline is None:
         raise Failure("the rewrite changed nothing")
     folder = f"{name}/{'_'.join(description.replace(',', '').replace('`', '').split())}"
     shutil.rmtree(os.path.join(workshop.folder, folder), ignore_errors=True)
     spec = pipeline.write(os.path.join(workshop.folder, folder, "spec"))
     if pipeline.same_output:
-        generated = [workshop.generate(path, settings, f"{name}/original/generated"),
-                     workshop.generate(spec, pipeline.settings, folder + "/generated")]
-        return f"{same_files(*generated)} generated files"
+        generated = workshop.generate(spec, pipeline.settings, folder + "/generated")
+        return f"{same_files(workshop.generated_original(name), generated)} generated files"
     original = workshop.original(name)
     rewritten = workshop.render(folder, spec, pipeline.settings)
     resources = compared = 0
@@ -196,32 +200,62 @@ def try_rewrite(workshop, name, description, function):
     return f"{resources} resources, {compared} bytes"
 
 
+class Report:
+    """Prints TAP."""
+
+    def __init__(self):
+        self.count = self.failed = 0
+
+    def tell(self, good, description, found):
+        self.count += 1
+        self.failed += not good
+        print(f"{'ok' if good else 'not ok'} {self.count} - {description}{': ' + found if good else ''}")
+        print("" if good else "".join(f"# {line}\n" for line in found.splitlines()[:30]), end="", flush=True)
+
+
+def try_together(workshop, report):
+    """Tells of the rewrites that change nothing together, and returns them. The others are to be tried alone."""
+    descriptions = {function: description for description, (function, _) in rewrites.REWRITES.items()}
+    fine = set()
+    for name, functions in rewrites.TOGETHER:
+        listed = [descriptions[function] for function in functions]
+        try:
+            found = try_rewrite(workshop, name, " and ".join(listed), *functions)
+        except Failure as failure:
+            report.tell(False, f"{name}: {', '.join(listed)}, together", str(failure))
+        else:
+            fine.update(functions)
+            for description in listed:
+                report.tell(True, f"{name}: {description}", f"{found}, together with {len(listed) - 1} more")
+    return fine
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--only", default="")
     parser.add_argument("build")
     arguments = parser.parse_args()
-    workshop = Workshop(arguments.build)
-    tests = [(name, description, function, False) for description, (function, names) in rewrites.REWRITES.items()
-             for name in (names if arguments.all else names[:1])]
-    tests += [(name, description, function, True) for description, (function, name) in rewrites.CONTROLS.items()]
-    tests = [test for test in tests if arguments.only in test[1]]
-    failed = 0
-    for number, (name, description, function, must_fail) in enumerate(tests, 1):
+    workshop, report = Workshop(arguments.build), Report()
+    fine = set() if arguments.all or arguments.only else try_together(workshop, report)
+    for description, (function, names) in rewrites.REWRITES.items():
+        if arguments.only not in description or function in fine:
+            continue
+        for name in names if arguments.all else names[:1]:
+            try:
+                report.tell(True, f"{name}: {description}", try_rewrite(workshop, name, description, function))
+            except Failure as failure:
+                report.tell(False, f"{name}: {description}", str(failure))
+    for description, (function, name) in rewrites.CONTROLS.items():
+        if arguments.only not in description:
+            continue
         try:
-            found, good = try_rewrite(workshop, name, description, function), True
+            found, noticed = try_rewrite(workshop, name, description, function), False
         except Failure as failure:
-            found, good = str(failure), False
-        if must_fail:
-            print(f"{'not ok' if good else 'ok'} {number} - {name}: a change of {description} is noticed")
-            print(f"# {found.splitlines()[0]}", flush=True)
-        else:
-            print(f"{'ok' if good else 'not ok'} {number} - {name}: {description}{': ' + found if good else ''}")
-            print("" if good else "".join(f"# {line}\n" for line in found.splitlines()[:30]), end="", flush=True)
-        failed += good == must_fail
-    print(f"1..{len(tests)}")
-    sys.exit(1 if failed or not tests else 0)
+            found, noticed = str(failure).splitlines()[0], True
+        report.tell(noticed, f"{name}: a change of {description} is noticed", found)
+    print(f"1..{report.count}")
+    sys.exit(1 if report.failed or not report.count else 0)
 
 
 main()

@@ -573,22 +573,22 @@ def place_ranges(pipeline, storage, loop):
 
 
 # Where a range's elements live, and how its loop is written, is a question of time.
-@rewrite("ranges rolled over a uniform block", "features", "ssvp")
+@rewrite("ranges rolled over a uniform block", "ssvp", "features")
 def ranges_uniform(pipeline):
     place_ranges(pipeline, "uniform", "roll")
 
 
-@rewrite("ranges unrolled over a storage buffer", "rsm", "ssvp", "features")
+@rewrite("ranges unrolled over a storage buffer", "ssvp", "rsm", "features")
 def ranges_buffer(pipeline):
     place_ranges(pipeline, "buffer", "unroll")
 
 
-@rewrite("ranges rolled over shared memory", "features", "ssvp", "rsm")
+@rewrite("ranges rolled over shared memory", "ssvp", "features", "rsm")
 def ranges_shared(pipeline):
     place_ranges(pipeline, "shared", "roll")
 
 
-@rewrite("planned for a GPU", "rsm", "ssvp", "features")
+@rewrite("planned for a GPU", "ssvp", "rsm", "features")
 def plan_for_gpu(pipeline):
     pipeline.spec["target"] = "gpu"
 
@@ -740,6 +740,7 @@ def copy_pass(pipeline, name):
 def redundant_after(pipeline):
     for i, entry in enumerate(pipeline.passes()):
         entry["after"] = [earlier["name"] for earlier in pipeline.passes()[:i]]
+    pipeline.same_output = True
 
 
 # A condition that always holds.
@@ -837,6 +838,22 @@ def other_yaml(pipeline):
     pipeline.same_output = True
 
 
+# What a short run applies together, one after the other: rewrites of different things, of which none undoes another or
+# stands in for what it rewrites.
+TOGETHER = (
+    ("rsm", (reorder_passes, longer, other_workgroups, inline_constants, move_bodies, comments_in_bodies)),
+    ("rsm", (pad_structs, bake_live, more_mips)),
+    ("rsm", (bake_uniform, more_history)),
+    ("ssvp", (declarations_backwards, equal_expressions, ranges_uniform)),
+    ("ssvp", (includes_pasted, make_live, ranges_buffer)),
+    ("ssvp", (names_in_bodies, make_uniform, plan_for_gpu)),
+    ("ssvp", (metrics_by_hand, ranges_shared)),
+    ("ssvp", (merge_buffers, split_and_gather)),
+    ("features", (passes_backwards, dispatch_groups, wider_formats)),
+    ("features", (fields_backwards, make_layered)),
+)
+
+
 # ---- Controls: what must be noticed ----
 
 def other_metric(pipeline):
@@ -860,12 +877,15 @@ CONTROLS = {
 }
 
 
-def apply(function, path, settings):
-    """The pipeline in a file, rewritten; None where the rewrite has done nothing that the generator could see."""
+def apply(functions, path, settings):
+    """The pipeline in a file, rewritten; None where a rewrite has done nothing that the generator could see."""
     pipeline = Pipeline(path)
     pipeline.settings = dict(settings)
-    if function not in (values_set_in_spec, overrides_backwards, as_json, other_yaml):
+    if not {values_set_in_spec, overrides_backwards, as_json, other_yaml} & set(functions):
         values_in_spec(pipeline)
-    before = pipeline.visible()
-    function(pipeline)
-    return pipeline if pipeline.visible() != before else None
+    for function in functions:
+        before = pipeline.visible()
+        function(pipeline)
+        if pipeline.visible() == before:
+            return None
+    return pipeline
