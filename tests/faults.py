@@ -106,9 +106,14 @@ def main():
     report(not reasons, "in what a skipped pass has cleared", reasons)
     # History: right in the first frames, so that the later one is named. (In the third frame k-means has come to rest,
     # and when it does nothing its clusters are right all the same; the counter of `remember` is not.)
-    reasons = faults.inject([f"{side}:kmeans:{kind}:9@{frame}" for side in ("gl", "vk") for kind in CHANGES
-                             for frame in (1, 2)], [*SSVP, "--frames", "3"])
-    reasons += faults.inject([f"{side}:remember:{kind}:2@2" for side in ("gl", "vk") for kind in KINDS],
+    if os.environ.get("DIPTYCH_LONG"):
+        kmeans = [(side, kind, frame) for side in ("gl", "vk") for kind in CHANGES for frame in (1, 2)]
+        remember = [(side, kind, 2) for side in ("gl", "vk") for kind in KINDS]
+    else:
+        kmeans = [("gl", "bit", 1), ("gl", "texel", 2), ("vk", "sign", 1), ("vk", "bit", 2)]
+        remember = [("gl", "missing", 2), ("vk", "texel", 2)]
+    reasons = faults.inject([f"{side}:kmeans:{kind}:9@{frame}" for side, kind, frame in kmeans], [*SSVP, "--frames", "3"])
+    reasons += faults.inject([f"{side}:remember:{kind}:2@{frame}" for side, kind, frame in remember],
                              [*FEATURES, "--frames", "3"])
     report(not reasons, "in later frames of three, in passes with history", reasons)
     # how much later passes draw: a fault there must not keep a device busy for ever
@@ -116,12 +121,12 @@ def main():
     report(not reasons, "in the arguments of indirect draws and dispatches", reasons)
     # what nothing reads is compared all the same
     unread = {"gbuffer_depth", "display"}
-    for seed in range(1000, 1060):
+    for seed in range(1008, 1068):   # the first of them, as ssvp is now, is in the depths
         if unread <= faults.resources:
             break
         faults.inject([f"vk:gbuffer:bit:{seed}"], SSVP)
     report(unread <= faults.resources, "in resources that nothing reads: " + ", ".join(sorted(unread)))
-    report(faults.injected == faults.found > (250 if os.environ.get("DIPTYCH_LONG") else 100), "all of them")
+    report(faults.injected == faults.found > (250 if os.environ.get("DIPTYCH_LONG") else 90), "all of them")
     print(f"# counted: {faults.injected} faults injected, {faults.found} found")
     print(f"1..{len(results)}")
     return 0 if all(results) else 1
