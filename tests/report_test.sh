@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # `diptych report`: a small report is made to the end; its page is read by another program, which follows every link and looks
-# up every number. What has failed, or has been interrupted, is told and made up for.
+# up every number. What has failed is told and made up for; what an interrupt leaves, sweep_test.sh shows of the same steps.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 
@@ -61,25 +61,6 @@ rm "$report/a & box/shown.exr"
 check "a picture that is gone is made again" "${small[@]}"
 check "... with what was measured of it, and nothing else" \
     [ "$(times | comm -13 "$work/before" - | cut -d' ' -f1 | tr '\n' ' ')" = "shown.exr.json shown.json " ]
-
-# So many samples take minutes.
-# shellcheck disable=SC2317
-interrupted() {
-    local pid
-    "${small[@]}" --spp 400000 -o "$work/held" &
-    pid=$!
-    for _ in $(seq 600); do
-        [ ! -e "$work/held/a & box/reference.json.txt" ] || break
-        sleep 0.1
-    done
-    kill -INT "$pid"
-    wait "$pid"
-}
-check_status 130 "an interrupt ends a report" interrupted
-check_status 1 "... without a page" [ -e "$work/held/index.html" ]
-check_status 1 "... and without the result that it was at" [ -e "$work/held/a & box/reference.json" ]
-check "it goes on from there, with other samples, too" "${small[@]}" -o "$work/held"
-check "... to a whole page" /usr/bin/python3 "$root/tests/report.py" "$work/held"
 
 # ---- What fails -------------------------------------------------------------------------------------------------------
 
