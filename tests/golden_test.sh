@@ -99,18 +99,17 @@ same_shaders() { # folder pass...
     local api name
     for name in "${@:2}"; do
         for api in gl vk; do
-            cmp "$work/counts/$api/$name" "$1/$api/$name" || return
+            cmp "$work/ssvp/$api/$name" "$1/$api/$name" || return
         done
     done
 }
-check "ssvp is generated" "$gen" templates/ssvp.yaml -o "$work/counts"
-check "... with other numbers" "$gen" templates/ssvp.yaml -o "$work/others" --set first_vpls=300 --set second_vpls=310 \
+check "ssvp with other numbers is generated" "$gen" templates/ssvp.yaml -o "$work/others" --set first_vpls=300 --set second_vpls=310 \
     --set clusters=9 --set second_clusters=5 --set paraboloid_size=200 --set rsm_size=300 --set kmeans_iterations=4
 check "... k-means, views, maps and samples of them are the same shaders" same_shaders "$work/others" \
     kmeans.comp second_kmeans.comp place_views.comp place_second_views.comp sample_rsm.comp sample_paraboloid.comp \
     place_paraboloid.comp place_second.comp pack_first.comp pack_second.comp paraboloid.vert paraboloid.frag rsm.frag
-check_status 1 "... shading, whose loops are written out, is not" cmp "$work/counts/vk/shade.comp" "$work/others/vk/shade.comp"
-check_status 1 "... nor is culling" cmp "$work/counts/vk/cull_paraboloid.comp" "$work/others/vk/cull_paraboloid.comp"
+check_status 1 "... shading, whose loops are written out, is not" cmp "$work/ssvp/vk/shade.comp" "$work/others/vk/shade.comp"
+check_status 1 "... nor is culling" cmp "$work/ssvp/vk/cull_paraboloid.comp" "$work/others/vk/cull_paraboloid.comp"
 
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"
