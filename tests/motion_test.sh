@@ -10,7 +10,8 @@ keys:
   - {at: 0, camera: {eye: [0.278, 0.273, -0.8]}, light: {target: [0.556, 0.3, 0.35]}}
   - {at: 3, camera: {eye: [0.4, 0.3, -0.7]},     light: {target: [0.556, 0.2, 0.2]}}
 MOTION
-render=("$diptych" render --scene "$scene" --backend vk --size 48x27)
+small=(--set first_vpls=64 --set second_vpls=64 --set clusters=3 --set rsm_size=64 --set paraboloid_size=32)
+render=("$diptych" render --scene "$scene" --backend vk --size 48x27 "${small[@]}")
 moving=("${render[@]}" --motion "$motion")
 reference=("$diptych" reference --scene "$scene" --size 24x16 --spp 2)
 
@@ -43,13 +44,13 @@ check "what the camera sees in the last frame" "${moving[@]}" --show gbuffer_pos
 check "... and from that place" "${render[@]}" --motion "$work/there.yaml" --show gbuffer_position -o "$work/seen_there.exr"
 check "... is the same: it got there" cmp "$work/seen.exr" "$work/seen_there.exr"
 
-check "both backends agree all along" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27
-check_status 1 "... but for a fault in one frame" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 \
+check "both backends agree all along" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}"
+check_status 1 "... but for a fault in one frame" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}" \
     --fault vk:kmeans:bit@2
 check "a dump of a motion" "${moving[@]}" --dump "$work/dump"
-check "... is held against the same motion" "$diptych" compare --scene "$scene" --motion "$motion" --backend gl --against "$work/dump"
+check "... is held against the same motion" "$diptych" compare --scene "$scene" --motion "$motion" "${small[@]}" --backend gl --against "$work/dump"
 check "... and no other" complains "has other content, or its motion has" \
-    "$diptych" compare --scene "$scene" --motion "$work/there.yaml" --backend gl --against "$work/dump"
+    "$diptych" compare --scene "$scene" --motion "$work/there.yaml" "${small[@]}" --backend gl --against "$work/dump"
 
 check "the path tracer's first frame" "${reference[@]}" --motion "$motion" -o "$work/first.exr"
 check "... its last" "${reference[@]}" --motion "$motion" --frame 3 -o "$work/third.exr"
