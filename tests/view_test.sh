@@ -216,7 +216,7 @@ if command -v twm >/dev/null; then
     printf '%s\n' NoTitle RandomPlacement IconifyByUnmapping NoGrabServer 'BorderWidth 0' \
         {Title,Resize,Menu,Icon,IconManager}'Font "fixed"' >twmrc # the font that any X server has
     LC_ALL=C twm -f twmrc 2>twm.err &
-    for backend in gl vk both; do
+    for backend in gl vk; do
         open_window --backend $backend --size 200x150 --set bounces=0
         check "$backend under a window manager" see $backend.ppm shown
         id=$(xdotool search --name '^diptych')
