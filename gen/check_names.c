@@ -31,7 +31,7 @@ static const char *const reserved_words =
     " import module mutable new noexcept not not_eq operator or or_eq private protected "
     " reinterpret_cast requires static_cast throw try typeid typename virtual wchar_t xor xor_eq "
     /* names and macros of the headers that generated C includes, and of compilers */
-    " NULL i386 int16_t int32_t int64_t int8_t linux main offsetof size_t uint16_t uint32_t "
+    " NULL int16_t int32_t int64_t int8_t linux main offsetof size_t uint16_t uint32_t "
     " uint64_t uint8_t unix ";
 
 static const char *const taken_words =

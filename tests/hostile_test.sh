@@ -53,6 +53,23 @@ scene=("$diptych" render --backend vk -o "$work/a.png" --spec "$work/fill.yaml")
 check "a scene that is a pipe" refuses "it is no regular file" "${scene[@]}" --scene "$work/pipe"
 check "a motion that is a device" refuses "it is no regular file" "${scene[@]}" --scene scenes/cornell.yaml --motion /dev/zero
 
+# ---- Names ----------------------------------------------------------------------------------------------------------
+
+check "every word of C23, C++20 and GLSL 4.60 as a name" /usr/bin/python3 tests/keywords.py "$gen" templates "$work"
+
+# ---- Calls that fail, kills -----------------------------------------------------------------------------------------
+
+samples=1 render=2
+[ -z "${DIPTYCH_LONG:-}" ] || samples=0 render=0
+failing=(/usr/bin/python3 tests/failing.py "$build/tests/failing.so")
+out=$work/out
+generate=("$gen" tests/specs/features.yaml -o "$out" --depfile "$out/depfile" --graph "$out/graph.dot")
+check "generation when a call fails" env "OLD=--set bins=8" "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
+check "... when it is killed" env KILL=1 "${failing[@]}" $samples "$out" -- "${generate[@]}"
+check "a picture when a file cannot be read or written" env "OLD=--set bins=8" "KINDS=open read write rename" \
+    "${failing[@]}" $render "$work/a.png" -- "$diptych" render --backend vk --scene scenes/cornell.yaml \
+    --spec tests/specs/features.yaml --size 16x8 -o "$work/a.png"
+
 # ---- Scenes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317
