@@ -70,6 +70,30 @@ check "a picture when a file cannot be read or written" env "OLD=--set bins=8" "
     "${failing[@]}" $render "$work/a.png" -- "$diptych" render --backend vk --scene scenes/cornell.yaml \
     --spec tests/specs/features.yaml --size 16x8 -o "$work/a.png"
 
+# shellcheck disable=SC2317
+leaves_nobody() { # command...: killed once its children run
+    "$@" >"$work/said" 2>&1 &
+    local pid=$! began=no
+    for _ in $(seq 300); do
+        ! pgrep -f "$work/orphans" | grep -vqx "$pid" || began=yes
+        [ $began = no ] || break
+        sleep 0.1
+    done
+    sleep 0.5
+    kill -KILL "$pid"
+    for _ in $(seq 100); do
+        pgrep -f "$work/orphans" >/dev/null || { [ $began = yes ] && return; }
+        sleep 0.1
+    done
+    cat "$work/said"
+    pgrep -af "$work/orphans"
+    return 1
+}
+check "a killed sweep leaves no children" leaves_nobody "$diptych" sweep --scene scenes/cornell.yaml --size 320x180 \
+    --grid bounces=1,2 -o "$work/orphans"
+check "... a killed comparison" leaves_nobody "$diptych" compare --scene scenes/cornell.yaml --size 640x360 --frames 100 \
+    --json "$work/orphans.json"
+
 # ---- Scenes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317

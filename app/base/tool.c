@@ -4,11 +4,11 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -17,34 +17,54 @@
 #include "base/files.h"
 #include "base/place.h"
 
-extern char **environ;
+/* Descriptors of a child: `input` for its stdin, -1: ours; `output` for its stdout, -1: /dev/null;
+ * `errors` for its stderr, -1: ours. */
+struct streams {
+    int input, output, errors;
+};
 
-/* Starts a child. Descriptors: `input` for its stdin, -1: ours; `output` for its stdout, -1:
- * /dev/null; `errors` for its stderr, -1: ours. The child leads a process group, so that
- * console_wait can end it with its own children, and has no signals blocked. Returns 0 or an
- * errno. */
-static int start(pid_t *child, char *const argv[], int input, int output, int errors)
+/* In the child, between fork and exec; returns after an error, with errno. The child leads a process
+ * group, so that console_wait can end it with its own children, has no signals blocked, and gets
+ * SIGTERM when this process is killed. */
+static void become(char *const argv[], const struct streams *streams, pid_t parent)
 {
     sigset_t none;
     sigemptyset(&none);
-    posix_spawnattr_t attributes;
-    posix_spawnattr_init(&attributes);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    if (input >= 0)
-        posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-    if (output >= 0)
-        posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-    else
-        posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    if (errors >= 0)
-        posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
-    int error = posix_spawnp(child, argv[0], &actions, &attributes, argv, environ);
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
+    int output = streams->output >= 0 ? streams->output : open("/dev/null", O_WRONLY | O_CLOEXEC);
+    bool good = prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && setpgid(0, 0) == 0 && output >= 0 &&
+                dup2(output, STDOUT_FILENO) >= 0 &&
+                (streams->input < 0 || dup2(streams->input, STDIN_FILENO) >= 0) &&
+                (streams->errors < 0 || dup2(streams->errors, STDERR_FILENO) >= 0) &&
+                sigprocmask(SIG_SETMASK, &none, NULL) == 0;
+    if (getppid() != parent)
+        _exit(EXIT_FAILURE); /* it was killed before prctl took effect */
+    if (good)
+        execvp(argv[0], argv);
+}
+
+/* Starts a child. Returns 0 or an errno. */
+static int start(pid_t *child, char *const argv[], const struct streams *streams)
+{
+    int report[2], error = 0;
+    pid_t parent = getpid();
+    if (pipe2(report, O_CLOEXEC) != 0)
+        return errno;
+    *child = fork();
+    if (*child == 0) {
+        become(argv, streams, parent);
+        error = errno;
+        (void)!write(report[1], &error, sizeof error);
+        _exit(EXIT_FAILURE);
+    }
+    error = *child < 0 ? errno : 0;
+    close(report[1]);
+    ssize_t got = 0;
+    do /* exec closes the pipe */
+        got = read(report[0], &error, sizeof error);
+    while (got < 0 && errno == EINTR);
+    if (*child > 0 && got > 0)
+        waitpid(*child, NULL, 0);
+    close(report[0]);
     return error;
 }
 
@@ -95,8 +115,8 @@ static bool begin(struct running *running, const struct tool *tool, char *const 
     int captured = console_capturing(console);
     bool keep = messages == MESSAGES_KEPT && captured < 0 && console->keeps;
     *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
-    int error =
-        start(&running->child, argv, -1, output, running->kept >= 0 ? running->kept : captured);
+    const struct streams streams = {-1, output, running->kept >= 0 ? running->kept : captured};
+    int error = start(&running->child, argv, &streams);
     if (!error) {
         console_adopt(console, running->child);
         return true;
