@@ -95,7 +95,7 @@ FILE *input_open(const char *path, size_t most, const char **reason)
 
 char *input_read(const char *path, size_t most, size_t *length, const char **reason)
 {
-    size_t expected;
+    size_t expected = 0;
     int file = open_regular(path, most, &expected, reason);
     if (file < 0)
         return NULL;
