@@ -219,8 +219,8 @@ static bool mentions(const struct body *body, const char *name)
 /* ---- Names against lists --------------------------------------------------------------------- */
 
 static const char *const buffer_words[] = {"_count", NULL};
-static const char *const image_words[] = {"_size",       "_store",   "_sample",
-                                          "_sample_lod", "_compare", NULL};
+static const char *const image_words[] = {"_size",    "_store",   "_sample", "_sample_lod",
+                                          "_compare", "_texture", NULL};
 static const char *const interleave_words[] = {"_tile",   "_classes",    "_class", "_split",
                                                "_gather", "_class_size", NULL};
 static const char *const no_words[] = {NULL};
@@ -342,6 +342,12 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
         diag_warning(c->diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it",
                      pass->name, word, lists_of[access->mode]);
     }
+    if (pass->kind == PASS_FULLSCREEN && mentions(body, "VERTEX"))
+        diag_warning(
+            c->diag, pass->shader_loc,
+            "the pass `%s` draws a fullscreen triangle, whose vertex shader is generated: the "
+            "VERTEX part of its body is not used",
+            pass->name);
     for (uint32_t i = 0; i < pass->range_count; i++)
         if (!mentions(body, pass->ranges[i].name))
             diag_warning(c->diag, pass->ranges[i].loc,

@@ -178,8 +178,8 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
                           const struct declaration *of)
 {
     static const char *const suffixes[] = {
-        "_count",   "_size",  "_store", "_sample", "_sample_lod", "_compare", "_tile",
-        "_classes", "_class", "_split", "_gather", "_class_size", "_index"};
+        "_count", "_size",    "_store", "_sample", "_sample_lod", "_compare",    "_texture",
+        "_tile",  "_classes", "_class", "_split",  "_gather",     "_class_size", "_index"};
     size_t length = strlen(of->name);
     bool plain = !strcmp(of->kind, "parameter") || !strcmp(of->kind, "constant") ||
                  !strcmp(of->kind, "struct");
@@ -191,8 +191,8 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
              sampler = !strcmp(of->kind, "sampler"), interleave = !strcmp(of->kind, "interleave");
         for (size_t k = 0; k < sizeof suffixes / sizeof *suffixes; k++) {
             bool applies = k == 0    ? buffer || sampler
-                           : k <= 5  ? image
-                           : k <= 11 ? interleave
+                           : k <= 6  ? image
+                           : k <= 12 ? interleave
                                      : false;
             if (applies && !strcmp(name + length, suffixes[k]))
                 diag_error(

@@ -317,9 +317,9 @@ bool gl_resume(struct dt_core *core)
     return true;
 }
 
-bool gl_timings(struct dt_core *core, double *pass_ms)
+static bool read_timings(struct gl_runtime *rt, double *pass_ms)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct dt_core *core = &rt->core;
     for (uint32_t i = 0; i < core->pipeline->pass_count; i++) {
         const char *name = pass_name(rt, i);
         GLuint64 begin = 0, end = 0;
@@ -330,4 +330,16 @@ bool gl_timings(struct dt_core *core, double *pass_ms)
         pass_ms[i] = core->ran[i] ? (double)(end - begin) * 1e-6 : (double)NAN;
     }
     return true;
+}
+
+/* A host's query buffer would take the results. */
+bool gl_timings(struct dt_core *core, double *pass_ms)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    GLint bound = 0;
+    if (!GL(rt, "timings", GetIntegerv(GL_QUERY_BUFFER_BINDING, &bound)) ||
+        (bound && !GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, 0))))
+        return false;
+    bool good = read_timings(rt, pass_ms);
+    return (!bound || GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, (GLuint)bound))) && good;
 }

@@ -124,7 +124,7 @@ static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *
                                  properties.deviceName);
     }
     return dt_error(&rt->core,
-                    "--device %s: no such Vulkan device; choose a part of a name or an index "
+                    "no Vulkan device is called `%s`; choose a part of a name or an index "
                     "from: %s",
                     wanted, list);
 }

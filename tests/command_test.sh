@@ -37,7 +37,7 @@ refused 1 'is 9, above its max of 2' "${render[@]}" --backend vk -o "$work/a.png
 refused 1 'did you mean `bounces`?' "${render[@]}" --backend vk -o "$work/a.png" --set bouncez=1
 refused 1 "$work/absent/a.png: cannot be written" "${render[@]}" --backend vk -o "$work/absent/a.png"
 refused 1 "absent.yaml" "$diptych" render --scene "$work/absent.yaml" --backend vk -o "$work/a.png"
-refused 1 "--device none: no such Vulkan device" "${render[@]}" --backend vk -o "$work/a.png" --device none
+refused 1 "no Vulkan device is called \`none\`" "${render[@]}" --backend vk -o "$work/a.png" --device none
 refused 1 "did you mean" "${render[@]}" --backend vk -o "$work/a.png" --show displai
 refused 1 "choose another size" "${render[@]}" --backend vk -o "$work/a.png" --size 32768x32768
 refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"

@@ -209,7 +209,7 @@ check "Vulkan takes no GLSL" refuses "only OpenGL takes GLSL text" "${features[@
 check "OpenGL takes no device" refuses "only vk takes a device" "${features[@]}" --backend gl@0,vk
 check "a device for nobody" refuses "--device 0: --backend names no side that takes a device" \
     "${features[@]}" --backend gl,osmesa --device 0
-check "a device that is not there" refuses "vk@none: --device none: no such Vulkan device" "${features[@]}" --backend gl,vk@none
+check "a device that is not there" refuses "vk@none: no Vulkan device is called \`none\`" "${features[@]}" --backend gl,vk@none
 printf 'pipeline: nothing\npasses:\n  - {name: idle, dispatch: [1, 1, 1], shader: idle.glsl}\n' >"$work/nothing.yaml"
 echo 'void main() {}' >"$work/idle.glsl"
 check "a pipeline that writes nothing" refuses "nothing: no pass writes anything: nothing to compare" \

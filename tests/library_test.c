@@ -960,6 +960,34 @@ static void opengl_needs_no_scene_that_nobody_sees(void **state)
     dt_gl_close(rt);
 }
 
+/* A query buffer of the host would take the times. */
+static void opengl_takes_times_beside_a_query_buffer(void **state)
+{
+    (void)state;
+    PFNGLGENBUFFERSPROC generate = (PFNGLGENBUFFERSPROC)eglGetProcAddress("glGenBuffers");
+    PFNGLBINDBUFFERPROC bind = (PFNGLBINDBUFFERPROC)eglGetProcAddress("glBindBuffer");
+    PFNGLGETINTEGERVPROC get = (PFNGLGETINTEGERVPROC)eglGetProcAddress("glGetIntegerv");
+    struct dt_frame frame = frame_of(0);
+    double ms[LAYOUTS_PASSES];
+    GLuint buffer = 0;
+    GLint bound = 0;
+    struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+        .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true});
+    assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
+    assert_true(dt_gl_record(rt, &frame, NULL));
+    generate(1, &buffer);
+    bind(GL_QUERY_BUFFER, buffer);
+    heard.errors = 0;
+    assert_true(dt_gl_timings(rt, ms));
+    assert_int_equal(heard.errors, 0);
+    for (int i = 0; i < LAYOUTS_PASSES; i++)
+        assert_true(ms[i] >= 0);
+    get(GL_QUERY_BUFFER_BINDING, &bound);
+    assert_int_equal(bound, buffer);
+    bind(GL_QUERY_BUFFER, 0);
+    dt_gl_close(rt);
+}
+
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
 /* scenes/cornell.yaml by hand. */
@@ -1012,6 +1040,7 @@ int main(void)
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
         cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
+        cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),
     };
     const struct CMUnitTest flight[] = {
