@@ -258,8 +258,19 @@ check_status 1 "a fault in one pass makes its run differ" \
     last_line "0 agree, 1 differ" "${faulty[@]}" --grid shrink=true --fault vk:fill:bit -o "$work/fault"
 check "... and is named" grep -q '"pass":.*"fill"' "$work/fault/summary.json"
 check_status 2 "a run that cannot be does not stop the others" last_line "1 agree, 0 differ, 1 failed" \
-    "${faulty[@]}" --grid passes.show.local=5000,8 -o "$work/failed"
+    "${faulty[@]}" --grid passes.show.local=8,5000 -o "$work/failed"
 check "... and the reason stands in the summary" grep -q '"error":.*mips.yaml\|"error":.*--set' "$work/failed/summary.json"
+
+# shellcheck disable=SC2317
+no_run() { # text command...
+    local text=$1
+    shift
+    ! "$@" >"$work/said" 2>&1 || return
+    cat "$work/said"
+    grep -qF "$text" "$work/said" && [ ! -e "$work/misspelled/runs" ]
+}
+check "a grid over a name that the spec does not know starts no run" no_run "did you mean \`shrink\`?" \
+    "${faulty[@]}" --grid shrinks=true -o "$work/misspelled"
 
 # ---- Interrupted ------------------------------------------------------------------------------------------------------
 

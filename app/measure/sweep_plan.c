@@ -120,6 +120,21 @@ cJSON *sweep_options(const struct options *options, const struct dt_log *log)
 
 /* ---- The generator --------------------------------------------------------------------------- */
 
+/* The values that point `index` of the grid takes; the last row turns fastest. */
+static cJSON *grid_sets(const cJSON *grid, uint32_t index)
+{
+    cJSON *sets = cJSON_CreateArray();
+    for (int i = cJSON_GetArraySize(grid) - 1; i >= 0; i--) {
+        const char *row = cJSON_GetArrayItem(grid, i)->valuestring;
+        uint32_t width = sweep_row_width(row);
+        char *set = sweep_row_value(row, index % width);
+        cJSON_InsertItemInArray(sets, 0, cJSON_CreateString(set ? set : row));
+        free(set);
+        index /= width;
+    }
+    return sets;
+}
+
 /* The generator's list of variations, none of them when the sweep is a grid, and of the files that the
  * spec is made of; NULL, logged. */
 static cJSON *ask_generator(struct console *console, const cJSON *options)
@@ -135,9 +150,13 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
         format_string("--variations=%u", random ? sweep_number(options, "random") : 0),
         format_string("--seed=%u", random ? sweep_number(options, "seed") : 1),
         format_string("--memory=%u", random ? sweep_number(options, "memory") : DEFAULT_MEMORY)};
-    char **argv = calloc((size_t)cJSON_GetArraySize(sets) * 2 + 7, sizeof *argv);
+    /* a grid's first point shows whether the spec knows its names, before a run starts */
+    cJSON *point =
+        random ? cJSON_CreateArray() : grid_sets(cJSON_GetObjectItem(options, "grid"), 0);
+    int set_count = cJSON_GetArraySize(sets) + cJSON_GetArraySize(point);
+    char **argv = calloc((size_t)set_count * 2 + 7, sizeof *argv);
     size_t n = 0;
-    bool good = folder && templates && argv;
+    bool good = folder && templates && argv && point;
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts) && good; i++) {
         good = parts[i];
         argv[n++] = parts[i];
@@ -148,12 +167,17 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
         argv[n++] = (char *)"--set";
         argv[n++] = set->valuestring;
     }
+    for (set = good ? point->child : NULL; set; set = set->next) {
+        argv[n++] = (char *)"--set";
+        argv[n++] = set->valuestring;
+    }
     char *text = good ? tool_read(&generator, argv, console) : NULL;
     cJSON *answer = text ? cJSON_Parse(text) : NULL;
     if (!good || (text && !answer))
         report_error(&console->log, "the generator's variations cannot be read");
     free(text);
     free(argv);
+    cJSON_Delete(point);
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
         free(parts[i]);
     free(templates);
@@ -238,21 +262,6 @@ uint32_t sweep_row_width(const char *row)
         count++;
     }
     return count;
-}
-
-/* The values that point `index` of the grid takes; the last row turns fastest. */
-static cJSON *grid_sets(const cJSON *grid, uint32_t index)
-{
-    cJSON *sets = cJSON_CreateArray();
-    for (int i = cJSON_GetArraySize(grid) - 1; i >= 0; i--) {
-        const char *row = cJSON_GetArrayItem(grid, i)->valuestring;
-        uint32_t width = sweep_row_width(row);
-        char *set = sweep_row_value(row, index % width);
-        cJSON_InsertItemInArray(sets, 0, cJSON_CreateString(set ? set : row));
-        free(set);
-        index /= width;
-    }
-    return sets;
 }
 
 static bool add_grid_runs(cJSON *runs, const cJSON *options, const struct dt_log *log)
