@@ -16,7 +16,7 @@
 struct shared {
     char path[4096]; /* that the child opened last */
 };
-static struct shared *shared_with_parent; /* set in the child alone */
+static _Thread_local struct shared *shared_with_parent; /* set in the child alone */
 
 void child_opens(const char *path)
 {

@@ -1,6 +1,7 @@
 /* A preloaded library that makes one call fail or kills the process at it: FAIL_CALL=name:N, the N-th call
  * of malloc, calloc, realloc, open, read, write, rename or mmap; with FAIL_KILL set, SIGKILL before the
- * call. With FAIL_COUNT=FILE it writes the number of calls of each name at exit. For failing.py. */
+ * call. FAIL_UNDER=FOLDER: of open and rename, only calls with a path in there count, since libraries
+ * abort where their own files cannot be opened. With FAIL_COUNT=FILE it writes the number of calls of each name at exit. For failing.py. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -22,6 +23,7 @@ static atomic_ulong counts[CALLS];
 static enum call chosen = CALLS;
 static unsigned long number;
 static bool kills;
+static const char *under = "";
 
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
@@ -31,6 +33,7 @@ __attribute__((constructor)) static void start(void)
 {
     const char *text = getenv("FAIL_CALL");
     kills = getenv("FAIL_KILL");
+    under = getenv("FAIL_UNDER") ? getenv("FAIL_UNDER") : "";
     for (int i = 0; text && i < CALLS; i++) {
         size_t length = strlen(names[i]);
         if (!strncmp(text, names[i], length) && text[length] == ':') {
@@ -65,6 +68,11 @@ static bool fails(enum call call)
     return true;
 }
 
+static bool fails_at(enum call call, const char *path)
+{
+    return !strncmp(path, under, strlen(under)) && fails(call);
+}
+
 static void *next(const char *name)
 {
     return dlsym(RTLD_NEXT, name);
@@ -95,7 +103,7 @@ void *realloc(void *memory, size_t size)
         va_end(list);                                                                              \
         if (!real)                                                                                 \
             real = (int (*)(const char *, int, ...))next(#name);                                   \
-        return fails(OPEN) ? -1 : real(path, flags, mode);                                         \
+        return fails_at(OPEN, path) ? -1 : real(path, flags, mode);                                \
     }
 OPENS(open)
 OPENS(open64)
@@ -106,7 +114,7 @@ OPENS(open64)
         static FILE *(*real)(const char *, const char *);                                          \
         if (!real)                                                                                 \
             real = (FILE * (*)(const char *, const char *)) next(#name);                           \
-        return fails(OPEN) ? NULL : real(path, mode);                                              \
+        return fails_at(OPEN, path) ? NULL : real(path, mode);                                     \
     }
 FOPENS(fopen)
 FOPENS(fopen64)
@@ -132,7 +140,7 @@ int rename(const char *from, const char *to)
     static int (*real)(const char *, const char *);
     if (!real)
         real = (int (*)(const char *, const char *))next("rename");
-    return fails(RENAME) ? -1 : real(from, to);
+    return fails_at(RENAME, to) ? -1 : real(from, to);
 }
 
 #define MMAPS(name)                                                                                \

@@ -66,9 +66,11 @@ out=$work/out
 generate=("$gen" tests/specs/features.yaml -o "$out" --depfile "$out/depfile" --graph "$out/graph.dot")
 check "generation when a call fails" env "OLD=--set bins=8" "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
 check "... when it is killed" env KILL=1 "${failing[@]}" $samples "$out" -- "${generate[@]}"
-check "a picture when a file cannot be read or written" env "OLD=--set bins=8" "KINDS=open read write rename" \
+mkdir "$work/picture"
+cp tests/specs/features* "$work/picture/"
+check "a picture when a file cannot be read or written" env "OLD=--set bins=8" "KINDS=open write rename" "FAIL_UNDER=$work" \
     "${failing[@]}" $render "$work/a.png" -- "$diptych" render --backend vk --scene scenes/cornell.yaml \
-    --spec tests/specs/features.yaml --size 16x8 -o "$work/a.png"
+    --spec "$work/picture/features.yaml" --size 16x8 -o "$work/a.png"
 
 # shellcheck disable=SC2317
 leaves_nobody() { # command...: killed once its children run
