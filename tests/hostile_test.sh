@@ -78,13 +78,13 @@ leaves_nobody() { # command...: killed once its children run
     local pid=$! began=no
     for _ in $(seq 300); do
         ! pgrep -f "$work/orphans" | grep -vqx "$pid" || began=yes
-        [ $began = no ] || break
+        [ "$began" = no ] || break
         sleep 0.1
     done
     sleep 0.5
     kill -KILL "$pid"
     for _ in $(seq 100); do
-        pgrep -f "$work/orphans" >/dev/null || { [ $began = yes ] && return; }
+        pgrep -f "$work/orphans" >/dev/null || { [ "$began" = yes ] && return; }
         sleep 0.1
     done
     cat "$work/said"
