@@ -159,13 +159,19 @@ static bool same_extent(const struct expr *a, const struct expr *b, uint32_t oth
     return same && ((a && b) || !((a ? expr_reach(a) : 0) | (b ? expr_reach(b) : 0)));
 }
 
-bool buffer_covers(const struct resource *a, const struct resource *b)
+bool resource_covers(const struct resource *a, const struct resource *b)
 {
-    if (a->kind != DT_BUFFER || b->kind != DT_BUFFER)
-        return false;
-    if (expr_reach(a->count) | expr_reach(b->count))
-        return a->stride >= b->stride && same_extent(a->count, b->count, 1);
-    return a->bytes >= b->bytes;
+    static const uint32_t sizes[][2] = {{1, 1}, {REFERENCE_WIDTH, REFERENCE_HEIGHT}, {7680, 4320}};
+    if (a->kind == DT_BUFFER && b->kind == DT_BUFFER) {
+        if (expr_reach(a->count) | expr_reach(b->count))
+            return a->stride >= b->stride && same_extent(a->count, b->count, 1);
+        return a->bytes >= b->bytes;
+    }
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        if (resource_bytes(a, sizes[i][0], sizes[i][1]) <
+            resource_bytes(b, sizes[i][0], sizes[i][1]))
+            return false;
+    return true;
 }
 
 static bool same_texture(const struct resource *a, const struct resource *b)

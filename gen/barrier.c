@@ -108,19 +108,19 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
 }
 
 /* By the specification, barriers chain across resources: the last user of the memory waited for
- * `other`. But synchronization validation (1.3.239) tracks buffers by their bytes, and images apart
- * from their memory. It knows that `other` has ended only if a buffer between the two covers every
- * byte that they share. */
+ * `other`. But synchronization validation (1.3.239) tracks accesses by their bytes. It knows that
+ * `other` has ended only if a resource between the two covers every byte that they share. */
 static bool order_is_seen(const struct pipeline *pipeline, const struct resource *other,
                           const struct resource *resource)
 {
-    if (other->kind != DT_BUFFER || resource->kind != DT_BUFFER)
+    if (other->kind != resource->kind)
         return true;
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         const struct resource *between = &pipeline->resources[i];
 
-        if (used_before(other, between) && used_before(between, resource) &&
-            (buffer_covers(between, other) || buffer_covers(between, resource)))
+        if (between->kind == other->kind && used_before(other, between) &&
+            used_before(between, resource) &&
+            (resource_covers(between, other) || resource_covers(between, resource)))
             return true;
     }
     return false;

@@ -71,8 +71,8 @@ void plan_lifetimes(struct model *model);                /* alias.c: first_pass,
 /* alias.c: of all mips and layers, or of all elements */
 uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height);
 void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */
-/* alias.c: whether both are buffers, and `a` is at least as large as `b` at every frame size */
-bool buffer_covers(const struct resource *a, const struct resource *b);
+/* alias.c: whether `a` is at least as large as `b` at every frame size; with images: at some */
+bool resource_covers(const struct resource *a, const struct resource *b);
 void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 
 /* The layout of an image while a pass uses it with these kinds of access (mask of enum
