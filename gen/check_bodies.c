@@ -262,10 +262,29 @@ static void check_foreign_word(struct checker *c, const struct pass *pass, const
                pass->name, resource->name, stores ? "writes" : "reads");
 }
 
+/* The place where the body declares a function of this name; NULL: it does not. */
+static const struct token *function_of(const struct body *body, const char *name)
+{
+    for (size_t i = 1; i < body->count; i++)
+        if (body->tokens[i].before == 'a' && body->tokens[i].after == '(' &&
+            token_is(&body->tokens[i], name) && !is_keyword(&body->tokens[i - 1]))
+            return &body->tokens[i];
+    return NULL;
+}
+
 static void check_resource_use(struct checker *c, const struct pass *pass, const struct body *body,
                                const struct resource *resource)
 {
     const struct access *access = find_access(pass, resource->name, false);
+    const struct token *function = access ? function_of(body, access_word(access)) : NULL;
+    if (function) {
+        diag_error(
+            c->diag, function->loc,
+            "the body declares the function `%s`, which is the name of %s that the pass `%s` "
+            "lists; rename the function, or give the access another name with `as`",
+            access_word(access), resource->kind == DT_IMAGE ? "an image" : "a buffer", pass->name);
+        return;
+    }
     if (!access || access->as)
         check_foreign_word(c, pass, body, resource, access);
     if (!access || resource->kind != DT_IMAGE || find_access(pass, resource->name, true))

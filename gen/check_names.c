@@ -34,16 +34,18 @@ static const char *const reserved_words =
     " NULL int16_t int32_t int64_t int8_t linux main offsetof size_t uint16_t uint32_t "
     " uint64_t uint8_t unix ";
 
-static const char *const taken_words =
-    /* functions of GLSL that a declaration would hide */
+/* Functions of GLSL that a declaration would hide. */
+static const char *const function_words =
     " abs acos all any asin atan barrier ceil ceil_div clamp cos cross degrees determinant "
     "distance dot equal exp exp2 floor"
     " fma fract imageLoad imageSize imageStore inverse inversesqrt isinf isnan ldexp length lerp "
     "log log2 max min mix mod modf"
     " normalize not pow radians reflect refract round roundEven sign sin sqrt step smoothstep tan "
     "texelFetch texture"
-    " textureLod transpose trunc"
-    /* what the generator declares in every body */
+    " textureLod transpose trunc ";
+
+/* What the generator declares in every body. */
+static const char *const taken_words =
     " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
     "scene_textures"
     " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material "
@@ -119,6 +121,8 @@ static void check_word(struct checker *c, const char *name, struct loc loc, bool
         diag_error(c->diag, loc, "`%s` may be a macro of a C header; choose another name", name);
     else if (*name == '_' && isupper((unsigned char)name[1]))
         diag_error(c->diag, loc, "`%s`: C reserves names that start with _ and a capital", name);
+    else if (!scoped && in_words(function_words, name))
+        diag_error(c->diag, loc, "`%s` is a function of GLSL; choose another name", name);
     else if (!scoped && in_words(taken_words, name))
         diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
 }

@@ -145,7 +145,10 @@ static struct expr *parse_call(struct parser *p, enum operation operation, size_
     if (!a)
         return NULL;
     if (!take(p, ","))
-        return fail(p, p->at, p->at + 1, "expected `,` and a second argument");
+        return fail(p, p->at, p->at + 1,
+                    p->text[p->at] ? "expected `,` and a second argument"
+                                   : "quote it, since YAML ends it at the comma: expected `,` and "
+                                     "a second argument");
     struct expr *b = parse_choose(p);
     if (!b)
         return NULL;

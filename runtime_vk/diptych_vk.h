@@ -132,7 +132,7 @@ struct dt_vk_image {
     VkImageUsageFlags usage; /* as created; resize reports missing ones */
     uint32_t width, height, layers, mips;
     /* Layout of the image when the commands of a frame begin. UNDEFINED: the old content may be
-     * lost, which suits outputs that every frame overwrites. */
+     * lost, which suits outputs that every frame overwrites; an error for a resource with history. */
     VkImageLayout layout_before;
     /* Layout of the image after the frame, for example TRANSFER_SRC_OPTIMAL. UNDEFINED: the layout
      * of the last pass, see dt_vk_resource. */

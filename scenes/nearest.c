@@ -36,7 +36,7 @@ const char *nearest_name(const char *word, const char *const *names, size_t coun
     size_t length = strlen(word);
     if (length > LONGEST_WORD)
         return NULL;
-    unsigned limit = length <= 2 ? 1 : length <= 6 ? 2 : 3, best = limit + 1;
+    unsigned limit = length <= 4 ? 1 : length <= 6 ? 2 : 3, best = limit + 1;
     const char *nearest = NULL;
     for (size_t i = 0; i < count; i++) {
         if (!names[i] || strlen(names[i]) > LONGEST_WORD || !strcmp(word, names[i]))

@@ -348,9 +348,12 @@ static void vulkan_tells_wrong_calls(void **state)
     REFUSED(dt_vk_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_vk_resize(rt, 0, HEIGHT), "frame of 0x16");
     REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_MEMORY, &image), "no image");
+    REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image), "which the layout_before");
+    image.layout_before = VK_IMAGE_LAYOUT_GENERAL;
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "image trail: imported with VkFormat");
     image = (struct dt_vk_image){.image = image.image,
+                                 .layout_before = VK_IMAGE_LAYOUT_GENERAL,
                                  .format = VK_FORMAT_R32G32B32A32_SFLOAT,
                                  .width = WIDTH,
                                  .height = HEIGHT,

@@ -1,0 +1,1 @@
+void main() { weight[0] = 1.0; }
