@@ -89,7 +89,8 @@ static const struct option_row rows[] = {
     {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
      "use a dump, of any machine or driver, as the first side; it sets size and frame"},
     {"--scenes", OPTION_STRING, AT(scenes), SHOWN | VERB_SWEEP | VERB_REPORT, 0, "DIR",
-     "folder with meshes (default: DIPTYCH_SCENES)"},
+     "folder with meshes (default: DIPTYCH_SCENES); a file has at most 4 GiB, a texture 67 million "
+     "pixels"},
     {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
     {"--context", OPTION_CHOICE, AT(context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
