@@ -156,13 +156,18 @@ static void add_store(const struct glsl *glsl, const struct access *access, stru
              format_names(image->format).prefix, variable_name(glsl, access));
 }
 
-/* Whether no earlier access of the pass to this resource gives the same function. */
-static bool first_texel_access(const struct glsl *glsl, const struct access *access)
+/* Whether this access defines the texel read `image(p)`. Of several accesses to the resource, one
+ * without a sampler does, since it may be of another mip than a sampled one; else the first. */
+static bool gives_texels(const struct glsl *glsl, const struct access *access)
 {
-    for (const struct access *other = glsl->pass->accesses; other < access; other++)
-        if (other->resource == access->resource && other->binding >= 0 &&
-            other->mode != MODE_WRITE && !is_compare(other))
+    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
+        const struct access *other = &glsl->pass->accesses[i];
+        if (other == access || other->resource != access->resource || other->binding < 0 ||
+            other->mode == MODE_WRITE || is_compare(other))
+            continue;
+        if (!other->filter == !access->filter ? other < access : !other->filter)
             return false;
+    }
     return true;
 }
 
@@ -186,7 +191,7 @@ void glsl_accessors(struct glsl *glsl)
         if (glsl_uses(glsl, "%s_size", access_word(access)) && !earlier(glsl, access))
             add_size(glsl, access, out);
         if (access->mode != MODE_WRITE && !is_compare(access) &&
-            glsl_uses(glsl, "%s", access_word(access)) && first_texel_access(glsl, access) &&
+            glsl_uses(glsl, "%s", access_word(access)) && gives_texels(glsl, access) &&
             !names_target(glsl, access))
             add_texel(glsl, access, out);
         if (access->mode != MODE_READ && glsl_uses(glsl, "%s_store", access_word(access)))

@@ -58,7 +58,7 @@ def supplied_names():
         with open(path, encoding="utf-8") as file:
             text = file.read()
         names |= {name.replace("%s", "NAME") for name in re.findall(r'glsl_uses\(glsl, "([^"]*)"', text) if name != "%.*s"}
-        declared = re.search(r"/\* what the generator declares in every body \*/(.*?);", text, re.S)
+        declared = re.search(r"taken_words =(.*?);", text, re.S)
         names |= set(re.findall(r"\w+", declared.group(1))) if declared else set()
     for path in glob.glob("templates/glsl/*.glsl"):
         with open(path, encoding="utf-8") as file:

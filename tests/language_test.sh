@@ -90,4 +90,14 @@ check "no temporary file is left" bash -c "! find '$work/out' | grep -E '\.[A-Za
 check "the depfile names spec and shader" grep -q "tests/bad/fill.glsl" "$work/out/gen.d"
 touch "$work/file"
 check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
+# A sampled mip and an updated one: the texel read is of the updated one.
+# shellcheck disable=SC2317
+reads_updated() {
+    "$gen" tests/specs/upsample.yaml -o "$work/upsample" || return
+    local backend
+    for backend in gl vk; do
+        grep -A 2 '^vec4 pyramid(.*ivec2 p)$' "$work/upsample/$backend/up.comp" | grep -q imageLoad || return
+    done
+}
+check "a texel of an image with a sampled and an updated mip is the updated one's" reads_updated
 finish
