@@ -170,30 +170,41 @@ static void add_limits(struct generation *g)
     }
 }
 
-static void add_depfile_path(struct text *text, const char *path)
+/* As GCC writes and ninja reads: backslashes before an escaped character are doubled. A line break
+ * cannot be written; false, reported. */
+static bool add_depfile_path(struct text *text, const char *path)
 {
-    for (; *path; path++) {
-        if (*path == ' ' || *path == '#')
+    if (strchr(path, '\n')) {
+        fprintf(stderr, "diptych-gen: error: a depfile cannot name `%s`, which has a line break\n",
+                path);
+        return false;
+    }
+    for (size_t run = 0; *path; path++) {
+        bool escaped = *path == ' ' || *path == '#';
+        for (size_t i = 0; escaped && i <= run; i++)
             text_add(text, "\\");
         text_add(text, *path == '$' ? "$$" : "%c", *path);
+        run = *path == '\\' ? run + 1 : 0;
     }
+    return true;
 }
 
-static void add_depfile(struct generation *g)
+static bool add_depfile(struct generation *g)
 {
     const char *out = g->options->out ? g->options->out : ".";
     struct text text = {0};
     const char *slash = *out && out[strlen(out) - 1] == '/' ? "" : "/";
     const char *target =
         arena_printf(g->spec.model.arena, "%s%s%s.h", out, slash, g->spec.model.pipeline.name);
-    add_depfile_path(&text, target ? target : "");
+    bool good = add_depfile_path(&text, target ? target : "");
     text_add(&text, ":");
-    for (uint32_t i = 0; i < g->spec.model.input_count; i++) {
+    for (uint32_t i = 0; i < g->spec.model.input_count && good; i++) {
         text_add(&text, " \\\n  ");
-        add_depfile_path(&text, g->spec.model.inputs[i]);
+        good = add_depfile_path(&text, g->spec.model.inputs[i]);
     }
     text_add(&text, "\n");
     output_add(g->output, "", g->options->depfile, &text);
+    return good;
 }
 
 static void add_drawing(struct generation *g, const char *path,
@@ -241,8 +252,8 @@ static enum status write_files(struct generation *g)
         add_drawing(g, g->options->graph, emit_graph);
     if (g->options->lifetimes)
         add_drawing(g, g->options->lifetimes, emit_lifetimes);
-    if (g->options->depfile)
-        add_depfile(g);
+    if (g->options->depfile && !add_depfile(g))
+        return STATUS_FAILED;
     return output_commit(g->output) ? STATUS_DONE : STATUS_FAILED;
 }
 

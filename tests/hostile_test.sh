@@ -152,4 +152,24 @@ for words in --help --version "help render" "render --help" list; do
     # shellcheck disable=SC2086
     check "diptych $words on a full disk" is_full "$diptych" $words
 done
+# ---- Paths ----------------------------------------------------------------------------------------------------------
+
+# shellcheck disable=SC2317
+ninja_reads_depfile() ( # in a shell of its own, for cd
+    local odd="$work/deps/a b#c\$d\\ e\\f"
+    mkdir -p "$odd" && cp "$work/fill.yaml" "$work/fill.glsl" "$odd/" && cd "$work/deps" || return
+    cat >build.ninja <<END
+rule gen
+  command = '$gen' --templates '$root/templates' 'a b#c\$\$d\\ e\\f/fill.yaml' -o out --depfile out/d && touch \$out
+  depfile = out/d
+build out/big.h: gen
+END
+    ninja && ninja | grep "no work to do" && sleep 0.01 && touch "$odd/fill.glsl" && ninja -n | grep '^.1/1'
+)
+check "depfiles name paths with spaces, #, \$ and backslashes as ninja reads them" ninja_reads_depfile
+mkdir "$work/broken
+line" && cp "$work/fill.yaml" "$work/fill.glsl" "$work/broken
+line/"
+check "... and no line break" refuses "which has a line break" "$gen" --templates templates "$work/broken
+line/fill.yaml" -o "$work/broken" --depfile "$work/broken.d"
 finish
