@@ -22,7 +22,8 @@ static const int errors[CALLS] = {ENOMEM, ENOMEM, ENOMEM, EMFILE, EIO, ENOSPC, E
 static atomic_ulong counts[CALLS];
 static enum call chosen = CALLS;
 static unsigned long number;
-static bool kills;
+static bool kills, begun;
+static int (*real_main)(int, char **, char **);
 static const char *under = "";
 
 extern void *__libc_malloc(size_t size);
@@ -41,8 +42,6 @@ __attribute__((constructor)) static void start(void)
             number = strtoul(text + length + 1, NULL, 10);
         }
     }
-    for (int i = 0; i < CALLS; i++) /* calls of the loader count for nothing */
-        counts[i] = 0;
 }
 
 __attribute__((destructor)) static void stop(void)
@@ -60,7 +59,7 @@ __attribute__((destructor)) static void stop(void)
 
 static bool fails(enum call call)
 {
-    if (atomic_fetch_add(&counts[call], 1) + 1 != number || call != chosen)
+    if (!begun || atomic_fetch_add(&counts[call], 1) + 1 != number || call != chosen)
         return false;
     if (kills)
         kill(getpid(), SIGKILL);
@@ -91,6 +90,24 @@ void *calloc(size_t count, size_t size)
 void *realloc(void *memory, size_t size)
 {
     return fails(REALLOC) ? NULL : __libc_realloc(memory, size);
+}
+
+/* What libraries do before main counts for nothing: nobody can catch their errors there. */
+static int counted_main(int count, char **arguments, char **environment)
+{
+    begun = true;
+    return real_main(count, arguments, environment);
+}
+
+int __libc_start_main(int (*main)(int, char **, char **), int count, char **arguments,
+                      void (*init)(void), void (*fini)(void), void (*loader_fini)(void),
+                      void *stack_end)
+{
+    typedef int start_fn(int (*)(int, char **, char **), int, char **, void (*)(void),
+                         void (*)(void), void (*)(void), void *);
+    real_main = main;
+    return ((start_fn *)next("__libc_start_main"))(counted_main, count, arguments, init, fini,
+                                                   loader_fini, stack_end);
 }
 
 #define OPENS(name)                                                                                \

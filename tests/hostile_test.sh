@@ -106,8 +106,14 @@ warns() { # text command...: does its work all the same
     cat "$work/said"
     grep -qF -- "$text" "$work/said"
 }
-check "assimp crashes in a child process alone" refuses "early_map.mtl: the library that reads this file crashed (Segmentation fault)" \
-    "${scene[@]}" --scene "$work/early_map.yaml"
+# shellcheck disable=SC2317
+crash_is_told() { # command...: assimp 5.2 crashes, 5.4 does not
+    local status=0
+    "$@" >"$work/said" 2>&1 || status=$?
+    cat "$work/said"
+    [ "$status" = 0 ] || { [ "$status" = 1 ] && grep -q "early_map.mtl: the library that reads this file crashed" "$work/said"; }
+}
+check "materials at which a library crashes" crash_is_told "${scene[@]}" --scene "$work/early_map.yaml"
 check "a mesh that is a device" refuses "/dev/zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mesh.yaml"
 check "materials" warns "zero: not read: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
 check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"

@@ -2,6 +2,7 @@
  * measurements, formulas, invariants of closed surfaces. Run from the root of the repository
  * (reads scenes/ and build/scenes/); fixtures live in a temporary folder. The OpenImageIO shim
  * must lie beside this program or in the folder above it. */
+#include "child.h"
 #include "image.h"
 #include "mesh.h"
 #include "motion.h"
@@ -15,6 +16,7 @@
 #include <cmocka.h>
 
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -910,6 +912,50 @@ static void frames_between_keys_are_tried(void **state)
                           overshoot, 1);
 }
 
+/* ---- Child processes ------------------------------------------------------------------------- */
+
+static bool crash(FILE *result, void *user, const struct dt_log *log)
+{
+    (void)result;
+    child_opens(user);
+    log_message(log, DT_WARNING, "before");
+    raise(SIGKILL); /* which no sanitizer catches */
+    return true;
+}
+
+static bool refuse(FILE *result, void *user, const struct dt_log *log)
+{
+    (void)result;
+    log_message(log, DT_ERROR, "no %s", (const char *)user);
+    return false;
+}
+
+static bool answer(FILE *result, void *user, const struct dt_log *log)
+{
+    (void)log;
+    return fprintf(result, "%s", (const char *)user) > 0;
+}
+
+static void a_child_answers_refuses_or_crashes_alone(void **state)
+{
+    (void)state;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    char text[8] = "";
+    FILE *result = child_run(answer, "all", &log);
+    assert_non_null(result);
+    assert_non_null(fgets(text, sizeof text, result));
+    assert_string_equal(text, "all");
+    fclose(result);
+    assert_int_equal(heard.count[DT_ERROR], 0);
+    assert_null(child_run(refuse, "mesh", &log));
+    assert_string_equal(heard.text, "no mesh");
+    assert_null(child_run(crash, "odd.mtl", &log));
+    assert_int_equal(heard.count[DT_WARNING], 1);
+    assert_int_equal(heard.count[DT_ERROR], 2);
+    assert_non_null(strstr(heard.text, "odd.mtl: the library that reads this file crashed"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -937,6 +983,7 @@ int main(void)
         cmocka_unit_test(moving_spot_keeps_its_target),
         cmocka_unit_test(wrong_motion_files_are_told_in_one_run),
         cmocka_unit_test(frames_between_keys_are_tried),
+        cmocka_unit_test(a_child_answers_refuses_or_crashes_alone),
     };
     return cmocka_run_group_tests_name("scenes", tests, make_folder, remove_folder);
 }
