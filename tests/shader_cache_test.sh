@@ -19,10 +19,14 @@ is_as_without() { # option...: with the cache the same is made as without it
     generate plain "$@" && is_as_plain "$@"
 }
 # shellcheck disable=SC2317,SC2120
-is_as_plain() { # option...: the same as in that folder, and the next generation adds nothing to the cache
+is_as_plain() { # option...: the same as in that folder, and the next generation writes no entry
     generate cached --cache "$cache" "$@" && diff -r "$work/plain" "$work/cached" &&
-        find "$cache" -type f | sort >"$work/left" && generate again --cache "$cache" "$@" && diff -r "$work/plain" "$work/again" &&
-        find "$cache" -type f | sort | diff "$work/left" -
+        entries >"$work/left" && generate again --cache "$cache" "$@" && diff -r "$work/plain" "$work/again" &&
+        entries | diff "$work/left" -
+}
+# shellcheck disable=SC2317
+entries() { # with their inodes: an entry that is written again has another one
+    find "$cache" -type f -printf '%p %i\n' | sort
 }
 # shellcheck disable=SC2317
 is_mended() { # command...: which spoils the entry $entry
