@@ -127,19 +127,19 @@ sed -i 's/histogram\[bin\].count = n;/&\n#ifdef VULKAN\n    histogram[bin].count
 "$diptych" compare --scene scenes/cornell.yaml --spec "$work/spec/features.yaml" --size 17x9 --bisect "$work/good" >"$work/said" 2>&1
 # shellcheck disable=SC2317
 damaged() { # text sed-script-for-the-manifest
-    rm -rf "$work/bad"
-    cp -r "$work/good" "$work/bad"
-    sed -i "$2" "$work/bad/manifest.json"
-    refuses "$1" "$diptych" replay "$work/bad" --backend vk
+    rm -rf "$work/evil" # as long as good: a test of the path's first bytes alone must not do
+    cp -r "$work/good" "$work/evil"
+    sed -i "$2" "$work/evil/manifest.json"
+    refuses "$1" "$diptych" replay "$work/evil" --backend vk
 }
 check "a replay of a block outside the folder" damaged "outside the folder" 's#"frame_block":\s*"[^"]*"#"frame_block": "../good/frame.raw"#'
 check "... of a device" damaged "outside the folder" 's#"frame_block":\s*"[^"]*"#"frame_block": "../../../../../../dev/zero"#'
 check "... of a spec outside" damaged "outside the folder" 's#"spec":\s*"[^"]*"#"spec": "../good/spec/features.yaml"#'
-rm -rf "$work/bad"
-cp -r "$work/good" "$work/bad"
-cp "$work/bad/spec/features_count.glsl" "$work/elsewhere.glsl"
-ln -sf "$work/elsewhere.glsl" "$work/bad/spec/features_count.glsl"
-check "... of a body outside" refuses "outside the folder that may be read" "$diptych" replay "$work/bad" --backend vk
+rm -rf "$work/evil"
+cp -r "$work/good" "$work/evil"
+cp "$work/evil/spec/features_count.glsl" "$work/elsewhere.glsl"
+ln -sf "$work/elsewhere.glsl" "$work/evil/spec/features_count.glsl"
+check "... of a body outside" refuses "outside the folder that may be read" "$diptych" replay "$work/evil" --backend vk
 
 # ---- Streams --------------------------------------------------------------------------------------------------------
 
