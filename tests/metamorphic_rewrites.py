@@ -333,7 +333,8 @@ def reorder_passes(pipeline):
 
 # What passes read and write says in which order they run, wherever they stand in the list. Content that is kept from
 # frame to frame is what a pass reads that is listed before the one that changes it, so there `after` keeps the order.
-@rewrite("passes listed backwards", "features", "ssvp", "rsm")
+# Not ssvp, where updates of one resource come in the order of the list.
+@rewrite("passes listed backwards", "features", "rsm")
 def passes_backwards(pipeline):
     for i, entry in enumerate(pipeline.passes()):
         kept = [name for name in reads(entry) if pipeline.resources().get(name, {}).get("history")]
@@ -475,7 +476,8 @@ def fields_backwards(pipeline):
 
 
 # A constant is its expression.
-@rewrite("constants inlined", "rsm", "ssvp", "features")
+# Not ssvp: a comparison is a number in a constant, and none in GLSL.
+@rewrite("constants inlined", "rsm", "features")
 def inline_constants(pipeline):
     constants = {name: f"({value['value'] if isinstance(value, dict) else value})"
                  for name, value in pipeline.spec.pop("constants").items()}
