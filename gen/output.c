@@ -101,16 +101,10 @@ bool write_all(int descriptor, const void *bytes, size_t length)
     return true;
 }
 
-static void remove_left_over(const char *path)
-{
-    unlink(path);
-}
-
 static bool write_temporary(struct output_file *file)
 {
     if (!make_folders(file->path))
         return false;
-    temporary_sweep(file->path, remove_left_over);
     file->temporary = temporary_path(file->path);
     int descriptor = file->temporary
                          ? open(file->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)
@@ -215,6 +209,7 @@ static bool prepare(struct output_file *file)
 {
     struct stat status;
     follow_link(file);
+    temporary_sweep(file->path, unlink);
     bool exists = !stat(file->path, &status);
     file->stream = exists && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
     file->unchanged = !file->stream && is_unchanged(file);

@@ -127,7 +127,8 @@ static void up_along_walls(const struct scene *scene, const float direction[3], 
     up[best < 0 ? 1 : best] = 1; /* of a unit vector, at most one component is 0.8 or more */
 }
 
-/* The smallest orthographic view of what light can reach through the opening. Returns its area. */
+/* Fits an orthographic view around the points that light reaches through the opening. Returns its
+ * area. */
 static float directional_view(const struct scene *scene, struct dt_view *out)
 {
     const struct scene_light *light = &scene->light;

@@ -155,11 +155,6 @@ static bool sync_and_rename(const char *from, const char *to, struct image_error
     return ok;
 }
 
-static void remove_file(const char *path)
-{
-    unlink(path);
-}
-
 static bool image_write(const char *path, const char *format, uint32_t width, uint32_t height,
                         uint32_t channels, const void *texels, const struct dt_log *log)
 {
@@ -177,7 +172,7 @@ static bool image_write(const char *path, const char *format, uint32_t width, ui
     struct image_error error = {"out of memory"};
     bool ok = write && temporary;
     if (ok) {
-        temporary_sweep(path, remove_file);
+        temporary_sweep(path, unlink);
         errno = 0;
         ok = write(temporary, format, width, height, channels, texels, &error) &&
              sync_and_rename(temporary, path, &error);

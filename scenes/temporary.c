@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define MARK ".tmp-"
+#define MARK ".diptych-tmp-" /* no name that a user's own file has */
 
 char *temporary_path(const char *path)
 {
@@ -30,7 +30,7 @@ static bool is_left_over(const char *name)
     return whole && kill((pid_t)number, 0) != 0 && errno == ESRCH;
 }
 
-static void sweep_folder(const char *folder, void (*remove)(const char *path))
+static void sweep_folder(const char *folder, int (*remove)(const char *path))
 {
     DIR *list = opendir(folder);
     const struct dirent *entry;
@@ -45,7 +45,7 @@ static void sweep_folder(const char *folder, void (*remove)(const char *path))
         closedir(list);
 }
 
-void temporary_sweep(const char *path, void (*remove)(const char *path))
+void temporary_sweep(const char *path, int (*remove)(const char *path))
 {
     static _Thread_local char last[4096];
     const char *slash = strrchr(path, '/');

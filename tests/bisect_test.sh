@@ -142,5 +142,5 @@ check "... whole" test "$(sed -n 's/.*"pass":\t"\(.*\)",/\1/p' "$cases/case.coun
 check "... with nothing of the former" test ! -e "$cases/case.count/spec/features_count.glsl"
 check "two sides that agree" "${compare[@]}" --bisect none
 check "... leave no folder" test ! -e none
-check "nothing half-written is left" test -z "$(find "$work" -name '*.tmp-*')"
+check "nothing half-written is left" test -z "$(find "$work" -name '*.diptych-tmp-*')"
 finish

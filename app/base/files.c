@@ -63,11 +63,6 @@ static bool is_stream(const struct stat *status)
     return !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
 }
 
-static void remove_left_over(const char *path)
-{
-    unlink(path);
-}
-
 /* In the folder of the final file, with its permissions; links are followed. */
 static bool write_and_rename(const char *path, const struct stat *old, const void *data,
                              size_t size)
@@ -75,7 +70,7 @@ static bool write_and_rename(const char *path, const struct stat *old, const voi
     char *real = realpath(path, NULL);
     const char *place = real ? real : path;
     char *temporary = temporary_path(place);
-    temporary_sweep(place, remove_left_over);
+    temporary_sweep(place, unlink);
     int descriptor =
         temporary ? open(temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666) : -1;
     if (descriptor >= 0 && old) /* fails on file systems without permissions: nothing is lost */

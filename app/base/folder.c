@@ -80,9 +80,9 @@ bool folder_can_write(struct console *console, const char *option, const char *p
     return good;
 }
 
-static void remove_left_over(const char *path)
+static int remove_left_over(const char *path)
 {
-    file_remove_tree(path);
+    return file_remove_tree(path) ? 0 : -1;
 }
 
 bool folder_begin(struct folder *folder, struct console *console, const char *option,

@@ -13,7 +13,7 @@ struct pipeline {
     const struct dt_shaders *gl, *vk;
     void *live;             /* info->live_size bytes, initially info->live_defaults; owned */
     struct plan *plan;      /* owned */
-    char *spec, *templates; /* real paths of what it was made from; owned */
+    char *spec, *templates; /* real paths of the spec and of the templates folder; owned */
 };
 
 /* The real path of a spec, NULL: of the project's own; logged; free(). */

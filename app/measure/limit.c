@@ -106,7 +106,8 @@ static bool open_object(struct limits *limits, const char *folder, const struct 
     return limits->object;
 }
 
-/* In a folder of its own, which nobody else can write to and which goes at once. */
+/* Compiles and loads in a temporary folder. mkdtemp makes it writable for this user only; it is
+ * removed before the function returns. */
 static bool load(struct limits *limits, struct console *console, const struct pipeline *pipeline)
 {
     const struct dt_log *log = &console->log;

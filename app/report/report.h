@@ -66,7 +66,7 @@ int report_change_plot_height(const struct report *report);
 /* report_page.c: index.html. */
 bool report_write_page(struct report *report);
 
-/* report_tables.c: parts of what the page's template is filled with. */
+/* report_tables.c: adds values to the JSON that fills templates/report/report.html. */
 void report_add_link(cJSON *item, const char *key, const char *path); /* of the report's folder */
 /* A number with as many digits as a reader needs, as text; a dash for NaN. */
 void report_add_number(cJSON *item, const char *key, double value);

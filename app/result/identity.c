@@ -340,7 +340,8 @@ static char *differing_content(const cJSON *there, const cJSON *here)
     return NULL;
 }
 
-/* Where the lists of files part, or NULL; free(). Names are told, not compared: folders may lie otherwise. */
+/* The first place at which the two lists of files differ in content, or NULL; free(). File names are
+ * printed but not compared: the same files may be in another folder. */
 static char *differing_list(const cJSON *there, const cJSON *here)
 {
     const cJSON *a = there->child, *b = here->child;
@@ -375,7 +376,7 @@ static char *differing_param(const cJSON *there, const cJSON *here)
     return NULL;
 }
 
-/* Whether --set of what is no parameter differs, or NULL; free(). */
+/* Says how the --set of values that are not parameters differ, or NULL; free(). */
 static char *differing_sets(const cJSON *there, const cJSON *here)
 {
     if (cJSON_Compare(there, here, true))

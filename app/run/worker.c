@@ -89,7 +89,8 @@ struct child {
     bool ended;      /* by the parent's command */
 };
 
-/* Ends when the parent is gone: nobody needs the result. */
+/* Ends this process when the message cannot be sent: the parent has ended, and nobody reads the
+ * result. */
 static void tell(const struct child *child, const struct message *message)
 {
     if (!send_all(child->socket, message, sizeof *message))
