@@ -1,0 +1,73 @@
+/* What fuzz.c feeds to scenes/ and app/: scenes, evidence folders, dumps. */
+#include <string.h>
+#include <unistd.h>
+
+#include "compare/evidence.h"
+#include "fuzz.h"
+#include "result/dump_reader.h"
+
+/* A scene.yaml and what it names, with a motion.yaml or none. The mesh is read in a child process, which a library may bring to
+ * a signal but our code not to a sanitizer's report: that is a failure without a message. */
+void fuzz_scene(const char *bytes, size_t size)
+{
+    char path[256];
+    struct scene scene = {0};
+    if (!fuzz_unpack(bytes, size))
+        return;
+    fuzz_path(path, "scene.yaml");
+    fuzz_messages = 0;
+    bool good = scene_load(&scene, path, NULL, true, &fuzz_log);
+    fuzz_insist(good || fuzz_messages, "a scene is wrong without a message");
+    fuzz_path(path, "motion.yaml");
+    if (good && access(path, F_OK) == 0) {
+        struct dt_frame frame;
+        fuzz_messages = 0;
+        fuzz_insist(scene_load_motion(&scene, path, &fuzz_log) || fuzz_messages,
+                    "a motion is wrong without a message");
+        scene_frame_at(&scene, 7, 64, 32, &frame);
+    }
+    if (good)
+        scene_free(&scene);
+}
+
+static void try_dump(void)
+{
+    static struct pipeline pipeline;
+    static struct console console;
+    static struct rows rows;
+    struct dump_reader dump;
+    if (!pipeline.info) {
+        const struct options options = {.spec = "tests/specs/mips.yaml", .templates = "templates"};
+        console.log = fuzz_log;
+        fuzz_insist(pipeline_load(&pipeline, &console, &options) &&
+                        rows_make(&rows, pipeline.info, &fuzz_log),
+                    "tests/specs/mips.yaml cannot be loaded");
+    }
+    fuzz_messages = 0;
+    bool good = dump_reader_open(&dump, fuzz_folder, &fuzz_log);
+    fuzz_insist(good || fuzz_messages, "a dump is damaged without a message");
+    dump.pipeline = pipeline.info;
+    dump.size[0] = dump.size[1] = 8;
+    for (uint32_t i = 0; good && i < rows.outputs.count; i++) {
+        struct dt_bytes bytes;
+        fuzz_messages = 0;
+        fuzz_insist(dump_reader_read(&dump, &rows.outputs.list[i], false, &bytes) || fuzz_messages,
+                    "a dump's row is damaged without a message");
+    }
+    dump_reader_close(&dump);
+}
+
+/* An evidence folder for replay, or a dump for compare --against. */
+void fuzz_evidence(const char *bytes, size_t size)
+{
+    struct console console = {.log = fuzz_log};
+    const struct options options = {.folder = fuzz_folder};
+    struct evidence_case evidence;
+    if (!fuzz_unpack(bytes, size))
+        return;
+    fuzz_messages = 0;
+    bool good = evidence_read(&evidence, &console, &options);
+    evidence_free(&evidence);
+    fuzz_insist(good || fuzz_messages || console.errors, "evidence is damaged without a message");
+    try_dump();
+}

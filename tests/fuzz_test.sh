@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# What `ninja fuzz` begins with and what it has found (fuzz.c, fuzz.sh) neither crashes nor hangs. TAP.
+. "$(dirname "$0")/tap.sh"
+cd "$root" || exit 1
+# shellcheck disable=SC2317 # called through check
+survives() { # kind file: 1 when glslang takes too long, which is told
+    local status=0
+    timeout 60 "$build/tests/fuzz" "$1" "$2" || status=$?
+    [ "$status" -le 1 ]
+}
+for kind in spec body scene evidence cache; do
+    for file in tests/fuzz/"$kind"/*; do
+        [ ! -e "$file" ] || check "$file" survives "$kind" "$file"
+    done
+done
+entry=$work/entry
+cp tests/fuzz/cache/entry "$entry"
+printf 'X' | dd of="$entry" bs=1 seek=30 conv=notrunc status=none
+check "a damaged cache entry is a miss" "$build/tests/fuzz" cache "$entry"
+finish
