@@ -110,6 +110,35 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     return false;
 }
 
+/* A format of GLSL that the language does not have, such as rgba16: lists those of as many channels,
+ * since the nearest name (rgba16f) holds other values. False: text is none. */
+static bool lacks_format(struct reader *reader, const char *text, struct loc loc,
+                         const char *const *words, size_t count)
+{
+    static const struct {
+        const char *ending, *meaning;
+    } known[] = {{"8_snorm", "8-bit snorm"},
+                 {"16", "16-bit unorm"},
+                 {"16_snorm", "16-bit snorm"},
+                 {"8ui", "8-bit unsigned integers"},
+                 {"16ui", "16-bit unsigned integers"},
+                 {"8i", "8-bit integers"},
+                 {"16i", "16-bit integers"}};
+    size_t channels = strspn(text, "rgba"), i = 0;
+    while (i < DT_ARRAY_COUNT(known) && strcmp(text + channels, known[i].ending))
+        i++;
+    struct text list = {0};
+    for (size_t j = 0; channels && i < DT_ARRAY_COUNT(known) && j < count; j++)
+        if (!strncmp(words[j], text, channels) && strspn(words[j], "rgba") == channels)
+            text_add(&list, "%s%s", list.data ? ", " : "", words[j]);
+    if (list.data)
+        diag_error(reader->diag, loc, "the language has no format `%s` (%s); `%.*s` formats are %s",
+                   text, known[i].meaning, (int)channels, text, list.data);
+    bool lacks = list.data;
+    text_free(&list);
+    return lacks;
+}
+
 static bool choice_check(struct reader *reader, const struct key *key, const char *text,
                          struct loc loc)
 {
@@ -123,6 +152,8 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
     char *rest = copy;
     for (char *word; (word = strsep(&rest, "|")) && count < 24;)
         words[count++] = word;
+    if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
+        return false;
     const char *nearest = nearest_name(text, words, count);
     struct text list = {0};
     for (size_t i = 0; i < count; i++)
