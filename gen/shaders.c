@@ -64,9 +64,12 @@ static void *compile_some(void *user)
         struct job *job = &jobs->list[i];
         if (job->twin)
             continue;
-        watchdog_begin(job->pass->name);
+        char label[256];
+        snprintf(label, sizeof label, "%s (%s:%d: %s)", job->pass->name,
+                 job->pass->shader_loc.source->path, job->pass->shader_loc.line, job->pass->shader);
+        watchdog_begin(label);
         job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
-        watchdog_end(job->pass->name);
+        watchdog_end(label);
     }
     diag_free(unheard);
     return NULL;

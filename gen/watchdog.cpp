@@ -14,7 +14,7 @@ namespace
 {
 
 enum { MOST_NAMES = 16 };
-const char *volatile names[MOST_NAMES]; /* a pass is compiled while its name is in here */
+const char *volatile names[MOST_NAMES]; /* a pass is compiled while its label is in here */
 timer_t timer;
 bool running;
 struct sigaction former_action;
@@ -31,8 +31,8 @@ void say(const char *text)
     say("error: ");
     say(what);
     const char *said = nullptr;
-    for (const char *name : names)
-        if (name && name != said) {
+    for (const char *name : names) /* both backends may compile one pass */
+        if (name && (!said || strcmp(name, said))) {
             say(said ? " or " : ", while compiling the pass ");
             say(name);
             said = name;
@@ -44,7 +44,7 @@ void say(const char *text)
 void out_of_time(int)
 {
     end("the spec takes more processor time than the limit: a macro, a loop or a switch is too "
-        "large,");
+        "large");
 }
 
 void out_of_memory()

@@ -10,8 +10,9 @@
 bool watchdog_start(unsigned seconds);
 void watchdog_stop(void);
 
-/* The message names the passes that threads are compiling. `name` must outlive the matching end. */
-void watchdog_begin(const char *name);
-void watchdog_end(const char *name);
+/* The message names the passes that threads are compiling. `label`: a pass and its place; it must
+ * stay until the matching end, which is given the same pointer. */
+void watchdog_begin(const char *label);
+void watchdog_end(const char *label);
 
 #endif
