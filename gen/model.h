@@ -189,6 +189,7 @@ enum builtin {
 };
 /* names in specs: scene_vertices scene_indices scene_materials scene_textures */
 
+/* STORAGE_AUTO, where the plan leaves it: read in place, as the kind of the access says. */
 enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };
 enum loop_shape { LOOP_AUTO, LOOP_UNROLL, LOOP_ROLL };
 

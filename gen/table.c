@@ -372,9 +372,16 @@ const struct key table_keys[] = {
      "First element: a GLSL int expression, the same for a whole workgroup.",
      "\"interleave_class() * 32\""},
     {SECTION_RANGE, "storage", KEY_CHOICE, SECTION_NONE, "auto|shared|buffer|uniform", OPTIONAL,
-     "auto", "Where the elements are read from.", "shared"},
+     "auto",
+     "Where the elements are read from. `auto`: from a copy in shared memory where the loop is "
+     "unrolled over up to 32 elements, and with `target: gpu`; else in place, from a uniform block "
+     "if one can hold the buffer (64 KiB, elements a multiple of 16 bytes; up to nine blocks per "
+     "pass), or a storage buffer.",
+     "shared"},
     {SECTION_RANGE, "loop", KEY_CHOICE, SECTION_NONE, "auto|unroll|roll", OPTIONAL, "auto",
-     "How the loop is written.", "unroll"},
+     "How the loop is written. `auto`: unrolled up to 32 elements (`target: gpu`: 64), else "
+     "rolled.",
+     "unroll"},
 
     /* assertions, contracts, output */
     {SECTION_ASSERT, "that", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL, "The condition.",

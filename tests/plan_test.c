@@ -337,25 +337,40 @@ static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
     assert_int_equal(draw->materials_binding, 0);
 }
 
-/* Twelve blocks are what every device has: nine, materials, frame and live parameters. */
+static uint32_t uniform_blocks(const struct pass *p)
+{
+    uint32_t blocks = 0;
+
+    for (uint32_t i = 0; i < p->access_count; i++)
+        blocks += p->accesses[i].kind == ACCESS_UNIFORM;
+    return blocks;
+}
+
+/* Twelve blocks are what every device has: nine, materials, frame and live parameters. Ranges that
+ * the plan reads in place are among the nine. */
 static void test_uniform_blocks_are_few(void **state)
 {
     static const char *const names[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k"};
+    enum { COUNT = sizeof names / sizeof *names };
     struct fixture *f = *state;
     struct pass *fill = pass(f, "fill", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
-    uint32_t blocks = 0;
+    struct range ranges[COUNT] = {{0}};
 
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        struct resource *r = buffer(f, names[i], "8");
+    for (size_t i = 0; i < COUNT; i++) {
+        struct resource *r = buffer(f, names[i], "64");
 
         r->type = DT_TYPE_VEC4;
         touch(fill, r, MODE_WRITE);
-        touch(p, r, MODE_READ);
+        ranges[i] =
+            (struct range){.name = "r", .count_value = 64, .access = touch(p, r, MODE_READ)};
     }
     assert_true(plan(f));
-    for (uint32_t i = 0; i < p->access_count; i++)
-        blocks += p->accesses[i].kind == ACCESS_UNIFORM;
-    assert_int_equal(blocks, 9);
+    assert_int_equal(uniform_blocks(p), 9);
+    p->ranges = ranges;
+    p->range_count = COUNT;
+    assert_true(plan(f));
+    assert_int_equal(uniform_blocks(p), 9);
+    assert_int_equal(ranges[0].loop, LOOP_ROLL);
 }
 
 /* On a CPU a workgroup that copies ranges is large, unless the spec says how large. */
@@ -384,12 +399,12 @@ static void test_ranges_make_workgroups_large(void **state)
     assert_int_equal(range.access->kind, ACCESS_STORAGE_READ);
 }
 
-static void test_ranges(void **state)
+static void test_short_range_is_copied_and_unrolled(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "512");
     struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
-    struct range range = {.name = "r", .count_value = 512};
+    struct range range = {.name = "r", .count_value = 32};
 
     touch(w, a, MODE_WRITE);
     range.access = touch(p, a, MODE_READ);
@@ -399,16 +414,75 @@ static void test_ranges(void **state)
     assert_int_equal(range.storage, STORAGE_SHARED);
     assert_int_equal(range.loop, LOOP_UNROLL);
     assert_int_equal(range.chunk, 32);
-    range.count_value = 75; /* 25 * 3 */
+}
+
+/* 512 elements: a loop that reads in place, from a uniform block if one can hold the buffer. */
+static void test_long_range_is_rolled_in_place(void **state)
+{
+    static const struct {
+        enum dt_type type;
+        const char *count;
+        unsigned kind;
+    } cases[] = {
+        {DT_TYPE_VEC4, "512", ACCESS_UNIFORM},
+        {DT_TYPE_VEC4, "5000", ACCESS_STORAGE_READ}, /* 80,000 bytes */
+        {DT_TYPE_UINT, "512", ACCESS_STORAGE_READ},  /* std140 would pad each element */
+    };
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "512");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct range range;
+
+    touch(w, a, MODE_WRITE);
+    range.access = touch(p, a, MODE_READ);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        range = (struct range){
+            .name = "r", .count = number(f, "512"), .count_value = 512, .access = range.access};
+        a->type = cases[i].type;
+        a->count = number(f, cases[i].count);
+        p->ranges = &range;
+        p->range_count = 1;
+        assert_true(plan(f));
+        assert_int_equal(range.loop, LOOP_ROLL);
+        assert_int_not_equal(range.storage, STORAGE_SHARED);
+        assert_int_equal(range.access->kind, cases[i].kind);
+    }
+    range = (struct range){.name = "r", .count_value = 33, .access = range.access};
     assert_true(plan(f));
-    assert_int_equal(range.chunk, 25);
-    range.count_value = 37; /* prime: a short last block */
+    assert_int_equal(range.loop, LOOP_ROLL);
+}
+
+static void test_a_range_follows_the_spec(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "512");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct range range = {
+        .name = "r", .count_value = 75, .storage = STORAGE_SHARED, .loop = LOOP_UNROLL};
+
+    touch(w, a, MODE_WRITE);
+    range.access = touch(p, a, MODE_READ);
+    p->ranges = &range;
+    p->range_count = 1;
+    assert_true(plan(f));
+    assert_int_equal(range.chunk, 25); /* 25 * 3 */
+    range.count_value = 37;            /* prime: a short last block */
     assert_true(plan(f));
     assert_int_equal(range.chunk, 32);
-    f->model.pipeline.gpu = true;
-    range.loop = LOOP_AUTO;
+    range.loop = LOOP_AUTO; /* copied as told, but not unrolled */
     range.count_value = 512;
     assert_true(plan(f));
+    assert_int_equal(range.storage, STORAGE_SHARED);
+    assert_int_equal(range.loop, LOOP_ROLL);
+    range.storage = STORAGE_AUTO; /* unrolled as told, but not copied */
+    range.loop = LOOP_UNROLL;
+    assert_true(plan(f));
+    assert_int_equal(range.storage, STORAGE_AUTO);
+    assert_int_equal(range.loop, LOOP_UNROLL);
+    f->model.pipeline.gpu = true;
+    range.loop = LOOP_AUTO;
+    assert_true(plan(f));
+    assert_int_equal(range.storage, STORAGE_SHARED);
     assert_int_equal(range.loop, LOOP_ROLL);
 }
 
@@ -802,7 +876,9 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_ranges_make_workgroups_large, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draws_read_small_buffers_as_uniform_blocks, setup,
                                         teardown),
-        cmocka_unit_test_setup_teardown(test_ranges, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_short_range_is_copied_and_unrolled, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_long_range_is_rolled_in_place, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_a_range_follows_the_spec, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draw_then_load_then_load, setup, teardown),
         cmocka_unit_test_setup_teardown(test_conditional_dispatch_may_clear, setup, teardown),
         cmocka_unit_test_setup_teardown(test_layout_changes_between_readers, setup, teardown),
