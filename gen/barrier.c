@@ -219,6 +219,21 @@ static bool later_visit(const struct history *past, const struct visit *visit,
     return barrier->to != 0;
 }
 
+/* A barrier has one mask of accesses for all mips, so it may show the content of more mips, and to
+ * more accesses, than the visit needs. */
+static void remember_barrier(struct history *past, const struct barrier *barrier)
+{
+    for (uint32_t mip = 0; mip < past->mip_count; mip++) {
+        struct mip_history *own = &past->mips[mip];
+        bool waits = own->write_stages && !own->changed_layout &&
+                     !(own->write_kind & write_kinds & ~barrier->from) &&
+                     !(own->write_stages & ~barrier->from_stages);
+
+        if (barrier->from_writes && waits)
+            show(own, barrier->to, barrier->to_stages);
+    }
+}
+
 static void remember_touch(struct mip_history *past, const struct touch *touch, bool always)
 {
     if (touch->writes) {
@@ -290,6 +305,7 @@ static void plan_pass_barriers(struct model *model, struct pass *pass, struct hi
         if (own->touched ? later_visit(own, &visit, &barrier)
                          : first_visit(&model->pipeline, past, &visit, &barrier))
             pass->barriers[pass->barrier_count++] = barrier;
+        remember_barrier(own, &barrier);
         remember(own, &visit);
     }
 }

@@ -230,11 +230,21 @@ static const char *const *resource_words(const struct resource *resource)
     return !resource ? no_words : resource->kind == DT_IMAGE ? image_words : buffer_words;
 }
 
-/* The access of the pass to a resource; writing: one that writes it. NULL: none. */
-static const struct access *find_access(const struct pass *pass, const char *name, bool writing)
+/* The first access of the pass to a resource; NULL: none. */
+static const struct access *find_access(const struct pass *pass, const char *name)
 {
     for (uint32_t i = 0; i < pass->access_count; i++)
-        if (!strcmp(pass->accesses[i].name, name) &&
+        if (!strcmp(pass->accesses[i].name, name))
+            return &pass->accesses[i];
+    return NULL;
+}
+
+/* The first access of the pass that its body calls `word`; writing: that also writes. */
+static const struct access *find_word_access(const struct pass *pass, const char *word,
+                                             bool writing)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (!strcmp(access_word(&pass->accesses[i]), word) &&
             (!writing || pass->accesses[i].mode != MODE_READ))
             return &pass->accesses[i];
     return NULL;
@@ -272,29 +282,29 @@ static const struct token *function_of(const struct body *body, const char *name
     return NULL;
 }
 
-static void check_resource_use(struct checker *c, const struct pass *pass, const struct body *body,
-                               const struct resource *resource)
+static void check_access_use(struct checker *c, const struct pass *pass, const struct body *body,
+                             const struct access *access)
 {
-    const struct access *access = find_access(pass, resource->name, false);
-    const struct token *function = access ? function_of(body, access_word(access)) : NULL;
+    const struct resource *resource = access->resource;
+    const char *name = access_word(access);
+    if (!resource || find_word_access(pass, name, false) != access)
+        return;
+    const struct token *function = function_of(body, name);
     if (function) {
         diag_error(
             c->diag, function->loc,
             "the body declares the function `%s`, which is the name of %s that the pass `%s` "
             "lists; rename the function, or give the access another name with `as`",
-            access_word(access), resource->kind == DT_IMAGE ? "an image" : "a buffer", pass->name);
+            name, resource->kind == DT_IMAGE ? "an image" : "a buffer", pass->name);
         return;
     }
-    if (!access || access->as)
-        check_foreign_word(c, pass, body, resource, access);
-    if (!access || resource->kind != DT_IMAGE || find_access(pass, resource->name, true))
+    if (resource->kind != DT_IMAGE || find_word_access(pass, name, true))
         return;
-    const char *word = arena_printf(c->model->arena, "%s_store", access_word(access));
+    const char *word = arena_printf(c->model->arena, "%s_store", name);
     for (size_t i = 0; word && i < body->count; i++)
         if (token_is(&body->tokens[i], word)) {
             diag_error(c->diag, body->tokens[i].loc,
-                       "the pass `%s` stores to `%s` but lists it only in reads", pass->name,
-                       access_word(access));
+                       "the pass `%s` stores to `%s` but lists it only in reads", pass->name, name);
             break;
         }
 }
@@ -416,7 +426,11 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     scan_source(c, body, pass->body, 0);
     pass->minds_group = minds_group(body);
     for (uint32_t i = 0; i < p->resource_count; i++)
-        check_resource_use(c, pass, body, &p->resources[i]);
+        if (!find_word_access(pass, p->resources[i].name, false))
+            check_foreign_word(c, pass, body, &p->resources[i],
+                               find_access(pass, p->resources[i].name));
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        check_access_use(c, pass, body, &pass->accesses[i]);
     for (uint32_t i = 0; i < p->sampler_count; i++)
         if (p->samplers[i].kind == SAMPLER_HAMMERSLEY)
             check_tool_use(c, pass, body, p->samplers[i].name, buffer_words);
@@ -472,7 +486,7 @@ static bool accessed(const struct checker *c, const struct resource *resource)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         const struct pass *pass = &c->pipeline->passes[i];
-        if (find_access(pass, resource->name, false) || pass->indirect_resource == resource ||
+        if (find_access(pass, resource->name) || pass->indirect_resource == resource ||
             pass->index_resource == resource)
             return true;
     }

@@ -303,15 +303,18 @@ static void check_fields(struct checker *c, const struct structure *structure)
 
 /* ---- Words of one pass ----------------------------------------------------------------------- */
 
-/* Checks the `as` name of an access against the pass's other accesses and its ranges. */
+/* Checks the `as` name of an access against the pass's other accesses and its ranges. Mips and
+ * layers of an image may have a name each. */
 static void check_word_once(struct checker *c, const struct pass *pass, uint32_t index)
 {
     const struct access *access = &pass->accesses[index];
+    const struct resource *resource = find_resource(c, access->name);
+    bool image = resource && resource->kind == DT_IMAGE;
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *other = &pass->accesses[i];
         bool same_word = !strcmp(access_word(other), access->as),
              same_resource = !strcmp(other->name, access->name);
-        if (same_word == same_resource || (i > index && other->as))
+        if (same_word == same_resource || (i > index && other->as) || (!same_word && image))
             continue;
         if (same_word)
             diag_error(c->diag, access->as_loc, "the pass `%s` calls both `%s` and `%s` `%s`",

@@ -54,6 +54,35 @@ static void check_mip(struct checker *c, const struct pass *pass, struct access 
     }
 }
 
+static void check_layer(struct checker *c, const struct pass *pass, struct access *access)
+{
+    int64_t layer = 0, extent[3];
+    struct limits limits = {"the layer", access->name, EXPR_BAKED, 0, 2047};
+    if (!access->layer || !access->resource)
+        return;
+    if (!access->resource->layers) {
+        diag_error(c->diag, expr_loc(access->layer), "`%s` is no array and has no layers",
+                   access->name);
+        note_declared(c, access->resource);
+        return;
+    }
+    if (!check_expr(c, access->layer, &limits) || expr_eval(access->layer, 1, 1, &layer) != EXPR_OK)
+        return;
+    access->layer_value = (uint32_t)layer;
+    if (pass->layers && is_target(pass, access))
+        diag_error(c->diag, expr_loc(access->layer),
+                   "the pass `%s` is layered: its targets have all layers", pass->name);
+    for (int i = 0; i < FRAME_SIZES; i++) {
+        if (!image_extent(access->resource, 0, frame_sizes[i], extent) || layer < extent[2])
+            continue;
+        diag_error(c->diag, expr_loc(access->layer),
+                   "`%s` has %" PRId64 " layers, so there is no layer %" PRId64 " (pass `%s`)",
+                   access->name, extent[2], layer, pass->name);
+        note_declared(c, access->resource);
+        return;
+    }
+}
+
 static void check_filter(struct checker *c, const struct access *access)
 {
     const struct sampler *filter = access->filter;
@@ -107,18 +136,29 @@ static bool both(const struct access *a, const struct access *b, enum access_mod
 }
 
 /* In a body, a texel read is `image(p)`, a sampled read `image_sample(uv)`, a store `image_store(p,
- * value)` and a target `image`, for every mip. */
+ * value)` and a target `image`, for every mip and layer. */
 static bool same_word(const struct pass *pass, const struct access *a, const struct access *b)
 {
     bool texels_a = a->mode != MODE_WRITE && !a->sampler,
          texels_b = b->mode != MODE_WRITE && !b->sampler;
     bool target = is_target(pass, a) || is_target(pass, b);
-    return (texels_a && texels_b) || (a->sampler && b->sampler) ||
+    if (strcmp(access_word(a), access_word(b)))
+        return false;
+    return !a->layer != !b->layer || (texels_a && texels_b) || (a->sampler && b->sampler) ||
            (a->mode != MODE_READ && b->mode != MODE_READ) || (target && (texels_a || texels_b));
 }
 
-/* Reports conflicts of two accesses to one resource. Different mips do not conflict; a pass may
- * read an image both by texel and through a sampler. */
+/* Whether no texel belongs to both accesses to one image. */
+static bool are_apart(const struct access *a, const struct access *b)
+{
+    bool sampled_whole =
+        (a->sampler && !a->mip && !a->layer) || (b->sampler && !b->mip && !b->layer);
+    return (a->layer && b->layer && a->layer_value != b->layer_value) ||
+           ((a->mip || b->mip) && a->mip_value != b->mip_value && !sampled_whole);
+}
+
+/* Reports conflicts of two accesses to one resource. Different mips and layers do not conflict; a
+ * pass may read an image both by texel and through a sampler. */
 static void check_pair(struct checker *c, const struct pass *pass, const struct access *a,
                        const struct access *b)
 {
@@ -126,17 +166,15 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
     if (strcmp(a->name, b->name))
         return;
     bool image = a->resource && a->resource->kind == DT_IMAGE;
-    bool apart = image && (a->mip || b->mip) && a->mip_value != b->mip_value;
-    bool sampled_whole = (a->sampler && !a->mip) || (b->sampler && !b->mip);
-    if (apart && !sampled_whole) {
+    if (image && are_apart(a, b)) {
         if (!same_word(pass, a, b))
             return;
         diag_error(c->diag, b->loc,
-                   "the pass `%s` uses two mips of `%s` under the same name; read one through a "
-                   "sampler, or use two passes",
-                   pass->name, b->name);
+                   "the pass `%s` uses two %s of `%s` under the same name; give each its own with "
+                   "`as`",
+                   pass->name, a->layer && b->layer ? "layers" : "mips", b->name);
     } else if (a->mode == MODE_READ && b->mode == MODE_READ) {
-        if (image && !a->sampler != !b->sampler)
+        if (image && !same_word(pass, a, b))
             return;
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` twice in reads", pass->name, b->name);
     } else if (image && pass->kind != PASS_DISPATCH &&
@@ -203,7 +241,7 @@ static void check_target_layers(struct checker *c, const struct pass *pass,
                                 const struct access *target)
 {
     const struct resource *image = target->resource;
-    if (!pass->layers && image->layers)
+    if (!pass->layers && image->layers && !target->layer)
         diag_error(c->diag, target->loc, "`%s` is an array, but the pass `%s` has no `layers`",
                    target->name, pass->name);
     else if (pass->layers && !image->layers)
@@ -325,6 +363,7 @@ static void check_pass(struct checker *c, struct pass *pass)
 {
     for (uint32_t i = 0; i < pass->access_count; i++) {
         check_mip(c, pass, &pass->accesses[i]);
+        check_layer(c, pass, &pass->accesses[i]);
         check_filter(c, &pass->accesses[i]);
         check_storage(c, pass, &pass->accesses[i]);
         for (uint32_t k = 0; k < i; k++)

@@ -46,6 +46,8 @@ static void emit_storage(const struct c_output *c)
         text_add(c->out, ", .slot = %u, .share = %d", storage->slot, storage->share);
         if (storage->block)
             text_add(c->out, ", .block = %" PRIu32, storage->block);
+        if (storage->by_layer)
+            text_add(c->out, ", .by_layer = true");
         while (count > 0 && storage->clear[count - 1] == 0)
             count--;
         for (uint32_t k = 0; k < count; k++) {
@@ -92,6 +94,8 @@ static void emit_binding(const struct c_output *c, const struct dt_binding *bind
         text_add(c->out, ", .mip = DT_ALL_MIPS");
     else if (binding->mip)
         text_add(c->out, ", .mip = %u", binding->mip);
+    if (binding->one_layer)
+        text_add(c->out, ", .one_layer = true, .layer = %u", binding->layer);
     if (binding->layout != DT_LAYOUT_NONE)
         text_add(c->out, ", .layout = %s", layouts[binding->layout]);
     if (binding->kind == DT_BIND_IMAGE) {
@@ -109,6 +113,8 @@ static void emit_target(const struct c_output *c, const struct dt_target *target
     c_resource(c, target->resource);
     if (target->mip)
         text_add(c->out, ", .mip = %u", target->mip);
+    if (target->one_layer)
+        text_add(c->out, ", .one_layer = true, .layer = %u", target->layer);
     text_add(c->out, target->load ? ", .load = true}" : "}");
 }
 

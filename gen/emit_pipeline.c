@@ -268,7 +268,7 @@ static void emit_pass(const struct c_output *c, uint32_t index)
     emit_list(c, "read", pass->reads, pass->read_count);
     emit_list(c, "write", pass->writes, pass->write_count);
     if (pass->write_mips) {
-        text_add(c->out, ",\n        .write_mips = (const uint8_t[]){");
+        text_add(c->out, ",\n        .write_mips = (const uint16_t[]){");
         for (uint32_t i = 0; i < pass->write_count; i++)
             text_add(c->out, i ? ", %u" : "%u", pass->write_mips[i]);
         text_add(c->out, "}");

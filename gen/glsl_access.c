@@ -48,17 +48,28 @@ static bool is_compare(const struct access *access)
     return access->filter && access->filter->compare;
 }
 
-/* Number of earlier accesses to the resource with a binding; keeps variable names different. */
+/* Whether the body calls both by one name. */
+static bool same_word(const struct access *a, const struct access *b)
+{
+    return a->resource == b->resource && !strcmp(access_word(a), access_word(b));
+}
+
+static bool is_array(const struct access *access)
+{
+    return access->resource->layers && !access->layer;
+}
+
+/* Number of earlier accesses of this name with a binding; keeps variable names different. */
 static uint32_t earlier(const struct glsl *glsl, const struct access *access)
 {
     uint32_t count = 0;
     for (const struct access *other = glsl->pass->accesses; other < access; other++)
-        count += other->resource && other->resource == access->resource && other->binding >= 0;
+        count += other->resource && same_word(other, access) && other->binding >= 0;
     return count;
 }
 
-/* The GLSL variable: NAME_image or NAME_texture. Further accesses of the pass to the resource get
- * a number at the end. */
+/* The GLSL variable: NAME_image or NAME_texture. Further accesses of the same name get a number at
+ * the end. */
 static const char *variable_name(const struct glsl *glsl, const struct access *access)
 {
     const char *kind = is_storage(access) ? "image" : "texture";
@@ -71,40 +82,34 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 
 /* ---- Functions ------------------------------------------------------------------------------- */
 
-/* The level to look up. If an access sees one mip, Vulkan binds a view of this mip, so the pass may
- * write another one. OpenGL has no such view; the level selects the mip. */
-static uint32_t level_of(const struct glsl *glsl, const struct access *access)
-{
-    return glsl->backend == BACKEND_VK && access_sees_one_mip(access) ? 0 : access->mip_value;
-}
-
-/* Reads a texel by position. Only the first access to a resource gets this function. */
+/* Reads a texel by position. Only the first access of a name gets this function. If an access sees
+ * one mip, the texture is a view of this mip, its level 0, so the pass may write another one. */
 static void add_texel(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
-    const char *position = image->layers ? "ivec3" : "ivec2";
+    const char *position = is_array(access) ? "ivec3" : "ivec2";
     bool depth = image->format == DT_FORMAT_D32F;
     if (is_storage(access))
         text_add(out, "%svec4 %s(%s p)\n{\n    return imageLoad(%s, p);\n}\n\n", prefix,
                  access_word(access), position, variable);
     else
-        text_add(out, "%s%s %s(%s p)\n{\n    return texelFetch(%s, p, %u)%s;\n}\n\n",
+        text_add(out, "%s%s %s(%s p)\n{\n    return texelFetch(%s, p, 0)%s;\n}\n\n",
                  depth ? "" : prefix, depth ? "float" : "vec4", access_word(access), position,
-                 variable, level_of(glsl, access), depth ? ".x" : "");
+                 variable, depth ? ".x" : "");
 }
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const char *variable = variable_name(glsl, access);
-    const char *swizzle = access->resource->layers ? ".xy" : "";
+    const char *swizzle = is_array(access) ? ".xy" : "";
     if (is_storage(access))
         text_add(out, "ivec2 %s_size()\n{\n    return imageSize(%s)%s;\n}\n\n", access_word(access),
                  variable, swizzle);
     else
-        text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, %u)%s;\n}\n\n",
-                 access_word(access), variable, level_of(glsl, access), swizzle);
+        text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, 0)%s;\n}\n\n",
+                 access_word(access), variable, swizzle);
 }
 
 static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -112,7 +117,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     const struct resource *image = access->resource;
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
-    const char *uv = image->layers ? "vec3" : "vec2";
+    const char *uv = is_array(access) ? "vec3" : "vec2";
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
@@ -127,8 +132,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
         text_add(out, "    return texture(%s, uv)%s;\n}\n\n", variable, tail);
     else
-        text_add(out, "    return textureLod(%s, uv, %u.0)%s;\n}\n\n", variable,
-                 level_of(glsl, access), tail);
+        text_add(out, "    return textureLod(%s, uv, 0.0)%s;\n}\n\n", variable, tail);
 }
 
 /* textureLod has no form for array shadow samplers; textureGrad with zero gradients reads the first
@@ -136,7 +140,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
 static void add_compare(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const char *variable = variable_name(glsl, access);
-    if (access->resource->layers)
+    if (is_array(access))
         text_add(out,
                  "float %s_compare(vec3 uv, float reference)\n{\n"
                  "    return textureGrad(%s, vec4(uv, reference), vec2(0.0), vec2(0.0));\n}\n\n",
@@ -144,25 +148,25 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
     else
         text_add(out,
                  "float %s_compare(vec2 uv, float reference)\n{\n"
-                 "    return textureLod(%s, vec3(uv, reference), %u.0);\n}\n\n",
-                 access_word(access), variable, level_of(glsl, access));
+                 "    return textureLod(%s, vec3(uv, reference), 0.0);\n}\n\n",
+                 access_word(access), variable);
 }
 
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
     text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, value);\n}\n\n",
-             access_word(access), image->layers ? "ivec3" : "ivec2",
+             access_word(access), is_array(access) ? "ivec3" : "ivec2",
              format_names(image->format).prefix, variable_name(glsl, access));
 }
 
-/* Whether this access defines the texel read `image(p)`. Of several accesses to the resource, one
+/* Whether this access defines the texel read `image(p)`. Of several accesses of this name, one
  * without a sampler does, since it may be of another mip than a sampled one; else the first. */
 static bool gives_texels(const struct glsl *glsl, const struct access *access)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
         const struct access *other = &glsl->pass->accesses[i];
-        if (other == access || other->resource != access->resource || other->binding < 0 ||
+        if (other == access || !same_word(other, access) || other->binding < 0 ||
             other->mode == MODE_WRITE || is_compare(other))
             continue;
         if (!other->filter == !access->filter ? other < access : !other->filter)
@@ -175,7 +179,7 @@ static bool gives_texels(const struct glsl *glsl, const struct access *access)
 static bool names_target(const struct glsl *glsl, const struct access *access)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++)
-        if (glsl->pass->accesses[i].resource == access->resource &&
+        if (same_word(&glsl->pass->accesses[i], access) &&
             glsl->pass->accesses[i].kind & ACCESS_COLOR)
             return true;
     return false;
@@ -210,7 +214,7 @@ static void add_image(struct glsl *glsl, const struct access *access, struct tex
 {
     const struct resource *image = access->resource;
     const struct format_names names = format_names(image->format);
-    const char *array = image->layers ? "Array" : "", *variable = variable_name(glsl, access);
+    const char *array = is_array(access) ? "Array" : "", *variable = variable_name(glsl, access);
     if (!glsl_uses(glsl, "%s", variable))
         return;
     text_add(out, "layout(");

@@ -153,6 +153,16 @@ static void lower_barriers(struct lowering *l, struct lowered *out)
 
 /* ---- Storage, samplers ----------------------------------------------------------------------- */
 
+static bool bound_by_layer(const struct pipeline *pipeline, const struct resource *image)
+{
+    for (uint32_t p = 0; p < pipeline->pass_count; p++)
+        for (uint32_t i = 0; i < pipeline->passes[p].access_count; i++)
+            if (pipeline->passes[p].accesses[i].resource == image &&
+                pipeline->passes[p].accesses[i].layer)
+                return true;
+    return false;
+}
+
 static void lower_storage(struct lowering *l, struct dt_panel *panel)
 {
     struct dt_storage *storage = table(l, l->from->resource_count, sizeof *storage);
@@ -167,6 +177,7 @@ static void lower_storage(struct lowering *l, struct dt_panel *panel)
             .slot = (uint16_t)resource->slot,
             .share = (int16_t)resource->share,
             .block = resource->block,
+            .by_layer = bound_by_layer(l->from, resource),
         };
         for (int c = 0; c < 4 && image; c++)
             storage[i].clear[c] = (float)resource->clear[c];
@@ -241,6 +252,8 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
         return binding;
     binding.mip =
         texture && !access_sees_one_mip(access) ? DT_ALL_MIPS : (uint8_t)access->mip_value;
+    binding.one_layer = access->layer;
+    binding.layer = (uint16_t)access->layer_value;
     binding.layout = access->resource ? layout_in_pass(pass, access->resource) : DT_LAYOUT_READ;
     if (texture)
         binding.sampler = sampler_index(pipeline, access->filter);
@@ -297,7 +310,9 @@ static void lower_targets(struct lowering *l, const struct pass *pass, struct dt
             continue;
         *target = (struct dt_target){.resource = (uint16_t)access->resource->index,
                                      .mip = (uint8_t)access->mip_value,
-                                     .load = access->mode == MODE_UPDATE};
+                                     .load = access->mode == MODE_UPDATE,
+                                     .one_layer = access->layer,
+                                     .layer = (uint16_t)access->layer_value};
         program->color_count += access->kind & ACCESS_COLOR ? 1 : 0;
         program->depth = depth ? depth : program->depth;
     }
@@ -532,30 +547,30 @@ static bool reads(const struct pass *pass, const struct resource *resource)
     return pass->indirect_resource == resource || pass->index_resource == resource;
 }
 
-/* The access of the pass that writes the resource, NULL: none. No pass writes two mips of an image,
- * since its body could not tell them apart. */
-static const struct access *written_by(const struct pass *pass, const struct resource *resource)
+/* Mask of the mips of the resource that the pass writes; 1 for a buffer. */
+static uint16_t written_mips(const struct pass *pass, const struct resource *resource)
 {
+    uint32_t mips = 0;
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
-            return &pass->accesses[i];
-    return NULL;
+            mips |= 1u << pass->accesses[i].mip_value;
+    return (uint16_t)mips;
 }
 
 static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pass *to)
 {
     uint32_t count = l->from->resource_count;
     uint16_t *read = table(l, count, sizeof *read), *written = table(l, count, sizeof *written);
-    uint8_t *mips = table(l, count, sizeof *mips);
+    uint16_t *mips = table(l, count, sizeof *mips);
     bool any_mip = false;
     for (uint16_t i = 0; i < count && !l->failed; i++) {
-        const struct access *write = written_by(from, &l->from->resources[i]);
+        uint16_t write = written_mips(from, &l->from->resources[i]);
         if (reads(from, &l->from->resources[i]))
             read[to->read_count++] = i;
         if (!write)
             continue;
-        any_mip |= write->mip_value > 0;
-        mips[to->write_count] = (uint8_t)write->mip_value;
+        any_mip |= write != 1;
+        mips[to->write_count] = write;
         written[to->write_count++] = i;
     }
     to->reads = read;

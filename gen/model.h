@@ -164,13 +164,14 @@ struct access {
     struct loc as_loc;
     enum access_mode mode;
     struct expr *mip;    /* NULL: mip 0 for storage and targets, all mips for sampling */
+    struct expr *layer;  /* one layer of an array, in the body a plain image; NULL: all */
     const char *sampler; /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
     struct loc sampler_loc;
-    struct resource *resource; /* check; NULL for a builtin */
-    int builtin;               /* enum builtin, or -1 */
-    struct sampler *filter;    /* check */
-    uint32_t mip_value;        /* check */
-    unsigned kind;             /* plan: mask of enum access_kind */
+    struct resource *resource;       /* check; NULL for a builtin */
+    int builtin;                     /* enum builtin, or -1 */
+    struct sampler *filter;          /* check */
+    uint32_t mip_value, layer_value; /* check */
+    unsigned kind;                   /* plan: mask of enum access_kind */
     int binding;    /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
     int attachment; /* plan: colour attachment number; -1 */
 };

@@ -374,7 +374,7 @@ bool access_sees_one_mip(const struct access *access)
 {
     return access->resource && access->resource->mips &&
            access->kind & (ACCESS_FETCH | ACCESS_SAMPLED) &&
-           (access->mip || access->kind & ACCESS_FETCH);
+           (access->mip || access->layer || access->kind & ACCESS_FETCH);
 }
 
 uint32_t mips_of(const struct resource *resource)

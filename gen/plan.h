@@ -35,8 +35,9 @@ const struct format_info *format_info(enum dt_format format);
 
 /* ---- plan.c: all accesses of one pass to the same mips of one resource ----------------------- */
 
-/* Whether a texture access reads only one mip of an image with several: by texel, or with `mip`.
- * The same pass may then write the other mips. */
+/* Whether a texture access reads only one mip of an image with several: by texel, or with `mip` or
+ * `layer`.
+ * It then binds a view of this mip, and the same pass may write the other mips. */
 bool access_sees_one_mip(const struct access *access);
 
 struct touch {
@@ -44,7 +45,7 @@ struct touch {
     unsigned kind;   /* mask of enum access_kind */
     unsigned stages; /* mask of enum stage_bit */
     bool reads, writes;
-    uint32_t mips; /* mask; 1 for a buffer */
+    uint32_t mips; /* mask; 1 for a buffer. Layers of a mip are synchronized together */
 };
 /* Fills touches (room for access_count + 2) with one entry per resource and set of mips, in spec
  * order; returns their number. */

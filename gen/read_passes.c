@@ -57,6 +57,10 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     access->sampler = field_text(reader, &fields, "sampler");
     access->sampler_loc = field_loc(reader, &fields, "sampler");
     access->mip = field_expr(reader, &fields, "mip");
+    access->layer = field_expr(reader, &fields, "layer");
+    if (access->layer && mode == MODE_WRITE)
+        diag_error(reader->diag, field_loc(reader, &fields, "layer"),
+                   "`writes` replaces all layers of a mip; list one layer in `updates`");
     if (access->sampler && mode != MODE_READ)
         diag_error(reader->diag, access->sampler_loc, "only `reads` take a sampler");
     return access->name != NULL;

@@ -100,28 +100,31 @@ static GLuint sampler_of(const struct gl_runtime *rt, const struct dt_binding *b
                : *(const GLuint *)dt_sampler(&rt->core, (uint32_t)binding->sampler);
 }
 
-static bool bind_image(struct gl_runtime *rt, const struct dt_binding *binding)
+static bool bind_image(struct gl_runtime *rt, const struct dt_binding *binding, GLuint view)
 {
     const struct gl_image *image = gl_image_of(rt, binding->resource);
     bool reads = binding->access & DT_READ_STORAGE, writes = binding->access & DT_WRITE_STORAGE;
     GLenum access = !writes ? GL_READ_ONLY : reads ? GL_READ_WRITE : GL_WRITE_ONLY;
     if (binding->kind == DT_BIND_TEXTURE)
-        return GL(rt, image->name, BindTextureUnit(binding->binding, image->handle)) &&
+        return GL(rt, image->name,
+                  BindTextureUnit(binding->binding, view ? view : image->handle)) &&
                GL(rt, image->name, BindSampler(binding->binding, sampler_of(rt, binding)));
     return GL(rt, image->name,
-              BindImageTexture(binding->binding, image->handle, binding->mip, image->layered, 0,
-                               access, gl_format(image->format)->internal));
+              BindImageTexture(binding->binding, image->handle, binding->mip,
+                               image->layered && !binding->one_layer, binding->layer, access,
+                               gl_format(image->format)->internal));
 }
 
 bool gl_bind(void *runtime, uint32_t pass)
 {
     struct gl_runtime *rt = runtime;
     const struct dt_program *info = info_of(rt, pass);
+    const struct gl_program *program = dt_program(&rt->core, pass);
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const struct dt_binding *binding = &info->bindings[i];
         gl_state_keep_binding(rt, binding->kind, binding->binding);
         bool buffer = binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE;
-        if (!(buffer ? bind_buffer(rt, binding) : bind_image(rt, binding)))
+        if (!(buffer ? bind_buffer(rt, binding) : bind_image(rt, binding, program->views[i])))
             return false;
     }
     return true;

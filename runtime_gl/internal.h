@@ -51,7 +51,9 @@ struct gl_resource { /* buffer or image */
 
 struct gl_program {
     GLuint handle;
-    GLuint framebuffer; /* of a draw; exists while the resources exist */
+    /* exist while the resources exist */
+    GLuint framebuffer;            /* of a draw */
+    GLuint views[DT_MAX_BINDINGS]; /* by binding: texture of one mip or layer; 0: the image's own */
 };
 
 /* Objects that every pipeline may bind besides its resources: enum dt_builtin. */
@@ -157,6 +159,9 @@ bool gl_image_create(struct gl_runtime *rt, struct gl_image *image);
 bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint texture);
 bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     const float clear[4]);
+/* A texture that is one mip or all, and one layer or all, of the image. */
+bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
+                   const struct dt_binding *binding, GLuint *view);
 void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
 
 /* Set every byte. */

@@ -3,6 +3,7 @@
 #include "internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- Built-in objects ------------------------------------------------------------------------ */
 
@@ -156,7 +157,7 @@ static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
     (void)core, (void)program, (void)pass;
 }
 
-/* ---- Framebuffers: one per pass that draws --------------------------------------------------- */
+/* ---- Framebuffers of draws, and views of mips and layers -------------------------------------- */
 
 static bool attach(struct gl_runtime *rt, GLuint framebuffer, GLenum point,
                    const struct dt_target *target, bool layered)
@@ -164,8 +165,9 @@ static bool attach(struct gl_runtime *rt, GLuint framebuffer, GLenum point,
     const struct gl_image *image = gl_image_of(rt, target->resource);
     GLint mip = target->mip;
     if (image->layered && !layered)
-        return GL(rt, image->name,
-                  NamedFramebufferTextureLayer(framebuffer, point, image->handle, mip, 0));
+        return GL(
+            rt, image->name,
+            NamedFramebufferTextureLayer(framebuffer, point, image->handle, mip, target->layer));
     return GL(rt, image->name, NamedFramebufferTexture(framebuffer, point, image->handle, mip));
 }
 
@@ -185,15 +187,26 @@ static const char *status_text(GLenum status)
     }
 }
 
-static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
+/* A pass may sample one mip or layer and draw into another only through a texture that has no
+ * texel of the target (OpenGL 4.6, 9.3.1: rendering feedback loops). */
+static bool create_views(struct gl_runtime *rt, struct gl_program *program,
+                         const struct dt_program *info)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
-    const struct dt_program *info = &core->panel->programs[pass];
-    const char *name = core->pipeline->passes[pass].name;
-    GLuint *framebuffer = &((struct gl_program *)made)->framebuffer;
+    for (uint32_t i = 0; i < info->binding_count; i++) {
+        const struct dt_binding *binding = &info->bindings[i];
+        if (binding->kind == DT_BIND_TEXTURE &&
+            (binding->mip != DT_ALL_MIPS || binding->one_layer) &&
+            !gl_image_view(rt, gl_image_of(rt, binding->resource), binding, &program->views[i]))
+            return false;
+    }
+    return true;
+}
+
+static bool create_framebuffer(struct gl_runtime *rt, GLuint *framebuffer, uint32_t pass)
+{
+    const struct dt_program *info = &rt->core.panel->programs[pass];
+    const char *name = rt->core.pipeline->passes[pass].name;
     GLenum buffers[DT_MAX_COLOR_TARGETS] = {GL_NONE};
-    if (core->pipeline->passes[pass].kind == DT_PASS_DISPATCH)
-        return true;
     if (!GL(rt, name, CreateFramebuffers(1, framebuffer)))
         return false;
     for (uint32_t i = 0; i < info->color_count; i++) {
@@ -208,7 +221,16 @@ static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
         return false;
     GLenum status = rt->gl.CheckNamedFramebufferStatus(*framebuffer, GL_DRAW_FRAMEBUFFER);
     return status == GL_FRAMEBUFFER_COMPLETE ||
-           dt_error(core, "pass %s: %s", name, status_text(status));
+           dt_error(&rt->core, "pass %s: %s", name, status_text(status));
+}
+
+static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
+{
+    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct gl_program *program = made;
+    return create_views(rt, program, &core->panel->programs[pass]) &&
+           (core->pipeline->passes[pass].kind == DT_PASS_DISPATCH ||
+            create_framebuffer(rt, &program->framebuffer, pass));
 }
 
 static void disconnect_program(struct dt_core *core, void *made)
@@ -218,6 +240,8 @@ static void disconnect_program(struct dt_core *core, void *made)
     if (program->framebuffer)
         rt->gl.DeleteFramebuffers(1, &program->framebuffer);
     program->framebuffer = 0;
+    rt->gl.DeleteTextures(DT_MAX_BINDINGS, program->views); /* ignores zeros */
+    memset(program->views, 0, sizeof program->views);
 }
 
 /* ---- Resources ------------------------------------------------------------------------------- */

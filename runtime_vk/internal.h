@@ -27,11 +27,13 @@ struct vk_image {
     VkImageAspectFlags aspect;
     uint32_t width, height, layers, mips;
     bool layered;
+    bool by_layer;                      /* bound by single layers, too */
     bool imported;                      /* the host owns handle and memory */
     VkDeviceMemory memory;              /* owned; null: a slot's or a host's */
     VkImageLayout layout;               /* as of the commands recorded so far */
     VkImageView view;                   /* all mips, all layers */
     VkImageView mip_views[DT_MAX_MIPS]; /* one mip, all layers */
+    VkImageView *layer_views; /* one mip, one layer: [mip * layers + layer]; NULL: not by_layer */
 };
 
 /* Element of dt_core's array: buffer or image; the other one is zero. */
@@ -192,10 +194,14 @@ struct vk_image_info {
     VkImageUsageFlags usage; /* TRANSFER_SRC and _DST are added */
     uint32_t width, height, layers, mips;
     bool layered;
+    bool by_layer;                    /* makes views of single layers */
     const struct dt_vk_image *import; /* the host's image to use instead; NULL: none */
 };
 bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info); /* without memory and views */
+/* The view of a mip and of one or all of its layers. */
+VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_layer,
+                          uint32_t layer);
 bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
                          const struct vk_image_info *info); /* with both */
 void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);

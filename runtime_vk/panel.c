@@ -169,6 +169,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
         .layers = extent[2],
         .mips = resource->mips,
         .layered = resource->layered,
+        .by_layer = storage->by_layer,
         .import = rt->imports[index].image ? &rt->imports[index] : NULL,
     };
     return vk_image_create(rt, &vk_resource_at(rt, index)->image, &info);
@@ -286,9 +287,11 @@ static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
     bool scene = binding->resource == DT_SCENE_TEXTURES;
     const struct vk_image *image =
         scene ? &rt->builtin.textures : &vk_resource_at(rt, binding->resource)->image;
+    uint32_t mip = binding->mip == DT_ALL_MIPS && binding->one_layer ? 0 : binding->mip;
     VkDescriptorImageInfo info = {
-        .imageView =
-            scene || binding->mip == DT_ALL_MIPS ? image->view : image->mip_views[binding->mip],
+        .imageView = mip == DT_ALL_MIPS
+                         ? image->view
+                         : vk_image_view(image, mip, binding->one_layer, binding->layer),
         .imageLayout = vk_layout(binding->layout),
     };
     if (scene)

@@ -2,6 +2,7 @@
  * present.c. */
 #include "internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
@@ -240,6 +241,7 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         .layers = info->layers,
         .mips = info->mips,
         .layered = info->layered,
+        .by_layer = info->by_layer,
         .layout = VK_IMAGE_LAYOUT_UNDEFINED,
     };
     if (info->import)
@@ -251,15 +253,15 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
     return true;
 }
 
-static bool create_view(struct vk_runtime *rt, const struct vk_image *image, uint32_t mip,
-                        uint32_t mips, VkImageView *view)
+static bool create_view(struct vk_runtime *rt, const struct vk_image *image, bool array,
+                        VkImageSubresourceRange range, VkImageView *view)
 {
     VkImageViewCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = image->handle,
-        .viewType = image->layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+        .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
         .format = image->format,
-        .subresourceRange = {image->aspect, mip, mips, 0, image->layers},
+        .subresourceRange = range,
     };
     if (!VK(rt, rt->vk.CreateImageView(rt->device, &info, NULL, view), image->name))
         return false;
@@ -267,16 +269,41 @@ static bool create_view(struct vk_runtime *rt, const struct vk_image *image, uin
     return true;
 }
 
+static bool create_layer_views(struct vk_runtime *rt, struct vk_image *image)
+{
+    uint32_t count = image->mips * image->layers;
+    image->layer_views = calloc(count + 1, sizeof *image->layer_views);
+    if (!image->layer_views)
+        return dt_error(&rt->core, "image %s: out of memory", image->name);
+    for (uint32_t i = 0; i < count; i++)
+        if (!create_view(rt, image, false,
+                         (VkImageSubresourceRange){image->aspect, i / image->layers, 1,
+                                                   i % image->layers, 1},
+                         &image->layer_views[i]))
+            return false;
+    return true;
+}
+
+VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_layer,
+                          uint32_t layer)
+{
+    return one_layer ? image->layer_views[mip * image->layers + layer] : image->mip_views[mip];
+}
+
 bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory)
 {
     if ((!image->imported &&
          !VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory, 0), image->name)) ||
-        !create_view(rt, image, 0, image->mips, &image->view))
+        !create_view(rt, image, image->layered,
+                     (VkImageSubresourceRange){image->aspect, 0, image->mips, 0, image->layers},
+                     &image->view))
         return false;
     for (uint32_t mip = 0; mip < image->mips; mip++)
-        if (!create_view(rt, image, mip, 1, &image->mip_views[mip]))
+        if (!create_view(rt, image, image->layered,
+                         (VkImageSubresourceRange){image->aspect, mip, 1, 0, image->layers},
+                         &image->mip_views[mip]))
             return false;
-    return true;
+    return !image->by_layer || create_layer_views(rt, image);
 }
 
 bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
@@ -294,6 +321,9 @@ void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
 {
     for (uint32_t mip = 0; mip < image->mips; mip++)
         rt->vk.DestroyImageView(rt->device, image->mip_views[mip], NULL);
+    for (uint32_t i = 0; image->layer_views && i < image->mips * image->layers; i++)
+        rt->vk.DestroyImageView(rt->device, image->layer_views[i], NULL);
+    free(image->layer_views);
     rt->vk.DestroyImageView(rt->device, image->view, NULL);
     if (!image->imported)
         rt->vk.DestroyImage(rt->device, image->handle, NULL);

@@ -248,7 +248,7 @@ static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
     const float *clear = rt->core.panel->storage[target->resource].clear;
     VkRenderingAttachmentInfo info = {
         .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-        .imageView = image->mip_views[target->mip],
+        .imageView = vk_image_view(image, target->mip, target->one_layer, target->layer),
         .imageLayout = image->layout,
         .loadOp = target->load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
         .storeOp = VK_ATTACHMENT_STORE_OP_STORE,

@@ -39,7 +39,7 @@ static const struct dt_resource resources[RESOURCES] = {
     [CODES] = {.name = "codes", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8, .mips = 1},
 };
 static const uint16_t writes[] = {THINGS, GLOW, DEPTH, CODES};
-static const uint8_t write_mips[] = {0, 1, 0, 0};
+static const uint16_t write_mips[] = {1, 2, 1, 1};
 static const struct dt_pass passes[] = {
     {.name = "idle"},
     {.name = "paint", .writes = writes, .write_count = RESOURCES, .write_mips = write_mips}};

@@ -32,6 +32,44 @@ for backend in gl vk; do
     check "a skipped dispatch clears its own mip alone, $backend" skipped_mips $backend
 done
 
+# One image, several names: mips of a bloom in place, layers of an array with history.
+check "mips and layers under names of their own agree, validation silent" \
+    "$diptych" compare --scene "$scene" --spec "$specs/bloom.yaml" --size 8x8 --frames 3 --debug --backend gl,vk,gl+glsl
+# shellcheck disable=SC2317 # called through check
+in_place() { # backend: mips are means of mips, and sums of filtered ones; in the first frame all layers are mip 2
+    local dump=$work/bloom_$1
+    "$diptych" render --scene "$scene" --spec "$specs/bloom.yaml" --size 8x8 --backend "$1" --dump "$dump" &&
+        python3 - "$dump" <<'END'
+import glob, struct, sys
+def image(name, width, height):
+    data = open(glob.glob(f"{sys.argv[1]}/*.{name}.raw")[0], "rb").read()
+    numbers = struct.unpack(f"<{len(data) // 2}e", data)
+    texels = [numbers[i : i + 4] for i in range(0, len(numbers), 4)]
+    assert len(texels) % (width * height) == 0, name
+    return [texels[i : i + width * height] for i in range(0, len(texels), width * height)]
+def near(a, b):
+    return all(abs(x - y) <= 0.003 * max(abs(x), abs(y)) for x, y in zip(a, b))
+glow, trail = image("up_2.glow.mip2", 16, 12)[0], image("keep.trail", 16, 12)
+assert trail == [glow] * 3 and any(any(texel) for texel in glow)
+finer, coarser = image("down_twice.glow", 64, 48)[0], image("down_twice.glow.mip3", 8, 6)[0]
+for y in range(6):
+    for x in range(8):
+        block = [finer[64 * (8 * y + j) + 8 * x + i] for j in range(8) for i in range(8)]
+        assert near(coarser[8 * y + x], [sum(t[c] for t in block) / 64 for c in range(4)]), (x, y)
+# The middle of four texels of a coarser mip: weights 9, 3, 3, 1 of 16.
+before, after, added = image("up_2.glow.mip1", 32, 24)[0], image("up_1.glow.mip1", 32, 24)[0], glow
+for y in range(1, 23):
+    for x in range(1, 31):
+        i, j, di, dj = x // 2, y // 2, 1 if x % 2 else -1, 1 if y % 2 else -1
+        up = [(9 * added[16 * j + i][c] + 3 * added[16 * j + i + di][c] + 3 * added[16 * (j + dj) + i][c]
+               + added[16 * (j + dj) + i + di][c]) / 16 for c in range(4)]
+        assert near(after[32 * y + x], [b + u / 2 for b, u in zip(before[32 * y + x], up)]), (x, y)
+END
+}
+for backend in gl vk; do
+    check "a bloom in place adds filtered mips to mips, and layers to layers, $backend" in_place $backend
+done
+
 # A fault in a texel of a mip above 0 that no later pass reads. (bisect_test.sh has faults in buffers, images and layers.)
 mkdir -p "$work/mip"
 cp "$specs"/mips* "$work/mip/"

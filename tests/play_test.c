@@ -23,6 +23,7 @@
     X("tests/specs/features.yaml", features)                                                       \
     X("tests/specs/layouts.yaml", layouts)                                                         \
     X("tests/specs/mips.yaml", mips)                                                               \
+    X("tests/specs/bloom.yaml", bloom)                                                             \
     X("tests/specs/body.yaml", body)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
@@ -144,8 +145,8 @@ static void same_passes(const struct dt_pipeline *a, const struct dt_pipeline *b
         same_lists(p->reads, p->read_count, q->reads, q->read_count);
         same_lists(p->writes, p->write_count, q->writes, q->write_count);
         for (uint32_t k = 0; k < p->write_count; k++)
-            assert_int_equal(p->write_mips ? p->write_mips[k] : 0,
-                             q->write_mips ? q->write_mips[k] : 0);
+            assert_int_equal(p->write_mips ? p->write_mips[k] : 1,
+                             q->write_mips ? q->write_mips[k] : 1);
         assert_int_equal(!p->limit, !q->limit);
         assert_int_equal(p->flops[0], q->flops[0]);
         assert_int_equal(p->flops[1], q->flops[1]);
@@ -160,6 +161,8 @@ static void same_target(const struct dt_target *a, const struct dt_target *b)
     assert_int_equal(a->resource, b->resource);
     assert_int_equal(a->mip, b->mip);
     assert_int_equal(a->load, b->load);
+    assert_int_equal(a->one_layer, b->one_layer);
+    assert_int_equal(a->layer, b->layer);
 }
 
 static void same_program(const struct dt_program *a, const struct dt_program *b)
@@ -171,6 +174,8 @@ static void same_program(const struct dt_program *a, const struct dt_program *b)
         assert_int_equal(x->resource, y->resource);
         assert_int_equal(x->kind, y->kind);
         assert_int_equal(x->mip, y->mip);
+        assert_int_equal(x->one_layer, y->one_layer);
+        assert_int_equal(x->layer, y->layer);
         assert_int_equal(x->layout, y->layout);
         assert_int_equal(x->access, y->access);
         assert_int_equal(x->sampler, y->sampler);
@@ -196,6 +201,7 @@ static void same_panels(const struct dt_panel *a, const struct dt_panel *b)
         assert_int_equal(s->slot, t->slot);
         assert_int_equal(s->share, t->share);
         assert_int_equal(s->block, t->block);
+        assert_int_equal(s->by_layer, t->by_layer);
         assert_memory_equal(s->clear, t->clear, sizeof s->clear);
     }
     for (uint32_t i = 0; i < a->pipeline->pass_count; i++)

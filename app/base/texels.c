@@ -205,7 +205,7 @@ uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass,
         const struct dt_pass *writer = &pipeline->passes[i];
         for (uint32_t j = 0; j < writer->write_count; j++)
             if (writer->writes[j] == resource)
-                mask |= 1u << (writer->write_mips ? writer->write_mips[j] : 0);
+                mask |= writer->write_mips ? writer->write_mips[j] : 1;
     }
     return mask;
 }

@@ -25,7 +25,8 @@ static double covered_texels(const struct work_frame *frame, const struct dt_pas
         if (target->kind != DT_IMAGE)
             continue;
         resource_extent(frame->pipeline, pass->writes[i], frame->size,
-                        pass->write_mips ? pass->write_mips[i] : 0, extent);
+                        pass->write_mips ? (uint32_t)__builtin_ctz(pass->write_mips[i]) : 0,
+                        extent);
         return (double)resource_elements(target, extent);
     }
     return 0;
@@ -52,7 +53,7 @@ struct work work_of(const struct work_frame *frame, uint32_t index)
                               resource_mips_before(frame->pipeline, index, pass->reads[i]));
     for (uint32_t i = 0; i < pass->write_count; i++)
         work.written +=
-            bytes_of(frame, pass->writes[i], 1u << (pass->write_mips ? pass->write_mips[i] : 0));
+            bytes_of(frame, pass->writes[i], pass->write_mips ? pass->write_mips[i] : 1);
     if (pass->kind == DT_PASS_DRAW_SCENE)
         work.read += (double)frame->vertex_count * sizeof(struct dt_vertex) +
                      (double)frame->index_count * sizeof(uint32_t);

@@ -176,25 +176,35 @@ static uint64_t count_numbers(const struct fault_run *run, const struct dt_resou
     return count * resource_elements(resource, extent);
 }
 
+/* place->number: index among all numbers that the pass writes; becomes the index in its mip. Past
+ * the end, it becomes the distance from the end. */
+static bool find_place(const struct fault_run *run, const struct dt_pass *pass, struct place *place)
+{
+    for (uint32_t i = 0; i < pass->write_count; i++) {
+        uint32_t mips = pass->write_mips ? pass->write_mips[i] : 1;
+        for (uint32_t mip = 0; mips >> mip; mip++) {
+            uint64_t numbers = count_numbers(run, &run->pipeline->resources[pass->writes[i]], mip);
+            if (!(mips >> mip & 1))
+                continue;
+            place->resource = pass->writes[i];
+            place->mip = mip;
+            if (place->number < numbers)
+                return true;
+            place->number -= numbers;
+        }
+    }
+    return false;
+}
+
 static bool choose_place(const struct fault_run *run, struct place *place)
 {
     const struct dt_pass *pass = &run->pipeline->passes[run->fault->pass];
-    uint64_t total = 0;
-    for (int round = 0; round < 2; round++) {
-        uint64_t wanted = total ? mix(run->fault->seed) % total : 0;
-        for (uint32_t i = 0; i < pass->write_count; i++) {
-            uint32_t mip = pass->write_mips ? pass->write_mips[i] : 0;
-            uint64_t numbers = count_numbers(run, &run->pipeline->resources[pass->writes[i]], mip);
-            if (round == 0) {
-                total += numbers;
-            } else if (wanted < numbers) {
-                *place = (struct place){pass->writes[i], mip, wanted};
-                return true;
-            } else {
-                wanted -= numbers;
-            }
-        }
-    }
+    *place = (struct place){.number = UINT64_MAX};
+    find_place(run, pass, place);
+    uint64_t total = UINT64_MAX - place->number;
+    *place = (struct place){.number = total ? mix(run->fault->seed) % total : 0};
+    if (find_place(run, pass, place))
+        return true;
     report_error(run->log, "--fault: pass %s writes no number at this frame size", pass->name);
     return false;
 }

@@ -133,9 +133,9 @@ struct dt_pass {
     /* resources that the pass writes or updates */
     const uint16_t *writes;
     uint32_t write_count;
-    /* mip of each write; NULL: all 0. A mip that no pass of the frame has written yet has undefined
-     * content, unless it has history */
-    const uint8_t *write_mips;
+    /* mask of the mips of each write; NULL: all 1. A mip that no pass of the frame has written yet
+     * has undefined content, unless it has history */
+    const uint16_t *write_mips;
     const char *limit; /* C version of the pass for the CPU, see limit.h; NULL: none */
     /* lower bound of float operations per invocation without early return: [0] compute or vertex
      * shader, [1] fragment shader. Counts one iteration of every loop and the cheapest other

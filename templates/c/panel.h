@@ -74,6 +74,7 @@ struct dt_storage { /* of one resource */
      * cannot share memory, uses its texture for this image; -1: none */
     int16_t share;
     uint32_t block; /* bytes that uniform blocks of the buffer declare; 0: its size */
+    bool by_layer;  /* some pass binds one layer of the array */
     float clear[4]; /* clear value of a target or of a skipped pass; depth: clear[0] */
 };
 
@@ -107,7 +108,9 @@ struct dt_binding {
     uint16_t binding;  /* the number in GLSL */
     uint16_t resource; /* or enum dt_builtin */
     enum dt_binding_kind kind;
-    uint8_t mip;     /* textures: one, or DT_ALL_MIPS; images: one */
+    uint8_t mip;    /* textures: one, or DT_ALL_MIPS; images: one */
+    bool one_layer; /* a plain image: `layer` of an array; else all layers */
+    uint16_t layer;
     uint8_t layout;  /* images and textures: enum dt_layout during the pass */
     uint16_t access; /* images: DT_READ_STORAGE, DT_WRITE_STORAGE or both */
     /* textures: index into the samplers; -1: nearest and clamped, for texelFetch */
@@ -117,7 +120,9 @@ struct dt_binding {
 struct dt_target {
     uint16_t resource;
     uint8_t mip;
-    bool load; /* keep the content; else clear it as its storage says */
+    bool load;      /* keep the content; else clear it as its storage says */
+    bool one_layer; /* `layer` of an array; else, of a layered draw, all layers */
+    uint16_t layer;
 };
 
 enum dt_compare { DT_COMPARE_LESS, DT_COMPARE_LESS_EQUAL, DT_COMPARE_GREATER, DT_COMPARE_ALWAYS };
@@ -134,7 +139,7 @@ struct dt_program {
     enum dt_cull cull; /* front faces are counter-clockwise in OpenGL's window coordinates */
     bool depth_test, depth_write;
     bool blend_add;
-    bool layered;            /* gl_Layer selects the layer of all targets; else layer 0 */
+    bool layered;            /* gl_Layer selects the layer of all targets */
     uint32_t clip_distances; /* that its vertex shader writes */
 };
 
