@@ -382,6 +382,11 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
             diag_warning(c->diag, pass->ranges[i].loc,
                          "the pass `%s` does not iterate over its range `%s`", pass->name,
                          pass->ranges[i].name);
+    for (uint32_t i = 0; i < pass->define_count; i++)
+        if (!mentions(body, pass->defines[i].name))
+            diag_warning(c->diag, pass->defines[i].loc,
+                         "the pass `%s` defines `%s` but does not use it", pass->name,
+                         pass->defines[i].name);
     for (uint32_t i = 0; i < pass->use_count; i++)
         if (is_tool(c, pass->uses[i]) &&
             !find_use(body, pass->uses[i],

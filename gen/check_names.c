@@ -331,6 +331,35 @@ static void check_word_once(struct checker *c, const struct pass *pass, uint32_t
                        pass->name);
 }
 
+/* A macro replaces its name everywhere in the body, so nothing else may have this name. */
+static void check_defines(struct checker *c, const struct pass *pass, struct declaration *list,
+                          size_t count)
+{
+    for (uint32_t i = 0; i < pass->define_count; i++) {
+        const struct declaration macro = {pass->defines[i].name, "", pass->defines[i].loc};
+        check_word(c, macro.name, macro.loc, false);
+        for (size_t k = 0; k < count; k++) {
+            check_derived(c, &macro, 1, &list[k]);
+            if (strcmp(list[k].name, macro.name))
+                continue;
+            diag_error(c->diag, macro.loc,
+                       "`%s` is already a %s; choose an unused name for the macro", macro.name,
+                       list[k].kind);
+            diag_note(c->diag, list[k].loc, "declared here");
+        }
+        for (uint32_t k = 0; k < pass->range_count; k++)
+            if (!strcmp(pass->ranges[k].name, macro.name))
+                diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", macro.name,
+                           pass->name);
+        for (uint32_t s = 0; s < c->pipeline->struct_count; s++)
+            for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
+                if (!strcmp(c->pipeline->structs[s].fields[k].name, macro.name))
+                    diag_error(c->diag, macro.loc,
+                               "`%s` is a field of `%s`, which the macro would replace", macro.name,
+                               c->pipeline->structs[s].name);
+    }
+}
+
 /* An `as` name must be unique among the declared names, or a body could confuse the resource with
  * another declaration. */
 static void check_words(struct checker *c, const struct pass *pass, struct declaration *list,
@@ -361,6 +390,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
             diag_note(c->diag, access->as_loc, "the pass `%s` lists `%s` under this name",
                       pass->name, access->name);
     }
+    check_defines(c, pass, list, all);
 }
 
 static void check_pass_names(struct checker *c)

@@ -383,6 +383,11 @@ static void check_pass(struct checker *c, struct pass *pass)
         check_targets(c, pass);
     for (uint32_t i = 0; i < pass->range_count; i++)
         check_range(c, pass, &pass->ranges[i]);
+    for (uint32_t i = 0; i < pass->define_count; i++) {
+        struct limits macro = {"the value", pass->defines[i].name, EXPR_BAKED, INT32_MIN,
+                               INT32_MAX};
+        check_expr(c, pass->defines[i].value, &macro);
+    }
 }
 
 void check_passes(struct checker *c)

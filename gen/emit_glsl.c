@@ -490,12 +490,28 @@ static void add_fullscreen_vertex(struct glsl *glsl)
              glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex");
 }
 
+/* Directly before the body, so that no macro replaces a word of generated code. */
+static void add_defines(struct glsl *glsl)
+{
+    struct text macros = {0};
+    for (uint32_t i = 0; i < glsl->pass->define_count; i++) {
+        const struct define *define = &glsl->pass->defines[i];
+        int64_t value = 0;
+        if (expr_eval(define->value, 0, 0, &value) == EXPR_OK)
+            text_add(&macros, value < 0 ? "#define %s (%lld)\n" : "#define %s %lld\n", define->name,
+                     (long long)value);
+    }
+    glsl_put_before(&glsl->parts[PART_BODY], &macros);
+}
+
 static bool add_parts(struct glsl *glsl)
 {
     if (glsl->pass->kind == PASS_FULLSCREEN && glsl->stage == STAGE_IS_VERTEX)
         add_fullscreen_vertex(glsl);
     else if (!glsl_body(glsl) || !glsl_check_precise(glsl) || !glsl_ranges(glsl))
         return false;
+    if (glsl->pass->kind != PASS_FULLSCREEN || glsl->stage != STAGE_IS_VERTEX)
+        add_defines(glsl);
     add_functions(glsl);
     glsl_resources(glsl);
     struct text *constants = &glsl->parts[PART_CONSTANTS];

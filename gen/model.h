@@ -210,6 +210,12 @@ struct range {
     bool counted;   /* plan: the shader reads the count, so all counts share one shader */
 };
 
+struct define { /* a macro of the body */
+    const char *name;
+    struct loc loc;
+    struct expr *value; /* baked */
+};
+
 enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_DISPATCH };
 enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
 enum pass_cull { CULL_NONE, CULL_BACK, CULL_FRONT };
@@ -283,6 +289,8 @@ struct pass {
     bool minds_group;           /* check: the body depends on the size of the workgroup */
     struct range *ranges;
     uint32_t range_count;
+    struct define *defines;
+    uint32_t define_count;
     /* draws */
     enum pass_cull cull;
     enum pass_compare depth_compare; /* default LESS with a depth target */

@@ -178,7 +178,9 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
         fy_node_get_type(node) == FYNT_MAPPING)
         return true;
     if (!node || !fits(reader, key, node)) {
-        const char *label = strcmp(key->name, "*") ? key->name : table_sections[key->child].title;
+        const char *label = strcmp(key->name, "*") ? key->name
+                            : key->child           ? table_sections[key->child].title
+                                                   : "a value";
         bool quote = label == key->name;
         diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
                    quote ? "`" : "", table_type_text(key->type), describe(reader, node));

@@ -105,6 +105,17 @@ static void read_ranges(struct reader *reader, const struct fields *fields, stru
     }
 }
 
+static void read_defines(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct named_list list = fields_named(reader, fields, "defines");
+    if (!list.count)
+        return;
+    pass->defines = reader_alloc(reader, list.count, sizeof *pass->defines);
+    for (uint32_t i = 0; pass->defines && i < list.count; i++)
+        pass->defines[pass->define_count++] = (struct define){
+            list.items[i].name, list.items[i].loc, node_expr(reader, list.items[i].value)};
+}
+
 /* ---- The kind and the size ------------------------------------------------------------------- */
 
 static bool names_image(const struct pipeline *pipeline, const char *text)
@@ -300,6 +311,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     read_accesses(reader, fields, pass);
     read_kind(reader, fields, pass);
     read_ranges(reader, fields, pass);
+    read_defines(reader, fields, pass);
     read_draw_state(reader, fields, pass);
 }
 

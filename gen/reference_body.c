@@ -168,7 +168,8 @@ static const struct body_group groups[] = {
     {"Point sets, metrics, interleaves", "Those that the pass lists in `uses`.", function_names},
     {"Parameters, constants, structs and macros",
      "Parameters and constants are there by their names, of the type that the spec gives them; a "
-     "constant is an int. So are structs. `#include \"FILE\"` looks beside the including file, "
+     "constant is an int. So are structs. The pass's `defines` are macros of integer literals. "
+     "`#include \"FILE\"` looks beside the including file, "
      "then in templates/glsl. Without `exactness: fast`, `dot`, `length`, `normalize`, `mix` and "
      "other built-ins whose result depends on the driver are those of templates/glsl/exact.glsl.",
      other_names},

@@ -97,6 +97,12 @@ const struct section_info table_sections[SECTION_COUNT] = {
                         "`for (Type v : NAME) { ... }`; the generator decides where the elements "
                         "live and how the loop is written.",
                         "lights: {of: vpls, count: 32}"},
+    [SECTION_DEFINES] = {"`defines`", "passes[].defines", "defines",
+                         "Macros of the body: integer literals, different from pass to pass, that "
+                         "`#if` and lengths of arrays can use. What is the same in all passes is a "
+                         "parameter or a constant; what shall change without compiling is a "
+                         "parameter with `uniform` or `live`.",
+                         "{TAPS: 2 * radius + 1}"},
     [SECTION_RANGE] = {"a range", "passes[].ranges.NAME", "range", "One range.",
                        "{of: vpls, count: 32, first: \"0\"}"},
     [SECTION_ASSERT] =
@@ -342,6 +348,8 @@ const struct key table_keys[] = {
      "Passes that must run before.", "[cluster]"},
     {SECTION_PASS, "ranges", KEY_MAP, SECTION_RANGES, NULL, OPTIONAL, "none",
      "Runs of buffers that a workgroup reads alike.", "{lights: {of: vpls, count: 32}}"},
+    {SECTION_PASS, "defines", KEY_MAP, SECTION_DEFINES, NULL, OPTIONAL, "none",
+     "Macros of the body, by name.", "{TAPS: 2 * radius + 1}"},
     {SECTION_PASS, "cull", KEY_CHOICE, SECTION_NONE, "none|back|front", OPTIONAL, "none",
      "draw: faces that are dropped.", "back"},
     {SECTION_PASS, "depth", KEY_CHOICE, SECTION_NONE, "off|less|less_equal|greater|always",
@@ -365,6 +373,8 @@ const struct key table_keys[] = {
     {SECTION_ACCESS, "layer", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "all",
      "reads and updates: one layer of an array image, which the body sees as a plain image; baked.",
      "0"},
+    {SECTION_DEFINES, "*", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "A macro, by its name: an integer; baked.", "2 * radius + 1"},
     {SECTION_RANGES, "*", KEY_MAP, SECTION_RANGE, NULL, OPTIONAL, NULL, "A range, by its name.",
      "{of: vpls, count: 32}"},
     {SECTION_RANGE, "of", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL,

@@ -123,7 +123,7 @@ def misspelled(value, fixed=False):
 
 
 # what stands below these is called as the file likes
-NAMED = {"params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves", "ranges", "contracts"}
+NAMED = {"params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves", "ranges", "defines", "contracts"}
 
 
 def check_file(path):

@@ -90,6 +90,15 @@ check "no temporary file is left" bash -c "! find '$work/out' | grep -E '\.[A-Za
 check "the depfile names spec and shader" grep -q "tests/bad/fill.glsl" "$work/out/gen.d"
 touch "$work/file"
 check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
+# Macros of a pass: a literal each, which #if can use, and which a parameter changes.
+# shellcheck disable=SC2317
+defines() { # line...
+    "$gen" tests/specs/features.yaml -o "$work/defines" --set bins=8 >&2 || return
+    grep -B 1 -A 2 '^#define FACTOR 3$' "$work/defines/vk/mark.comp" | grep -qx '#define BIAS (-5)' &&
+        ! grep -q FACTOR "$work/defines/vk/count.comp"
+}
+check "a pass's macros stand before its body" defines
+check "--set of a macro" says 'BIAS' "$gen" --check tests/specs/features.yaml --set passes.mark.defines.BIAS=frame.width
 # A sampled mip and an updated one: the texel read is of the updated one.
 # shellcheck disable=SC2317
 reads_updated() {

@@ -1,6 +1,8 @@
 void main()
 {
     int i = invocation().x;
+#if FACTOR % 2 == 1 && BIAS < 0
     if (i < bins)
-        marks[i] = histogram[i].count * 3u + uint(i);
+        marks[i] = histogram[i].count * uint(FACTOR) + uint(i-BIAS);
+#endif
 }
