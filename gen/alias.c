@@ -1,7 +1,7 @@
 /* Lifetimes of resources, and which resources share memory: slots of device memory for Vulkan,
  * shared textures for OpenGL. Called by plan.c when the order of execution and the accesses are
- * known. Resources with history live for ever and share no memory; outputs live to the end of the
- * frame. */
+ * known. Resources with history live for ever and share no memory, nor do those with `keep`;
+ * outputs live to the end of the frame. */
 #include <string.h>
 
 #include "expr.h"
@@ -64,17 +64,17 @@ void plan_lifetimes(struct model *model)
             resource->first_pass = 0;
             resource->last_pass = (int)pipeline->pass_count - 1;
         } else if (resource->first_pass >= 0 &&
-                   ((linear && strcmp(resource->name, linear) == 0) ||
+                   (resource->keep || (linear && strcmp(resource->name, linear) == 0) ||
                     (display && strcmp(resource->name, display) == 0))) {
             resource->last_pass = (int)pipeline->pass_count - 1;
         }
     }
 }
 
-/* Whether both are alive in a common pass. */
+/* Whether both are alive in a common pass, or one has memory of its own. */
 static bool overlap(const struct resource *a, const struct resource *b)
 {
-    if (a->history || b->history)
+    if (a->history || b->history || a->keep || b->keep)
         return true;
     if (a->first_pass < 0 || b->first_pass < 0)
         return false;

@@ -160,6 +160,7 @@ bool check_model(struct model *model, const char *templates_dir, struct diag *di
     check_references(&c);
     check_sizes(&c);
     check_passes(&c);
+    check_content(&c);
     check_contracts(&c);
     if (c.bodies)
         check_bodies(&c);

@@ -73,6 +73,10 @@ bool pass_writes(const struct pass *pass, const struct resource *resource); /* c
 /* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */
 void check_passes(struct checker *c);
 
+/* check_content.c: files and inputs fit their buffers and images; no pass writes them. After
+ * references. */
+void check_content(struct checker *c);
+
 /* check_contracts.c: contracts fit their resource; resolves margins. After references and sizes. */
 void check_contracts(struct checker *c);
 

@@ -177,7 +177,8 @@ static bool store(void *options, const struct option_row *row, const char *value
         return option_size(value, place, log);
     case OPTION_SET:
         if (!strchr(value, '=') || value[0] == '=')
-            return fail(log, "%s %s: must be PATH=VALUE, like clusters=16", row->name, value);
+            return fail(log, "%s %s: must be %s, like %s", row->name, value, row->argument,
+                        strcmp(row->argument, "NAME=FILE") ? "clusters=16" : "photo=in.png");
         return append(place, value, log);
     case OPTION_TEXTS:
         return append(place, value, log);

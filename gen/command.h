@@ -14,7 +14,7 @@ enum option_kind {
     OPTION_INDEX,  /* uint32_t from 0 to OPTIONS_MAX_COUNT */
     OPTION_NUMBER, /* double above 0 */
     OPTION_SIZE,   /* uint32_t[2] from WIDTHxHEIGHT */
-    OPTION_SET,    /* struct text_list: PATH=VALUE, repeated */
+    OPTION_SET,    /* struct text_list: PATH=VALUE or NAME=FILE, repeated */
     OPTION_TEXTS   /* struct text_list: any text, repeated */
 };
 

@@ -95,17 +95,33 @@ static bool is_inside(const char *root, const char *path)
     return inside;
 }
 
-const struct source *source_read(struct model *model, const char *path, const char **reason)
+static const char *allowed_path(const struct model *model, const char *path, const char **reason)
 {
     const char *plain = source_path(model->arena, path);
-    struct source *source = arena_alloc(model->arena, sizeof *source);
     *reason = strerror(ENOMEM);
+    if (!plain || is_inside(model->root, plain))
+        return plain;
+    *reason = "it is outside the folder that may be read";
+    return NULL;
+}
+
+const char *source_list(struct model *model, const char *path, const char **reason)
+{
+    const char *plain = allowed_path(model, path, reason);
+    if (!plain || !input_check(plain, SIZE_MAX, reason))
+        return NULL;
+    *reason = strerror(ENOMEM);
+    return list_input(model, plain) ? plain : NULL;
+}
+
+const struct source *source_read(struct model *model, const char *path, const char **reason)
+{
+    const char *plain = allowed_path(model, path, reason);
+    struct source *source = arena_alloc(model->arena, sizeof *source);
+    if (!source)
+        *reason = strerror(ENOMEM);
     if (!plain || !source)
         return NULL;
-    if (!is_inside(model->root, plain)) {
-        *reason = "it is outside the folder that may be read";
-        return NULL;
-    }
     char *text = input_read(plain, MOST_SOURCE_BYTES, &source->length, reason);
     if (!text)
         return NULL;

@@ -232,7 +232,9 @@ static void emit_written(const struct drawing *d, uint32_t place, const struct r
     begin_cell(d, resource, 125, "left");
     text_add(d->out, "%s%s%s%s%s</td>", resource->name,
              dot_uses(pipeline->order[place], resource) & DOT_READS ? " <i>updated</i>" : "",
-             resource->history ? " <i>history</i>" : "",
+             resource->input     ? " <i>input</i>"
+             : resource->history ? " <i>history</i>"
+                                 : "",
              linear && !strcmp(resource->name, linear) ? " <i>linear output</i>" : "",
              display && !strcmp(resource->name, display) ? " <i>display output</i>" : "");
     begin_cell(d, resource, 82, "left");

@@ -216,6 +216,21 @@ static void emit_params(const struct c_output *c)
     text_add(c->out, any ? "\n" : "");
 }
 
+/* What a host hands in. */
+static void emit_source(const struct c_output *c, const struct resource *resource)
+{
+    if (!resource->file) {
+        text_add(c->out, " /* input: the host's content */");
+        return;
+    }
+    text_add(c->out, " /* input: the host hands in the content of ");
+    c_comment(c->out, resource->file);
+    if (resource->kind == DT_IMAGE)
+        text_add(c->out, ", %s, last row first%s", format_info(resource->format)->name,
+                 resource->srgb ? ", decoded from sRGB" : "");
+    text_add(c->out, " */");
+}
+
 static void emit_indices(const struct c_output *c)
 {
     const struct pipeline *pipeline = c->pipeline;
@@ -224,7 +239,10 @@ static void emit_indices(const struct c_output *c)
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         text_add(c->out, "    ");
         c_enumerator(c, "RESOURCE", pipeline->resources[i].name);
-        text_add(c->out, ",\n");
+        text_add(c->out, ",");
+        if (pipeline->resources[i].input)
+            emit_source(c, &pipeline->resources[i]);
+        text_add(c->out, "\n");
     }
     text_add(c->out, "    ");
     c_upper(c->out, pipeline->name);

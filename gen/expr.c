@@ -39,7 +39,8 @@ struct expr {
     struct expr *operand[3];
     int64_t number;
     const char *name;
-    int component; /* of a vector parameter; -1: none */
+    int component;      /* of a vector parameter; -1: none */
+    const char *member; /* of a resource with a file: "width"; resolving makes it a number */
     struct loc loc;
     const struct param *param;       /* resolved */
     const struct constant *constant; /* resolved */
@@ -184,6 +185,8 @@ static struct expr *parse_frame(struct parser *p, size_t from)
     return fail(p, from, p->at, "`frame` has only `frame.width` and `frame.height`");
 }
 
+static const char *const members[] = {"width", "height", "count"};
+
 static struct expr *parse_name(struct parser *p)
 {
     static const struct {
@@ -204,19 +207,25 @@ static struct expr *parse_name(struct parser *p)
         return expr;
     }
     int component = -1;
+    const char *member = NULL;
     if (p->text[p->at] == '.') {
-        const char *letter = p->text[p->at + 1] ? strchr("xyzw", p->text[p->at + 1]) : NULL;
-        size_t member = word_length(p->text + p->at + 1);
-        p->at += 1 + member;
-        if (!letter || member != 1)
+        const char *word = p->text + p->at + 1;
+        const char *letter = *word ? strchr("xyzw", *word) : NULL;
+        size_t size = word_length(word);
+        p->at += 1 + size;
+        for (size_t i = 0; i < sizeof members / sizeof *members; i++)
+            member = is_word(word, size, members[i]) ? members[i] : member;
+        if (!member && (!letter || size != 1))
             return fail(p, from, p->at, "a component is one of .x .y .z .w");
-        component = *letter == 'w' ? 3 : *letter - 'x';
+        if (!member)
+            component = *letter == 'w' ? 3 : *letter - 'x';
     }
     struct expr *expr = node(p, OP_NAME, from);
     if (!expr)
         return NULL;
     expr->name = arena_strndup(p->model->arena, p->text + from, length);
     expr->component = component;
+    expr->member = member;
     return expr->name ? expr : NULL;
 }
 
@@ -391,8 +400,33 @@ static bool resolve_param(struct expr *expr, const struct param *param, struct d
     return true;
 }
 
+/* NAME.width, NAME.height, NAME.count of a resource with a file, whose header was read. */
+static bool resolve_member(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
+{
+    const struct resource *from = NULL;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        if (pipeline->resources[i].file && !strcmp(pipeline->resources[i].name, expr->name))
+            from = &pipeline->resources[i];
+    bool is_count = !strcmp(expr->member, "count");
+    if (!from || is_count != (from->kind == DT_BUFFER)) {
+        diag_error(diag, expr->loc, "`%s.%s` is known only of %s with a `file`", expr->name,
+                   expr->member, is_count ? "a buffer" : "an image");
+        return false;
+    }
+    const struct expr *size = is_count                         ? from->count
+                              : !strcmp(expr->member, "width") ? from->width
+                                                               : from->height;
+    if (!from->file_path || !size) /* reported */
+        return false;
+    expr->operation = OP_NUMBER;
+    expr->number = size->number;
+    return true;
+}
+
 static bool resolve_name(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
 {
+    if (expr->member)
+        return resolve_member(expr, pipeline, diag);
     for (uint32_t i = 0; i < pipeline->param_count; i++)
         if (!strcmp(pipeline->params[i].name, expr->name))
             return resolve_param(expr, &pipeline->params[i], diag);
@@ -436,7 +470,7 @@ bool expr_mentions(const struct expr *expr, const char *name)
 {
     if (!expr)
         return false;
-    if (expr->operation == OP_NAME)
+    if (expr->operation == OP_NAME && !expr->member)
         return !strcmp(expr->name, name);
     return expr_mentions(expr->operand[0], name) || expr_mentions(expr->operand[1], name) ||
            expr_mentions(expr->operand[2], name);

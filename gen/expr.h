@@ -1,7 +1,7 @@
 /* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names of
- * parameters and constants, components (tile.x), frame.width, frame.height. 64-bit, overflow and
- * division by zero are errors. Called by read (parse), check (resolve, fold) and the emitters (C
- * and GLSL text). */
+ * parameters and constants, components (tile.x), frame.width, frame.height; lut.width, lut.height
+ * and kernel.count of what has a `file`. 64-bit, overflow and division by zero are errors. Called
+ * by read (parse), check (resolve, fold) and the emitters (C and GLSL text). */
 #ifndef DIPTYCH_GEN_EXPR_H
 #define DIPTYCH_GEN_EXPR_H
 
@@ -10,7 +10,7 @@
 
 /* NULL after an error at the offending column. A plain integer scalar is an expression too. */
 struct expr *expr_parse(struct model *model, const char *text, struct loc loc, struct diag *diag);
-/* Resolves names against params and constants; reports unknown ones with a suggestion. Booleans
+/* Resolves names against params, constants and files; reports unknown ones with a suggestion. Booleans
  * count as 0 and 1. */
 bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag);
 

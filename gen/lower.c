@@ -526,6 +526,8 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
                                             .doc = from->doc ? from->doc : "",
                                             .kind = from->kind,
                                             .history = from->history,
+                                            .input = from->input,
+                                            .file = from->file,
                                             .contract = from->contract.allowed};
         if (from->kind == DT_BUFFER) {
             lower_fields(l, from, &resources[i]);

@@ -11,6 +11,7 @@
 
 /* enum dt_type, dt_format, dt_contract_kind: the emitted reflection uses the same */
 #include "diptych.h"
+#include "scenes/npy.h"
 
 /* ---- Places and expressions ------------------------------------------------------------------ */
 
@@ -91,7 +92,12 @@ struct resource {
     const char *name, *doc;
     struct loc loc;
     enum dt_kind kind;
-    bool history;
+    bool history;     /* also true for content from outside, which no pass writes */
+    bool input;       /* content from outside: from `file`, or from `--input` or a host */
+    bool keep;        /* shares no memory */
+    const char *file; /* as written; NULL: none */
+    struct loc file_loc;
+    const char *file_path; /* read: where it was found; NULL: it was not, or cannot be read */
     struct contract contract;
     /* buffers */
     const char *of; /* struct or type name */
@@ -99,12 +105,15 @@ struct resource {
     struct structure *structure; /* check; NULL when of is a type */
     enum dt_type type;           /* when structure is NULL */
     struct expr *count;
-    uint32_t stride; /* layout */
-    uint32_t block;  /* plan: declared bytes of its uniform blocks; 0: count * stride */
+    struct npy array; /* read: header of the file */
+    uint32_t stride;  /* layout */
+    uint32_t block;   /* plan: declared bytes of its uniform blocks; 0: count * stride */
     /* images */
     enum dt_format format;
     struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */
     double clear[4];                             /* `clear`, default 0; depth: 1 */
+    bool srgb; /* `encoding: srgb`: pictures from outside hold sRGB codes */
+    struct loc encoding_loc;
     /* plan */
     uint32_t index;            /* in pipeline->resources */
     unsigned usage;            /* mask of enum access_kind over all passes */

@@ -160,10 +160,12 @@ static void order_reader(struct graph *graph, const struct resource *resource, u
     if (seen < 0 && graph->modifier_count == 1 && !resource->history)
         seen = 0;
     if (seen < 0 && !resource->history) {
-        diag_error(diag, loc, "`%s` reads `%s` before any pass writes it; %s",
-                   graph->passes[reader].name, resource->name,
-                   graph->modifier_count ? "move it behind the pass that writes the content"
-                                         : "let a pass write it, or give it `history: true`");
+        diag_error(
+            diag, loc, "`%s` reads `%s` before any pass writes it; %s", graph->passes[reader].name,
+            resource->name,
+            graph->modifier_count
+                ? "move it behind the pass that writes the content"
+                : "let a pass write it, or give it `file`, `input: true` or `history: true`");
         return;
     }
     if (seen >= 0)

@@ -65,6 +65,7 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
                  struct fields *fields);
 struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key);
 struct fy_node *field_node(const struct fields *fields, const char *key);
+bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
 bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback);
@@ -89,6 +90,9 @@ void read_samplers(struct reader *reader, const struct fields *top);
 void read_metrics(struct reader *reader, const struct fields *top);
 void read_interleaves(struct reader *reader, const struct fields *top);
 void read_contracts(struct reader *reader, const struct fields *top);
+/* read_content.c: `file`, `input` and `keep` of a buffer or image. With `file` it finds the file
+ * and sets the resource's size from its header. */
+void read_content(struct reader *reader, const struct fields *fields, struct resource *resource);
 /* read_passes.c */
 void read_passes(struct reader *reader, const struct fields *top);
 

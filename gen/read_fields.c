@@ -294,6 +294,14 @@ struct fy_node *field_node(const struct fields *fields, const char *key)
     return NULL;
 }
 
+bool field_given(const struct fields *fields, const char *key)
+{
+    for (size_t i = 0; i < fields->count; i++)
+        if (!strcmp(fields->values[i].key->name, key))
+            return true;
+    return false;
+}
+
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key)
 {
     struct loc loc = {0};

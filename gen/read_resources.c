@@ -102,6 +102,9 @@ static void read_buffer(struct reader *reader, const struct named *named, struct
     buffer->of_loc = field_loc(reader, &fields, "of");
     buffer->count = field_expr(reader, &fields, "count");
     buffer->history = field_bool(reader, &fields, "history", false);
+    read_content(reader, &fields, buffer);
+    if (!field_given(&fields, "count") && !buffer->file)
+        diag_error(reader->diag, named->loc, "a buffer needs the key `count`");
 }
 
 static void read_clear(struct reader *reader, struct fy_node *node, struct resource *image)
@@ -142,6 +145,11 @@ static void read_image(struct reader *reader, const struct named *named, struct 
     image->layers = field_expr(reader, &fields, "layers");
     image->mips = field_expr(reader, &fields, "mips");
     image->history = field_bool(reader, &fields, "history", false);
+    image->srgb = field_choice(reader, &fields, "encoding", 0) == 1;
+    image->encoding_loc = field_loc(reader, &fields, "encoding");
+    read_content(reader, &fields, image);
+    if (!field_given(&fields, "size") && !image->input)
+        diag_error(reader->diag, named->loc, "an image needs the key `size`");
     read_clear(reader, field_node(&fields, "clear"), image);
 }
 

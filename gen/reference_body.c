@@ -160,7 +160,11 @@ static const struct body_group groups[] = {
      "A body is one file with a `main` for each stage, parted by `#ifdef VERTEX` and "
      "`#ifdef FRAGMENT`. A fullscreen draw has the fragment part alone.",
      place_names},
-    {"The frame", "", frame_names},
+    {"The frame",
+     "A pipeline that does not use the scene runs without `--scene`. Then the camera looks from "
+     "(0, 0, 4) at the origin, light of 1 W/m2 falls straight down, and the scene is a box from -1 "
+     "to 1 without triangles.",
+     frame_names},
     {"The scene", "", scene_names},
     {"Buffers, images and ranges",
      "NAME is the resource's, or what the pass calls it with `as`. A pass sees what it lists.",

@@ -11,6 +11,12 @@
     "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|"    \
     "d32f"
 
+#define INPUT_DOC                                                                                  \
+    "true: the content comes from outside, by `--input NAME=FILE` or from the host that runs the " \
+    "pipeline, and stays from frame to frame. No pass writes it."
+#define KEEP_DOC                                                                                   \
+    "true: shares no memory with other resources, so a host may read the content after the frame."
+
 const struct section_info table_sections[SECTION_COUNT] = {
     [SECTION_TOP] = {"the spec", "", "spec", "The top level of a spec.", NULL},
     [SECTION_PARAMS] = {"`params`", "params", "params",
@@ -195,7 +201,7 @@ const struct key table_keys[] = {
     {SECTION_CONSTANTS, "*", KEY_EXPR, SECTION_CONSTANT, NULL, OPTIONAL, NULL,
      "A constant, by its name.", "second_vpls / clusters"},
     {SECTION_CONSTANT, "value", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL,
-     "Integer expression over parameters, constants, frame.width and frame.height.",
+     "Integer expression over parameters, constants, sizes of files, frame.width and frame.height.",
      "ceil_div(frame.width, 2)"},
     {SECTION_CONSTANT, "literal", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "true: a literal in shaders also where it is made of uniform parameters, an edit of which "
@@ -220,8 +226,14 @@ const struct key table_keys[] = {
      "{of: uint, count: 256}"},
     {SECTION_BUFFER, "of", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL,
      "Element: a struct, or a scalar or vector type.", "Vpl"},
-    {SECTION_BUFFER, "count", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL,
+    {SECTION_BUFFER, "count", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "required without `file`",
      "Number of elements, at least 1.", "first_vpls + second_vpls"},
+    {SECTION_BUFFER, "file", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "no file",
+     "Holds the content: a NumPy array beside the spec, `.npy`, of 32-bit numbers in C order. Its "
+     "shape is (n) for a scalar, (n, 3) for vec3. `NAME.count` in expressions is n.",
+     "kernel.npy"},
+    {SECTION_BUFFER, "input", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false", INPUT_DOC, "true"},
+    {SECTION_BUFFER, "keep", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false", KEEP_DOC, "true"},
     {SECTION_BUFFER, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "true: keeps last frame's content; zero before the first.", "true"},
     {SECTION_BUFFER, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
@@ -230,7 +242,8 @@ const struct key table_keys[] = {
      "{format: rgba16f, size: frame}"},
     {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, FORMATS, REQUIRED, NULL,
      "Format of a texel.", "rgba16f"},
-    {SECTION_IMAGE, "size", KEY_SIZE, SECTION_NONE, NULL, REQUIRED, NULL,
+    {SECTION_IMAGE, "size", KEY_SIZE, SECTION_NONE, NULL, OPTIONAL,
+     "required without `file`; frame for an input",
      "`frame`, or width and height as integer expressions, 1 to 16384.", "[frame.width / 2, 256]"},
     {SECTION_IMAGE, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "no array",
      "Layers, 1 to 2048; makes the image an array, also with one layer.", "clusters"},
@@ -238,6 +251,17 @@ const struct key table_keys[] = {
      "Mip levels; does not depend on the frame.", "4"},
     {SECTION_IMAGE, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "true: keeps last frame's content; zero before the first.", "true"},
+    {SECTION_IMAGE, "file", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "no file",
+     "Holds the content: a PNG, JPEG, OpenEXR or HDR picture beside the spec, of the image's size. "
+     "`NAME.width` and `NAME.height` in expressions are that size. The last row of the picture is "
+     "row 0; further `mips` are box-filtered in linear light.",
+     "grade.png"},
+    {SECTION_IMAGE, "encoding", KEY_CHOICE, SECTION_NONE, "linear|srgb", OPTIONAL, "linear",
+     "srgb: the picture of `file` or `--input` holds sRGB codes, and an image of a float format "
+     "gets the linear light. `rgba8_srgb` keeps codes and decodes them when they are read.",
+     "srgb"},
+    {SECTION_IMAGE, "input", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false", INPUT_DOC, "true"},
+    {SECTION_IMAGE, "keep", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false", KEEP_DOC, "true"},
     {SECTION_IMAGE, "clear", KEY_NUMBERS, SECTION_NONE, NULL, OPTIONAL, "0; 1 for depth",
      "What a draw that writes the image starts from, and what it holds when its writer was "
      "skipped.",

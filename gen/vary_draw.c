@@ -285,7 +285,7 @@ void draw_details(struct draws *draws, const struct pipeline *pipeline)
     if (one_in(draws, 4))
         set_choice(draws, "target", SECTION_TOP, "target");
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (pipeline->resources[i].kind == DT_IMAGE)
+        if (pipeline->resources[i].kind == DT_IMAGE && !pipeline->resources[i].input)
             draw_format(draws, pipeline, &pipeline->resources[i]);
     for (uint32_t i = 0; i < pipeline->sampler_count; i++)
         draw_sampler(draws, &pipeline->samplers[i]);
@@ -395,6 +395,6 @@ uint32_t draw_frame_count(struct draws *draws, const struct pipeline *pipeline)
 {
     bool history = false;
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        history |= pipeline->resources[i].history;
+        history |= pipeline->resources[i].history && !pipeline->resources[i].input;
     return history ? 1 + (uint32_t)below(draws, 3) : 1 + (uint32_t)one_in(draws, 4);
 }

@@ -106,6 +106,12 @@ struct dt_resource {
     const char *doc;
     enum dt_kind kind;
     bool history; /* keeps last frame's content; zero before the first */
+    /* content from outside, in resources with history that no pass writes: every mip must be
+     * written, or the image imported, after each resize and before its first frame; it then stays */
+    bool input;
+    /* input: the file that the spec names, as written there; NULL: none. The app reads it; a host
+     * hands in what is in it */
+    const char *file;
     struct dt_contract contract;
     /* buffers */
     /* a buffer of a scalar or vector has one field of an empty name */
@@ -365,7 +371,7 @@ struct dt_runtime {
     bool (*read)(void *runtime, uint32_t resource, uint32_t mip, /* 0 for a buffer */
                  struct dt_bytes *out);
     /* Replaces the content of a buffer or of one mip of an image. Size and layout are those of
-     * read; depths are 0 to 1. For observers. */
+     * read; depths are 0 to 1. For inputs and observers. */
     bool (*write)(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
     bool (*timings)(
         void *runtime,
