@@ -110,6 +110,14 @@ bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned textu
 /* Creates all other resources, for a frame size in pixels. Resources with history start at zero. */
 bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
 
+/* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs
+ * every input that is not imported, after each resize; the content then stays, and may be replaced
+ * between frames. Also inputs with a `file` in the spec: diptych reads no files for a host. `bytes`:
+ * the whole resource or mip, tightly packed, row 0 first, that is the bottom of a picture; elements
+ * of a struct lie as in NAME.h. They are borrowed for the call. */
+bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
+                 const struct dt_bytes *bytes);
+
 /* Runs all passes of one frame. Ignores width and height of `frame`; the host counts `index` from 0
  * after every resize. `live`: the live parameters, struct NAME_live; NULL: their defaults. The
  * function reads both before it returns. */

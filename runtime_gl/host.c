@@ -138,7 +138,7 @@ bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders)
 
 bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture)
 {
-    bool good = dt_front_import(&rt->core, resource);
+    bool good = dt_front_import(&rt->core, resource, texture != 0);
     if (good)
         rt->imports[resource] = texture;
     return good;
@@ -147,6 +147,12 @@ bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned textu
 bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height)
 {
     return dt_front_resize(&rt->core, width, height);
+}
+
+bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
+                 const struct dt_bytes *bytes)
+{
+    return dt_verb_write(&rt->core, resource, mip, bytes);
 }
 
 bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live)

@@ -351,6 +351,7 @@ const struct dt_backend gl_backend = {
     .disconnect_program = disconnect_program,
     .destroy_resource = destroy_resource,
     .render = gl_render,
+    .write = gl_write,
     .verbs =
         {
             .begin = gl_begin,

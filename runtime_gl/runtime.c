@@ -33,7 +33,6 @@ static void set_backend(struct gl_runtime *rt)
     backend->enter = enter;
     backend->leave = NULL;
     backend->read = gl_read;
-    backend->write = gl_write;
     backend->window_copy = gl_window_copy;
     backend->window_upload = gl_window_upload;
     backend->present = gl_present;

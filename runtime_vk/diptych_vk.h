@@ -146,6 +146,16 @@ bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct d
  * history to zero. */
 bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
 
+/* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs
+ * every input that is not imported, after each resize; the content then stays, and may be replaced
+ * between frames. Also inputs with a `file` in the spec: diptych reads no files for a host. `bytes`:
+ * the whole resource or mip, tightly packed, row 0 first, that is the bottom of a picture; elements
+ * of a struct lie as in NAME.h. The function copies them into `commands`, which are as for record:
+ * frames recorded later see the new content, earlier ones the old. For large images that change in
+ * every frame, an import is faster. */
+bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
+                 const struct dt_bytes *bytes);
+
 /* Records all passes of one frame. `commands` is a primary command buffer of `queue_family` in the
  * recording state, outside of a render pass; earlier bindings and dynamic state are lost. Ignores
  * width and height of `frame`; the host counts `index` from 0 after every resize. `live`: the live

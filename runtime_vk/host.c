@@ -3,6 +3,7 @@
 #include "internal.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
@@ -114,6 +115,7 @@ void dt_vk_close(struct vk_runtime *rt)
         return;
     if (rt->physical) { /* the functions are loaded */
         dt_front_destroy(&rt->core);
+        vk_buffer_destroy(rt, &rt->upload);
         release_scene(rt);
         vk_builtin_destroy(rt);
     }
@@ -186,7 +188,7 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
 
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image)
 {
-    if (!dt_front_import(&rt->core, resource))
+    if (!dt_front_import(&rt->core, resource, image->image))
         return false;
     const struct dt_resource *into = &rt->core.pipeline->resources[resource];
     if (into->history && image->image && image->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
@@ -205,21 +207,89 @@ bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders)
     return dt_front_create(&rt->core, shaders);
 }
 
+static bool create_upload(struct vk_runtime *rt)
+{
+    const struct dt_pipeline *pipeline = rt->core.pipeline;
+    struct vk_buffer_info info = {.name = "upload"};
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        const struct dt_resource *input = &pipeline->resources[i];
+        struct dt_bytes shape;
+        if (!input->input || input->kind != DT_IMAGE || rt->core.imported[i])
+            continue;
+        if (!dt_front_find(&rt->core, "resize", i, 0, &shape))
+            return false;
+        info.size = shape.size > info.size ? shape.size : info.size;
+    }
+    info.size = (info.size + 3) / 4 * 4;
+    vk_buffer_destroy(rt, &rt->upload);
+    return !info.size || vk_buffer_create_own(rt, &rt->upload, &info, false);
+}
+
 bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
 {
     /* The commands that filled the white texel may never have run: fill it again. */
     rt->builtin.textures.layout = VK_IMAGE_LAYOUT_UNDEFINED;
-    return dt_front_resize(&rt->core, width, height);
+    if (!dt_front_resize(&rt->core, width, height))
+        return false;
+    rt->core.sized = create_upload(rt);
+    return rt->core.sized;
 }
 
-/* Commands write the uniform blocks, so that earlier frames in flight keep their values. */
+/* The bytes travel in the commands, so that earlier frames in flight keep their content. The buffer
+ * holds a multiple of four bytes. */
+static void update(const struct vk_runtime *rt, VkCommandBuffer commands,
+                   const struct vk_buffer *buffer, VkDeviceSize offset, const void *data,
+                   VkDeviceSize size)
+{
+    const VkDeviceSize most = 65536; /* in one vkCmdUpdateBuffer */
+    VkDeviceSize whole = size / 4 * 4;
+    uint32_t rest = 0;
+    for (VkDeviceSize at = 0; at < whole; at += most)
+        rt->vk.CmdUpdateBuffer(commands, buffer->handle, offset + at,
+                               whole - at < most ? whole - at : most, (const char *)data + at);
+    memcpy(&rest, (const char *)data + whole, size - whole);
+    if (size > whole)
+        rt->vk.CmdUpdateBuffer(commands, buffer->handle, offset + whole, sizeof rest, &rest);
+}
+
 static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *buffer,
                           VkDeviceSize offset, const void *data, VkDeviceSize size)
 {
-    const VkDeviceSize most = 65536; /* in one vkCmdUpdateBuffer */
-    for (VkDeviceSize at = 0; at < size; at += most)
-        rt->vk.CmdUpdateBuffer(rt->frame_commands, buffer->handle, offset + at,
-                               size - at < most ? size - at : most, (const char *)data + at);
+    update(rt, rt->frame_commands, buffer, offset, data, size);
+}
+
+/* Leaves the image in the layout that it had; a new one as resize leaves images with history. */
+static void write_image(const struct vk_runtime *rt, VkCommandBuffer commands,
+                        struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
+{
+    const VkBufferImageCopy region = {
+        .imageSubresource = {image->aspect, mip, 0, image->layers},
+        .imageExtent = {bytes->extent[0], bytes->extent[1], 1},
+    };
+    VkImageLayout layout =
+        image->layout == VK_IMAGE_LAYOUT_UNDEFINED ? VK_IMAGE_LAYOUT_GENERAL : image->layout;
+    update(rt, commands, &rt->upload, 0, bytes->data, bytes->size);
+    vk_full_barrier(rt, commands);
+    vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    rt->vk.CmdCopyBufferToImage(commands, rt->upload.handle, image->handle, image->layout, 1,
+                                &region);
+    vk_transition(rt, commands, image, layout);
+}
+
+bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
+                 const struct dt_bytes *bytes)
+{
+    if (!dt_front_fits(&rt->core, resource, mip, bytes))
+        return false;
+    struct vk_resource *input = vk_resource_at(rt, resource);
+    vk_full_barrier(rt, commands);
+    if (input->image.handle)
+        write_image(rt, commands, &input->image, mip, bytes);
+    else
+        update(rt, commands, &input->buffer, 0, bytes->data, bytes->size);
+    vk_full_barrier(rt, commands);
+    rt->core.written[resource] |= 1u << mip;
+    return true;
 }
 
 static void write_uniforms(const struct vk_runtime *rt, const struct dt_frame *frame,
@@ -250,14 +320,16 @@ static void clear(const struct vk_runtime *rt, struct vk_image *image, float val
     vk_transition(rt, rt->frame_commands, image, layout);
 }
 
-/* Fills resources with history and the white texel in the first frame after resize. */
+/* Fills resources with history, but for inputs, and the white texel in the first frame after
+ * resize. */
 static void fill_now(struct vk_runtime *rt)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     struct vk_image *textures = &rt->builtin.textures;
     for (uint32_t i = 0; rt->fills && i < pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
-        if (!pipeline->resources[i].history || resource->image.imported)
+        if (!pipeline->resources[i].history || pipeline->resources[i].input ||
+            resource->image.imported)
             continue;
         if (resource->image.handle)
             clear(rt, &resource->image, 0, VK_IMAGE_LAYOUT_GENERAL);

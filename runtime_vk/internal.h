@@ -112,6 +112,7 @@ struct vk_runtime {
     /* panel.c: of the pipeline */
     VkDeviceMemory *slots;
     struct dt_vk_image *imports; /* one per resource; image null: not imported */
+    struct vk_buffer upload;     /* host: for dt_vk_write, as large as the largest input image */
     VkQueryPool queries;         /* two per pass */
 
     /* Of a frame. */

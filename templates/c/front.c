@@ -277,8 +277,11 @@ static struct made take_apart(struct dt_core *core)
     free(core->resources);
     free(core->samplers);
     free(core->ran);
+    free(core->written);
+    free(core->imported);
     core->resources = core->programs = core->samplers = NULL;
-    core->ran = NULL;
+    core->ran = core->imported = NULL;
+    core->written = NULL;
     core->shaders = NULL;
     core->panel = NULL;
     core->pipeline = NULL;
@@ -298,7 +301,10 @@ static bool allocate(struct dt_core *core)
     core->programs = calloc(core->pipeline->pass_count + 1, backend->program_size);
     core->samplers = calloc(core->panel->sampler_count + 1, backend->sampler_size);
     core->ran = calloc(core->pipeline->pass_count + 1, sizeof *core->ran);
-    return (core->resources && core->programs && core->samplers && core->ran) ||
+    core->written = calloc(core->pipeline->resource_count + 1, sizeof *core->written);
+    core->imported = calloc(core->pipeline->resource_count + 1, sizeof *core->imported);
+    return (core->resources && core->programs && core->samplers && core->ran && core->written &&
+            core->imported) ||
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
@@ -396,17 +402,19 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
         if (!good)
             release_resources(core);
         memset(core->ran, 0, core->pipeline->pass_count * sizeof *core->ran);
+        memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
         core->sized = good;
     }
     return leave(core, good);
 }
 
-bool dt_front_import(struct dt_core *core, uint32_t resource)
+bool dt_front_import(struct dt_core *core, uint32_t resource, bool given)
 {
     if (!core->pipeline || resource >= core->pipeline->resource_count ||
         core->pipeline->resources[resource].kind != DT_IMAGE)
         return dt_error(core, "import_image: the pipeline has no image %u; create comes first",
                         resource);
+    core->imported[resource] = given;
     core->sized = false; /* until the next resize */
     return true;
 }
@@ -457,10 +465,22 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
 
 bool dt_front_ready(const struct dt_core *core, const char *verb)
 {
-    return core->sized || dt_error(core,
-                                   "%s: call resize first (also after a new scene, an import or a "
-                                   "failed frame)",
-                                   verb);
+    if (!core->sized)
+        return dt_error(core,
+                        "%s: call resize first (also after a new scene, an import or a failed "
+                        "frame)",
+                        verb);
+    for (uint32_t i = 0; i < core->pipeline->resource_count; i++) {
+        const struct dt_resource *input = &core->pipeline->resources[i];
+        uint32_t mips = input->kind == DT_IMAGE ? input->mips : 1, mip = 0;
+        while (core->written[i] >> mip & 1)
+            mip++;
+        if (input->input && !core->imported[i] && mip < mips)
+            return dt_error(core,
+                            "%s: mip %u of the input %s has no content; write it after resize",
+                            verb, mip, input->name);
+    }
+    return true;
 }
 
 struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame)
@@ -730,13 +750,17 @@ static bool check_depth(const struct dt_core *core, const struct dt_resource *im
     return true;
 }
 
-bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
+                   const struct dt_bytes *bytes)
 {
-    struct dt_core *core = runtime;
     struct dt_bytes own = {0};
     if (!dt_front_find(core, "write", resource, mip, &own))
         return false;
     const struct dt_resource *to = &core->pipeline->resources[resource];
+    if (core->hosted && (!to->input || core->imported[resource]))
+        return dt_error(core, "write %s: %s", to->name,
+                        to->input ? "it is an image of the host; write that one"
+                                  : "a host writes inputs only; give it `input: true` in the spec");
     const uint32_t *given = bytes->extent;
     if (bytes->size != own.size || memcmp(given, own.extent, sizeof own.extent) != 0)
         return dt_error(core,
@@ -744,8 +768,17 @@ bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct 
                         "%ux%ux%u; use the size and extent that read returns",
                         to->name, bytes->size, given[0], given[1], given[2], own.size,
                         own.extent[0], own.extent[1], own.extent[2]);
-    return check_depth(core, to, bytes) &&
-           leave(core, enter(core) && core->backend->write(core, resource, mip, bytes));
+    return check_depth(core, to, bytes);
+}
+
+bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    struct dt_core *core = runtime;
+    bool good = dt_front_fits(core, resource, mip, bytes) &&
+                leave(core, enter(core) && core->backend->write(core, resource, mip, bytes));
+    if (good)
+        core->written[resource] |= 1u << mip;
+    return good;
 }
 
 bool dt_verb_timings(void *runtime, double *pass_ms)

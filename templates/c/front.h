@@ -40,6 +40,8 @@ struct dt_core {
     /* Arrays of the backend's structs, one per resource, pass, sampler; zero: not created. */
     void *resources, *programs, *samplers;
     uint32_t width, height; /* 0: the resources do not exist */
+    uint32_t *written;      /* per resource: mask of the mips written since resize */
+    bool *imported;         /* per resource: uses an image of the host */
     bool sized;             /* a frame may be rendered: nothing has changed since resize */
     bool rendered;          /* a frame was rendered since resize */
 
@@ -118,7 +120,7 @@ bool dt_error(const struct dt_core *core, const char *format, ...)
 
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
-/* Whether a frame may be recorded. */
+/* Whether a frame may be recorded: resources exist, inputs have content. */
 bool dt_front_ready(const struct dt_core *core, const char *verb);
 /* Called by a backend's render: records all passes, through the checked verbs. */
 bool dt_front_record(struct dt_core *core, const void *live);
@@ -127,8 +129,12 @@ struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame
 /* Whether the resource and the mip exist; `shape` gets size and extent. */
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
                    struct dt_bytes *shape);
-/* Checks that a host may import the image; requires create. A resize must follow. */
-bool dt_front_import(struct dt_core *core, uint32_t resource);
+/* Checks that a host may import the image, or with `given` false cancel the import; requires create.
+ * A resize must follow. */
+bool dt_front_import(struct dt_core *core, uint32_t resource, bool given);
+/* Whether these bytes may replace the mip's content. */
+bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
+                   const struct dt_bytes *bytes);
 /* Checks that index_count fits triangles. A resize must follow. */
 bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
 bool dt_front_timings(struct dt_core *core, double *pass_ms);
