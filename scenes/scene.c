@@ -246,6 +246,41 @@ bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, b
     return ok;
 }
 
+bool scene_none(struct scene *scene, const struct dt_log *log)
+{
+    struct dt_vertex *vertices = calloc(1, sizeof *vertices);
+    uint32_t *indices = calloc(3, sizeof *indices);
+    struct dt_material *materials = calloc(1, sizeof *materials);
+    uint8_t *texels = calloc(4, 1);
+    *scene = (struct scene){
+        .data = {.vertices = vertices,
+                 .vertex_count = 1,
+                 .indices = indices,
+                 .index_count = 3,
+                 .materials = materials,
+                 .material_count = 1,
+                 .texels = texels,
+                 .texture_width = 1,
+                 .texture_height = 1,
+                 .texture_layers = 1,
+                 .texture_mips = 1},
+        .camera = {.eye = {0, 0, 4}, .up = {0, 1, 0}, .fov_y = 0.7f},
+        .light = {.kind = DT_LIGHT_DIRECTIONAL,
+                  .direction = {0, -1, 0},
+                  .color = {1, 1, 1},
+                  .opening_min = {-1, -1, -1},
+                  .opening_max = {1, 1, 1}},
+        .bounds_min = {-1, -1, -1},
+        .bounds_max = {1, 1, 1},
+        .radius = 1.7320508f,
+    };
+    if (vertices && indices && materials && texels)
+        return true;
+    log_message(log, DT_ERROR, "out of memory");
+    scene_free(scene);
+    return false;
+}
+
 bool scene_load_motion(struct scene *scene, const char *path, const struct dt_log *log)
 {
     motion_free(scene->motion);

@@ -41,6 +41,9 @@ struct scene {
  * nothing stays allocated. `apart`: mesh and textures are read in a child process (child.h). */
 bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,
                 const struct dt_log *log);
+/* For pipelines that do not use the scene: one triangle without area, a box from -1 to 1 around the
+ * origin, which a camera 4 in front of it looks at, and light straight down of 1 W/m2. */
+bool scene_none(struct scene *scene, const struct dt_log *log);
 /* Reads only the scene file and finds its mesh. *mesh: path, to free(); NULL if the mesh is in
  * neither folder. False after an error, logged. */
 bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,

@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include "app/build/inputs.h"
 #include "app/compare/blame.h"
 
 /* ---- A pipeline: numbers[i] = 10 * frame + i; doubled = 2 * numbers; kept += doubled ---------- */
@@ -299,6 +300,23 @@ bool scene_load_motion(struct scene *scene, const char *path, const struct dt_lo
     (void)path;
     (void)log;
     return false;
+}
+
+bool scene_none(struct scene *scene, const struct dt_log *log)
+{
+    (void)scene;
+    (void)log;
+    return false;
+}
+
+bool inputs_write(const struct pipeline *pipeline, const struct dt_runtime *runtime, void *handle,
+                  const uint32_t size[2])
+{
+    (void)pipeline;
+    (void)runtime;
+    (void)handle;
+    (void)size;
+    return true;
 }
 
 uint32_t motion_frames(const struct motion *motion)

@@ -18,8 +18,10 @@ static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
      "folder that compare --bisect wrote"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},
-    {"--scene", OPTION_STRING, AT(scene), SHOWN, SHOWN, "FILE",
-     "scene file (YAML): mesh, camera, light"},
+    {"--scene", OPTION_STRING, AT(scene), VERB_REFERENCE | VERB_FLICKER,
+     VERB_REFERENCE | VERB_FLICKER, "FILE", "scene file (YAML): mesh, camera, light"},
+    {"--scene", OPTION_STRING, AT(scene), SPEC & ~VERB_SWEEP, 0, "FILE",
+     "scene file (YAML): mesh, camera, light; needed if the pipeline draws or reads the scene"},
     {"--motion", OPTION_STRING, AT(motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
     {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY, VERB_RENDER | VERB_REPLAY,
@@ -39,8 +41,12 @@ static const struct option_row rows[] = {
      "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_SET, AT(set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
+    {"--input", OPTION_SET, AT(inputs), SPEC, 0, "NAME=FILE",
+     "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
+     ".npy "
+     "array for a buffer; may be repeated"},
     {"--size", OPTION_SIZE, AT(size), (SCENE & ~VERB_VIEW) | VERB_REPORT | VERB_LIST, 0, "WxH",
-     "frame size in pixels (default: 1920x1080)"},
+     "frame size in pixels (default: that of an --input that fills the frame, else 1920x1080)"},
     {"--size", OPTION_SIZE, AT(size), VERB_VIEW, 0, "WxH",
      "pixels of each backend in the window (default: 960x540)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_VIEW, 0, "N",
@@ -139,7 +145,8 @@ static const struct option_row rows[] = {
     {"-o", OPTION_STRING, AT(output), VERB_SWEEP, VERB_SWEEP, "DIR",
      "folder of the sweep; one that holds the same sweep is continued"},
     {"--scene", OPTION_TEXTS, AT(scene_list), VERB_SWEEP, 0, "FILE",
-     "scene file; may be repeated: random runs alternate between scenes, a grid runs on each"},
+     "scene file; may be repeated: random runs alternate between scenes, a grid runs on each; "
+     "needed if the pipeline draws or reads the scene"},
     {"--random", OPTION_COUNT, AT(random), VERB_SWEEP, 0, "N",
      "run N random valid variations of the spec"},
     {"--seed", OPTION_COUNT, AT(seed), VERB_SWEEP, 0, "S",
@@ -149,8 +156,8 @@ static const struct option_row rows[] = {
     {"--grid", OPTION_TEXTS, AT(grid), VERB_SWEEP, 0, "PATH=V1,V2,...",
      "run each of these values; may be repeated: runs every combination"},
     {"--size", OPTION_TEXTS, AT(size_list), VERB_SWEEP, 0, "WxH",
-     "frame size; may be repeated (default: --random: random; --grid: 64x64; --measure: "
-     "1920x1080)"},
+     "frame size; may be repeated (default: that of an --input; else --random: random; --grid: "
+     "64x64; --measure: 1920x1080)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_SWEEP, 0, "N",
      "frames of each run (default: --random: random; --grid: 1); times are of all of them, errors "
      "of the last"},
@@ -192,6 +199,7 @@ static struct command_line command_of(const struct verb *verb)
 static void fill_in(struct options *options, const struct verb *verb)
 {
     if (!options->size[0]) {
+        options->default_size = true;
         options->size[0] = verb->id == VERB_VIEW ? 960 : 1920;
         options->size[1] = verb->id == VERB_VIEW ? 540 : 1080;
     }
@@ -214,12 +222,14 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
 void options_free(struct options *options)
 {
     free(options->sets);
+    free(options->inputs.items);
     free(options->scene_list.items);
     free(options->size_list.items);
     free(options->grid.items);
     options->sets = NULL;
     options->set_count = 0;
-    options->scene_list = options->size_list = options->grid = (struct text_list){0};
+    options->inputs = options->scene_list = options->size_list = options->grid =
+        (struct text_list){0};
 }
 
 void options_help(const struct verb *verb)

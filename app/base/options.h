@@ -39,10 +39,12 @@ struct options {
             uint32_t set_count;
         };
     };
-    uint32_t size[2];    /* this and frames: 0 with --against where not given */
-    uint32_t frames;     /* 0 with --motion where not given: all of it */
-    uint32_t frame;      /* reference: of the motion */
-    const char *against; /* folder of a dump */
+    struct text_list inputs; /* NAME=FILE each */
+    uint32_t size[2];        /* this and frames: 0 with --against where not given */
+    bool default_size;       /* size is the default, which an input may replace */
+    uint32_t frames;         /* 0 with --motion where not given: all of it */
+    uint32_t frame;          /* reference: of the motion */
+    const char *against;     /* folder of a dump */
     const char *dump;
     const char *timings;
     const char *show;

@@ -1,6 +1,7 @@
 /* Types and formats as tables; see texels.h. */
 #include "base/texels.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -120,6 +121,55 @@ double number_value(enum number_kind kind, const uint8_t *place)
         return (int32_t)bits;
     }
     return 0;
+}
+
+/* Ties go to the even one; from 65520 on it is infinity. */
+static uint32_t half_bits(double value)
+{
+    double size = fabs(value);
+    int exponent;
+    uint32_t bits;
+    frexp(size, &exponent); /* size is 0.5 to 1 times 2 to the exponent */
+    if (size < 0x1p-14)
+        bits = (uint32_t)lrint(ldexp(size, 24));
+    else
+        bits = (uint32_t)(exponent + 13) * 1024 + (uint32_t)lrint(ldexp(size, 11 - exponent));
+    return bits | (signbit(value) ? 0x8000 : 0);
+}
+
+bool number_store(enum number_kind kind, double value, uint8_t *place)
+{
+    static const double least[] = {[NUMBER_UNORM8] = 0,
+                                   [NUMBER_HALF] = -65519.99,
+                                   [NUMBER_FLOAT] = -FLT_MAX,
+                                   [NUMBER_UINT] = 0,
+                                   [NUMBER_INT] = INT32_MIN};
+    static const double most[] = {[NUMBER_UNORM8] = 1,
+                                  [NUMBER_HALF] = 65519.99,
+                                  [NUMBER_FLOAT] = FLT_MAX,
+                                  [NUMBER_UINT] = UINT32_MAX,
+                                  [NUMBER_INT] = INT32_MAX};
+    float number = (float)value;
+    uint32_t bits = 0;
+    if (!(value >= least[kind] && value <= most[kind]))
+        return false;
+    switch (kind) {
+    case NUMBER_UNORM8:
+        bits = (uint32_t)lrint(255 * value);
+        break;
+    case NUMBER_HALF:
+        bits = half_bits(value);
+        break;
+    case NUMBER_FLOAT:
+        memcpy(&bits, &number, sizeof bits);
+        break;
+    case NUMBER_UINT:
+    case NUMBER_INT:
+        bits = (uint32_t)llrint(value);
+        break;
+    }
+    memcpy(place, &bits, number_size(kind));
+    return true;
 }
 
 uint32_t resource_stride(const struct dt_resource *resource)

@@ -19,6 +19,10 @@ uint32_t number_size(enum number_kind kind);                       /* bytes */
 uint32_t number_bits(enum number_kind kind, const uint8_t *place); /* as they lie */
 double number_value(enum number_kind kind, const uint8_t *place);  /* exact; unorm8: code / 255 */
 
+/* Stores the nearest number of that kind. False, and nothing stored: it is not finite, or beyond the
+ * kind's range, which for unorm8 is 0 to 1. */
+bool number_store(enum number_kind kind, double value, uint8_t *place);
+
 /* One number in each element of a resource. */
 struct component {
     char name[72]; /* "flux.y", "r", or empty for a plain scalar */

@@ -10,6 +10,7 @@
 
 #include "base/files.h"
 #include "base/tool.h"
+#include "build/inputs.h"
 
 /* Processor time after which a spec hangs. */
 #define TRY_SECONDS "30"
@@ -171,6 +172,13 @@ bool pipeline_try(struct console *console, const struct options *options)
 
 void pipeline_unload(struct pipeline *pipeline)
 {
+    for (uint32_t i = 0; i < pipeline->input_count; i++)
+        for (uint32_t mip = 0; mip < pipeline->inputs[i].mips; mip++)
+            free(pipeline->inputs[i].mip[mip].data);
+    for (uint32_t i = 0; i < pipeline->input_hash_count; i++)
+        free(pipeline->input_hashes[i]);
+    free(pipeline->input_hashes);
+    free(pipeline->inputs);
     free(pipeline->live);
     free(pipeline->templates);
     free(pipeline->spec);

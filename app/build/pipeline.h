@@ -14,6 +14,11 @@ struct pipeline {
     void *live;             /* info->live_size bytes, initially info->live_defaults; owned */
     struct plan *plan;      /* owned */
     char *spec, *templates; /* real paths of the spec and of the templates folder; owned */
+    struct input *inputs;   /* see inputs.h; NULL: not loaded; owned */
+    uint32_t input_count;
+    char **input_hashes; /* of those of --input: "NAME=HASH"; owned */
+    uint32_t input_hash_count;
+    bool fixed_size; /* an input is as large as the frame */
 };
 
 /* The real path of a spec, NULL: of the project's own; logged; free(). */

@@ -7,6 +7,7 @@
 #include <unistd.h>
 #include <xxhash.h>
 
+#include "base/files.h"
 #include "base/tool.h"
 #include "build/play.h"
 #include "gen/load.h"
@@ -110,6 +111,25 @@ char *plan_limit(const struct plan *plan, uint32_t pass)
     return text.data;
 }
 
+struct plan_input plan_input(const struct plan *plan, uint32_t resource)
+{
+    const struct resource *of = &plan->spec.model.pipeline.resources[resource];
+    return (struct plan_input){.file = of->file_path, .srgb = of->srgb};
+}
+
+void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
+                     struct console *console)
+{
+    struct diag *diag = diag_create();
+    if (diag) {
+        diag_error(diag, plan->spec.model.pipeline.resources[resource].file_loc, "%s", text);
+        tell(diag, true, console);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    diag_free(diag);
+}
+
 uint64_t plan_hash(const struct plan *plan)
 {
     const struct spec *spec = &plan->spec;
@@ -122,6 +142,9 @@ uint64_t plan_hash(const struct plan *plan)
                 text_add_bytes(&text, glsl->data ? glsl->data : "", glsl->length);
             }
     uint64_t hash = text.failed ? 0 : XXH3_64bits(text.data, text.length);
+    for (uint32_t i = 0; hash && i < spec->model.pipeline.resource_count; i++)
+        if (spec->model.pipeline.resources[i].file_path)
+            hash_file(&hash, spec->model.pipeline.resources[i].file_path);
     text_free(&text);
     return hash;
 }

@@ -29,6 +29,16 @@ const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pas
 /* The pass's `limit` file with a #line that names it; free(). NULL: it has none, or out of memory. */
 char *plan_limit(const struct plan *plan, uint32_t pass);
 
+/* Of a resource with `input` or `file` in the spec. */
+struct plan_input {
+    const char *file; /* path; NULL: `input` */
+    bool srgb;        /* its picture holds sRGB codes, the image linear light */
+};
+struct plan_input plan_input(const struct plan *plan, uint32_t resource);
+/* An error at the `file` of the resource, printed as diptych-gen prints it. */
+void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
+                     struct console *console);
+
 /* Of all that a frame depends on: equal for a spec that was saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);
 /* NAME.h, for such a file; free(). */

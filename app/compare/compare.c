@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "build/inputs.h"
 #include "compare/bisect.h"
 #include "result/identity.h"
 
@@ -401,6 +402,8 @@ static bool check_dump(struct compare *compare)
                                       .templates = compare->pipeline.templates,
                                       .sources = sources,
                                       .source_count = count,
+                                      .inputs = compare->pipeline.input_hashes,
+                                      .input_count = compare->pipeline.input_hash_count,
                                       .scene = &compare->scene,
                                       .options = options,
                                       .size = {options->size[0], options->size[1]},
@@ -426,7 +429,8 @@ static bool load(struct compare *compare)
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
         (options->fault && !find_fault(compare)))
         return false;
-    if (!session_load_scene(&compare->scene, console, options))
+    if (!inputs_load(&compare->pipeline, console, &compare->options) ||
+        !session_load_scene(&compare->scene, console, compare->pipeline.info, options))
         return false;
     compare->options.frames = session_frames(options, &compare->scene);
     return !options->against || check_dump(compare);

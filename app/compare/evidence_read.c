@@ -227,27 +227,6 @@ static bool read_rows(struct evidence_case *evidence)
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
-/* One triangle of no area, for passes that do not use the scene. */
-static bool make_scene(struct evidence_case *evidence)
-{
-    struct dt_vertex *vertices = calloc(1, sizeof *vertices);
-    uint32_t *indices = calloc(3, sizeof *indices);
-    struct dt_material *materials = calloc(1, sizeof *materials);
-    uint8_t *texels = calloc(4, 1);
-    evidence->scene.data = (struct dt_scene){.vertices = vertices,
-                                             .vertex_count = 1,
-                                             .indices = indices,
-                                             .index_count = 3,
-                                             .materials = materials,
-                                             .material_count = 1,
-                                             .texels = texels,
-                                             .texture_width = 1,
-                                             .texture_height = 1,
-                                             .texture_layers = 1,
-                                             .texture_mips = 1};
-    return (vertices && indices && materials && texels) || out_of_memory(evidence);
-}
-
 /* Sizes and indices with which no shader reads outside the arrays. */
 static bool check_scene(const struct evidence_case *evidence)
 {
@@ -283,7 +262,7 @@ static bool read_scene(struct evidence_case *evidence)
     const cJSON *entry = cJSON_GetObjectItem(evidence->manifest, "scene");
     struct dt_scene *scene = &evidence->scene.data;
     if (!evidence->pipeline.info->passes[evidence->pass].uses_scene)
-        return make_scene(evidence);
+        return scene_none(&evidence->scene, log_of(evidence));
     if (!read_number(evidence, entry, "vertices", &scene->vertex_count) ||
         !read_number(evidence, entry, "indices", &scene->index_count) ||
         !read_number(evidence, entry, "materials", &scene->material_count) ||

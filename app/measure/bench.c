@@ -9,6 +9,7 @@
 
 #include "base/files.h"
 #include "base/tool.h"
+#include "build/inputs.h"
 
 enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3 };
 
@@ -211,7 +212,10 @@ static bool load_programmes(struct bench *bench)
     machine->options.sets = NULL;
     machine->options.set_count = 0;
     bool good = spec && pipeline_load(&subject->pipeline, bench->console, &subject->options) &&
-                pipeline_load(&machine->pipeline, bench->console, &machine->options);
+                inputs_load(&subject->pipeline, bench->console, &subject->options);
+    memcpy(machine->options.size, subject->options.size, sizeof machine->options.size);
+    good = good && pipeline_load(&machine->pipeline, bench->console, &machine->options);
+    bench->options = &subject->options; /* with the size of an input */
     free(spec);
     free(templates);
     return good;
@@ -229,7 +233,8 @@ static bool prepare(struct bench *bench)
     }
     memset(bench->original, 1, 2 * (size_t)COPY_BYTES); /* touches all pages before timing */
     return load_programmes(bench) &&
-           session_load_scene(&bench->scene, bench->console, bench->options);
+           session_load_scene(&bench->scene, bench->console, bench->subject.pipeline.info,
+                              bench->options);
 }
 
 /* The plain C is checked against the first side's results. */

@@ -240,6 +240,14 @@ void command_spec(struct command *command, const cJSON *sets)
     cJSON_ArrayForEach(set, sets) quote_option(command->out, "--set", set->valuestring);
     for (uint32_t i = 0; i < steps->options->set_count; i++)
         quote_option(command->out, "--set", steps->options->sets[i]);
+    for (uint32_t i = 0; i < steps->options->inputs.count; i++) {
+        const char *input = steps->options->inputs.items[i], *file = strchr(input, '=') + 1;
+        char *path = realpath(file, NULL); /* the commands run elsewhere */
+        char *text = format_string("%.*s%s", (int)(file - input), input, path ? path : file);
+        quote_option(command->out, "--input", text ? text : input);
+        free(text);
+        free(path);
+    }
 }
 
 void command_backends(struct command *command)

@@ -19,10 +19,11 @@ static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const c
 {
     static const char *const texts[] = {"backend", "scenes", "device", "context", "fault"};
     static const char *const flags[] = {"glsl", "debug"};
-    const cJSON *options = cJSON_GetObjectItem(sweep, "options"), *set;
+    const cJSON *options = cJSON_GetObjectItem(sweep, "options"), *set, *input;
     quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
     fputs(" compare", out);
-    quote_option(out, "--scene", sweep_text(run, "scene"));
+    if (*sweep_text(run, "scene"))
+        quote_option(out, "--scene", sweep_text(run, "scene"));
     quote_option(out, "--spec", sweep_text(options, "spec"));
     fprintf(out, " --size %ux%u --frames %u", sweep_number(run, "width"),
             sweep_number(run, "height"), sweep_number(run, "frames"));
@@ -38,6 +39,8 @@ static void put_command(FILE *out, const cJSON *sweep, const cJSON *run, const c
             fprintf(out, " --%s", flags[i]);
     cJSON_ArrayForEach(set, cJSON_GetObjectItem(run, "sets"))
         quote_option(out, "--set", set->valuestring);
+    cJSON_ArrayForEach(input, cJSON_GetObjectItem(options, "input"))
+        quote_option(out, "--input", input->valuestring);
     char *json = format_string("%s/runs/%d.json", folder, number);
     if (json)
         quote_option(out, "--json", json);

@@ -227,7 +227,8 @@ static bool plan(struct measured_sweep *sweep)
     struct steps *steps = &sweep->steps;
     const struct options *options = steps->options;
     const struct dt_log *log = &steps->console->log;
-    static const char *default_size = "1920x1080";
+    char text[32];
+    const char *default_size = sweep_default_size(options, "1920x1080", text);
     const struct text_list one = {&default_size, 1},
                            *sizes = options->size_list.count ? &options->size_list : &one;
     uint32_t here = 0, first = 0, size[2];

@@ -9,6 +9,7 @@
 #include "base/tool.h"
 #include "build/pipeline.h"
 #include "measure/sweep.h"
+#include "scenes/picture_size.h"
 
 enum { MOST_RUNS = 100000, DEFAULT_MEMORY = 64 };
 
@@ -27,33 +28,55 @@ static void add_text(cJSON *object, const char *name, const char *text)
         cJSON_AddStringToObject(object, name, text);
 }
 
-/* Adds the absolute path, since the runs start elsewhere. */
-static bool add_path(cJSON *array, const char *path, const struct dt_log *log)
+/* Adds the absolute path, since the runs start elsewhere, behind `length` bytes of `item` that stand
+ * before it. */
+static bool add_path_behind(cJSON *array, const char *item, size_t length, const struct dt_log *log)
 {
+    const char *path = item + length;
     char *real = realpath(path, NULL);
+    bool good = real && !strpbrk(real, "\n|");
+    char *text = good ? format_string("%.*s%s", (int)length, item, real) : NULL;
     if (!real)
         report_error(log, "%s: cannot be read: %s", path, strerror(errno));
-    else if (strpbrk(real, "\n|"))
+    else if (!good)
         report_error(log, "%s: a ninja file cannot hold a path with a line break or a |", real);
     else
-        cJSON_AddItemToArray(array, cJSON_CreateString(real));
-    bool good = real && !strpbrk(real, "\n|");
+        cJSON_AddItemToArray(array, cJSON_CreateString(text ? text : real));
+    free(text);
     free(real);
     return good;
 }
 
+static bool add_path(cJSON *array, const char *path, const struct dt_log *log)
+{
+    return add_path_behind(array, path, 0, log);
+}
+
+const char *sweep_default_size(const struct options *options, const char *otherwise, char text[32])
+{
+    uint32_t width, height;
+    const char *reason;
+    snprintf(text, 32, "%s", otherwise);
+    for (uint32_t i = options->inputs.count; i-- > 0;)
+        if (picture_size(strchr(options->inputs.items[i], '=') + 1, &width, &height, &reason))
+            snprintf(text, 32, "%ux%u", width, height);
+    return text;
+}
+
 static void add_runs_wanted(cJSON *root, const struct options *options)
 {
-    static const char *default_size = "64x64";
-    const struct text_list one_size = {&default_size, 1};
+    char text[32];
+    const char *size = sweep_default_size(options, "64x64", text);
+    const struct text_list one_size = {&size, 1};
+    bool given = options->size_list.count;
     if (options->random) {
         cJSON_AddNumberToObject(root, "random", options->random);
         cJSON_AddNumberToObject(root, "seed", options->seed ? options->seed : 1);
         cJSON_AddNumberToObject(root, "memory", options->memory ? options->memory : DEFAULT_MEMORY);
-        add_texts(root, "size", &options->size_list);
+        add_texts(root, "size", given || !options->inputs.count ? &options->size_list : &one_size);
     } else {
         add_texts(root, "grid", &options->grid);
-        add_texts(root, "size", options->size_list.count ? &options->size_list : &one_size);
+        add_texts(root, "size", given ? &options->size_list : &one_size);
     }
     cJSON_AddNumberToObject(root, "frames", options->run_frames);
 }
@@ -71,7 +94,6 @@ static bool check_wanted(const struct options *options, const struct dt_log *log
 {
     const char *wrong = !options->random == !options->grid.count
                             ? "give --random N or --grid PATH=V1,V2,..."
-                        : !options->scene_list.count          ? "give at least one --scene FILE"
                         : options->memory && !options->random ? "--memory goes with --random"
                                                               : NULL;
     if (wrong)
@@ -97,6 +119,12 @@ cJSON *sweep_options(const struct options *options, const struct dt_log *log)
     cJSON *scenes = cJSON_AddArrayToObject(root, "scene");
     for (uint32_t i = 0; i < options->scene_list.count; i++)
         good = good && add_path(scenes, options->scene_list.items[i], log);
+    if (!options->scene_list.count) /* runs without a scene */
+        cJSON_AddItemToArray(scenes, cJSON_CreateString(""));
+    cJSON *inputs = cJSON_AddArrayToObject(root, "input");
+    for (uint32_t i = 0; i < options->inputs.count; i++)
+        good = good && add_path_behind(inputs, options->inputs.items[i],
+                                       strcspn(options->inputs.items[i], "=") + 1, log);
     if (options->scenes && !folder) {
         report_error(log, "--scenes %s: %s", options->scenes, strerror(errno));
         good = false;
@@ -293,7 +321,7 @@ static bool add_grid_runs(cJSON *runs, const cJSON *options, const struct dt_log
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-/* The spec, its bodies, the scenes, and the executables: when one of them changes, a run is done again. */
+/* The spec, its files, the scenes, the inputs, and the executables: when one of them changes, a run is done again. */
 static bool add_inputs(cJSON *sweep, const cJSON *answer, const struct dt_log *log)
 {
     const cJSON *item, *options = cJSON_GetObjectItem(sweep, "options");
@@ -306,7 +334,9 @@ static bool add_inputs(cJSON *sweep, const cJSON *answer, const struct dt_log *l
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(answer, "inputs")) good =
         good && add_path(inputs, item->valuestring, log);
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(options, "scene")) good =
-        good && add_path(inputs, item->valuestring, log);
+        good && (!*item->valuestring || add_path(inputs, item->valuestring, log));
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(options, "input")) good =
+        good && add_path(inputs, strchr(item->valuestring, '=') + 1, log);
     free(tools[0]);
     free(tools[1]);
     free(folder);

@@ -27,7 +27,7 @@ static bool hash_scene_file(char text[HASH_TEXT], const struct scene *scene,
 {
     uint64_t hash = FILE_HASH_START;
     const char *path = scene->path;
-    bool good = hash_file(&hash, path);
+    bool good = !path || hash_file(&hash, path); /* no file: scene_none */
     if (good && scene->motion)
         good = hash_file(&hash, path = motion_path(scene->motion));
     if (!good)
@@ -168,12 +168,26 @@ static bool add_sets(cJSON *manifest, const struct identity *identity, const str
     return sets;
 }
 
+/* {"NAME": "HASH"} of every --input. */
+static void add_inputs(cJSON *manifest, const struct identity *identity)
+{
+    cJSON *hashes = cJSON_AddObjectToObject(manifest, "inputs");
+    for (uint32_t i = 0; i < identity->input_count; i++) {
+        const char *text = identity->inputs[i], *equals = strchr(text, '=');
+        char *name = strndup(text, (size_t)(equals - text));
+        if (name)
+            cJSON_AddStringToObject(hashes, name, equals + 1);
+        free(name);
+    }
+}
+
 /* What the user wrote, not what tools made of it: another glslang makes other SPIR-V. */
 static bool add_pipeline(cJSON *manifest, const struct identity *identity, const struct dt_log *log)
 {
     cJSON_AddStringToObject(manifest, "diptych", VERSION);
     cJSON_AddStringToObject(manifest, "pipeline", identity->pipeline->name);
     add_params(manifest, identity->pipeline);
+    add_inputs(manifest, identity);
     return add_sources(manifest, identity, log) && add_sets(manifest, identity, log);
 }
 
@@ -187,7 +201,8 @@ bool identity_add(cJSON *manifest, const struct identity *identity, const struct
     cJSON_AddStringToObject(manifest, "backend", identity->backend);
     cJSON_AddStringToObject(manifest, "device", identity->device);
     cJSON_AddItemToObject(manifest, "live", live_values(identity));
-    cJSON_AddStringToObject(manifest, "scene", identity->options->scene);
+    cJSON_AddStringToObject(manifest, "scene",
+                            identity->options->scene ? identity->options->scene : "");
     cJSON_AddStringToObject(manifest, "scene_file", scene_file);
     cJSON_AddStringToObject(manifest, "scene_data", scene_data);
     cJSON_AddNumberToObject(manifest, "width", identity->size[0]);
@@ -305,8 +320,8 @@ static void report_other(const char *folder, const char *name, const char *diffe
                          const struct dt_log *log)
 {
     report_error(log,
-                 "--against %s: holds another %s: %s; the spec, its GLSL, --set and the version of "
-                 "diptych must be the same",
+                 "--against %s: holds another %s: %s; the spec, its files, --set, --input and the "
+                 "version of diptych must be the same",
                  folder, name, difference);
 }
 
@@ -388,6 +403,17 @@ static char *differing_sets(const cJSON *there, const cJSON *here)
     return text;
 }
 
+/* The first input of another content, or NULL; free(). */
+static char *differing_input(const cJSON *there, const cJSON *here)
+{
+    const cJSON *own;
+    cJSON_ArrayForEach(
+        own, here) if (!cJSON_Compare(own, cJSON_GetObjectItem(there, own->string),
+                                      true)) return format_string("--input %s has other content",
+                                                                  own->string);
+    return NULL;
+}
+
 static char *differing_version(const cJSON *there, const cJSON *here)
 {
     if (cJSON_Compare(there, here, true))
@@ -402,11 +428,10 @@ static const struct {
     const char *key;
     cJSON_bool (*has_type)(const cJSON *item);
     char *(*difference)(const cJSON *there, const cJSON *here);
-} compared[] = {{"diptych", cJSON_IsString, differing_version},
-                {"sources", cJSON_IsArray, differing_content},
-                {"params", cJSON_IsObject, differing_param},
-                {"set", cJSON_IsArray, differing_sets},
-                {"sources", cJSON_IsArray, differing_list}};
+} compared[] = {
+    {"diptych", cJSON_IsString, differing_version}, {"sources", cJSON_IsArray, differing_content},
+    {"params", cJSON_IsObject, differing_param},    {"set", cJSON_IsArray, differing_sets},
+    {"inputs", cJSON_IsObject, differing_input},    {"sources", cJSON_IsArray, differing_list}};
 
 static bool check_pipeline(const cJSON *manifest, const char *folder,
                            const struct identity *identity, const struct dt_log *log)
@@ -450,7 +475,7 @@ bool identity_check(const cJSON *manifest, const char *folder, const struct iden
     hash_scene_data(data, identity);
     if (strcmp(file, wanted_file) != 0) {
         report_error(log, "--against %s: was made of %s, and %s has other content%s", folder, name,
-                     identity->options->scene,
+                     identity->options->scene ? identity->options->scene : "no scene",
                      identity->scene->motion ? ", or its motion has" : "");
         return false;
     }

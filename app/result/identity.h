@@ -1,5 +1,5 @@
 /* What must be the same on two machines before their results can be compared: the spec and its GLSL,
- * --set, live parameters, the scene, the frame's size and index, diptych's version. What tools make of
+ * --set, live parameters, the scene, the content of --input, the frame's size and index, diptych's version. What tools make of
  * that (SPIR-V, objects) has no part in it: their versions differ. Written into the manifest of a dump,
  * checked by compare --against. */
 #ifndef DIPTYCH_IDENTITY_H
@@ -17,13 +17,15 @@ struct identity {
     const char *spec, *templates; /* real paths: where its files are looked up */
     const char *const *sources;   /* paths of the spec and of all GLSL */
     uint32_t source_count;
+    char *const *inputs; /* "NAME=HASH" of the content of each --input */
+    uint32_t input_count;
     const struct scene *scene;
     const struct options *options; /* the scene as --scene names it, --set */
     uint32_t size[2];              /* of the frame */
     uint32_t frame;
 };
 
-/* Adds diptych, pipeline, params, sources, set, backend, device, live, scene, scene_file, scene_data,
+/* Adds diptych, pipeline, params, sources, set, inputs, backend, device, live, scene, scene_file, scene_data,
  * width, height and frame. False with the error logged when something cannot be read. */
 bool identity_add(cJSON *manifest, const struct identity *identity, const struct dt_log *log);
 

@@ -8,6 +8,7 @@
 #include "base/numbered.h"
 #include "base/options.h"
 #include "base/texels.h"
+#include "build/inputs.h"
 #include "result/dump.h"
 #include "result/identity.h"
 #include "result/picture.h"
@@ -297,6 +298,8 @@ static bool identify(struct render *render)
                                       .templates = render->pipeline.templates,
                                       .sources = sources,
                                       .source_count = count,
+                                      .inputs = render->pipeline.input_hashes,
+                                      .input_count = render->pipeline.input_hash_count,
                                       .scene = &render->scene,
                                       .options = options,
                                       .size = {options->size[0], options->size[1]},
@@ -329,7 +332,8 @@ static bool prepare(struct render *render)
     if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
     if (!find_shown(render) || !find_fault(render) ||
-        !session_load_scene(&render->scene, render->console, options))
+        !inputs_load(&render->pipeline, render->console, &render->options) ||
+        !session_load_scene(&render->scene, render->console, render->pipeline.info, options))
         return false;
     render->loads_images = /* after the scene, whose child process would inherit a held lock */
         options->output && pthread_create(&render->images, NULL, load_images, NULL) == 0;

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "build/inputs.h"
 #include "front.h"
 #include "scenes/motion.h"
 
@@ -45,8 +46,13 @@ bool session_prepare(struct session *session)
     if (!session->runtime->set_scene(session->handle, &info->scene->data))
         return false;
     console_status(info->console, "%s: creating the programs", info->side->label);
-    return session->runtime->create(session->handle, shaders) &&
-           session->runtime->resize(session->handle, size[0], size[1]);
+    return session->runtime->create(session->handle, shaders) && session_resize(session, size);
+}
+
+bool session_resize(const struct session *session, const uint32_t size[2])
+{
+    return session->runtime->resize(session->handle, size[0], size[1]) &&
+           inputs_write(session->info.pipeline, session->runtime, session->handle, size);
 }
 
 bool session_frame(struct session *session, const struct dt_observer *observer)
@@ -91,11 +97,27 @@ void session_close(struct session *session)
     session->handle = NULL;
 }
 
-bool session_load_scene(struct scene *scene, struct console *console, const struct options *options)
+bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *console)
+{
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        if (!pipeline->passes[i].uses_scene)
+            continue;
+        report_error(&console->log, "--scene FILE is missing: the pass %s of %s uses the scene",
+                     pipeline->passes[i].name, pipeline->name);
+        return false;
+    }
+    return true;
+}
+
+bool session_load_scene(struct scene *scene, struct console *console,
+                        const struct dt_pipeline *pipeline, const struct options *options)
 {
     const char *folder = options->scenes ? options->scenes : getenv("DIPTYCH_SCENES");
-    console_status(console, "loading %s", options->scene);
     *scene = (struct scene){0};
+    if (!options->scene)
+        return session_can_lack_scene(pipeline, console) && scene_none(scene, &console->log) &&
+               (!options->motion || scene_load_motion(scene, options->motion, &console->log));
+    console_status(console, "loading %s", options->scene);
     return scene_load(scene, options->scene, folder, true, &console->log) &&
            (!options->motion || scene_load_motion(scene, options->motion, &console->log));
 }

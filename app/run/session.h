@@ -37,6 +37,8 @@ struct session {
  * the first frame. On false the error is logged; close it in any case. */
 bool session_open(struct session *session, const struct session_info *info);
 bool session_prepare(struct session *session);
+/* Resizes the runtime and hands it the inputs of the pipeline. */
+bool session_resize(const struct session *session, const uint32_t size[2]);
 
 /* Runs the next frame. The observer may be NULL. */
 bool session_frame(struct session *session, const struct dt_observer *observer);
@@ -45,9 +47,13 @@ bool session_frame(struct session *session, const struct dt_observer *observer);
 bool session_is_silent(const struct session *session);
 void session_close(struct session *session); /* takes a zeroed one */
 
-/* The scene of --scene, looked up with --scenes or DIPTYCH_SCENES, with the motion of --motion. */
+/* The scene of --scene, looked up with --scenes or DIPTYCH_SCENES, with the motion of --motion.
+ * Without --scene that of scene_none, if no pass of the pipeline uses the scene; NULL: the verb
+ * requires --scene. */
 bool session_load_scene(struct scene *scene, struct console *console,
-                        const struct options *options);
+                        const struct dt_pipeline *pipeline, const struct options *options);
+/* Whether no pass uses the scene; else an error names one, and --scene. */
+bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *console);
 /* Number of frames: --frames, else all of the motion, else 1. */
 uint32_t session_frames(const struct options *options, const struct scene *scene);
 

@@ -254,7 +254,7 @@ static bool prepare(struct flicker *flicker)
 {
     const struct options *options = flicker->options;
     const struct dt_log *log = &flicker->console->log;
-    if (!session_load_scene(&flicker->scene, flicker->console, options))
+    if (!session_load_scene(&flicker->scene, flicker->console, NULL, options))
         return false;
     flicker->frames = session_frames(options, &flicker->scene);
     flicker->block = options->block ? options->block : 1;

@@ -313,7 +313,7 @@ static bool prepare(struct reference *reference)
     const struct dt_log *log = &reference->console->log;
     if (!file_can_write(options->output, log) ||
         (options->checkpoint && !file_can_write(options->checkpoint, log)) ||
-        !session_load_scene(&reference->scene, reference->console, options))
+        !session_load_scene(&reference->scene, reference->console, NULL, options))
         return false;
     scene_frame_at(&reference->scene, options->frame, options->size[0], options->size[1],
                    &reference->frame);

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "build/inputs.h"
 #include "view/camera.h"
 
 /* ---- Opening --------------------------------------------------------------------------------- */
@@ -67,7 +68,8 @@ static bool open_overlay(struct view *view)
 
 bool view_open_window(struct view *view, int width, int height)
 {
-    char *title = format_string("diptych: %s, %s", view->pipeline.info->name, view->options->scene);
+    char *title = format_string("diptych: %s, %s", view->pipeline.info->name,
+                                view->options->scene ? view->options->scene : "no scene");
     view->window = view->side[0].session.runtime->window(view->side[0].session.handle);
     glfwSetWindowTitle(view->window, title ? title : "diptych");
     glfwSetWindowSize(view->window, width, height);
@@ -83,7 +85,8 @@ static bool open_view(struct view *view)
     const struct dt_log *log = &view->console->log;
     if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, options) || !view_find_home(view) ||
-        !view_outline_read(view) || !session_load_scene(&view->scene, view->console, options))
+        !inputs_load(&view->pipeline, view->console, &view->own) || !view_outline_read(view) ||
+        !session_load_scene(&view->scene, view->console, view->pipeline.info, options))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!view_open_side(view, i))
@@ -168,13 +171,13 @@ static bool fit_to_window(struct view *view)
 {
     uint32_t size[2];
     view_panel_size(view, size);
+    if (view->pipeline.fixed_size) /* shown as large as fits */
+        memcpy(size, view->options->size, sizeof size);
     if (size[0] == view->size[0] && size[1] == view->size[1])
         return true;
-    for (uint32_t i = 0; i < view->side_count; i++) {
-        const struct session *session = &view->side[i].session;
-        if (!session->runtime->resize(session->handle, size[0], size[1]))
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (!session_resize(&view->side[i].session, size))
             return false;
-    }
     memcpy(view->size, size, sizeof size);
     view->step = true;
     return true;
@@ -354,7 +357,8 @@ static void close_sides(struct view *view)
 int verb_view(struct console *console, const struct options *options)
 {
     struct view view = {.console = console,
-                        .options = options,
+                        .own = *options,
+                        .options = &view.own,
                         .gain = 16,
                         .speed = 0.5f,
                         .reload_ms = (double)NAN};

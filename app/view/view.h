@@ -46,6 +46,7 @@ struct view_side {
 
 struct view {
     struct console *console;
+    struct options own; /* with the size of an input */
     const struct options *options;
     struct sides sides;
     struct pipeline pipeline;

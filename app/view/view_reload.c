@@ -8,6 +8,7 @@
 
 #include "base/live.h"
 #include "base/texels.h"
+#include "build/inputs.h"
 
 const struct dt_shaders *view_shaders_of(const struct view_side *side,
                                          const struct pipeline *pipeline)
@@ -84,7 +85,7 @@ static bool create(const struct view *view)
         const struct view_side *side = &view->side[i];
         const struct session *session = &side->session;
         if (!session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline)) ||
-            !session->runtime->resize(session->handle, view->size[0], view->size[1]))
+            !session_resize(session, view->size))
             return false;
     }
     return true;
@@ -108,7 +109,10 @@ static bool start(struct view *view, const char *shown, bool *offered)
     view->shown_points = points <= view->points_count ? points : 0;
     view->frame = 0; /* history starts anew */
     double begun = milliseconds_now();
-    bool created = create(view);
+    bool created =
+        (view->options->scene || session_can_lack_scene(view->pipeline.info, view->console)) &&
+        (view->pipeline.inputs || inputs_load(&view->pipeline, view->console, &view->own)) &&
+        create(view);
     view->device_ms = milliseconds_now() - begun;
     return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
 }

@@ -43,11 +43,9 @@ static bool reopen(struct view *view, uint32_t index)
 static bool start_over(struct view *view)
 {
     view->frame = 0;
-    for (uint32_t i = 0; i < view->side_count; i++) {
-        const struct session *session = &view->side[i].session;
-        if (!session->runtime->resize(session->handle, view->size[0], view->size[1]))
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (!session_resize(&view->side[i].session, view->size))
             return false;
-    }
     return true;
 }
 

@@ -1,0 +1,130 @@
+#!/usr/bin/env bash
+# Content from outside: pictures and arrays of the spec and of --input reach every backend in every bit, as outside.py reads the
+# same files; what does not fit is told at the option or at the line of the spec. Dumps, evidence and sweeps know the content. TAP.
+. "$(dirname "$0")/tap.sh"
+specs=$root/tests/specs
+cd "$work" || exit 1
+python3 "$root/tests/outside.py" make . || exit 1
+cp "$specs"/outside* .
+input=(--input photo=photo.png --input weights=weights.npy)
+
+# shellcheck disable=SC2317 # called through check
+told() { # status words command...
+    local want=$1 words=$2 got
+    shift 2
+    "$@" 2>&1 | tee told
+    got=${PIPESTATUS[0]}
+    [ "$got" = "$want" ] && grep -qF -- "$words" told
+}
+
+check "the backends agree in every bit, without a scene, in the size of the picture" \
+    "$diptych" compare --spec outside.yaml "${input[@]}" --backend gl,vk,gl+glsl --json agree.json
+check "... which is the frame's" grep -q '"width":	45' agree.json
+check "the validation layers are silent" "$diptych" render --spec outside.yaml "${input[@]}" --backend vk --debug --dump dump -o vk.png
+check "what the passes got is what is in the files, and what they made of it is right" python3 "$root/tests/outside.py" dump dump .
+check "--size is the frame's; other inputs may fill it" "$diptych" render --spec outside.yaml --input photo=small.png \
+    --input weights=weights_2.npy --size 8x4 --backend gl -o small_out.png
+
+sed "s/mips: 1/size: [45, 21], mips: 4/" outside.yaml >mips.yaml
+check "mips are averages of light" "$diptych" render --spec mips.yaml "${input[@]}" --size 45x21 --backend vk --dump mips
+check "... of areas, also with odd sides" python3 "$root/tests/outside.py" mips mips
+
+cat >formats.yaml <<'END'
+pipeline: formats
+buffers:
+  counts: {of: ivec2, count: 1}
+images:
+  exr: {file: values.exr, format: rgba16f}
+  hdr: {file: two.hdr, format: rgba16f}
+  jpeg: {file: ramp.jpg, format: rgba8}
+passes:
+  - {name: measure, dispatch: 1, reads: [exr, hdr, jpeg], writes: [counts], shader: formats.glsl}
+END
+cat >formats.glsl <<'END'
+void main()
+{
+    float used = min(exr(ivec2(0)).r + hdr(ivec2(0)).r + jpeg(ivec2(0)).r, 0.0); /* none is negative */
+    counts[0] = exr_size() + hdr_size() + jpeg_size() + ivec2(used);
+}
+END
+base64 -d >ramp.jpg <<'END'
+/9j/4AAQSkZJRgABAQAAAQABAAD/4QBYRXhpZgAASUkqAAgAAAABAGmHBAABAAAAGgAAAAAAAAAEAACQBwAEAAAAMDIzMAGRBwAEAAAAAQIDAACgBwAEAAAA
+MDEwMAGgAwABAAAAAQAAAAAAAAD/2wBDAAEBAQEBAQEBAQEBAQEBAQIBAQEBAQIBAQECAgICAgICAgIDAwQDAwMDAwICAwQDAwQEBAQEAgMFBQQEBQQEBAT/
+wAALCAAHAAwBAREA/8QAHwAAAQUBAQEBAQEAAAAAAAAAAAECAwQFBgcICQoL/8QAtRAAAgEDAwIEAwUFBAQAAAF9AQIDAAQRBRIhMUEGE1FhByJxFDKBkaEI
+I0KxwRVS0fAkM2JyggkKFhcYGRolJicoKSo0NTY3ODk6Q0RFRkdISUpTVFVWV1hZWmNkZWZnaGlqc3R1dnd4eXqDhIWGh4iJipKTlJWWl5iZmqKjpKWmp6ip
+qrKztLW2t7i5usLDxMXGx8jJytLT1NXW19jZ2uHi4+Tl5ufo6erx8vP09fb3+Pn6/9oACAEBAAA/AOg8Ef8ABtD4Q/c/8SXw32/5eLX/AOKr6i0n/g2h8IfY
+Yv8AiS+G/wDwItfQf7Vf/9k=
+END
+check "OpenEXR, HDR and JPEG are read" "$diptych" render --spec formats.yaml --backend gl --size 4x4 --dump formats
+check "... to the nearest half" python3 "$root/tests/outside.py" formats formats
+
+# ---- What does not fit
+
+render=("$diptych" render --spec outside.yaml --backend vk -o none.png)
+check "an input without a file" told 1 "outside: the input weights has no content; give --input weights=FILE" \
+    "${render[@]}" --input photo=photo.png
+check "an unknown input" told 1 '--input phot=photo.png: outside has no such input; did you mean "photo"?' \
+    "${render[@]}" --input phot=photo.png
+check "an option that is no input" told 2 "--input photo: must be NAME=FILE, like photo=in.png" "${render[@]}" --input photo
+check "an input twice" told 1 "--input photo=small.png: photo has a file already" "${render[@]}" "${input[@]}" --input photo=small.png
+check "a file of the spec" told 1 "the spec has a file for it; use --set images.grade.file=photo.png" \
+    "${render[@]}" --input grade=photo.png
+check "no file" told 1 "--input photo=nowhere.png: No such file or directory" \
+    "${render[@]}" --input photo=nowhere.png --input weights=weights.npy
+check "no picture" told 1 "--input photo=weights.npy: it is no PNG, JPEG, OpenEXR or HDR picture" \
+    "${render[@]}" --input photo=weights.npy --input weights=weights.npy
+check "half a picture" told 1 "--input photo=cut.png: " "${render[@]}" --input photo=cut.png --input weights=weights.npy
+check "another size" told 1 \
+    "--input photo=photo.png: it has 45x21 texels, but photo has 8x4 in a frame of 8x4" "${render[@]}" "${input[@]}" --size 8x4
+check "too many elements" told 1 "--input weights=three.npy: it has 3 elements, but weights has 2" \
+    "${render[@]}" --input photo=photo.png --input weights=three.npy
+check "another shape" told 1 "--input weights=pairs.npy: its shape is (3, 2); these elements need (n, 3)" \
+    "${render[@]}" --input photo=photo.png --input weights=pairs.npy
+check "another type" told 1 "--input weights=whole.npy: its numbers are int32, not float32" \
+    "${render[@]}" --input photo=photo.png --input weights=whole.npy
+check "a file that ends early" told 1 "--input weights=short.npy: it has 20 bytes of numbers; its header says 24" \
+    "${render[@]}" --input photo=photo.png --input weights=short.npy
+check "NaN" told 1 "--input weights=nan.npy: its number 4 is not finite" \
+    "${render[@]}" --input photo=photo.png --input weights=nan.npy
+sed 's/values.exr/nan.exr/' formats.yaml >nan.yaml
+check "NaN in a picture of the spec, at its line" told 1 \
+    "nan.yaml:5:15: error: cannot use the file \`$work/nan.exr\`: its texel (2, 0), from the top left, is not finite" \
+    "$diptych" render --spec nan.yaml --backend gl --dump large
+check "a number that the format cannot hold" told 1 "its texel (1, 0), from the top left, is 65520, beyond the range of rgba16f" \
+    "$diptych" render --spec formats.yaml --backend gl --dump large --set images.exr.file=large.exr
+check "nothing half written" test ! -e none.png -a ! -e large
+check "a pipeline that draws the scene" told 1 \
+    "--scene FILE is missing: the pass gbuffer of rsm uses the scene" "$diptych" render --spec "$root/templates/rsm.yaml" --backend gl -o none.png
+
+# ---- Who it was
+
+check "a dump of the same content" "$diptych" compare --spec outside.yaml "${input[@]}" --against dump --backend gl
+check "a dump of another input" told 2 "--against dump: holds another outside: --input photo has other content" \
+    "$diptych" compare --spec outside.yaml --input photo=other.png --input weights=weights.npy --against dump --backend gl
+mkdir changed
+cp outside* changed/
+printf '\x00\x00\x00\x3e' | dd of=changed/outside_kernel.npy bs=1 seek=$(($(stat -c %s outside_kernel.npy) - 4)) conv=notrunc status=none
+check "a dump of another file of the spec" told 2 "holds another outside: outside_kernel.npy has other content" \
+    "$diptych" compare --spec changed/outside.yaml "${input[@]}" --against dump --backend gl
+
+# ---- Evidence
+
+mkdir case_of
+cp outside* photo.png weights.npy case_of/
+sed -i 's/    blurred_store/#ifdef VULKAN\n    sum.g += p == ivec2(3, 4) ? 0.5 : 0.0;\n#endif\n    blurred_store/' case_of/outside_blur.glsl
+(
+    cd case_of || exit 1
+    "$diptych" compare --spec outside.yaml "${input[@]}" --bisect ../case >../bisect.txt 2>&1
+)
+rm -rf case_of
+check "the guilty pass is found" grep "^guilty: pass blur" bisect.txt
+check "a replay needs nothing outside its folder" told 0 "as expected, what gl left" "$diptych" replay case --backend gl
+check "... and finds what the other side left" told 1 "all is bit for bit as vk had it" "$diptych" replay case --backend vk
+rm -f case/spec/outside_kernel.npy
+check "... but all of that" told 2 "cannot read the file" "$diptych" replay case --backend gl
+
+# ---- Other verbs
+
+check "sweep hands inputs on" "$diptych" sweep --spec outside.yaml "${input[@]}" --grid images.blurred.format=rgba16f,rgba32f -o sweep
+check "bench runs them" "$diptych" bench --spec outside.yaml "${input[@]}" --backend gl --frames 1 --warmup 1
+finish
