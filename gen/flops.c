@@ -9,13 +9,14 @@
 #include "stages.h"
 
 /* Cost of a path through a function. Paths that leave a loop by `break` or return early are taken
- * only if no other exists. So the cost is that of an invocation that does its work, with one
- * iteration of each loop. */
+ * only if no other exists. So the cost is that of an invocation that does its work, with the
+ * iterations of its loops. */
 struct cost {
     uint32_t exits; /* such breaks and early returns */
     uint64_t flops;
 };
 static const struct cost no_way = {UINT32_MAX, 0};
+static const uint64_t MOST_FLOPS = 1ull << 56; /* of a loop; sums of these do not overflow */
 
 enum state { STATE_NEW, STATE_OPEN, STATE_DONE };
 
@@ -28,6 +29,7 @@ struct counting {
     struct cost *costs;    /* from a block to the function's end; of a function */
     uint32_t *loop_merges; /* by the loop's header: the block after the loop */
     bool *behind_loop;     /* whether a block follows a loop */
+    uint64_t *iterations;  /* of a loop, by its header */
 };
 
 /* ---- One instruction ------------------------------------------------------------------------- */
@@ -110,7 +112,7 @@ static struct cost cheaper(struct cost a, struct cost b)
     return a.flops < b.flops ? a : b;
 }
 
-/* Cost from a jump to `label` on. The jump back to a loop's header ends its one iteration. */
+/* Cost from a jump to `label` on. The jump back to a loop's header ends an iteration. */
 static struct cost jump_cost(struct counting *c, uint32_t label)
 {
     if (c->states[label] == STATE_OPEN)
@@ -144,12 +146,19 @@ static struct cost end_cost(struct counting *c, const uint32_t *instruction)
     }
 }
 
-static bool ends_block(const uint32_t *instruction)
+/* Cost from a loop's header on. once: with one iteration. */
+static struct cost loop_cost(struct counting *c, uint32_t header, struct cost once)
 {
-    uint32_t opcode = *instruction & 0xffff;
+    uint64_t turns = c->iterations[header];
 
-    return (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
-           opcode == SpvOpTerminateInvocation;
+    if (turns == 1)
+        return once;
+    uint64_t behind = block_cost(c, c->loop_merges[header]).flops;
+    uint64_t turn = once.flops > behind ? once.flops - behind : 0;
+
+    if (turn && turns > MOST_FLOPS / turn)
+        return (struct cost){once.exits, MOST_FLOPS};
+    return (struct cost){once.exits, behind + turns * turn};
 }
 
 static struct cost function_cost(struct counting *c, uint32_t function);
@@ -163,7 +172,7 @@ static struct cost block_cost(struct counting *c, uint32_t label)
     if (c->states[label] == STATE_DONE)
         return c->costs[label];
     c->states[label] = STATE_OPEN;
-    for (; !ends_block(c->words + at); at += c->words[at] >> 16) {
+    for (; !spirv_ends_block(c->words + at); at += c->words[at] >> 16) {
         const uint32_t *instruction = c->words + at;
 
         flops += spirv_is(instruction, SpvOpFunctionCall) ? function_cost(c, instruction[3]).flops
@@ -172,6 +181,8 @@ static struct cost block_cost(struct counting *c, uint32_t label)
     struct cost cost = end_cost(c, c->words + at);
 
     cost.flops += flops;
+    if (c->loop_merges[label])
+        cost = loop_cost(c, label, cost);
     c->costs[label] = cost;
     c->states[label] = STATE_DONE;
     return cost;
@@ -212,7 +223,8 @@ static uint32_t survey(struct counting *c)
     return entry;
 }
 
-bool count_flops(const struct shader *shader, uint64_t *flops)
+bool count_flops(const struct shader *shader, const struct parameter_values *parameters,
+                 uint64_t *flops)
 {
     uint32_t bound = shader->word_count ? shader->words[3] : 1;
     uint32_t *definitions = spirv_definitions(shader->words, shader->word_count);
@@ -223,7 +235,9 @@ bool count_flops(const struct shader *shader, uint64_t *flops)
                          .costs = calloc(bound, sizeof *c.costs),
                          .loop_merges = calloc(bound, sizeof *c.loop_merges),
                          .behind_loop = calloc(bound, sizeof *c.behind_loop)};
-    bool good = definitions && c.states && c.costs && c.loop_merges && c.behind_loop;
+    if (definitions)
+        c.iterations = spirv_iterations(shader->words, shader->word_count, definitions, parameters);
+    bool good = c.iterations && c.states && c.costs && c.loop_merges && c.behind_loop;
 
     *flops = good ? function_cost(&c, survey(&c)).flops : 0;
     free(definitions);
@@ -231,5 +245,6 @@ bool count_flops(const struct shader *shader, uint64_t *flops)
     free(c.costs);
     free(c.loop_merges);
     free(c.behind_loop);
+    free(c.iterations);
     return good;
 }

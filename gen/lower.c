@@ -598,6 +598,8 @@ static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
     for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++) {
         const struct pass *from = l->from->order[i];
         const struct shader *stages = shaders[i].stage;
+        const struct parameter_values parameters = {(uint32_t)from->live_binding,
+                                                    pipeline->live_defaults, pipeline->block_size};
         bool draws = pass_draws(from);
         passes[i] = (struct dt_pass){.name = from->name,
                                      .doc = from->doc ? from->doc : "",
@@ -606,9 +608,10 @@ static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
                                      .uses_scene = uses_scene(from),
                                      .limit = from->limit};
         lower_uses(l, from, &passes[i]);
-        l->failed |= !count_flops(&stages[draws ? STAGE_IS_VERTEX : STAGE_IS_COMPUTE],
-                                  &passes[i].flops[0]) ||
-                     (draws && !count_flops(&stages[STAGE_IS_FRAGMENT], &passes[i].flops[1]));
+        l->failed |=
+            !count_flops(&stages[draws ? STAGE_IS_VERTEX : STAGE_IS_COMPUTE], &parameters,
+                         &passes[i].flops[0]) ||
+            (draws && !count_flops(&stages[STAGE_IS_FRAGMENT], &parameters, &passes[i].flops[1]));
     }
     pipeline->passes = passes;
     pipeline->pass_count = l->from->pass_count;

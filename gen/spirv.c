@@ -216,6 +216,13 @@ static bool is_declaration(uint32_t opcode)
 /* The external definition of the header's inline function. */
 extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultType);
 
+bool spirv_ends_block(const uint32_t *instruction)
+{
+    uint32_t opcode = *instruction & 0xffff;
+    return (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
+           opcode == SpvOpTerminateInvocation;
+}
+
 uint32_t *spirv_definitions(const uint32_t *words, size_t count)
 {
     uint32_t *offsets = calloc(words[3], sizeof *offsets);

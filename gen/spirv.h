@@ -14,6 +14,9 @@ static inline bool spirv_is(const uint32_t *instruction, unsigned opcode)
     return (*instruction & 0xffff) == opcode;
 }
 
+/* Whether the instruction ends its block: a branch, a return or a discard. */
+bool spirv_ends_block(const uint32_t *instruction);
+
 /* For each id below the module's bound, the offset of the instruction that defines it; 0: none.
  * free(). NULL when out of memory. */
 uint32_t *spirv_definitions(const uint32_t *words, size_t count);
@@ -21,5 +24,17 @@ uint32_t *spirv_definitions(const uint32_t *words, size_t count);
 /* loops.c: marks long loops DontUnroll: those in no other loop of their function, with many
  * operations per iteration. False when out of memory. */
 bool spirv_keep_loops(uint32_t *words, size_t count);
+
+/* The block of parameters in force: uniform and live ones. */
+struct parameter_values {
+    uint32_t binding;
+    const void *bytes;
+    uint32_t size;
+};
+/* iterations.c: for each label below the module's bound, how often the loop runs that starts there;
+ * 0: no loop. 1 also where more than constants and parameters decide, or `break` or `return` can end
+ * the loop. free(). NULL when out of memory. */
+uint64_t *spirv_iterations(const uint32_t *words, size_t count, const uint32_t *definitions,
+                           const struct parameter_values *parameters);
 
 #endif

@@ -41,9 +41,11 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
                    struct shader *shader, struct diag *diag);
 
 /* flops.c: lower bound of the float operations of one invocation that does not return early. Counts
- * one iteration of every loop, the cheapest other branches, and called functions. An instruction on
- * n numbers counts n. False when out of memory. */
-bool count_flops(const struct shader *shader, uint64_t *flops);
+ * loops as often as constants and parameters say, else once (spirv_iterations); the cheapest other
+ * branches; called functions. An instruction on n numbers counts n. False when out of memory. */
+struct parameter_values;
+bool count_flops(const struct shader *shader, const struct parameter_values *parameters,
+                 uint64_t *flops);
 
 /* Shaders of one pass, by enum stage; word_count 0: none. Used as [backend][pass], passes in order
  * of execution. */

@@ -144,8 +144,8 @@ struct dt_pass {
     const uint16_t *write_mips;
     const char *limit; /* C version of the pass for the CPU, see limit.h; NULL: none */
     /* lower bound of float operations per invocation without early return: [0] compute or vertex
-     * shader, [1] fragment shader. Counts one iteration of every loop and the cheapest other
-     * branches */
+     * shader, [1] fragment shader. Counts loops as often as constants and parameters (at their
+     * defaults) say, else once, and the cheapest other branches */
     uint64_t flops[2];
 };
 
