@@ -556,8 +556,10 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
     if (ok) {
         shader->stage = stage;
         join_parts(&glsl, &shader->glsl);
-        if (!model->pipeline.fast && backend == BACKEND_GL)
+        if (!model->pipeline.fast && backend == BACKEND_GL) {
+            glsl_products(&shader->glsl);
             glsl_precise(&shader->glsl);
+        }
         ok = !shader->glsl.failed;
     }
     for (int i = 0; i < PART_COUNT; i++)

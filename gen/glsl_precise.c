@@ -2,8 +2,7 @@
  * variables, with `precise`. So every variable and parameter that a stage declares gets the
  * qualifier, and function results go through such a variable. Buffers and gl_Position are marked
  * where they are declared. Values that no variable holds cannot be marked: arithmetic in the
- * condition of an `if`, and in Mesa vector * matrix and matrix * matrix, whose parts the compiler
- * assigns. Called by emit_glsl.c on the complete text; line numbers do not change. */
+ * condition of an `if`. Called by emit_glsl.c on the complete text; line numbers do not change. */
 #include "glsl.h"
 
 #include <ctype.h>

@@ -17,6 +17,8 @@ void main()
     products[i].mat4x3_vec = mat4x3(m) * s;
     products[i].mat3_vec = mat3(m) * s.xyz;
     products[i].mat2_vec = mat2(m) * s.xy;
+    products[i].mat4_point = m * vec4(s.xy, 1.0, 1.0);
+    products[i].chain = 0.5 * transpose(m) * m * vec4(s.xy, 1.0, 0.0);
     sum = a;
     add(a, b);
     add(b, s);
