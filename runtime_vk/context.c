@@ -10,16 +10,16 @@ enum { MAX_DEVICES = 16, MAX_EXTENSIONS = 16 };
 
 /* ---- Messages -------------------------------------------------------------------------------- */
 
-/* Only VALIDATION messages count as errors. PERFORMANCE messages are often unwanted, for example
- * about vertex attributes that a depth-only pass leaves unread. GENERAL messages come from the
- * loader's search for drivers. */
+/* VALIDATION and PERFORMANCE messages count as errors. GENERAL messages come from the loader's
+ * search for drivers. */
 static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                      VkDebugUtilsMessageTypeFlagsEXT types,
                                      const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
 {
     (void)severity;
     struct vk_runtime *rt = user;
-    bool counts = types & VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT;
+    bool counts = types & (VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT);
     rt->core.messages += counts;
     if (rt->core.log.message)
         rt->core.log.message(rt->core.log.user, counts ? DT_ERROR : DT_DEBUG, data->pMessage);
