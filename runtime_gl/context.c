@@ -276,15 +276,27 @@ static void destroy(struct gl_context *ctx, bool unload)
     *ctx = (struct gl_context){0};
 }
 
+/* glad asks for functions of the context's own version alone. */
+static GLADapiproc load(void *user, const char *name)
+{
+    struct gl_context *ctx = user;
+    GLADapiproc function = ctx->kind->load(ctx, name);
+    if (!function && !ctx->missing)
+        ctx->missing = name;
+    return function;
+}
+
 static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int major, int minor,
                  struct reason *why)
 {
     struct gl_context *ctx = &rt->context;
     ctx->kind = kind;
     bool made = kind->make(ctx, major, minor, rt->debug, why);
-    if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, kind->load, ctx))
+    if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, load, ctx) && !ctx->missing)
         return true;
-    if (made)
+    if (made && ctx->missing)
+        snprintf(why->text, sizeof why->text, "the driver does not give %s", ctx->missing);
+    else if (made)
         snprintf(why->text, sizeof why->text, "the context cannot be made current");
     destroy(ctx, false);
     return false;

@@ -41,6 +41,8 @@ static void pass_messages_on(FILE *messages, const struct dt_log *log)
     while (getdelim(&text, &capacity, '\0', messages) > 1)
         if (*text >= 'a' && *text <= 'a' + (int)DT_ERROR)
             log_message(log, (enum dt_level)(*text - 'a'), "%s", text + 1);
+    if (!feof(messages))
+        log_message(log, DT_ERROR, "the messages of a child process: %s", strerror(errno));
     free(text);
 }
 

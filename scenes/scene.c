@@ -71,11 +71,13 @@ struct settings {
 static char *find_mesh(struct reader *reader, struct fy_node *node, const char *scene_path,
                        const char *scenes_dir, bool may_lack)
 {
-    const char *name = fy_node_get_scalar0(node), *slash = strrchr(scene_path, '/');
+    const char *text = fy_node_get_scalar0(node), *slash = strrchr(scene_path, '/');
+    const char *name = text ? text : "";
     int folder = slash ? (int)(slash - scene_path + 1) : 0;
     char *candidate[2] = {NULL, NULL};
-    int beside = name[0] == '/' ? asprintf(&candidate[0], "%s", name)
-                                : asprintf(&candidate[0], "%.*s%s", folder, scene_path, name);
+    int beside = !text            ? -1
+                 : name[0] == '/' ? asprintf(&candidate[0], "%s", name)
+                                  : asprintf(&candidate[0], "%.*s%s", folder, scene_path, name);
     int below =
         scenes_dir && name[0] != '/' ? asprintf(&candidate[1], "%s/%s", scenes_dir, name) : 0;
     char *found = NULL;
@@ -84,7 +86,9 @@ static char *find_mesh(struct reader *reader, struct fy_node *node, const char *
             found = candidate[i];
             candidate[i] = NULL;
         }
-    if (!found && !may_lack)
+    if (beside < 0 || below < 0)
+        reader_report(reader, node, "out of memory");
+    else if (!found && !may_lack)
         reader_report(reader, node,
                       "mesh `%s` not found: looked for %s%s%s; name the folder that holds it with "
                       "--scenes DIR or in the "
@@ -232,13 +236,20 @@ static bool load_mesh_apart(struct scene *scene, struct settings *settings,
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
+static bool copy_path(struct scene *scene, const char *path, const struct dt_log *log)
+{
+    scene->path = strdup(path);
+    if (!scene->path)
+        log_message(log, DT_ERROR, "%s: out of memory", path);
+    return scene->path;
+}
+
 bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,
                 const struct dt_log *log)
 {
     *scene = (struct scene){0};
     struct settings settings = {.scene = scene, .scenes_dir = scenes_dir};
-    scene->path = strdup(path);
-    bool ok = scene->path && reader_file(path, &scene_file, &settings, log) &&
+    bool ok = copy_path(scene, path, log) && reader_file(path, &scene_file, &settings, log) &&
               (apart ? load_mesh_apart(scene, &settings, log) : load_mesh(scene, &settings, log));
     free(settings.mesh_path);
     if (!ok)
@@ -293,8 +304,7 @@ bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
 {
     struct scene scene = {0};
     struct settings settings = {.scene = &scene, .scenes_dir = scenes_dir, .may_lack_mesh = true};
-    scene.path = strdup(path);
-    bool ok = scene.path && reader_file(path, &scene_file, &settings, log);
+    bool ok = copy_path(&scene, path, log) && reader_file(path, &scene_file, &settings, log);
     scene_free(&scene);
     if (!ok)
         free(settings.mesh_path);

@@ -1,13 +1,19 @@
 """Makes the N-th call of malloc, open, read, write, rename... fail in a command: `failing.py LIBRARY SAMPLES OUT -- COMMAND`.
 OUT is the folder or file that the command writes. Each run must end with status 0 and the right output, or with another, a
-message, and the output of before: OLD has the options with which that is made. No run may crash. With KILL=1 the process is killed there instead: the next run must find the folder fit to use, and
+message, and the output of before: OLD has the options with which that is made. No run may crash or hang;
+with FOREIGN=1, crashes and hangs in libraries that are not built here, and failures that a driver tells nobody, are only counted. With KILL=1 the process is killed there instead: the next run must find the folder fit to use, and
 leave no temporary file. SAMPLES: numbers N to try for each kind of call, spread evenly; 0: all. Called by hostile_test.sh."""
+import collections
 import hashlib
 import os
+import re
 import shutil
+import signal
 import subprocess
 import sys
 
+SECONDS = 60
+HANGS = 1000
 KINDS = os.environ.get("KINDS", "malloc calloc realloc open read write rename mmap").split()
 
 
@@ -32,30 +38,43 @@ def remove(path):
 
 def run(library, command, **more):
     environment = dict(os.environ, LD_PRELOAD=library, **more)
-    try:
-        return subprocess.run(command, env=environment, capture_output=True, text=True, errors="replace", timeout=120, check=False)
-    except subprocess.TimeoutExpired:
-        return None
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace") as process:
+        try:
+            out, err = process.communicate(timeout=SECONDS)
+            return subprocess.CompletedProcess(command, process.returncode, out, err)
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGABRT)  # prints the stack
+            out, err = process.communicate()
+            return subprocess.CompletedProcess(command, HANGS, out, err)
+
+
+def foreign_library(result, command):
+    """Name of the library not built here in which a run crashed or hung, or of the driver that told nobody of a failed call; else None."""
+    stopped = re.search("^stopped in (/.+)$", result.stderr, re.M)
+    failed = re.search("^failed in (/.*/(dri/|libvulkan_|libLLVM|libgallium).*)$", result.stderr, re.M)
+    found = failed if result.returncode == 0 else stopped
+    beside = os.path.dirname(os.path.realpath(command[0]))
+    return found and not os.path.realpath(found[1]).startswith(beside) and os.path.basename(found[1])
 
 
 def judge(result, out, right, old):
     """What is wrong with a run; None: nothing."""
-    if result is None:
+    if result.returncode == HANGS:
         return "it hangs"
     if result.returncode < 0:
         return f"signal {-result.returncode}"
     now = content(out)
     if result.returncode == 0:
         return None if now == right else "status 0, but the output is wrong"
-    if not result.stderr.strip():
+    if not re.sub("^failed in .*$", "", result.stderr, flags=re.M).strip():
         return f"status {result.returncode} without a message"
     return None if now == old else f"a failed run leaves {sorted(name for name in set(now) | set(old) if now.get(name) != old.get(name))}"
 
 
 def judge_killed(library, command, out, right):
     again = run(library, command)
-    if again is None or again.returncode != 0:
-        return f"the next run fails: {again and again.stderr[-300:]}"
+    if again.returncode != 0:
+        return f"the next run fails: {again.stderr[-300:]}"
     return None if content(out) == right else f"the next run leaves {sorted(set(content(out)) - set(right))}"
 
 
@@ -77,7 +96,7 @@ def main():
         os.rename(out, before)
     old = content(before)
     totals = {name: int(number) for name, number in (line.split() for line in open(counts))}
-    tried, wrong = 0, 0
+    tried, wrong, foreign = 0, 0, collections.Counter()
     for kind in KINDS:
         total = totals[kind]
         step = 1 if not samples else max(1, -(-total // samples))
@@ -89,10 +108,14 @@ def main():
             result = run(library, command, FAIL_CALL=f"{kind}:{number}", **more)
             problem = judge_killed(library, command, out, right) if kills else judge(result, out, right, old)
             tried += 1
-            if problem:
+            culprit = problem and "FOREIGN" in os.environ and foreign_library(result, command)
+            if culprit:
+                foreign[f"{culprit}: {problem}"] += 1
+            elif problem:
                 wrong += 1
-                print(f"{kind} {number} of {total}: {problem[:300]}: {(result.stderr if result else str())[-200:]}")
-    print(f"{tried} runs of {' '.join(os.path.basename(word) for word in command[:2])}, {wrong} wrong")
+                print(f"{kind} {number} of {total}: {problem[:300]}: {result.stderr[-6000:]}", flush=True)
+    print(f"{tried} runs of {' '.join(os.path.basename(word) for word in command[:2])}, {wrong} wrong; "
+          f"in libraries: {dict(foreign) or 'nothing'}")
     sys.exit(wrong > 0)
 
 

@@ -79,6 +79,18 @@ check "a picture when a file cannot be read or written" env "OLD=--set bins=8" "
     "${failing[@]}" $render "$work/a.png" -- "$diptych" render --backend vk --scene scenes/cornell.yaml \
     --spec "$work/picture/features.yaml" --size 16x8 -o "$work/a.png"
 
+# Calls of diptych itself, then calls of any library, where a driver may crash.
+samples=2
+[ -z "${DIPTYCH_LONG:-}" ] || samples=0
+for backend in gl vk; do
+    command=("$diptych" render --backend "$backend" --scene scenes/cornell.yaml --spec "$work/picture/features.yaml"
+        --size 16x8 -o "$work/b.png")
+    check "a picture with $backend when a call of diptych fails" env "OLD=--set bins=8" FAIL_OWN=1 FOREIGN=1 \
+        "${failing[@]}" $samples "$work/b.png" -- "${command[@]}"
+    [ -z "${DIPTYCH_LONG:-}" ] || check "... when any call fails" env "OLD=--set bins=8" FOREIGN=1 \
+        "KINDS=malloc calloc realloc mmap write" "${failing[@]}" 40 "$work/b.png" -- "${command[@]}"
+done
+
 # shellcheck disable=SC2317
 leaves_nobody() { # command...: killed once its children run
     "$@" >"$work/said" 2>&1 &
