@@ -165,13 +165,15 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
                   const void *live);
 
 /* The Vulkan objects of a resource, imported or not, to copy or sample it after the commands of a
- * frame. Other passes may have reused the memory of a resource that is no output. Handles of the
- * other kind are NULL. Valid until resize. */
+ * frame. Other passes may have reused the memory of a resource that is no output. Members of the
+ * other kind are 0. Valid until resize. */
 struct dt_vk_resource {
     VkBuffer buffer;
     VkImage image;
     VkImageView view; /* all mips and layers */
     VkFormat format;
+    VkImageUsageFlags usage; /* SAMPLED, TRANSFER_SRC and more; of an import: as the host said */
+    uint32_t width, height, layers, mips;
     VkImageLayout layout; /* after the commands recorded last */
 };
 bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);

@@ -399,6 +399,11 @@ bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resou
                                    .image = found->image.handle,
                                    .view = found->image.view,
                                    .format = found->image.format,
+                                   .usage = found->image.usage,
+                                   .width = found->image.width,
+                                   .height = found->image.height,
+                                   .layers = found->image.layers,
+                                   .mips = found->image.mips,
                                    .layout = found->image.layout};
     return true;
 }

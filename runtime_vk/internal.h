@@ -25,6 +25,7 @@ struct vk_image {
     VkFormat format;
     enum dt_format texel;
     VkImageAspectFlags aspect;
+    VkImageUsageFlags usage; /* as created */
     uint32_t width, height, layers, mips;
     bool layered;
     bool by_layer;                      /* bound by single layers, too */
@@ -192,14 +193,15 @@ void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer);
 struct vk_image_info {
     const char *name;
     enum dt_format format;
-    VkImageUsageFlags usage; /* TRANSFER_SRC and _DST are added */
+    VkImageUsageFlags usage; /* of an import all that it needs; else see vk_image_create */
     uint32_t width, height, layers, mips;
     bool layered;
     bool by_layer;                    /* makes views of single layers */
     const struct dt_vk_image *import; /* the host's image to use instead; NULL: none */
 };
+/* Without memory and views. Adds usage SAMPLED, TRANSFER_SRC and TRANSFER_DST. */
 bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
-                     const struct vk_image_info *info); /* without memory and views */
+                     const struct vk_image_info *info);
 /* The view of a mip and of one or all of its layers. */
 VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_layer,
                           uint32_t layer);

@@ -244,8 +244,11 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         .by_layer = info->by_layer,
         .layout = VK_IMAGE_LAYOUT_UNDEFINED,
     };
-    if (info->import)
+    if (info->import) {
+        image->usage = info->import->usage;
         return adopt_image(rt, info->import, image, &create);
+    }
+    image->usage = create.usage |= VK_IMAGE_USAGE_SAMPLED_BIT; /* for dt_vk_resource */
     if (!image_fits(rt, &create, info->name) ||
         !VK(rt, rt->vk.CreateImage(rt->device, &create, NULL, &image->handle), info->name))
         return false;

@@ -264,6 +264,34 @@ static struct dt_frame frame_of(uint32_t index)
     return frame;
 }
 
+/* Validation reports a view whose usage the image lacks. */
+static void assert_can_sample_images(struct vk_runtime *rt)
+{
+    const VkImageViewUsageCreateInfo usage = {.sType =
+                                                  VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO,
+                                              .usage = VK_IMAGE_USAGE_SAMPLED_BIT};
+    for (uint32_t i = 0; i < FEATURES_RESOURCES; i++) {
+        struct dt_vk_resource resource;
+        VkImageView view;
+        assert_true(dt_vk_resource(rt, i, &resource));
+        const VkImageViewCreateInfo info = {
+            .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+            .pNext = &usage,
+            .image = resource.image,
+            .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+            .format = resource.format,
+            .subresourceRange = {resource.format == VK_FORMAT_D32_SFLOAT
+                                     ? VK_IMAGE_ASPECT_DEPTH_BIT
+                                     : VK_IMAGE_ASPECT_COLOR_BIT,
+                                 0, resource.mips, 0, resource.layers}};
+        if (!resource.image)
+            continue;
+        assert_true(resource.usage & VK_IMAGE_USAGE_SAMPLED_BIT);
+        assert_int_equal(vkCreateImageView(vk.device, &info, NULL, &view), VK_SUCCESS);
+        vkDestroyImageView(vk.device, view, NULL);
+    }
+}
+
 /* Two frames in flight, and what the trail through both of them is. */
 static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
 {
@@ -277,6 +305,10 @@ static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
     assert_true(dt_vk_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.format, VK_FORMAT_R32G32B32A32_SFLOAT);
     assert_int_equal(resource.layout, VK_IMAGE_LAYOUT_GENERAL);
+    assert_int_equal(resource.width, WIDTH);
+    assert_int_equal(resource.height, HEIGHT);
+    assert_int_equal(resource.layers, 1);
+    assert_int_equal(resource.mips, 1);
     const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                       .imageExtent = {WIDTH, HEIGHT, 1}};
@@ -378,6 +410,7 @@ static void vulkan_forgets_what_was_not_submitted(void **state)
     struct vk_runtime *rt = open_features();
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, wanted);
+    assert_can_sample_images(rt);
     assert_memory_not_equal(wanted, zero, TRAIL_BYTES);
     run_frames(rt, found); /* a trail goes on */
     assert_memory_not_equal(wanted, found, TRAIL_BYTES);
