@@ -139,7 +139,7 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
     return true;
 }
 
-/* On a full disk a write can be short although the library reports success; fsync detects this. */
+/* fsync tells of what a disk cannot take only later. */
 static bool sync_and_rename(const char *from, const char *to, struct image_error *error)
 {
     FILE *file = fopen(from, "rb");

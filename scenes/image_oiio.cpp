@@ -2,15 +2,19 @@
  * only programs that use image files pay for loading the library. No exception leaves this file. */
 #include "image_oiio.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "srgb.h"
 
@@ -55,6 +59,14 @@ OIIO::ImageBuf to_rgba(const OIIO::ImageBuf &image)
     int order[4] = {0, count < 3 ? 0 : 1, count < 3 ? 0 : 2, count == 2 ? 1 : count >= 4 ? 3 : one};
     float values[4] = {0, 0, 0, 1};
     return OIIO::ImageBufAlgo::channels(image, 4, order, values);
+}
+
+bool write_file(const char *path, const std::vector<unsigned char> &bytes, image_error *error)
+{
+    std::FILE *file = std::fopen(path, "wb");
+    bool good = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+    good = file && !std::fclose(file) && good;
+    return good || fail(error, std::strerror(errno));
 }
 
 } // namespace
@@ -129,7 +141,9 @@ try {
     /* By default OpenImageIO writes the current time into an EXR; equal pictures must be equal
      * files. */
     spec.attribute("DateTime", "");
-    if (!output->open(path, spec))
+    /* Into memory: not every writer of OpenImageIO sees that a file cannot be written. */
+    OIIO::Filesystem::IOVecOutput memory;
+    if (!output->set_ioproxy(&memory) || !output->open(path, spec))
         return fail(error, output->geterror());
     if (!output->write_image(type, texels)) {
         std::string reason = output->geterror();
@@ -138,7 +152,7 @@ try {
     }
     if (!output->close())
         return fail(error, output->geterror());
-    return true;
+    return write_file(path, memory.buffer(), error);
 } catch (const std::exception &exception) {
     return fail(error, exception.what());
 }
