@@ -132,7 +132,7 @@ static void add_named(struct generation *g, const char *suffix, struct text *tex
         text_free(text);
 }
 
-/* gl/PASS.comp and gl/PASS.comp.spv, and so on for every stage and backend. The output takes the
+/* gl/NAME.PASS.comp and gl/NAME.PASS.comp.spv, and so on for every stage and backend. The output takes the
  * GLSL, and gets a copy of the SPIR-V. */
 static void add_shaders(struct generation *g)
 {
@@ -142,8 +142,8 @@ static void add_shaders(struct generation *g)
             for (int stage = 0; stage < 3; stage++) {
                 struct shader *shader = &g->spec.shaders[backend][i].stage[stage];
                 const char *name =
-                    arena_printf(g->spec.model.arena, "%s/%s.%s", backend_names[backend],
-                                 pipeline->order[i]->name, stage_suffixes[stage]);
+                    arena_printf(g->spec.model.arena, "%s/%s.%s.%s", backend_names[backend],
+                                 pipeline->name, pipeline->order[i]->name, stage_suffixes[stage]);
                 const char *binary = arena_printf(g->spec.model.arena, "%s.spv", name ? name : "");
                 if (!shader->word_count || !name || !binary)
                     continue;
@@ -155,13 +155,14 @@ static void add_shaders(struct generation *g)
             }
 }
 
-/* limit/PASS.c: a copy beside NAME.h, since the file includes NAME.h. */
+/* limit/NAME.PASS.c: a copy beside NAME.h, since the file includes NAME.h. */
 static void add_limits(struct generation *g)
 {
     const struct pipeline *pipeline = &g->spec.model.pipeline;
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         const struct pass *pass = pipeline->order[i];
-        const char *name = arena_printf(g->spec.model.arena, "limit/%s.c", pass->name);
+        const char *name =
+            arena_printf(g->spec.model.arena, "limit/%s.%s.c", pipeline->name, pass->name);
         if (!pass->limit_body || !name)
             continue;
         struct text text = {0};

@@ -83,13 +83,25 @@ for file in small.h small.c small_{gl,vk}_shaders.c small.dot small_lifetimes.do
     check "$file is as expected" as_expected "$file"
 done
 
+# shellcheck disable=SC2317
+share_folder() { # name...: pipelines with passes of the same names
+    local name
+    for name in "$@"; do
+        "$gen" "templates/$name.yaml" -o "$work/shared" || return
+    done
+    for name in "$@"; do
+        ! diff -rq "$work/$name" "$work/shared" | grep -v "^Only in $work/shared" || return
+    done
+}
+check "two pipelines in one folder overwrite nothing of each other" share_folder ssvp rsm
+
 # Every type, baked, live and uniform: what is set is a constant in the GLSL, or a value in the C.
 # shellcheck disable=SC2317
 sets() { # type value baked live
     rm -rf "$work/set"
     "$gen" tests/specs/kinds.yaml -o "$work/set" --set "baked_$1=$2" --set "live_$1=$2" --set "uniform_$1=$2" || return
     for api in gl vk; do
-        grep -F "const $1 baked_$1 = $3;" "$work/set/$api/sum.comp" || return
+        grep -F "const $1 baked_$1 = $3;" "$work/set/$api/kinds.sum.comp" || return
     done
     grep -F ".live.live_$1 = $4," "$work/set/kinds.c" && grep -F ".uniform.uniform_$1 = $4," "$work/set/kinds.c"
 }
@@ -99,7 +111,7 @@ same_shaders() { # folder pass...
     local api name
     for name in "${@:2}"; do
         for api in gl vk; do
-            cmp "$work/ssvp/$api/$name" "$1/$api/$name" || return
+            cmp "$work/ssvp/$api/ssvp.$name" "$1/$api/ssvp.$name" || return
         done
     done
 }
@@ -108,8 +120,8 @@ check "ssvp with other numbers is generated" "$gen" templates/ssvp.yaml -o "$wor
 check "... k-means, views, maps and samples of them are the same shaders" same_shaders "$work/others" \
     kmeans.comp second_kmeans.comp place_views.comp place_second_views.comp sample_rsm.comp sample_paraboloid.comp \
     place_paraboloid.comp place_second.comp pack_first.comp pack_second.comp paraboloid.vert paraboloid.frag rsm.frag
-check_status 1 "... shading, whose loops are written out, is not" cmp "$work/ssvp/vk/shade.comp" "$work/others/vk/shade.comp"
-check_status 1 "... nor is culling" cmp "$work/ssvp/vk/cull_paraboloid.comp" "$work/others/vk/cull_paraboloid.comp"
+check_status 1 "... shading, whose loops are written out, is not" cmp "$work/ssvp/vk/ssvp.shade.comp" "$work/others/vk/ssvp.shade.comp"
+check_status 1 "... nor is culling" cmp "$work/ssvp/vk/ssvp.cull_paraboloid.comp" "$work/others/vk/ssvp.cull_paraboloid.comp"
 
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"

@@ -105,7 +105,7 @@ reads_updated() {
     "$gen" tests/specs/upsample.yaml -o "$work/upsample" || return
     local backend
     for backend in gl vk; do
-        grep -A 2 '^vec4 pyramid(.*ivec2 p)$' "$work/upsample/$backend/up.comp" | grep -q imageLoad || return
+        grep -A 2 '^vec4 pyramid(.*ivec2 p)$' "$work/upsample/$backend/upsample.up.comp" | grep -q imageLoad || return
     done
 }
 check "a texel of an image with a sampled and an updated mip is the updated one's" reads_updated

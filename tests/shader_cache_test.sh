@@ -57,9 +57,9 @@ by_pipe() {
 check "a first time" is_as_without
 check "an edited body is seen" sed -i 's/display_store(p, vec4(/&0.5 * /' "$body"
 check "... by what is made of it" is_as_without
-generate before && cp "$work/before/vk/tonemap.comp.spv" "$work/edited.spv"
+generate before && cp "$work/before/vk/rsm.tonemap.comp.spv" "$work/edited.spv"
 cp "$root/templates/shared/tonemap.glsl" "$body"
-generate before && cp "$work/before/vk/tonemap.comp.spv" "$work/before.spv"
+generate before && cp "$work/before/vk/rsm.tonemap.comp.spv" "$work/before.spv"
 check "... which is other code" test "$(cmp -s "$work/edited.spv" "$work/before.spv" && echo same)" != same
 check "what was there before the edit is still there" is_as_without
 check "so is another value of a parameter" is_as_without --set samples=16

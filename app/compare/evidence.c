@@ -342,8 +342,8 @@ static bool write_readme(const struct writing *writing)
         "    actual/    what %s left: %s\n\n"
         "Where to look:\n\n"
         "    %s  the body of the pass, as it was\n"
-        "    generated/gl/%s.*  what OpenGL was given\n"
-        "    generated/vk/%s.*  what Vulkan was given\n\n"
+        "    generated/gl/%s.%s.*  what OpenGL was given\n"
+        "    generated/vk/%s.%s.*  what Vulkan was given\n\n"
         "To run it again, with any backend and without anything outside this folder:\n\n"
         "    diptych %s\n\n"
         "or ./reproduce.sh for both sides. Bodies may be changed here: the next replay takes "
@@ -353,7 +353,8 @@ static bool write_readme(const struct writing *writing)
         pass, info->name, evidence->frame, evidence->options->size[0], evidence->options->size[1],
         evidence->sides[0]->label, evidence->sides[1]->label, row->name, region ? region : "",
         evidence->sides[0]->label, evidence->devices[0], evidence->sides[1]->label,
-        evidence->devices[1], body ? body : writing->spec_name, pass, pass, words ? words : "");
+        evidence->devices[1], body ? body : writing->spec_name, info->name, pass, info->name, pass,
+        words ? words : "");
     free(words);
     free(region);
     free(body);
