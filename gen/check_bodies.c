@@ -10,23 +10,15 @@ enum { DEEPEST_INCLUDE = 16 };
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static char *beside(struct checker *c, const char *path, const char *name, int length)
-{
-    const char *slash = strrchr(path, '/');
-    return arena_printf(c->model->arena, "%.*s%.*s", slash ? (int)(slash - path + 1) : 0, path,
-                        length, name);
-}
-
 /* Reads a file that a pass names. key: the spec's word for the file; loc: of its name. */
 static const struct source *read_body(struct checker *c, const char *key, const char *name,
                                       struct loc loc)
 {
-    int length = (int)strlen(name);
-    const char *near = beside(c, loc.source->path, name, length);
-    if (!strcmp(loc.source->path,
-                "--set")) /* a name from the command line is relative to the spec's folder */
-        near = beside(c, c->pipeline->loc.source->path, name, length);
-    const char *below = arena_printf(c->model->arena, "%s/%s", c->templates_dir, name);
+    /* a name from the command line is relative to the spec's folder */
+    const struct source *from =
+        strcmp(loc.source->path, "--set") ? loc.source : c->pipeline->loc.source;
+    const char *near = source_candidate(c->model, from->path, name, strlen(name), 0);
+    const char *below = source_candidate(c->model, from->path, name, strlen(name), 1);
     const char *near_reason = "out of memory", *below_reason = near_reason;
     const struct source *source = near ? source_read(c->model, near, &near_reason) : NULL;
     if (!source && below)
@@ -38,6 +30,21 @@ static const struct source *read_body(struct checker *c, const char *key, const 
         diag_error(c->diag, loc, "cannot read the %s `%s`: `%s`: %s; `%s`: %s", key, name,
                    near ? near : "?", near_reason, below ? below : "?", below_reason);
     return source;
+}
+
+/* The path of a body that an included file names, as the spec would write it: from the templates or
+ * from the spec's folder. */
+static const char *body_name(struct checker *c, const char *name, struct loc loc,
+                             const struct source *body)
+{
+    const char *folders[] = {source_candidate(c->model, "", "", 0, 1),
+                             source_candidate(c->model, c->pipeline->loc.source->path, "", 0, 0)};
+    if (!loc.source->included.source || !body)
+        return name;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(folders); i++)
+        if (folders[i] && !strncmp(body->path, folders[i], strlen(folders[i])))
+            return body->path + strlen(folders[i]);
+    return name;
 }
 
 /* ---- Identifiers ----------------------------------------------------------------------------- */
@@ -110,13 +117,12 @@ static bool take_include(struct scan *s, int depth)
     if (!close || depth >= DEEPEST_INCLUDE)
         return true;
     int length = (int)(close - open - 1);
-    const char *near = beside(s->c, s->source->path, open + 1, length);
-    const char *library =
-        arena_printf(s->c->model->arena, "%s/glsl/%.*s", s->c->templates_dir, length, open + 1);
-    const char *reason;
-    const struct source *source = near ? source_read(s->c->model, near, &reason) : NULL;
-    if (!source && library)
-        source = source_read(s->c->model, library, &reason);
+    const struct source *source = NULL;
+    for (int place = 0; place < 3 && !source; place++) {
+        const char *reason,
+            *path = source_candidate(s->c->model, s->source->path, open + 1, (size_t)length, place);
+        source = path ? source_read(s->c->model, path, &reason) : NULL;
+    }
     if (source)
         scan_source(s->c, s->body, source, depth + 1);
     return true;
@@ -423,11 +429,14 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     const struct pipeline *p = c->pipeline;
     if (!pass->shader)
         return;
-    if (pass->limit)
+    if (pass->limit) {
         pass->limit_body = read_body(c, "limit", pass->limit, pass->limit_loc);
+        pass->limit = body_name(c, pass->limit, pass->limit_loc, pass->limit_body);
+    }
     pass->body = read_body(c, "shader", pass->shader, pass->shader_loc);
     if (!pass->body)
         return;
+    pass->shader = body_name(c, pass->shader, pass->shader_loc, pass->body);
     scan_source(c, body, pass->body, 0);
     pass->minds_group = minds_group(body);
     for (uint32_t i = 0; i < p->resource_count; i++)

@@ -164,13 +164,13 @@ static size_t collect(const struct pipeline *p, struct declaration *list)
 
 static bool comes_before(struct loc a, struct loc b)
 {
-    return a.line < b.line || (a.line == b.line && a.column < b.column);
+    return a.source == b.source && (a.line < b.line || (a.line == b.line && a.column < b.column));
 }
 
 static void report_twice(struct checker *c, const struct declaration *a,
                          const struct declaration *b)
 {
-    const struct declaration *first = comes_before(a->loc, b->loc) ? a : b,
+    const struct declaration *first = comes_before(b->loc, a->loc) ? b : a,
                              *second = first == a ? b : a;
     diag_error(c->diag, second->loc, "the %s `%s` has the same name as a %s; rename one",
                second->kind, second->name, first->kind);

@@ -85,6 +85,17 @@ const char *source_path(struct arena *arena, const char *path)
     return out;
 }
 
+const char *source_candidate(const struct model *model, const char *from, const char *name,
+                             size_t length, int place)
+{
+    const char *slash = strrchr(from, '/');
+    if (place == 0)
+        return arena_printf(model->arena, "%.*s%.*s", slash ? (int)(slash - from) + 1 : 0, from,
+                            (int)length, name);
+    return arena_printf(model->arena, "%s%s/%.*s", model->templates_dir, place == 1 ? "" : "/glsl",
+                        (int)length, name);
+}
+
 /* A path that does not exist counts as inside: opening it fails anyway. */
 static bool is_inside(const char *root, const char *path)
 {
@@ -215,12 +226,19 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
     diag->messages[diag->count++] = message;
 }
 
+static void note_includes(struct diag *diag, const struct source *source)
+{
+    for (; source && source->included.source; source = source->included.source)
+        diag_note(diag, source->included, "`%s` is included here", source->path);
+}
+
 void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
     add_message(diag, SEVERITY_ERROR, loc, format, arguments);
     va_end(arguments);
+    note_includes(diag, loc.source);
 }
 
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
@@ -229,6 +247,7 @@ void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
     va_start(arguments, format);
     add_message(diag, SEVERITY_WARNING, loc, format, arguments);
     va_end(arguments);
+    note_includes(diag, loc.source);
 }
 
 void diag_note(struct diag *diag, struct loc loc, const char *format, ...)

@@ -25,10 +25,15 @@ struct source {
     const char *path; /* as given, or found beside the spec */
     const char *text;
     size_t length;
+    struct loc included; /* of a part of a spec: where the spec includes it; source NULL: nowhere */
 };
 /* The path without "NAME/..", unless NAME is a symbolic link. So a file that several files include
  * has one path, and its errors are reported once. NULL: out of memory. */
 const char *source_path(struct arena *arena, const char *path);
+/* Where a file may be that another one includes by `name`: place 0 beside that file, 1 in the
+ * templates, 2 in templates/glsl. NULL: out of memory. */
+const char *source_candidate(const struct model *model, const char *from, const char *name,
+                             size_t length, int place);
 /* Reads a whole file into the arena and lists it in model->inputs; NULL: *reason says why,
  * and nothing is reported. Regular files up to 64 MiB. */
 const struct source *source_read(struct model *model, const char *path, const char **reason);
@@ -40,6 +45,7 @@ const char *source_list(struct model *model, const char *path, const char **reas
 struct diag; /* collects; owns nothing of the model */
 struct diag *diag_create(void);
 void diag_free(struct diag *diag);
+/* An error or a warning in an included file gets a note for each include on the way. */
 void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)

@@ -69,20 +69,16 @@ static void copy_line(struct body *body, const char *line, size_t length)
     text_add(out, "\n");
 }
 
-/* Beside the including file, then in templates/glsl. */
+/* Beside the including file, then in the templates, then in templates/glsl. */
 static const struct source *find_include(struct body *body, const char *name, size_t length)
 {
     struct model *model = body->glsl->model;
-    const char *slash = strrchr(body->source->path, '/');
-    int folder = slash ? (int)(slash - body->source->path) + 1 : 0;
-    const char *beside =
-        arena_printf(model->arena, "%.*s%.*s", folder, body->source->path, (int)length, name);
-    const struct source *source = beside ? glsl_source(model, beside) : NULL;
-    if (source)
-        return source;
-    const char *shared =
-        arena_printf(model->arena, "%s/glsl/%.*s", model->templates_dir, (int)length, name);
-    return shared ? glsl_source(model, shared) : NULL;
+    const struct source *source = NULL;
+    for (int place = 0; place < 3 && !source; place++) {
+        const char *path = source_candidate(model, body->source->path, name, length, place);
+        source = path ? glsl_source(model, path) : NULL;
+    }
+    return source;
 }
 
 static bool include(struct body *body, const char *line, size_t length)
@@ -102,8 +98,9 @@ static bool include(struct body *body, const char *line, size_t length)
     }
     const struct source *source = find_include(body, open + 1, (size_t)(close - open - 1));
     if (!source) {
-        diag_error(diag, loc, "cannot read %.*s, neither beside this file nor in %s/glsl",
-                   (int)(close - open - 1), open + 1, body->glsl->model->templates_dir);
+        diag_error(diag, loc, "cannot read %.*s, neither beside this file nor in %s or %s/glsl",
+                   (int)(close - open - 1), open + 1, body->glsl->model->templates_dir,
+                   body->glsl->model->templates_dir);
         return false;
     }
     body->jumped = true;

@@ -5,34 +5,51 @@
 
 #include "read.h"
 
+static void read_assert(struct reader *reader, const struct fields *fields,
+                        struct assertion *assertion)
+{
+    assertion->loc = field_loc(reader, fields, "that");
+    assertion->that = field_expr(reader, fields, "that");
+    assertion->warning = field_choice(reader, fields, "level", 1) == 0;
+    assertion->message = field_text(reader, fields, "message");
+}
+
 static void read_asserts(struct reader *reader, const struct fields *top)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct fy_node *list = field_node(top, "asserts"), *item;
-    void *iterator = NULL;
-    if (!list)
-        return;
-    pipeline->assertions = reader_alloc(reader, (size_t)fy_node_sequence_item_count(list),
-                                        sizeof *pipeline->assertions);
-    while (pipeline->assertions && (item = fy_node_sequence_iterate(list, &iterator))) {
-        struct fields fields;
-        if (!fields_read(reader, item, SECTION_ASSERT, node_loc(reader, item), &fields))
-            continue;
-        struct assertion *assertion = &pipeline->assertions[pipeline->assertion_count++];
-        assertion->loc = field_loc(reader, &fields, "that");
-        assertion->that = field_expr(reader, &fields, "that");
-        assertion->warning = field_choice(reader, &fields, "level", 1) == 0;
-        assertion->message = field_text(reader, &fields, "message");
+    size_t count = 0;
+    for (const struct fields *at = top; at; at = at->next)
+        if (field_node(at, "asserts"))
+            count += (size_t)fy_node_sequence_item_count(field_node(at, "asserts"));
+    pipeline->assertions = reader_alloc(reader, count, sizeof *pipeline->assertions);
+    for (const struct fields *at = top; at && pipeline->assertions; at = at->next) {
+        struct fy_node *list = field_node(at, "asserts"), *item;
+        void *iterator = NULL;
+        while (list && (item = fy_node_sequence_iterate(list, &iterator))) {
+            struct fields fields;
+            if (fields_read(reader, item, SECTION_ASSERT, node_loc(reader, item), &fields))
+                read_assert(reader, &fields, &pipeline->assertions[pipeline->assertion_count++]);
+        }
     }
 }
 
 static void read_output(struct reader *reader, const struct fields *top)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
+    const struct fields *of = NULL;
+    for (const struct fields *at = top; at; at = at->next) {
+        if (!field_node(at, "output"))
+            continue;
+        if (of) {
+            diag_error(reader->diag, field_loc(reader, at, "output"), "a second `output`");
+            diag_note(reader->diag, field_loc(reader, of, "output"), "first here");
+            return;
+        }
+        of = at;
+    }
     struct fields fields;
-    struct fy_node *map = field_node(top, "output");
-    if (!map ||
-        !fields_read(reader, map, SECTION_OUTPUT, field_loc(reader, top, "output"), &fields))
+    if (!of || !fields_read(reader, field_node(of, "output"), SECTION_OUTPUT,
+                            field_loc(reader, of, "output"), &fields))
         return;
     pipeline->linear_output = field_text(reader, &fields, "linear");
     pipeline->linear_loc = field_loc(reader, &fields, "linear");
@@ -43,26 +60,23 @@ static void read_output(struct reader *reader, const struct fields *top)
 static void read_sections(struct reader *reader)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct fields top;
-    struct loc start = {.source = reader->source, .line = 1, .column = 1, .length = 1};
-    if (!fields_read(reader, fy_document_root(reader->document), SECTION_TOP, start, &top))
-        return;
-    pipeline->name = field_text(reader, &top, "pipeline");
-    pipeline->loc = field_loc(reader, &top, "pipeline");
-    pipeline->doc = field_text(reader, &top, "doc");
-    pipeline->fast = field_choice(reader, &top, "exactness", 0) == 1;
-    pipeline->gpu = field_choice(reader, &top, "target", 0) == 1;
-    read_params(reader, &top);
-    read_constants(reader, &top);
-    read_structs(reader, &top);
-    read_resources(reader, &top);
-    read_samplers(reader, &top);
-    read_metrics(reader, &top);
-    read_interleaves(reader, &top);
-    read_passes(reader, &top);
-    read_asserts(reader, &top);
-    read_contracts(reader, &top);
-    read_output(reader, &top);
+    const struct fields *top = documents_fields(reader);
+    pipeline->name = field_text(reader, top, "pipeline");
+    pipeline->loc = field_loc(reader, top, "pipeline");
+    pipeline->doc = field_text(reader, top, "doc");
+    pipeline->fast = field_choice(reader, top, "exactness", 0) == 1;
+    pipeline->gpu = field_choice(reader, top, "target", 0) == 1;
+    read_params(reader, top);
+    read_constants(reader, top);
+    read_structs(reader, top);
+    read_resources(reader, top);
+    read_samplers(reader, top);
+    read_metrics(reader, top);
+    read_interleaves(reader, top);
+    read_passes(reader, top);
+    read_asserts(reader, top);
+    read_contracts(reader, top);
+    read_output(reader, top);
 }
 
 bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,
@@ -70,21 +84,22 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
 {
     struct reader reader = {.model = model, .diag = diag};
     const char *reason;
-    reader.source = source_read(model, path, &reason);
-    if (!reader.source) {
+    const struct source *source = source_read(model, path, &reason);
+    if (!source) {
         diag_error(diag, (struct loc){0}, "cannot read the spec `%s`: %s", path, reason);
         return false;
     }
-    bool loaded = document_load(&reader, sets, set_count);
-    if (loaded)
+    bool loaded = documents_load(&reader, source);
+    if (loaded) {
+        document_set(&reader, sets, set_count);
         read_sections(&reader);
+    }
     if (reader.out_of_memory)
         diag_error(diag, (struct loc){0}, "out of memory while reading `%s`", path);
     for (size_t i = 0; i < reader.override_count; i++) /* frees nodes outside the document */
         if (reader.overrides[i].node && !fy_node_is_attached(reader.overrides[i].node))
             fy_node_free(reader.overrides[i].node);
     free(reader.overrides);
-    if (reader.document)
-        fy_document_destroy(reader.document);
+    documents_free(&reader);
     return loaded && !reader.out_of_memory;
 }

@@ -17,16 +17,6 @@ struct override {
     int type;
 };
 
-struct reader {
-    struct model *model;
-    struct diag *diag;
-    const struct source *source;
-    struct fy_document *document;
-    struct override *overrides;
-    size_t override_count;
-    bool out_of_memory;
-};
-
 /* One checked map of the document: its known keys. value: NULL for a wrong value. */
 enum { MOST_KEYS = 32 };
 struct field_value {
@@ -38,6 +28,27 @@ struct fields {
     struct loc loc; /* of the map, or of the name that it belongs to */
     struct field_value values[MOST_KEYS];
     size_t count;
+    const struct fields *next; /* top level: of the next file */
+};
+
+/* The spec, or a file that it includes. */
+struct document {
+    const struct source *source;
+    struct fy_document *yaml;
+    struct fields fields;    /* of the top level */
+    const char *real;        /* real path */
+    struct document *parent; /* includes it; NULL: the spec */
+    struct fy_node *entry;   /* element of the parent's `passes` that includes it; NULL: none */
+    struct document *next;   /* in the order of reading */
+};
+
+struct reader {
+    struct model *model;
+    struct diag *diag;
+    struct document spec; /* and, by `next`, the files that it includes */
+    struct override *overrides;
+    size_t override_count;
+    bool out_of_memory;
 };
 
 /* One entry of a section of free names. */
@@ -51,8 +62,20 @@ struct named_list {
     uint32_t count;
 };
 
+/* read_include.c: reports; false: a file cannot be used. Call documents_free also then. */
+bool documents_load(struct reader *reader, const struct source *source);
+void documents_free(struct reader *reader);
+const struct source *node_source(const struct reader *reader, struct fy_node *node);
+/* The file whose section has an entry of this name; else the spec. Returns its root. */
+struct fy_node *root_with(const struct reader *reader, const char *section, const char *name,
+                          size_t length);
+/* The top level of all files, checked. */
+const struct fields *documents_fields(struct reader *reader);
+/* The passes of all files: those of `include` first, the others in their place. */
+struct fy_node **documents_passes(struct reader *reader, uint32_t *count);
+
 /* read_document.c */
-bool document_load(struct reader *reader, const char *const *sets, size_t set_count);
+void document_set(struct reader *reader, const char *const *sets, size_t set_count);
 struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 0 for NULL */
 const char *node_text(struct reader *reader, struct fy_node *node);     /* NULL unless a scalar */
 bool is_identifier(const char *text);
@@ -63,7 +86,9 @@ bool is_member(const char *text);                  /* NAME or NAME.FIELD */
 /* read_fields.c: false when the node is no map; `loc`: location for errors about missing keys. */
 bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
                  struct fields *fields);
+/* Entries of a section, of all files at the top level. */
 struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key);
+bool has_field(const struct fields *fields, const char *key); /* perhaps with a wrong value */
 struct fy_node *field_node(const struct fields *fields, const char *key);
 bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);

@@ -1,5 +1,4 @@
-/* The document: parsed by scenes/yaml.c, with `--set` overrides and the location of every node.
- * Called by read.c. */
+/* Nodes of the documents: their locations, and `--set`, which replaces some. Called by read.c. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +19,7 @@ static const struct override *find_override(const struct reader *reader, struct 
 
 struct loc node_loc(const struct reader *reader, struct fy_node *node)
 {
-    struct loc loc = {.source = reader->source, .length = 1};
+    struct loc loc = {.source = node_source(reader, node), .length = 1};
     const struct override *override = find_override(reader, node);
     if (override) {
         loc.source = override->source;
@@ -134,11 +133,12 @@ static void ignore(void *user, struct yaml_place place, bool note, const char *t
 }
 
 static struct fy_node *build_node(struct reader *reader, const struct setting *setting,
-                                  const char *text, int column, size_t length)
+                                  struct fy_document *document, const char *text, int column,
+                                  size_t length)
 {
     const struct yaml_sink silent = {ignore, NULL};
     bool sound = *text && yaml_check_text(text, length, &silent);
-    struct fy_node *node = sound ? fy_node_build_from_string(reader->document, text, length) : NULL;
+    struct fy_node *node = sound ? fy_node_build_from_string(document, text, length) : NULL;
     if (!node) {
         diag_error(reader->diag, setting_loc(setting, column, length),
                    "`--set %s`: `%s` is no YAML value", setting->source->text, text);
@@ -223,8 +223,8 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
     }
     int type = former_type(reader, key, old);
     int column = (int)(setting->value - setting->source->text) + 1;
-    struct fy_node *node =
-        build_node(reader, setting, setting->value, column, strlen(setting->value));
+    struct fy_node *node = build_node(reader, setting, fy_node_document(fy_node_pair_key(pair)),
+                                      setting->value, column, strlen(setting->value));
     if (!node)
         return;
     reader->overrides[reader->override_count - 1].type = type;
@@ -240,9 +240,12 @@ static struct fy_node *add_value(struct reader *reader, struct setting *setting,
 {
     size_t length = strlen(setting->segment);
     char *name = arena_strndup(reader->model->arena, setting->segment, length);
-    struct fy_node *key = name ? build_node(reader, setting, name, setting->column, length) : NULL;
+    struct fy_document *document = fy_node_document(map);
+    struct fy_node *key =
+        name ? build_node(reader, setting, document, name, setting->column, length) : NULL;
     int column = (int)(setting->value - setting->source->text) + 1;
-    struct fy_node *value = key ? build_node(reader, setting, text, column, strlen(text)) : NULL;
+    struct fy_node *value =
+        key ? build_node(reader, setting, document, text, column, strlen(text)) : NULL;
     if (value && fy_node_mapping_append(map, key, value))
         reader->out_of_memory = true;
     return value;
@@ -359,8 +362,9 @@ static bool is_scalar_key(const char *name)
 }
 
 /* A bare name is a parameter, else a scalar of the top level such as `exactness`. */
-static void apply_bare(struct reader *reader, struct setting *setting, struct fy_node *root)
+static void apply_bare(struct reader *reader, struct setting *setting)
 {
+    struct fy_node *root = root_with(reader, "params", setting->segment, strlen(setting->segment));
     struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
     if (params && fy_node_get_type(params) != FYNT_MAPPING)
         params = NULL;
@@ -374,12 +378,20 @@ static void apply_bare(struct reader *reader, struct setting *setting, struct fy
         report_unknown_key(reader, setting, params, SECTION_PARAMS);
 }
 
-static void apply_set(struct reader *reader, const char *text, struct fy_node *root)
+/* The path goes on in the file that declares what its second segment names. */
+static void apply_path(struct reader *reader, struct setting *setting)
+{
+    struct fy_node *root =
+        root_with(reader, setting->segment, setting->path, strcspn(setting->path, ".="));
+    apply_in_map(reader, setting, root, SECTION_TOP);
+}
+
+static void apply_set(struct reader *reader, const char *text)
 {
     struct source *source = reader_alloc(reader, 1, sizeof *source);
     if (!source)
         return;
-    *source = (struct source){"--set", text, strlen(text)};
+    *source = (struct source){.path = "--set", .text = text, .length = strlen(text)};
     struct setting setting = {.source = source, .path = text, .column = 1};
     const char *equals = strchr(text, '=');
     bool well_formed = equals && equals > text && equals[1] && equals[-1] != '.' && *text != '.';
@@ -394,35 +406,17 @@ static void apply_set(struct reader *reader, const char *text, struct fy_node *r
     if (!next_segment(&setting))
         diag_error(reader->diag, setting_loc(&setting, 1, 1), "`--set %s`: the path is too long",
                    text);
+    else if (!strcmp(setting.segment, "include"))
+        diag_error(reader->diag, setting_loc(&setting, 1, strlen(setting.segment)),
+                   "`--set %s`: includes cannot be set", text);
     else if (is_last(&setting))
-        apply_bare(reader, &setting, root);
+        apply_bare(reader, &setting);
     else
-        apply_in_map(reader, &setting, root, SECTION_TOP);
+        apply_path(reader, &setting);
 }
 
-/* ---- Loading --------------------------------------------------------------------------------- */
-
-static void report(void *user, struct yaml_place place, bool note, const char *text)
+void document_set(struct reader *reader, const char *const *sets, size_t set_count)
 {
-    const struct reader *reader = user;
-    struct loc loc = {reader->source, place.line, place.column, place.length};
-    if (note)
-        diag_note(reader->diag, loc, "%s", text);
-    else
-        diag_error(reader->diag, loc, "%s", text);
-}
-
-bool document_load(struct reader *reader, const char *const *sets, size_t set_count)
-{
-    const struct yaml_sink sink = {report, reader};
-    reader->document = yaml_parse(reader->source->text, reader->source->length, &sink);
-    struct fy_node *root = reader->document ? fy_document_root(reader->document) : NULL;
-    if (reader->document && (!root || fy_node_get_type(root) != FYNT_MAPPING)) {
-        diag_error(reader->diag, (struct loc){.source = reader->source},
-                   "a spec is a map that starts with `pipeline: NAME`");
-        root = NULL;
-    }
-    for (size_t i = 0; root && i < set_count; i++)
-        apply_set(reader, sets[i], root);
-    return root != NULL;
+    for (size_t i = 0; i < set_count; i++)
+        apply_set(reader, sets[i]);
 }

@@ -102,6 +102,7 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     case KEY_WEIGHT:
         return scalar && (text_number(text, &number) || is_identifier(text));
     case KEY_NAMES:
+    case KEY_FILES:
     case KEY_LIST:
         return fy_node_get_type(node) == FYNT_SEQUENCE;
     case KEY_MAP:
@@ -258,17 +259,18 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
     return true;
 }
 
-struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key)
+static int entry_count(const struct fields *fields, const char *key)
 {
-    struct named_list list = {0};
     struct fy_node *map = field_node(fields, key);
-    const struct key *entry = table_find(fields->section, key);
-    if (!map || fy_node_get_type(map) != FYNT_MAPPING || !entry)
-        return list;
-    list.items = reader_alloc(reader, (size_t)fy_node_mapping_item_count(map), sizeof *list.items);
+    return map && fy_node_get_type(map) == FYNT_MAPPING ? fy_node_mapping_item_count(map) : 0;
+}
+
+static void add_named(struct reader *reader, const struct key *entry, struct fy_node *map,
+                      struct named_list *list)
+{
     void *iterator = NULL;
     struct fy_node_pair *pair;
-    while (list.items && (pair = fy_node_mapping_iterate(map, &iterator))) {
+    while ((pair = fy_node_mapping_iterate(map, &iterator))) {
         const char *name = node_text(reader, fy_node_pair_key(pair));
         struct loc loc = node_loc(reader, fy_node_pair_key(pair));
         if (!name || !is_identifier(name)) {
@@ -279,12 +281,33 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
         }
         const struct key *child = table_find(entry->child, name);
         if (child && value_check(reader, child, fy_node_pair_value(pair), loc))
-            list.items[list.count++] = (struct named){name, loc, fy_node_pair_value(pair)};
+            list->items[list->count++] = (struct named){name, loc, fy_node_pair_value(pair)};
     }
+}
+
+struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key)
+{
+    struct named_list list = {0};
+    const struct key *entry = table_find(fields->section, key);
+    size_t most = 0;
+    for (const struct fields *at = fields; at; at = at->next)
+        most += (size_t)entry_count(at, key);
+    list.items = most && entry ? reader_alloc(reader, most, sizeof *list.items) : NULL;
+    for (const struct fields *at = fields; list.items && at; at = at->next)
+        if (entry_count(at, key))
+            add_named(reader, entry, field_node(at, key), &list);
     return list;
 }
 
 /* ---- Typed access ---------------------------------------------------------------------------- */
+
+bool has_field(const struct fields *fields, const char *key)
+{
+    for (size_t i = 0; i < fields->count; i++)
+        if (!strcmp(fields->values[i].key->name, key))
+            return true;
+    return false;
+}
 
 struct fy_node *field_node(const struct fields *fields, const char *key)
 {

@@ -318,15 +318,15 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
 void read_passes(struct reader *reader, const struct fields *top)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct fy_node *list = field_node(top, "passes");
-    pipeline->passes = reader_alloc(reader, (size_t)list_count(list), sizeof *pipeline->passes);
-    for (int i = 0; pipeline->passes && i < list_count(list); i++) {
-        struct fy_node *item = fy_node_sequence_get_by_index(list, i);
+    uint32_t count = 0;
+    struct fy_node **items = documents_passes(reader, &count);
+    pipeline->passes = reader_alloc(reader, count, sizeof *pipeline->passes);
+    for (uint32_t i = 0; items && pipeline->passes && i < count; i++) {
         struct fields fields;
-        if (fields_read(reader, item, SECTION_PASS, node_loc(reader, item), &fields))
+        if (fields_read(reader, items[i], SECTION_PASS, node_loc(reader, items[i]), &fields))
             read_pass(reader, &fields, &pipeline->passes[pipeline->pass_count++]);
     }
-    if (list && !list_count(list))
+    if (!count && field_node(top, "passes"))
         diag_error(reader->diag, field_loc(reader, top, "passes"),
                    "a pipeline has at least one pass");
 }

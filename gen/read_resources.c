@@ -361,11 +361,24 @@ static void report_unknown(struct reader *reader, const struct named *named)
         diag_error(reader->diag, named->loc, "no buffer or image `%s`", named->name);
 }
 
+/* Included files may have a contract for the same name. */
+static void refuse_second(struct reader *reader, const struct named_list *list)
+{
+    for (uint32_t i = 0; i < list->count; i++)
+        for (uint32_t k = 0; k < i; k++)
+            if (!strcmp(list->items[k].name, list->items[i].name)) {
+                diag_error(reader->diag, list->items[i].loc, "a second contract for `%s`",
+                           list->items[i].name);
+                diag_note(reader->diag, list->items[k].loc, "first here");
+            }
+}
+
 /* Called after read_resources. Applies `default` first, wherever it is in the map. */
 void read_contracts(struct reader *reader, const struct fields *top)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
     struct named_list list = fields_named(reader, top, "contracts");
+    refuse_second(reader, &list);
     for (uint32_t i = 0; i < list.count; i++) {
         if (strcmp(list.items[i].name, "default"))
             continue;

@@ -174,7 +174,8 @@ static const struct body_group groups[] = {
      "Parameters and constants are there by their names, of the type that the spec gives them; a "
      "constant is an int. So are structs. The pass's `defines` are macros of integer literals. "
      "`#include \"FILE\"` looks beside the including file, "
-     "then in templates/glsl. Without `exactness: fast`, `dot`, `length`, `normalize`, `mix` and "
+     "then in templates and templates/glsl. Without `exactness: fast`, `dot`, `length`, "
+     "`normalize`, `mix` and "
      "other built-ins whose result depends on the driver are those of templates/glsl/exact.glsl.",
      other_names},
 };

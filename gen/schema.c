@@ -30,7 +30,13 @@ static void add_reference(struct text *out, enum section section)
 static void add_list(struct text *out, const struct key *key)
 {
     text_add(out, "{\"type\": \"array\", \"items\": ");
-    if (key->type == KEY_LIST) {
+    if (key->child == SECTION_PASS) {
+        text_add(out, "{\"anyOf\": [");
+        add_reference(out, SECTION_PASS);
+        text_add(out, ", ");
+        add_reference(out, SECTION_PASS_INCLUDE);
+        text_add(out, "]}");
+    } else if (key->type == KEY_LIST) {
         add_reference(out, key->child);
     } else if (key->child != SECTION_NONE) {
         text_add(out, "{\"anyOf\": [{\"$ref\": \"#/$defs/NAME\"}, ");
@@ -47,6 +53,7 @@ static void add_scalar_type(struct text *out, const struct key *key)
     static const char *const types[] = {
         [KEY_NAME] = "{\"$ref\": \"#/$defs/NAME\"}",
         [KEY_TEXT] = "{\"type\": [\"string\", \"number\", \"boolean\"]}",
+        [KEY_FILES] = "{\"type\": \"array\", \"items\": {\"type\": \"string\"}}",
         [KEY_BOOL] = "{\"type\": \"boolean\"}",
         [KEY_MEMBER] = "{\"type\": \"string\", \"pattern\": "
                        "\"^[A-Za-z_][A-Za-z0-9_]*(\\\\.[A-Za-z_][A-Za-z0-9_]*)?$\"}",

@@ -93,6 +93,12 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "as what they "
          "read and write allows.",
          "{name: tone, dispatch: picture, reads: [light], writes: [picture], shader: tone.glsl}"},
+    [SECTION_PASS_INCLUDE] =
+        {"an include", "passes[].include", "pass_include",
+         "In place of a pass: all that a file declares, with its passes in this place. A file is "
+         "looked for beside the including one, then in the templates. Names are unique in all "
+         "files together. `pipeline`, `exactness` and `target` stand in the spec alone.",
+         "{include: shared/tonemap.yaml}"},
     [SECTION_ACCESS] =
         {"an access", "passes[].reads[]", "access",
          "An element of `reads`, `writes` or `updates`: a resource's name, or a map.",
@@ -139,10 +145,13 @@ const struct section_info table_sections[SECTION_COUNT] = {
 
 const struct key table_keys[] = {
     /* the document */
-    {SECTION_TOP, "pipeline", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL,
+    {SECTION_TOP, "pipeline", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "**required** in a spec",
      "Name of the pipeline: of the generated files and of their symbols.", "ssvp"},
     {SECTION_TOP, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What the pipeline does.",
      "\"two bounces of diffuse light\""},
+    {SECTION_TOP, "include", KEY_FILES, SECTION_NONE, NULL, OPTIONAL, "none",
+     "Files with sections of this spec. Each is read once; its passes come first.",
+     "[shared/gbuffer.yaml]"},
     {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|fast", OPTIONAL, "exact",
      "`exact`: the same bits from both backends; `fast`: the shader compiler is left free.",
      "exact"},
@@ -164,7 +173,8 @@ const struct key table_keys[] = {
      "{near: {position: 1, normal: 0}}"},
     {SECTION_TOP, "interleaves", KEY_MAP, SECTION_INTERLEAVES, NULL, OPTIONAL, NULL,
      "Tiles of interleaved sampling.", "{tile: {x: 4, y: 4}}"},
-    {SECTION_TOP, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL, "The passes.",
+    {SECTION_TOP, "passes", KEY_LIST, SECTION_PASS, NULL, OPTIONAL, "**required** in a spec",
+     "The passes. An element `{include: FILE}` stands for the passes of a file.",
      "[{name: fill, dispatch: picture, writes: [picture], shader: fill.glsl}]"},
     {SECTION_TOP, "asserts", KEY_LIST, SECTION_ASSERT, NULL, OPTIONAL, NULL,
      "Conditions on the values in force.", "[{that: clusters > 0, message: \"no clusters\"}]"},
@@ -384,6 +394,8 @@ const struct key table_keys[] = {
      "draw: how colours are combined.", "add"},
     {SECTION_PASS, "clip_distances", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "0",
      "draw: scene: clip distances that the vertex part writes, up to 8.", "1"},
+    {SECTION_PASS_INCLUDE, "include", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL, "The file.",
+     "shared/tonemap.yaml"},
     {SECTION_ACCESS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The resource.",
      "shadow_depth"},
     {SECTION_ACCESS, "as", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "its name",
@@ -509,6 +521,7 @@ const char *table_type_text(enum key_type type)
         [KEY_CHOICE] = "a word",
         [KEY_TYPE] = "a type",
         [KEY_NAMES] = "a list of names",
+        [KEY_FILES] = "a list of file names",
         [KEY_LIST] = "a list of maps",
         [KEY_MAP] = "a map",
     };

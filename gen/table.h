@@ -29,6 +29,7 @@ enum section {
     SECTION_INTERLEAVES,
     SECTION_INTERLEAVE,
     SECTION_PASS,
+    SECTION_PASS_INCLUDE,
     SECTION_ACCESS,
     SECTION_RANGES,
     SECTION_RANGE,
@@ -61,6 +62,7 @@ enum key_type {
     KEY_CHOICE,  /* one of the words in `choices` */
     KEY_TYPE,    /* type of a field: a word in `choices`, or TYPE[N] */
     KEY_NAMES,   /* list of identifiers */
+    KEY_FILES,   /* list of file names */
     KEY_LIST,    /* list of maps */
     KEY_MAP
 };

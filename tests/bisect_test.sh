@@ -59,6 +59,9 @@ check "a mip" bisected halve "pyramid mip 1" \
     "1 element differs within x 4, y 6; smallest: (4, 6)" --spec halve/mips.yaml
 check "a layer, with clip distances" bisected slice slices "4 elements differ within x 5, y 2..5, layer 2; smallest: (5, " --spec slice/$spec
 
+cp -r "$specs"/parts* halve/
+check "a pass of an included file" bisected three number "1 element differs within [0]" --spec halve/parts.yaml --fault vk:three:bit:4
+
 check "a fault put in on purpose" bisected mark marks "1 element differs within [" --spec "$specs/$spec" --fault vk:mark:bit:4
 
 "$diptych" render --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --backend gl --dump dump >log 2>&1 || cat log
@@ -68,7 +71,7 @@ check "against a dump" bisected quarter "pyramid mip 2" \
 # What follows must come out of the folders alone: they move, the sources change, the project's cache cannot be written.
 mkdir elsewhere
 mv case.* elsewhere/ && cases=$work/elsewhere
-for file in count/* scene/* remember/* slice/* halve/* project/templates/*.yaml project/templates/*/*.glsl; do
+for file in count/* scene/* remember/* slice/* halve/*.* halve/parts/* project/templates/*.yaml project/templates/*/*.glsl; do
     echo '#error changed since: { ]' >>"$file"
 done
 rm -rf project/build/cache && touch project/build/cache
@@ -79,6 +82,7 @@ for pass in count scene remember slice halve; do # that of scene is OpenGL's, th
 done
 check "quarter, held against a dump: gl leaves what was expected" replayed 0 "as expected, what " quarter --backend gl
 check "a fault put in on purpose is not in the folder" replayed 0 "as expected" mark --backend vk
+check "... nor one in a pass of an included file" replayed 0 "as expected" three --backend vk
 check "a fault of another pass does not happen" replayed 0 "as expected" mark --backend vk --fault vk:count:texel
 check "... since that does not run" bash -c '! grep "fault in pass" log'
 check "... and may be put in again" replayed 1 "marks is not as expected, and all is bit for bit" mark --backend vk --fault vk:mark:bit:4

@@ -52,11 +52,13 @@ check "a touched spec concerns its pipeline" edges 1 6 'rsm' ninja -n
 check "... is generated again, and no more" edges 1 1 'GENERATE templates/rsm\.yaml' ninja
 check "... as its files are what they were" older build/gen/rsm/rsm* build/obj/pipelines/rsm*.o
 check "... and then there is nothing to do" nothing_to_do
-touch templates/shared/gbuffer.glsl
-check "a touched shader concerns the pipelines that include it" \
-    edges 3 3 'GENERATE templates/(rsm|ssvp|instant_radiosity)\.yaml' ninja
+for file in glsl yaml; do
+    touch templates/shared/gbuffer.$file
+    check "a touched gbuffer.$file concerns the pipelines that include it" \
+        edges 3 3 'GENERATE templates/(rsm|ssvp|instant_radiosity)\.yaml' ninja
+done
 
-sed -i 's/\(exposure: .*value: 0\.\)18/\136/' templates/rsm.yaml
+sed -i 's/\(gather_radius: .*value: 0\.\)5/\125/' templates/rsm.yaml
 check "another default of a live parameter changes C" edges 2 4 'rsm' ninja
 check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
 check "... and then there is nothing to do" nothing_to_do

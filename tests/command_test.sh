@@ -63,7 +63,7 @@ END
 echo 'mesh: [' >"$work/broken.yaml"
 printf 'keys:\n  - {at: 0, camera: {eye: [0, 0]}}\n' >"$work/motion.yaml"
 printf 'tittle: x\npictures: []\nreference: {bounces: 1}\nsweep: {parameter: tile, values: [1]}\n' >"$work/outline.yaml"
-sed 's/rgba8,/rgba9,/' "$root/templates/rsm.yaml" >"$work/spec.yaml"
+sed '/rsm_flux: /s/rgba32f,/rgba9,/' "$root/templates/rsm.yaml" >"$work/spec.yaml"
 ln -s "$root/templates/shared" "$root/templates/rsm" "$work/"
 # shellcheck disable=SC2317
 placed() { # places command...: one for each line that tells an error, in order, and nothing else of the kind

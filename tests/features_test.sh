@@ -70,6 +70,20 @@ for backend in gl vk; do
     check "a bloom in place adds filtered mips to mips, and layers to layers, $backend" in_place $backend
 done
 
+# Passes of included files run in their places: each appends its digit. --set reaches the files.
+# shellcheck disable=SC2317
+appended() { # number option...
+    local want=$1
+    shift
+    "$diptych" render --scene "$scene" --spec "$specs/parts.yaml" --size 4x4 --backend vk --dump "$work/parts" "$@" &&
+        [ "$(od -An -tu4 "$work"/parts/*.four.number.raw | xargs)" = "$want" ]
+}
+check "an included file's passes come first, or in the place of their entry" appended 1234
+check "... and values there are set by their path, or a parameter's name" appended 1574 --set passes.three.defines.DIGIT=7 --set second=5
+check_status 1 "... or are refused by an assertion there" appended 1 --set third=10
+check "... also with OpenGL" "$diptych" compare --scene "$scene" --spec "$specs/parts.yaml" --size 4x4 --backend gl,vk,gl+glsl
+check "the files are known to a dump" grep -q '"parts/third.yaml"' "$work/parts/manifest.json"
+
 # A fault in a texel of a mip above 0 that no later pass reads. (bisect_test.sh has faults in buffers, images and layers.)
 mkdir -p "$work/mip"
 cp "$specs"/mips* "$work/mip/"

@@ -97,7 +97,7 @@ static struct access access_to(struct resource *resource, enum access_mode mode,
 
 static void set_body(struct fixture *f, int pass, const char *path, const char *text)
 {
-    f->body = (struct source){path, text, strlen(text)};
+    f->body = (struct source){.path = path, .text = text, .length = strlen(text)};
     f->passes[pass].body = &f->body;
     f->passes[pass].shader_loc = (struct loc){&f->body, 1, 1, 1};
 }

@@ -6,7 +6,7 @@ import itertools
 import re
 import sys
 
-import yaml
+import flat
 
 
 def fail(text):
@@ -178,8 +178,7 @@ def check_slots(text):
 
 
 def main():
-    with open(sys.argv[1], encoding="utf-8") as file:
-        spec = yaml.safe_load(file)
+    spec, _ = flat.load(sys.argv[1])
     dot, plain, lifetimes = (open(path, encoding="utf-8").read() for path in sys.argv[2:5])
     known = uses(spec)
     resources = {**spec.get("buffers", {}), **spec.get("images", {})}

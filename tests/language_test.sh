@@ -88,6 +88,9 @@ check "... the same bytes" diff -r "$work/out" "$work/first"
 check "... and touches nothing" bash -c "[ -z \"\$(find '$work/out' -type f -newer '$work/stamp')\" ]"
 check "no temporary file is left" bash -c "! find '$work/out' | grep -E '\.[A-Za-z0-9]{6}\$'"
 check "the depfile names spec and shader" grep -q "tests/bad/fill.glsl" "$work/out/gen.d"
+"$gen" tests/specs/parts.yaml -o "$work/parts" --depfile "$work/parts.d" >"$work/output" 2>&1
+check "... and included specs" bash -c "grep -q tests/specs/parts/third.yaml '$work/parts.d' && grep -q templates/shared/space.glsl '$work/parts.d'"
+check "--set of an include" says "includes cannot be set" "$gen" --check tests/specs/parts.yaml --set 'include=[a.yaml]'
 touch "$work/file"
 check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
 # Macros of a pass: a literal each, which #if can use, and which a parameter changes.

@@ -8,6 +8,8 @@ import re
 
 import yaml
 
+import flat
+
 SECTIONS = ("params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves")
 
 # The words that a declared name brings into bodies.
@@ -24,10 +26,11 @@ class Pipeline:
 
     def __init__(self, path):
         self.file = os.path.basename(path)
+        self.spec, included = flat.load(path)
         with open(path, encoding="utf-8") as file:
-            self.spec = yaml.safe_load(file)
-            file.seek(0)
             self.original_text = file.read()
+        if included:
+            self.original_text = yaml.safe_dump(self.spec, sort_keys=False, width=110)
         self.text = None   # of the spec, where a rewrite is about the text itself; else the tree is written
         self.bodies = {}
         for entry in self.passes():
@@ -46,7 +49,7 @@ class Pipeline:
         with open(os.path.join(folder, path), encoding="utf-8") as file:
             self.bodies[path] = file.read()
         for included in INCLUDE.findall(self.bodies[path]):
-            self.load(folder, beside(path, included))
+            self.load(folder, flat.beside(path, included))
 
     def visible(self):
         """What the generator sees, in its order."""
@@ -71,8 +74,6 @@ class Pipeline:
         return os.path.join(folder, self.file)
 
 
-def beside(path, included):
-    return os.path.normpath(os.path.join(os.path.dirname(path), included))
 
 
 # ---- Reading and editing specs and GLSL ----
@@ -155,7 +156,7 @@ def calls(text, name, replace):
 
 
 def paste_includes(pipeline, path):
-    return INCLUDE.sub(lambda found: paste_includes(pipeline, beside(path, found.group(1))) + "\n",
+    return INCLUDE.sub(lambda found: paste_includes(pipeline, flat.beside(path, found.group(1))) + "\n",
                        pipeline.bodies[path])
 
 

@@ -118,18 +118,19 @@ check "... on the terminal, too" says "'codes' : undeclared identifier"
 check "... with its line" says "| "
 cp "$root/templates/shared/tonemap.glsl" "$tonemap"
 check "put right, it is as before" see right.ppm as=moved.ppm
-cp "$spec" spec.yaml
-sed -i 's|shader: shared/tonemap.glsl|shader: mine/tonemap.glsl|' "$spec"
-check "a body that is not there is told" says "cannot read the shader \`mine/tonemap.glsl\`"
+part=$work/templates/shared/tonemap.yaml # which the spec includes
+cp "$part" part.yaml
+sed -i 's|shader: tonemap.glsl|shader: ../mine/tonemap.glsl|' "$part"
+check "a body that is not there is told" says "cannot read the shader \`../mine/tonemap.glsl\`"
 mkdir -p "$work/templates/mine"
 sed 's/display_store(p, vec4(/&0.75 * /' "$tonemap" >"$work/templates/mine/tonemap.glsl"
 check "... and taken when it comes, with the folder that it is in" see mine.ppm not=moved.ppm not=dark.ppm shown halves
-cp spec.yaml "$spec"
+cp part.yaml "$part"
 check "... and put right" see right.ppm as=moved.ppm
-sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$spec" # good at the sizes that the generator tries, and new
+sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$part" # good at the sizes that the generator tries, and new
 check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
 check "... with the reason" says "pass average"
-cp spec.yaml "$spec"
+cp part.yaml "$part"
 check "... and goes on when it is put right" see right.ppm as=moved.ppm
 check "... which made nothing" says "the pipeline is unchanged"
 

@@ -1,0 +1,5 @@
+void main()
+{
+    if (invocation().x == 0)
+        number[0] = 1u;
+}

@@ -1,0 +1,4 @@
+void main()
+{
+    picture_store(invocation().xy, vec4(float(number[0]) / 9999.0));
+}
