@@ -10,7 +10,7 @@ static const char *find_file(struct reader *reader, const struct resource *resou
 {
     const char *from = resource->file_loc.source->path;
     if (!strcmp(from, "--set"))
-        from = reader->source->path;
+        from = reader->spec.source->path;
     const char *slash = strrchr(from, '/'), *reason = "out of memory";
     int folder = slash && resource->file[0] != '/' ? (int)(slash - from + 1) : 0;
     const char *path = arena_printf(reader->model->arena, "%.*s%s", folder, from, resource->file);

@@ -97,7 +97,7 @@ check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
 # shellcheck disable=SC2317
 defines() { # line...
     "$gen" tests/specs/features.yaml -o "$work/defines" --set bins=8 >&2 || return
-    grep -B 1 -A 2 '^#define FACTOR 3$' "$work/defines/vk/mark.comp" | grep -qx '#define BIAS (-5)' &&
+    grep -B 1 -A 2 '^#define FACTOR 3$' "$work/defines/vk/features.mark.comp" | grep -qx '#define BIAS (-5)' &&
         ! grep -q FACTOR "$work/defines/vk/count.comp"
 }
 check "a pass's macros stand before its body" defines
