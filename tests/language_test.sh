@@ -98,7 +98,7 @@ check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
 defines() { # line...
     "$gen" tests/specs/features.yaml -o "$work/defines" --set bins=8 >&2 || return
     grep -B 1 -A 2 '^#define FACTOR 3$' "$work/defines/vk/features.mark.comp" | grep -qx '#define BIAS (-5)' &&
-        ! grep -q FACTOR "$work/defines/vk/count.comp"
+        ! grep -q FACTOR "$work/defines/vk/features.count.comp"
 }
 check "a pass's macros stand before its body" defines
 check "--set of a macro" says 'BIAS' "$gen" --check tests/specs/features.yaml --set passes.mark.defines.BIAS=frame.width
