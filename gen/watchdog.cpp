@@ -13,8 +13,8 @@ extern "C" {
 namespace
 {
 
-enum { MOST_NAMES = 16 };
-const char *volatile names[MOST_NAMES]; /* a pass is compiled while its label is in here */
+enum { MOST_LABELS = 16 };
+const char *volatile labels[MOST_LABELS]; /* a pass is compiled while its label is in here */
 timer_t timer;
 bool running;
 struct sigaction former_action;
@@ -31,11 +31,11 @@ void say(const char *text)
     say("error: ");
     say(what);
     const char *said = nullptr;
-    for (const char *name : names) /* both backends may compile one pass */
-        if (name && (!said || strcmp(name, said))) {
+    for (const char *label : labels) /* both backends may compile one pass */
+        if (label && (!said || strcmp(label, said))) {
             say(said ? " or " : ", while compiling the pass ");
-            say(name);
-            said = name;
+            say(label);
+            said = label;
         }
     say("\n");
     _exit(1);
@@ -85,16 +85,16 @@ void watchdog_stop(void)
     running = false;
 }
 
-void watchdog_begin(const char *name)
+void watchdog_begin(const char *label)
 {
-    for (const char *volatile &slot : names)
-        if (__sync_bool_compare_and_swap(&slot, static_cast<const char *>(nullptr), name))
+    for (const char *volatile &slot : labels)
+        if (__sync_bool_compare_and_swap(&slot, static_cast<const char *>(nullptr), label))
             return;
 }
 
-void watchdog_end(const char *name)
+void watchdog_end(const char *label)
 {
-    for (const char *volatile &slot : names)
-        if (__sync_bool_compare_and_swap(&slot, name, static_cast<const char *>(nullptr)))
+    for (const char *volatile &slot : labels)
+        if (__sync_bool_compare_and_swap(&slot, label, static_cast<const char *>(nullptr)))
             return;
 }

@@ -21,7 +21,7 @@ struct gl_context {
     void *library;                      /* libOSMesa */
     void *window;                       /* GLFWwindow */
     bool owns_glfw;
-    const char *missing; /* the first function that the driver did not give */
+    const char *missing;         /* the first function that the driver did not give */
     uint8_t pixels[16 * 16 * 4]; /* default framebuffer, which OSMesa needs; unused */
 };
 
