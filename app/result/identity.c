@@ -320,8 +320,8 @@ static void report_other(const char *folder, const char *name, const char *diffe
                          const struct dt_log *log)
 {
     report_error(log,
-                 "--against %s: holds another %s: %s; the spec, its files, --set, --input and the "
-                 "version of diptych must be the same",
+                 "--against %s: holds another %s: %s; the spec, its GLSL, --set, files, --input and "
+                 "the version of diptych must be the same",
                  folder, name, difference);
 }
 
