@@ -34,8 +34,8 @@ struct loading {
 
 /* ---- Errors ---------------------------------------------------------------------------------- */
 
-/* Reports at the option or at the spec's line; returns false. */
-__attribute__((format(printf, 2, 3))) static bool refuse(const struct loading *loading,
+/* Reports at the option or at the spec's line. */
+__attribute__((format(printf, 2, 3))) static void report(const struct loading *loading,
                                                          const char *format, ...)
 {
     char *text = NULL, *all;
@@ -55,8 +55,8 @@ __attribute__((format(printf, 2, 3))) static bool refuse(const struct loading *l
         free(all);
     }
     free(text);
-    return false;
 }
+#define refuse(...) (report(__VA_ARGS__), false)
 
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
@@ -363,10 +363,10 @@ static void find_size(struct pipeline *pipeline, struct options *options)
             uint32_t size[2];
             if (!names(option, info->resources[k].name) || !fills_frame(info, k))
                 continue;
-            if (options->default_size && !pipeline->fixed_size &&
+            if (options->default_size && !pipeline->frame_size[0] &&
                 picture_size(strchr(option, '=') + 1, &size[0], &size[1], &reason))
                 memcpy(options->size, size, sizeof size);
-            pipeline->fixed_size = true;
+            memcpy(pipeline->frame_size, options->size, sizeof options->size);
         }
 }
 
@@ -454,7 +454,7 @@ bool inputs_write(const struct pipeline *pipeline, const struct dt_runtime *runt
     for (uint32_t i = 0; !pipeline->inputs && good && i < pipeline->info->resource_count; i++)
         if (pipeline->info->resources[i].input)
             good = write_zeros(pipeline, runtime, handle, size, i);
-    for (uint32_t i = 0; good && i < pipeline->input_count; i++) {
+    for (uint32_t i = 0; pipeline->inputs && good && i < pipeline->input_count; i++) {
         const struct input *input = &pipeline->inputs[i];
         for (uint32_t mip = 0; good && mip < input->mips; mip++)
             good = runtime->write(handle, input->resource, mip, &input->mip[mip]);

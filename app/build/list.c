@@ -137,7 +137,10 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
         if (resource->mips > 1)
             snprintf(shape + used, sizeof shape - (size_t)used, ", %u mips", resource->mips);
         print_line("  %-*s  %-6s  %-10s  %-14s  %-7s  %s", width, resource->name,
-                   buffer ? "buffer" : "image", type, shape, resource->history ? "history" : "",
+                   buffer ? "buffer" : "image", type, shape,
+                   resource->input     ? "input"
+                   : resource->history ? "history"
+                                       : "",
                    resource->doc ? resource->doc : "");
         print_fields(resource, width);
     }
@@ -238,6 +241,9 @@ static cJSON *resource_json(const struct dt_pipeline *info, uint32_t index, cons
     if (resource->kind == DT_IMAGE)
         cJSON_AddNumberToObject(item, "mips", resource->mips);
     cJSON_AddBoolToObject(item, "history", resource->history);
+    cJSON_AddBoolToObject(item, "input", resource->input);
+    if (resource->file)
+        cJSON_AddStringToObject(item, "file", resource->file);
     return item;
 }
 

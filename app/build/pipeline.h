@@ -18,7 +18,7 @@ struct pipeline {
     uint32_t input_count;
     char **input_hashes; /* of those of --input: "NAME=HASH"; owned */
     uint32_t input_hash_count;
-    bool fixed_size; /* an input is as large as the frame */
+    uint32_t frame_size[2]; /* that of an input which fills the frame; 0: any */
 };
 
 /* The real path of a spec, NULL: of the project's own; logged; free(). */

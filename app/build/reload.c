@@ -64,7 +64,8 @@ static void watch(struct reload *reload, const struct pipeline *pipeline)
 
 static bool is_source(const char *name)
 {
-    static const char *const ends[] = {".yaml", ".yml", ".glsl", ".c", ".h"};
+    static const char *const ends[] = {".yaml", ".yml",  ".glsl", ".c",   ".h",  ".png",
+                                       ".jpg",  ".jpeg", ".exr",  ".hdr", ".npy"};
     const char *dot = strrchr(name, '.');
     for (size_t i = 0; dot && i < DT_ARRAY_COUNT(ends); i++)
         if (strcmp(dot, ends[i]) == 0)

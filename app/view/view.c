@@ -83,6 +83,8 @@ static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
+    int width = (int)options->size[0], height = (int)options->size[1];
+    view->own.default_size = true; /* --size is the window's; an input may set the frame's */
     if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, options) || !view_find_home(view) ||
         !inputs_load(&view->pipeline, view->console, &view->own) || !view_outline_read(view) ||
@@ -92,7 +94,7 @@ static bool open_view(struct view *view)
         if (!view_open_side(view, i))
             return false;
     int panels = view->side_count > 1 ? 2 : 1;
-    if (!view_open_window(view, (int)options->size[0] * panels, (int)options->size[1]))
+    if (!view_open_window(view, width * panels, height))
         return false;
     view->reload = reload_start(view->console, options, &view->pipeline);
     console_status(view->console, "%s", "");
@@ -171,8 +173,8 @@ static bool fit_to_window(struct view *view)
 {
     uint32_t size[2];
     view_panel_size(view, size);
-    if (view->pipeline.fixed_size) /* shown as large as fits */
-        memcpy(size, view->options->size, sizeof size);
+    if (view->pipeline.frame_size[0]) /* shown as large as fits */
+        memcpy(size, view->pipeline.frame_size, sizeof size);
     if (size[0] == view->size[0] && size[1] == view->size[1])
         return true;
     for (uint32_t i = 0; i < view->side_count; i++)

@@ -111,8 +111,10 @@ static bool start(struct view *view, const char *shown, bool *offered)
     double begun = milliseconds_now();
     bool created =
         (view->options->scene || session_can_lack_scene(view->pipeline.info, view->console)) &&
-        (view->pipeline.inputs || inputs_load(&view->pipeline, view->console, &view->own)) &&
-        create(view);
+        (view->pipeline.inputs || inputs_load(&view->pipeline, view->console, &view->own));
+    if (created && view->pipeline.frame_size[0])
+        memcpy(view->size, view->pipeline.frame_size, sizeof view->size);
+    created = created && create(view);
     view->device_ms = milliseconds_now() - begun;
     return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
 }
