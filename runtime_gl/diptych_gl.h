@@ -8,6 +8,7 @@
  *     dt_gl_create(rt, &ssvp_gl);
  *     dt_gl_import_image(rt, SSVP_RESOURCE_DISPLAY, mine);
  *     dt_gl_resize(rt, width, height);
+ *     dt_gl_write(rt, ...) for inputs of the pipeline
  *     each frame:
  *         dt_gl_record(rt, &frame, &live);
  *         ... commands of the host, which may use `mine` at once ...

@@ -80,8 +80,8 @@ check "diptych-gen --check" tells 0 "not errors and it['verb'] == 'check' and it
 
 cp -r "$root/templates" "$work/templates"
 wrong=$work/templates/rsm.yaml
-sed -i 's/rgba8,/rgba9,/' "$wrong"
-line=$(grep -n rgba9 "$wrong" | cut -d: -f1)
+sed -i '0,/rgba32f/s//rgba32g/' "$wrong"
+line=$(grep -n rgba32g "$wrong" | cut -d: -f1)
 place="errors[0]['file'].endswith('rsm.yaml') and errors[0]['line'] == $line and errors[0]['column'] == 30 and 'did you mean' in errors[0]['message']"
 fails "a wrong spec" 1 "$place" list --spec "$wrong"
 for verb in render compare bench; do
@@ -90,7 +90,7 @@ for verb in render compare bench; do
     [ $verb != render ] || output=(-o "$work/b.exr")
     fails "a wrong spec" $status "$place" $verb "${scene[@]}" --size 16x16 --spec "$wrong" --backend $backend "${output[@]}"
 done
-fails "a wrong spec" 1 "$place and errors[0]['length'] == 5" check "$wrong"
+fails "a wrong spec" 1 "$place and errors[0]['length'] == 7" check "$wrong"
 echo 'float wrong = sampels;' >>"$work/templates/rsm/gather.glsl"
 sed -i 's/rgba9,/rgba8,/' "$wrong"
 fails "wrong GLSL" 1 "errors[-1]['file'].endswith('rsm/gather.glsl') and 'sampels' in errors[-1]['message']" render "${scene[@]}" --spec "$wrong" --size 8x8 \
