@@ -326,6 +326,33 @@ static void halves_are_ieee(void **state)
     assert_true(isnan(number_value(NUMBER_HALF, (const uint8_t *)&nan)));
 }
 
+/* Every half is the nearest to itself, and to all that lies closer to it than to a neighbour; ties go
+ * to the even one. */
+static void numbers_are_stored_to_the_nearest(void **state)
+{
+    (void)state;
+    uint16_t stored;
+    uint8_t code;
+    for (uint32_t bits = 0; bits < 0x7bff; bits++) {
+        uint16_t low = (uint16_t)bits, high = (uint16_t)(bits + 1);
+        double a = number_value(NUMBER_HALF, (const uint8_t *)&low);
+        double b = number_value(NUMBER_HALF, (const uint8_t *)&high);
+        double near_a = a + 0.49 * (b - a), near_b = a + 0.51 * (b - a), between = a + (b - a) / 2;
+        assert_true(number_store(NUMBER_HALF, a, (uint8_t *)&stored) && stored == low);
+        assert_true(number_store(NUMBER_HALF, near_a, (uint8_t *)&stored) && stored == low);
+        assert_true(number_store(NUMBER_HALF, near_b, (uint8_t *)&stored) && stored == high);
+        assert_true(number_store(NUMBER_HALF, -between, (uint8_t *)&stored));
+        assert_int_equal(stored, 0x8000 | (bits & 1 ? high : low));
+    }
+    assert_true(number_store(NUMBER_HALF, 65519, (uint8_t *)&stored) && stored == 0x7bff);
+    assert_false(number_store(NUMBER_HALF, 65520, (uint8_t *)&stored));
+    assert_false(number_store(NUMBER_HALF, (double)NAN, (uint8_t *)&stored));
+    for (int i = 0; i < 256; i++)
+        assert_true(number_store(NUMBER_UNORM8, i / 255.0, &code) && code == i);
+    assert_false(number_store(NUMBER_UNORM8, 1.0001, &code));
+    assert_false(number_store(NUMBER_UNORM8, -0.0001, &code));
+}
+
 static void components_are_named(void **state)
 {
     (void)state;
@@ -559,6 +586,7 @@ int main(void)
         cmocka_unit_test(drafts_become_files_whole),
         cmocka_unit_test(templates_are_filled),
         cmocka_unit_test(halves_are_ieee),
+        cmocka_unit_test(numbers_are_stored_to_the_nearest),
         cmocka_unit_test(components_are_named),
         cmocka_unit_test(live_parameters_are_checked),
         cmocka_unit_test(pictures_are_upright),

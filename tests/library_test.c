@@ -19,6 +19,7 @@
 
 #include "features.h"
 #include "layouts.h"
+#include "outside.h"
 #include "panel.h"
 #include "runtime_gl/diptych_gl.h"
 #include "runtime_vk/diptych_vk.h"
@@ -329,6 +330,72 @@ static struct vk_runtime *open_features(void)
     return rt;
 }
 
+/* ---- Inputs ---------------------------------------------------------------------------------- */
+
+typedef bool write_content(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
+
+static struct dt_bytes bytes_of(uint32_t resource, uint32_t mip)
+{
+    const struct dt_resource *input = &outside_pipeline.resources[resource];
+    struct dt_bytes bytes = {0};
+    size_t texel = input->kind == DT_BUFFER             ? input->stride
+                   : input->format == DT_FORMAT_RGBA16F ? 8
+                                                        : 4;
+    outside_pipeline.extent(&outside_pipeline, resource, WIDTH, HEIGHT, bytes.extent);
+    for (int i = 0; i < 2 && input->kind == DT_IMAGE; i++)
+        bytes.extent[i] >>= mip;
+    bytes.size = texel * bytes.extent[0] * bytes.extent[1] * bytes.extent[2];
+    bytes.data = calloc(1, bytes.size);
+    assert_non_null(bytes.data);
+    return bytes;
+}
+
+/* The table of colours: this one for all. */
+static void write_grade(write_content *write, const uint8_t color[4])
+{
+    struct dt_bytes grade = bytes_of(OUTSIDE_RESOURCE_GRADE, 0);
+    for (size_t i = 0; i < grade.size; i++)
+        grade.data[i] = color[i % 4];
+    assert_true(write(OUTSIDE_RESOURCE_GRADE, 0, &grade));
+    free(grade.data);
+}
+
+/* Content for all inputs, the table last, with which the picture is the table's colour. `reads`, a
+ * frame, is refused until then. */
+static void hand_in(write_content *write, bool (*reads)(void), const uint8_t color[4])
+{
+    static const float weights[8] = {1, 1, 1}; /* a vec3 has four */
+    for (uint32_t i = 0; i < OUTSIDE_RESOURCES; i++) {
+        const struct dt_resource *input = &outside_pipeline.resources[i];
+        for (uint32_t mip = 0; mip < (input->kind == DT_IMAGE ? input->mips : 1); mip++) {
+            struct dt_bytes bytes = bytes_of(i, mip);
+            if (i == OUTSIDE_RESOURCE_WEIGHTS)
+                memcpy(bytes.data, weights, sizeof weights);
+            if (!input->input)
+                REFUSED(write(i, mip, &bytes), "a host writes inputs only");
+            else if (i != OUTSIDE_RESOURCE_GRADE)
+                assert_true(write(i, mip, &bytes));
+            free(bytes.data);
+        }
+    }
+    REFUSED(reads(), "mip 0 of the input grade has no content; write it after resize");
+    struct dt_bytes wrong = bytes_of(OUTSIDE_RESOURCE_WEIGHTS, 0);
+    wrong.size -= 4;
+    REFUSED(write(OUTSIDE_RESOURCE_WEIGHTS, 0, &wrong), "write weights: 28 bytes of 2x1x1 given");
+    REFUSED(write(OUTSIDE_RESOURCE_SOFT, 3, &wrong), "write soft: mip 3, and it has 3");
+    free(wrong.data);
+    write_grade(write, color);
+}
+
+static void is_painted(const uint8_t *texels, const uint8_t color[4])
+{
+    for (int i = 0; i < 4 * WIDTH * HEIGHT; i++)
+        if (texels[i] != color[i % 4])
+            fail_msg("texel %d.%d is %d, not %d", i / 4, i % 4, texels[i], color[i % 4]);
+}
+
+static const uint8_t first_color[4] = {10, 200, 30, 255}, second_color[4] = {77, 0, 255, 255};
+
 /* ---- Vulkan ---------------------------------------------------------------------------------- */
 
 static void vulkan_tells_wrong_hosts(void **state)
@@ -631,6 +698,59 @@ static void vulkan_draws_the_hosts_textures(void **state)
     destroy_image(&textures); /* which the runtime has left alone */
     destroy_image(&color);
     memset(material, 0, sizeof *material);
+    assert_int_equal(heard.validation, 0);
+}
+
+static struct {
+    struct vk_runtime *rt;
+    VkCommandBuffer commands;
+} outside;
+
+static bool vulkan_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    return dt_vk_write(outside.rt, outside.commands, resource, mip, bytes);
+}
+
+static bool vulkan_records(void)
+{
+    struct dt_frame frame = frame_of(0);
+    return dt_vk_record(outside.rt, outside.commands, &frame, NULL);
+}
+
+/* Records a frame, and a copy of its picture to this place of the geometry's buffer. */
+static void record_picture(VkDeviceSize offset)
+{
+    struct dt_vk_resource picture = {0};
+    assert_true(vulkan_records() && dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+    const VkBufferImageCopy region = {.bufferOffset = offset,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    vkCmdCopyImageToBuffer(outside.commands, picture.image, picture.layout, vk.geometry, 1,
+                           &region);
+}
+
+/* Content that is replaced between two frames of one command buffer is the second frame's alone. */
+static void vulkan_takes_inputs(void **state)
+{
+    (void)state;
+    enum { FIRST = GEOMETRY_BYTES / 2, SECOND = FIRST + 4 * WIDTH * HEIGHT };
+    struct dt_vk_host host = vk_host();
+    outside.rt = dt_vk_open(&host);
+    assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk));
+    for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
+        assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+        outside.commands = begin();
+        REFUSED(vulkan_records(), "mip 0 of the input kernel has no content");
+        hand_in(vulkan_writes, vulkan_records, first_color);
+        record_picture(FIRST);
+        write_grade(vulkan_writes, second_color);
+        record_picture(SECOND);
+        submit(outside.commands);
+        assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+        is_painted((const uint8_t *)vk.bytes + FIRST, first_color);
+        is_painted((const uint8_t *)vk.bytes + SECOND, second_color);
+    }
+    dt_vk_close(outside.rt);
     assert_int_equal(heard.validation, 0);
 }
 
@@ -996,6 +1116,57 @@ static void opengl_needs_no_scene_that_nobody_sees(void **state)
     dt_gl_close(rt);
 }
 
+static struct gl_runtime *outside_gl_runtime;
+
+static bool opengl_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    return dt_gl_write(outside_gl_runtime, resource, mip, bytes);
+}
+
+static bool opengl_records(void)
+{
+    struct dt_frame frame = frame_of(0);
+    return dt_gl_record(outside_gl_runtime, &frame, NULL);
+}
+
+static void opengl_paints(const uint8_t color[4])
+{
+    PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
+    static uint8_t texels[4 * WIDTH * HEIGHT];
+    struct dt_gl_resource picture = {0};
+    assert_true(opengl_records() &&
+                dt_gl_resource(outside_gl_runtime, OUTSIDE_RESOURCE_PICTURE, &picture));
+    get(picture.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, sizeof texels, texels);
+    is_painted(texels, color);
+}
+
+static void opengl_takes_inputs(void **state)
+{
+    (void)state;
+    struct gl_runtime *rt =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    outside_gl_runtime = rt;
+    assert_true(rt && dt_gl_create(rt, &outside_gl));
+    for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
+        assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
+        REFUSED(opengl_records(), "mip 0 of the input kernel has no content");
+        hand_in(opengl_writes, opengl_records, first_color);
+        opengl_paints(first_color);
+        write_grade(opengl_writes, second_color);
+        opengl_paints(second_color);
+    }
+    /* an image of the host needs no content, and takes none */
+    struct dt_bytes photo = bytes_of(OUTSIDE_RESOURCE_PHOTO, 0);
+    assert_true(
+        dt_gl_import_image(rt, OUTSIDE_RESOURCE_PHOTO, texture_of(GL_SRGB8_ALPHA8, WIDTH)) &&
+        dt_gl_resize(rt, WIDTH, HEIGHT));
+    REFUSED(opengl_writes(OUTSIDE_RESOURCE_PHOTO, 0, &photo),
+            "write photo: it is an image of the host; write that one");
+    free(photo.data);
+    dt_gl_close(rt);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
 /* A query buffer of the host would take the times. */
 static void opengl_takes_times_beside_a_query_buffer(void **state)
 {
@@ -1073,10 +1244,12 @@ int main(void)
         cmocka_unit_test(vulkan_takes_times),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
+        cmocka_unit_test(vulkan_takes_inputs),
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
         cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
+        cmocka_unit_test(opengl_takes_inputs),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),
     };
     const struct CMUnitTest flight[] = {

@@ -860,6 +860,30 @@ static void test_history_and_output_keep_their_memory(void **state)
     assert_null(barrier_on(p, h));
 }
 
+/* Without `keep` the third of a chain takes the first's memory. */
+static void test_kept_resources_share_no_memory(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = image(f, "b", DT_FORMAT_RGBA16F);
+    struct resource *c = image(f, "c", DT_FORMAT_RGBA16F);
+    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    struct pass *r = pass(f, "r", PASS_DISPATCH);
+
+    touch(p, a, MODE_WRITE);
+    touch(q, a, MODE_READ);
+    touch(q, b, MODE_WRITE);
+    touch(r, b, MODE_READ);
+    touch(r, c, MODE_WRITE);
+    assert_true(plan(f));
+    assert_int_equal(a->slot, c->slot);
+    assert_int_equal(c->share, a->index);
+    a->keep = true;
+    assert_true(plan(f));
+    assert_int_not_equal(a->slot, c->slot);
+    assert_int_equal(c->share, -1);
+    assert_int_equal(f->model.pipeline.slot_count, 3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -897,6 +921,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_buffer_waits_for_what_a_smaller_one_left, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(test_history_and_output_keep_their_memory, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_kept_resources_share_no_memory, setup, teardown),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -24,7 +24,8 @@
     X("tests/specs/layouts.yaml", layouts)                                                         \
     X("tests/specs/mips.yaml", mips)                                                               \
     X("tests/specs/bloom.yaml", bloom)                                                             \
-    X("tests/specs/body.yaml", body)
+    X("tests/specs/body.yaml", body)                                                               \
+    X("tests/specs/outside.yaml", outside)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
 EACH_SPEC(DECLARE)
