@@ -92,7 +92,7 @@ for verb in render compare bench; do
 done
 fails "a wrong spec" 1 "$place and errors[0]['length'] == 7" check "$wrong"
 echo 'float wrong = sampels;' >>"$work/templates/rsm/gather.glsl"
-sed -i 's/rgba9,/rgba8,/' "$wrong"
+sed -i 's/rgba32g/rgba32f/' "$wrong"
 fails "wrong GLSL" 1 "errors[-1]['file'].endswith('rsm/gather.glsl') and 'sampels' in errors[-1]['message']" render "${scene[@]}" --spec "$wrong" --size 8x8 \
     --backend vk -o "$work/b.exr"
 printf 'mesh: cornell.obj\ncamra: {}\n' >"$work/scene.yaml"
