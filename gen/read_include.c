@@ -12,7 +12,7 @@ enum { MOST_DOCUMENTS = 64 };
 const struct source *node_source(const struct reader *reader, struct fy_node *node)
 {
     const struct fy_document *yaml = node ? fy_node_document(node) : NULL;
-    for (const struct document *at = &reader->spec; at; at = at->next)
+    for (const struct document *at = reader->spec.next; at; at = at->next)
         if (at->yaml == yaml)
             return at->source;
     return reader->spec.source;
@@ -36,7 +36,7 @@ static bool has_element(struct fy_node *list, const char *name, size_t length)
 struct fy_node *root_with(const struct reader *reader, const char *section, const char *name,
                           size_t length)
 {
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    for (const struct document *at = reader->spec.next; at; at = at->next) {
         struct fy_node *root = fy_document_root(at->yaml);
         struct fy_node *value = fy_node_mapping_lookup_value_by_string(root, section, FY_NT);
         if (value &&
@@ -209,16 +209,16 @@ static void refuse_keys(struct reader *reader, const struct document *document)
 
 const struct fields *documents_fields(struct reader *reader)
 {
-    struct document *spec = &reader->spec;
+    struct document *spec = &reader->spec, *at = spec;
     bool has_passes = false;
-    for (struct document *at = spec; at; at = at->next) {
+    do {
         struct loc start = {.source = at->source, .line = 1, .column = 1, .length = 1};
         fields_read(reader, fy_document_root(at->yaml), SECTION_TOP, start, &at->fields);
         at->fields.next = at->next ? &at->next->fields : NULL;
         has_passes |= has_field(&at->fields, "passes");
         if (at != spec)
             refuse_keys(reader, at);
-    }
+    } while ((at = at->next));
     if (!has_field(&spec->fields, "pipeline"))
         diag_error(reader->diag, spec->fields.loc, "the spec needs the key `pipeline`");
     if (!has_passes)
