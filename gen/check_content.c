@@ -2,6 +2,7 @@
  * images are made of. Called by check.c after check_references. */
 #include "check.h"
 #include "plan.h"
+#include "scenes/npy.h"
 
 static void check_encoding(const struct checker *c, const struct resource *image)
 {
@@ -18,27 +19,34 @@ static void check_encoding(const struct checker *c, const struct resource *image
                    image->name, format_info(image->format)->name);
 }
 
+static void check_array(const struct checker *c, const struct resource *buffer)
+{
+    const struct structure *structure = buffer->structure;
+    uint32_t count = structure ? structure->field_count : 1;
+    struct dt_field *fields = arena_alloc(c->model->arena, (count + 1) * sizeof *fields);
+    if (!fields || (!structure && !buffer->of)) /* reported */
+        return;
+    fields[0] = (struct dt_field){.name = "", .type = buffer->type};
+    for (uint32_t i = 0; structure && i < count; i++)
+        fields[i] = (struct dt_field){.name = structure->fields[i].name,
+                                      .type = structure->fields[i].type,
+                                      .array_count = structure->fields[i].array_count};
+    const char *misfit = npy_misfit(buffer->array, fields, count);
+    if (misfit)
+        diag_error(c->diag, buffer->file_loc, "the file does not fit `%s`: %s", buffer->name,
+                   misfit);
+}
+
 static void check_file(const struct checker *c, const struct resource *resource)
 {
-    const char *misfit;
     if (!resource->file_path)
         return;
-    if (resource->kind == DT_IMAGE) {
-        if (format_info(resource->format)->integer)
-            diag_error(c->diag, resource->file_loc,
-                       "a picture has no integers, so it cannot be the content of `%s`, which is "
-                       "%s",
-                       resource->name, format_info(resource->format)->name);
-        return;
-    }
-    if (resource->structure)
+    if (resource->kind == DT_BUFFER)
+        check_array(c, resource);
+    else if (format_info(resource->format)->integer)
         diag_error(c->diag, resource->file_loc,
-                   "a file holds scalars or vectors, but `%s` is made of the struct `%s`; use "
-                   "`input: true`",
-                   resource->name, resource->structure->name);
-    else if ((misfit = npy_misfit(&resource->array, resource->type)))
-        diag_error(c->diag, resource->file_loc, "the file does not fit `%s`: %s", resource->name,
-                   misfit);
+                   "a picture has no integers, so it cannot be the content of `%s`, which is %s",
+                   resource->name, format_info(resource->format)->name);
 }
 
 static void check_writers(const struct checker *c, const struct pass *pass)

@@ -11,7 +11,6 @@
 
 /* enum dt_type, dt_format, dt_contract_kind: the emitted reflection uses the same */
 #include "diptych.h"
-#include "scenes/npy.h"
 
 /* ---- Places and expressions ------------------------------------------------------------------ */
 
@@ -23,6 +22,7 @@ struct loc {
     int length;       /* characters to underline, at least 1 */
 };
 
+struct npy;  /* header of an array file (scenes/npy.h) */
 struct expr; /* integer over parameters, constants, frame.width and frame.height (expr.h) */
 
 /* ---- Declarations ---------------------------------------------------------------------------- */
@@ -105,9 +105,9 @@ struct resource {
     struct structure *structure; /* check; NULL when of is a type */
     enum dt_type type;           /* when structure is NULL */
     struct expr *count;
-    struct npy array; /* read: header of the file */
-    uint32_t stride;  /* layout */
-    uint32_t block;   /* plan: declared bytes of its uniform blocks; 0: count * stride */
+    const struct npy *array; /* read: header of the file */
+    uint32_t stride;         /* layout */
+    uint32_t block;          /* plan: declared bytes of its uniform blocks; 0: count * stride */
     /* images */
     enum dt_format format;
     struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */

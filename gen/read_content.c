@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "read.h"
+#include "scenes/npy.h"
 #include "scenes/picture_size.h"
 
 /* The file's path: relative to the file that names it, or for --set to the spec. NULL: reported. */
@@ -34,9 +35,12 @@ static bool take_size(struct reader *reader, struct resource *resource, const ch
     uint32_t size[2];
     struct loc loc = resource->file_loc;
     if (resource->kind == DT_BUFFER) {
-        if (!npy_header(path, &resource->array, reason))
+        struct npy *array = reader_alloc(reader, 1, sizeof *array);
+        *reason = "out of memory";
+        if (!array || !npy_header(path, array, reason))
             return false;
-        resource->count = number(reader, resource->array.shape[0], loc);
+        resource->array = array;
+        resource->count = number(reader, array->count, loc);
         return true;
     }
     if (!picture_size(path, &size[0], &size[1], reason))

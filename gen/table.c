@@ -240,7 +240,8 @@ const struct key table_keys[] = {
      "Number of elements, at least 1.", "first_vpls + second_vpls"},
     {SECTION_BUFFER, "file", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "no file",
      "Holds the content: a NumPy array beside the spec, `.npy`, of 32-bit numbers in C order. Its "
-     "shape is (n) for a scalar, (n, 3) for vec3. `NAME.count` in expressions is n.",
+     "shape is (n) for a scalar, (n, 3) for vec3; a struct is a structured dtype without padding, "
+     "of the same fields in the same order, mat4 by columns. `NAME.count` in expressions is n.",
      "kernel.npy"},
     {SECTION_BUFFER, "input", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false", INPUT_DOC, "true"},
     {SECTION_BUFFER, "keep", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false", KEEP_DOC, "true"},

@@ -1,17 +1,26 @@
-/* Arrays in NumPy's .npy files, versions 1.0 to 3.0: 32-bit numbers, little-endian, in C order; all
- * else is refused. Called by gen, which needs the shape, and by the app. */
+/* Arrays in NumPy's .npy files, versions 1.0 to 3.0: 32-bit numbers, little-endian, in C order, plain
+ * or in a structured dtype; all else is refused. Called by gen, which needs the header, and by the
+ * app. */
 #ifndef DIPTYCH_SCENES_NPY_H
 #define DIPTYCH_SCENES_NPY_H
 
 #include "diptych.h"
 
-enum { NPY_MOST_DIMENSIONS = 4 };
+enum { NPY_MOST_DIMENSIONS = 3, NPY_MOST_FIELDS = 32, NPY_MOST_NAME = 64 };
+
+struct npy_field {
+    char name[NPY_MOST_NAME]; /* empty: the array has no structured dtype, and one field */
+    enum dt_type type;        /* DT_TYPE_FLOAT, DT_TYPE_INT or DT_TYPE_UINT */
+    uint32_t dimensions, shape[NPY_MOST_DIMENSIONS]; /* behind the array's first; at least 1 each */
+    uint32_t numbers;                                /* product of shape; 1 without dimensions */
+};
 
 struct npy {
-    enum dt_type type; /* DT_TYPE_FLOAT, DT_TYPE_INT or DT_TYPE_UINT */
-    uint32_t dimensions;
-    uint32_t shape[NPY_MOST_DIMENSIONS]; /* at least 1 each */
-    size_t offset;                       /* of the first number in the file */
+    uint32_t count; /* elements: the first dimension, at least 1 */
+    uint32_t field_count;
+    struct npy_field fields[NPY_MOST_FIELDS];
+    uint32_t numbers; /* in an element: of all fields, one after the other */
+    size_t offset;    /* of the first number in the file */
 };
 
 /* Both: false or NULL: *reason, valid until the next call in this thread. */
@@ -19,9 +28,10 @@ bool npy_header(const char *path, struct npy *array, const char **reason);
 /* All numbers, four bytes each; free(). Checks that the file has exactly as many. */
 void *npy_read(const char *path, struct npy *array, const char **reason);
 
-/* Whether elements of this type can be taken from the array: its numbers have the type's scalar,
- * and behind the first dimension come the type's components: (n) for float, (n, 3) for vec3. NULL:
- * they can; else what is wrong, valid until the next call in this thread. */
-const char *npy_misfit(const struct npy *array, enum dt_type type);
+/* Whether the array has elements of these fields, as in struct dt_resource: names, types and shapes
+ * in their order; a field of an empty name is the whole element. The shape of float is (), of vec3
+ * (3), of vec3[2] (2, 3), of mat4 (4, 4), by columns. NULL: it has; else what is wrong, valid until
+ * the next call in this thread. */
+const char *npy_misfit(const struct npy *array, const struct dt_field *fields, uint32_t count);
 
 #endif

@@ -56,15 +56,16 @@ def write_hdr(path, width, height, texel):
                 out.write(bytes(texel(x, y)))
 
 
-def write_npy(path, kind, shape, numbers, version=1):
-    head = "{'descr': '<%s4', 'fortran_order': False, 'shape': %s, }" % (kind, shape)
+def write_npy(path, kind, shape, numbers, version=1, descr=None):
+    """kind: f, i or u; with `descr`, a structured dtype, the letters of all numbers in struct's words."""
+    head = "{'descr': %s, 'fortran_order': False, 'shape': %s, }" % (descr or "'<%s4'" % kind, shape)
     start = 10 if version == 1 else 12
     head += " " * (-(start + len(head) + 1) % 64) + "\n"
-    letter = {"f": "f", "i": "i", "u": "I"}[kind]
+    letters = kind if descr else {"f": "f", "i": "i", "u": "I"}[kind] * len(numbers)
     size = struct.pack("<H" if version == 1 else "<I", len(head))
     with open(path, "wb") as out:
         out.write(b"\x93NUMPY" + bytes([version, 0]) + size + head.encode())
-        out.write(struct.pack("<%d%s" % (len(numbers), letter), *numbers))
+        out.write(struct.pack("<" + letters, *numbers))
 
 
 def read_npy(path):
@@ -217,6 +218,15 @@ def check_formats(folder):
     expect(dump.numbers("hdr")[:4], [128 * 2.0**-6, 64 * 2.0**-6, 0, 1], 0, "hdr")
     expect(dump.numbers("hdr")[4:], [1, 1, 1, 1], 0, "hdr, second texel")
     expect(dump.integers("counts"), [12 + 2 + 12, 1 + 1 + 7], 0, "sizes")
+    # std430: vec3 and mat4 begin at multiples of 16, each ends its 12 or 64 bytes later
+    _, bones = dump.bytes("bones", 0)
+    for i in range(2):
+        numbers = BONE[i]
+        found = struct.unpack_from("<I", bones, 112 * i) + struct.unpack_from("<3f", bones, 112 * i + 16)
+        found += struct.unpack_from("<16f", bones, 112 * i + 32)
+        for k in range(2):
+            found += struct.unpack_from("<2i", bones, 112 * i + 96 + 8 * k)
+        expect(found, numbers, 0, "bone %d" % i)
 
 
 # Ties, both neighbours of ties, the smallest and the largest halves.
@@ -224,7 +234,18 @@ EXR_VALUES = [1.0, 1 + 2**-11, 1 + 3 * 2**-11, 1 + 2**-11 + 2**-20, -0.3, 2.0**-
               65504.0, 65519.0, -0.0]
 
 
+# uint, vec3, mat4, ivec2[2]
+BONE = [[7 * i + 1, *(k + 0.5 for k in range(3 + 16)), *(k - 2 - i for k in range(4))] for i in range(2)]
+BONE_DTYPE = "[('bone', '<u4'), ('at', '<f4', (3,)), ('turn', '<f4', (4, 4)), ('links', '<i4', (2, 2))]"
+
+
 def make(folder):
+    bones = [number for bone in BONE for number in bone]
+    write_npy(folder + "/bones.npy", ("I" + "f" * 19 + "i" * 4) * 2, "(2,)", bones, descr=BONE_DTYPE)
+    for name, old, new in (("order", "'at'", "'on'"), ("shape", "(3,)", "(1, 3)"), ("kind", "'<u4'", "'<i4'"),
+                           ("padded", "('bone', '<u4')", "('bone', '<u4'), ('', '|V4')")):
+        letters = ("i" if name == "kind" else "I") + "f" * 19 + "i" * 4
+        write_npy(folder + "/bones_%s.npy" % name, letters * 2, "(2,)", bones, descr=BONE_DTYPE.replace(old, new))
     write_png(folder + "/photo.png", WIDTH, HEIGHT, photo)
     write_png(folder + "/other.png", WIDTH, HEIGHT, lambda x, y: photo(x, y) if (x, y) != (44, 20) else (0, 0, 0))
     write_png(folder + "/small.png", 8, 4, photo)

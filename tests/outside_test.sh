@@ -31,19 +31,22 @@ check "... of areas, also with odd sides" python3 "$root/tests/outside.py" mips 
 
 cat >formats.yaml <<'END'
 pipeline: formats
+structs:
+  Bone: {bone: uint, at: vec3, turn: mat4, links: "ivec2[2]"}
 buffers:
+  bones: {input: true, of: Bone, count: 2}
   counts: {of: ivec2, count: 1}
 images:
   exr: {file: values.exr, format: rgba16f}
   hdr: {file: two.hdr, format: rgba16f}
   jpeg: {file: ramp.jpg, format: rgba8}
 passes:
-  - {name: measure, dispatch: 1, reads: [exr, hdr, jpeg], writes: [counts], shader: formats.glsl}
+  - {name: measure, dispatch: 1, reads: [exr, hdr, jpeg, bones], writes: [counts], shader: formats.glsl}
 END
 cat >formats.glsl <<'END'
 void main()
 {
-    float used = min(exr(ivec2(0)).r + hdr(ivec2(0)).r + jpeg(ivec2(0)).r, 0.0); /* none is negative */
+    float used = min(exr(ivec2(0)).r + hdr(ivec2(0)).r + jpeg(ivec2(0)).r + float(bones[0].bone), 0.0); /* none is negative */
     counts[0] = exr_size() + hdr_size() + jpeg_size() + ivec2(used);
 }
 END
@@ -55,8 +58,8 @@ I0KxwRVS0fAkM2JyggkKFhcYGRolJicoKSo0NTY3ODk6Q0RFRkdISUpTVFVWV1hZWmNkZWZnaGlqc3R1
 qrKztLW2t7i5usLDxMXGx8jJytLT1NXW19jZ2uHi4+Tl5ufo6erx8vP09fb3+Pn6/9oACAEBAAA/AOg8Ef8ABtD4Q/c/8SXw32/5eLX/AOKr6i0n/g2h8IfY
 Yv8AiS+G/wDwItfQf7Vf/9k=
 END
-check "OpenEXR, HDR and JPEG are read" "$diptych" render --spec formats.yaml --backend gl --size 4x4 --dump formats
-check "... to the nearest half" python3 "$root/tests/outside.py" formats formats
+check "OpenEXR, HDR and JPEG are read" "$diptych" render --spec formats.yaml --input bones=bones.npy --backend gl --size 4x4 --dump formats
+check "... to the nearest half, and structs as std430 has them" python3 "$root/tests/outside.py" formats formats
 
 # ---- What does not fit
 
@@ -78,20 +81,25 @@ check "another size" told 1 \
     "--input photo=photo.png: it has 45x21 texels, but photo has 8x4 in a frame of 8x4" "${render[@]}" "${input[@]}" --size 8x4
 check "too many elements" told 1 "--input weights=three.npy: it has 3 elements, but weights has 2" \
     "${render[@]}" --input photo=photo.png --input weights=three.npy
-check "another shape" told 1 "--input weights=pairs.npy: its shape is (3, 2); these elements need (n, 3)" \
+check "another shape" told 1 "--input weights=pairs.npy: the shape is (n, 2), not (n, 3)" \
     "${render[@]}" --input photo=photo.png --input weights=pairs.npy
-check "another type" told 1 "--input weights=whole.npy: its numbers are int32, not float32" \
+check "another type" told 1 "--input weights=whole.npy: the numbers are int32, not float32" \
     "${render[@]}" --input photo=photo.png --input weights=whole.npy
 check "a file that ends early" told 1 "--input weights=short.npy: it has 20 bytes of numbers; its header says 24" \
     "${render[@]}" --input photo=photo.png --input weights=short.npy
-check "NaN" told 1 "--input weights=nan.npy: its number 4 is not finite" \
+check "NaN" told 1 "--input weights=nan.npy: its element 1 has a number that is not finite" \
     "${render[@]}" --input photo=photo.png --input weights=nan.npy
+for wrong in "order:field 1 of its dtype is not \`at\`" "shape:the shape of \`at\` is (1, 3), not (3)" \
+    "kind:the numbers of \`bone\` are int32, not uint32" "padded:its dtype is not fields of names, types and shapes, without padding"; do
+    check "fields of another ${wrong%%:*}" told 1 "--input bones=bones_${wrong%%:*}.npy: ${wrong#*:}" \
+        "$diptych" render --spec formats.yaml --input "bones=bones_${wrong%%:*}.npy" --backend gl --dump large
+done
 sed 's/values.exr/nan.exr/' formats.yaml >nan.yaml
 check "NaN in a picture of the spec, at its line" told 1 \
-    "nan.yaml:5:15: error: cannot use the file \`$work/nan.exr\`: its texel (2, 0), from the top left, is not finite" \
-    "$diptych" render --spec nan.yaml --backend gl --dump large
+    "nan.yaml:8:15: error: cannot use the file \`$work/nan.exr\`: its texel (2, 0), from the top left, is not finite" \
+    "$diptych" render --spec nan.yaml --input bones=bones.npy --backend gl --dump large
 check "a number that the format cannot hold" told 1 "its texel (1, 0), from the top left, is 65520, beyond the range of rgba16f" \
-    "$diptych" render --spec formats.yaml --backend gl --dump large --set images.exr.file=large.exr
+    "$diptych" render --spec formats.yaml --input bones=bones.npy --backend gl --dump large --set images.exr.file=large.exr
 check "nothing half written" test ! -e none.png -a ! -e large
 check "a pipeline that draws the scene" told 1 \
     "--scene FILE is missing: the pass gbuffer of rsm uses the scene" "$diptych" render --spec "$root/templates/rsm.yaml" --backend gl -o none.png

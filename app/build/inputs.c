@@ -232,22 +232,32 @@ static bool fits_buffer(const struct loading *loading, const struct npy *array)
     const struct dt_resource *buffer = loading->resource;
     uint32_t extent[3];
     resource_extent(loading->pipeline->info, loading->input->resource, loading->size, 0, extent);
-    if (buffer->fields[0].name[0])
-        return refuse(loading, "%s is made of structs, and a file holds scalars or vectors",
-                      buffer->name);
-    const char *misfit = npy_misfit(array, buffer->fields[0].type);
+    const char *misfit = npy_misfit(array, buffer->fields, buffer->field_count);
     if (misfit)
         return refuse(loading, "%s", misfit);
-    return array->shape[0] == extent[0] || refuse(loading, "it has %u elements, but %s has %u",
-                                                  array->shape[0], buffer->name, extent[0]);
+    return array->count == extent[0] || refuse(loading, "it has %u elements, but %s has %u",
+                                               array->count, buffer->name, extent[0]);
 }
 
-static bool is_finite(const struct loading *loading, const struct npy *array, const float *numbers,
-                      size_t count)
+/* Places the numbers of one element as std430 lays them out. False: one is not finite. */
+static bool place_element(const struct loading *loading, const struct npy *array, size_t index,
+                          const uint32_t *numbers, uint8_t *element)
 {
-    for (size_t i = 0; array->type == DT_TYPE_FLOAT && i < count; i++)
-        if (!isfinite(numbers[i]))
-            return refuse(loading, "its number %zu is not finite", i);
+    for (uint32_t f = 0; f < array->field_count; f++) {
+        const struct npy_field *from = &array->fields[f];
+        const struct dt_field *to = &loading->resource->fields[f];
+        uint32_t items = to->array_count ? to->array_count : 1, size = from->numbers / items;
+        for (uint32_t i = 0; i < from->numbers; i++) {
+            float number;
+            memcpy(&number, &numbers[i], sizeof number);
+            if (from->type == DT_TYPE_FLOAT && !isfinite(number))
+                return refuse(loading, "its element %zu has a number%s%s that is not finite", index,
+                              *from->name ? " in " : "", from->name);
+            memcpy(element + to->offset + i / size * to->array_stride + i % size * sizeof number,
+                   &number, sizeof number);
+        }
+        numbers += from->numbers;
+    }
     return true;
 }
 
@@ -256,23 +266,20 @@ static bool load_buffer(const struct loading *loading)
     struct npy array;
     const char *reason;
     struct dt_bytes *bytes = &loading->input->mip[0];
-    size_t stride = loading->resource->stride, element, count;
-    uint8_t *numbers = npy_read(loading->file, &array, &reason);
+    size_t stride = loading->resource->stride;
+    uint32_t *numbers = npy_read(loading->file, &array, &reason);
     if (!numbers)
         return refuse(loading, "%s", reason);
-    count = array.shape[0];
-    element = array.dimensions > 1 ? array.shape[1] * sizeof(float) : sizeof(float);
-    bool good = fits_buffer(loading, &array) &&
-                is_finite(loading, &array, (const float *)(const void *)numbers,
-                          count * element / sizeof(float));
+    bool good = fits_buffer(loading, &array);
     if (good) {
-        *bytes = (struct dt_bytes){.data = calloc(count, stride),
-                                   .size = count * stride,
-                                   .extent = {(uint32_t)count, 1, 1}};
+        *bytes = (struct dt_bytes){.data = calloc(array.count, stride),
+                                   .size = array.count * stride,
+                                   .extent = {array.count, 1, 1}};
         good = bytes->data || refuse(loading, "out of memory");
     }
-    for (size_t i = 0; good && i < count; i++)
-        memcpy(bytes->data + i * stride, numbers + i * element, element);
+    for (size_t i = 0; good && i < array.count; i++)
+        good = place_element(loading, &array, i, numbers + i * array.numbers,
+                             bytes->data + i * stride);
     free(numbers);
     return good;
 }
