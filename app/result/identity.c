@@ -319,10 +319,11 @@ bool identity_take_live(const cJSON *manifest, const char *folder, const struct 
 static void report_other(const char *folder, const char *name, const char *difference,
                          const struct dt_log *log)
 {
-    report_error(log,
-                 "--against %s: holds another %s: %s; the spec, its GLSL, --set, files, --input and "
-                 "the version of diptych must be the same",
-                 folder, name, difference);
+    report_error(
+        log,
+        "--against %s: holds another %s: %s; the spec, its GLSL, --set, files, --input and "
+        "the version of diptych must be the same",
+        folder, name, difference);
 }
 
 static const char *file_of(const cJSON *source)
