@@ -197,7 +197,8 @@ static uint32_t factor_begin(const struct products *products, uint32_t last)
 {
     if (products->places[last].ends)
         return products->list[products->places[last].ends - 1].first;
-    for (uint32_t at = last;; at--) {
+    uint32_t at = last;
+    for (;;) {
         while (is_one_of(products, at, ")]")) {
             at = products->places[at].partner;
             if (at == 0 || !(is_word(products, at - 1) || is_one_of(products, at - 1, ")]")) ||
@@ -207,7 +208,7 @@ static uint32_t factor_begin(const struct products *products, uint32_t last)
         }
         if (at < 2 || !is(products, at - 1, "."))
             return at;
-        at--;
+        at -= 2;
     }
 }
 

@@ -1,7 +1,7 @@
 /* Feeds files to what reads them: `fuzz KIND FILE...`, from the project's root. Nothing may crash, and what fails must say why.
  * Kinds: spec, a pipeline spec, and body, the GLSL of the one pass of a spec; scene and evidence, several files in one, each
- * behind a line "=== NAME"; cache, an entry of the shader cache. Built by tests/fuzz.ninja for afl-fuzz, which writes the file
- * anew before each turn of the loop; built with the other tests for fuzz_test.sh. */
+ * behind a line "=== NAME"; input, an array or a picture; cache, an entry of the shader cache. Built by tests/fuzz.ninja for
+ * afl-fuzz, which writes the file anew before each turn of the loop; built with the other tests for fuzz_test.sh. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -160,11 +160,8 @@ static void make_folders(void)
 static const struct kind {
     const char *name;
     void (*attempt)(const char *bytes, size_t size);
-} kinds[] = {{"spec", fuzz_spec},
-             {"body", fuzz_body},
-             {"scene", fuzz_scene},
-             {"evidence", fuzz_evidence},
-             {"cache", fuzz_cache}};
+} kinds[] = {{"spec", fuzz_spec},   {"body", fuzz_body},         {"scene", fuzz_scene},
+             {"input", fuzz_input}, {"evidence", fuzz_evidence}, {"cache", fuzz_cache}};
 
 int main(int argc, char **argv)
 {
@@ -173,7 +170,7 @@ int main(int argc, char **argv)
         if (argc > 2 && strcmp(argv[1], kinds[i].name) == 0)
             kind = &kinds[i];
     if (!kind) {
-        fprintf(stderr, "usage: fuzz spec|body|scene|evidence|cache FILE...\n");
+        fprintf(stderr, "usage: fuzz spec|body|scene|input|evidence|cache FILE...\n");
         return 2;
     }
     make_folders();

@@ -21,6 +21,7 @@ void fuzz_spec(const char *bytes, size_t size);
 void fuzz_body(const char *bytes, size_t size);
 void fuzz_cache(const char *bytes, size_t size);
 void fuzz_scene(const char *bytes, size_t size);
+void fuzz_input(const char *bytes, size_t size);
 void fuzz_evidence(const char *bytes, size_t size);
 
 #endif

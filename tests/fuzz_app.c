@@ -1,4 +1,4 @@
-/* What fuzz.c feeds to scenes/ and app/: scenes, evidence folders, dumps. */
+/* What fuzz.c feeds to scenes/ and app/: scenes, inputs, evidence folders, dumps. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -6,6 +6,8 @@
 #include "compare/evidence.h"
 #include "fuzz.h"
 #include "result/dump_reader.h"
+#include "scenes/npy.h"
+#include "scenes/picture_size.h"
 
 /* A scene.yaml and what it names, with a motion.yaml or none. The mesh is read in a child process, which a library may bring to
  * a signal but our code not to a sanitizer's report: that is a failure without a message. */
@@ -29,6 +31,27 @@ void fuzz_scene(const char *bytes, size_t size)
     }
     if (good)
         scene_free(&scene);
+}
+
+/* An array or a picture, as for --input. Pictures themselves are read by OpenImageIO, in a child. */
+void fuzz_input(const char *bytes, size_t size)
+{
+    char path[256];
+    struct npy array;
+    const char *reason = NULL;
+    uint32_t width, height;
+    fuzz_put("input", bytes, size);
+    fuzz_path(path, "input");
+    void *numbers = npy_read(path, &array, &reason);
+    fuzz_insist(numbers || reason, "an array is refused without a reason");
+    static const struct dt_field fields[] = {{.name = "a", .type = DT_TYPE_FLOAT},
+                                             {.name = "b", .type = DT_TYPE_UVEC2}};
+    if (numbers)
+        npy_misfit(&array, fields, DT_ARRAY_COUNT(fields));
+    free(numbers);
+    reason = NULL;
+    fuzz_insist(picture_size(path, &width, &height, &reason) ? width && height : reason != NULL,
+                "a picture is refused without a reason");
 }
 
 static void try_dump(void)

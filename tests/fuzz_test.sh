@@ -8,7 +8,7 @@ survives() { # kind file: 1 when glslang takes too long, which is told
     timeout 60 "$build/tests/fuzz" "$1" "$2" || status=$?
     [ "$status" -le 1 ]
 }
-for kind in spec body scene evidence cache; do
+for kind in spec body scene input evidence cache; do
     for file in tests/fuzz/"$kind"/*; do
         [ ! -e "$file" ] || check "$file" survives "$kind" "$file"
     done
