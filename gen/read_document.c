@@ -251,6 +251,8 @@ static struct fy_node *add_value(struct reader *reader, struct setting *setting,
     return value;
 }
 
+enum { MOST_NAMES = 400 }; /* to suggest from */
+
 static void report_path(struct reader *reader, const struct setting *setting, const char *where,
                         const char *const *names, size_t count)
 {
@@ -264,27 +266,48 @@ static void report_path(struct reader *reader, const struct setting *setting, co
                    setting->segment, where);
 }
 
-/* Suggests names from the keys of the map and from the fixed keys of its section. */
+static size_t add_keys(struct reader *reader, struct fy_node *map, const char **names, size_t count)
+{
+    void *iterator = NULL;
+    struct fy_node_pair *pair;
+    if (!map || fy_node_get_type(map) != FYNT_MAPPING)
+        return count;
+    while (count < MOST_NAMES && (pair = fy_node_mapping_iterate(map, &iterator)))
+        names[count++] = node_text(reader, fy_node_pair_key(pair));
+    return count;
+}
+
+/* Suggests names from the keys of the map, from those of its section in other files, and from the
+ * fixed keys of its section. */
 static void report_unknown_key(struct reader *reader, const struct setting *setting,
                                struct fy_node *map, enum section section)
 {
-    const char *names[256];
-    size_t count = 0;
-    void *iterator = NULL;
-    struct fy_node_pair *pair;
-    while (map && (pair = fy_node_mapping_iterate(map, &iterator)) && count < 200)
-        names[count++] = node_text(reader, fy_node_pair_key(pair));
-    for (size_t i = 0; i < table_key_count && count < 256; i++)
+    const char *names[MOST_NAMES + 64];
+    size_t count = add_keys(reader, map, names, 0);
+    for (const struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *other = fy_node_mapping_lookup_value_by_string(
+            fy_document_root(at->yaml), table_sections[section].path, FY_NT);
+        if (other != map)
+            count = add_keys(reader, other, names, count);
+    }
+    for (size_t i = 0; i < table_key_count && count < DT_ARRAY_COUNT(names); i++)
         if (table_keys[i].section == section && strcmp(table_keys[i].name, "*"))
             names[count++] = table_keys[i].name;
     report_path(reader, setting, table_sections[section].title, names, count);
 }
 
-/* The element of a list of maps with this `name` or index. */
+static const char *element_name(struct reader *reader, struct fy_node *item)
+{
+    return fy_node_get_type(item) == FYNT_MAPPING
+               ? node_text(reader, fy_node_mapping_lookup_value_by_string(item, "name", FY_NT))
+               : NULL;
+}
+
+/* The element of a list of maps with this `name` or index. Suggests passes of all files. */
 static struct fy_node *find_element(struct reader *reader, const struct setting *setting,
                                     struct fy_node *list)
 {
-    const char *names[256];
+    const char *names[MOST_NAMES];
     size_t count = 0;
     void *iterator = NULL;
     struct fy_node *item;
@@ -292,15 +315,20 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
     long number = strtol(setting->segment, &end, 10);
     if (!*end && number >= 0 && number < fy_node_sequence_item_count(list))
         return fy_node_sequence_get_by_index(list, (int)number);
-    while ((item = fy_node_sequence_iterate(list, &iterator)) && count < 256) {
-        struct fy_node *name = fy_node_get_type(item) == FYNT_MAPPING
-                                   ? fy_node_mapping_lookup_value_by_string(item, "name", FY_NT)
-                                   : NULL;
-        const char *text = node_text(reader, name);
+    while ((item = fy_node_sequence_iterate(list, &iterator))) {
+        const char *text = element_name(reader, item);
         if (text && !strcmp(text, setting->segment))
             return item;
-        if (text)
-            names[count++] = text;
+    }
+    for (const struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *passes =
+            fy_node_mapping_lookup_value_by_string(fy_document_root(at->yaml), "passes", FY_NT);
+        iterator = NULL;
+        if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
+            continue;
+        while (count < MOST_NAMES && (item = fy_node_sequence_iterate(passes, &iterator)))
+            if (element_name(reader, item))
+                names[count++] = element_name(reader, item);
     }
     report_path(reader, setting, "the list", names, count);
     return NULL;

@@ -90,6 +90,9 @@ check "no temporary file is left" bash -c "! find '$work/out' | grep -E '\.[A-Za
 check "the depfile names spec and shader" grep -q "tests/bad/fill.glsl" "$work/out/gen.d"
 "$gen" tests/specs/parts.yaml -o "$work/parts" --depfile "$work/parts.d" >"$work/output" 2>&1
 check "... and included specs" bash -c "grep -q tests/specs/parts/third.yaml '$work/parts.d' && grep -q templates/shared/space.glsl '$work/parts.d'"
+check "--set of an unknown name suggests one of an included file" says "did you mean \`third\`?" \
+    "$gen" --check tests/specs/parts.yaml --set thirt=4
+check "... or its pass" says "did you mean \`three\`?" "$gen" --check tests/specs/parts.yaml --set passes.threee.local=4
 check "--set of an include" says "includes cannot be set" "$gen" --check tests/specs/parts.yaml --set 'include=[a.yaml]'
 touch "$work/file"
 check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
