@@ -127,6 +127,23 @@ static void check_storage(struct checker *c, const struct pass *pass, const stru
     note_declared(c, image);
 }
 
+static void check_blend(struct checker *c, const struct pass *pass, const struct access *access)
+{
+    const struct resource *image = access->resource;
+    bool colour = is_target(pass, access) && !is_depth(image);
+    if (!image)
+        return;
+    for (int i = 0; i < 2 && !colour; i++)
+        if (i ? access->keep : access->own_blend)
+            diag_error(c->diag, i ? access->mask_loc : access->blend_loc,
+                       "`%s` is no colour target of the pass `%s` and has no `%s`", access->name,
+                       pass->name, i ? "mask" : "blend");
+    if (colour && access->blend && is_integer(image->format))
+        diag_error(c->diag, access->own_blend ? access->blend_loc : access->loc,
+                   "`%s` has an integer format, which cannot be blended (pass `%s`)", access->name,
+                   pass->name);
+}
+
 /* ---- Pairs of accesses ----------------------------------------------------------------------- */
 
 static bool both(const struct access *a, const struct access *b, enum access_mode x,
@@ -276,10 +293,6 @@ static void check_targets(struct checker *c, const struct pass *pass)
         else if (++colors > MOST_TARGETS)
             diag_error(c->diag, target->loc, "the pass `%s` has more than %d colour targets",
                        pass->name, MOST_TARGETS);
-        if (!is_depth(target->resource) && pass->blend_add && is_integer(target->resource->format))
-            diag_error(c->diag, target->loc,
-                       "`%s` has an integer format, which cannot be blended (pass `%s`)",
-                       target->name, pass->name);
         check_target_layers(c, pass, target);
         if (first)
             check_target_sizes(c, pass, first, target);
@@ -366,6 +379,7 @@ static void check_pass(struct checker *c, struct pass *pass)
         check_layer(c, pass, &pass->accesses[i]);
         check_filter(c, &pass->accesses[i]);
         check_storage(c, pass, &pass->accesses[i]);
+        check_blend(c, pass, &pass->accesses[i]);
         for (uint32_t k = 0; k < i; k++)
             check_pair(c, pass, &pass->accesses[k], &pass->accesses[i]);
     }

@@ -107,6 +107,22 @@ static void emit_binding(const struct c_output *c, const struct dt_binding *bind
     text_add(c->out, "},\n");
 }
 
+static void emit_blend(struct text *out, const struct dt_blend *blend)
+{
+    static const char *const factors[] = {"ONE",       "ZERO",
+                                          "SRC_COLOR", "ONE_MINUS_SRC_COLOR",
+                                          "DST_COLOR", "ONE_MINUS_DST_COLOR",
+                                          "SRC_ALPHA", "ONE_MINUS_SRC_ALPHA",
+                                          "DST_ALPHA", "ONE_MINUS_DST_ALPHA"};
+    static const char *const ops[] = {"ADD", "SUBTRACT", "REVERSE_SUBTRACT", "MIN", "MAX"};
+    text_add(out,
+             ",\n             .blend = &(const struct dt_blend){\n"
+             "                 DT_FACTOR_%s, DT_FACTOR_%s, DT_BLEND_%s,\n"
+             "                 DT_FACTOR_%s, DT_FACTOR_%s, DT_BLEND_%s}",
+             factors[blend->src], factors[blend->dst], ops[blend->op], factors[blend->alpha_src],
+             factors[blend->alpha_dst], ops[blend->alpha_op]);
+}
+
 static void emit_target(const struct c_output *c, const struct dt_target *target)
 {
     text_add(c->out, "{.resource = ");
@@ -115,7 +131,13 @@ static void emit_target(const struct c_output *c, const struct dt_target *target
         text_add(c->out, ", .mip = %u", target->mip);
     if (target->one_layer)
         text_add(c->out, ", .one_layer = true, .layer = %u", target->layer);
-    text_add(c->out, target->load ? ", .load = true}" : "}");
+    if (target->keep)
+        text_add(c->out, ", .keep = %u", target->keep);
+    if (target->load)
+        text_add(c->out, ", .load = true");
+    if (target->blend)
+        emit_blend(c->out, target->blend);
+    text_add(c->out, "}");
 }
 
 static void emit_draw_state(const struct c_output *c, const struct dt_program *program)
@@ -130,7 +152,7 @@ static void emit_draw_state(const struct c_output *c, const struct dt_program *p
     if (program->color_count)
         text_add(c->out, "        .colors = (const struct dt_target[]){");
     for (uint32_t i = 0; i < program->color_count; i++) {
-        text_add(c->out, i ? ", " : "");
+        text_add(c->out, !i ? "" : program->colors[i - 1].blend ? ",\n            " : ", ");
         emit_target(c, &program->colors[i]);
     }
     if (program->color_count)
@@ -143,8 +165,7 @@ static void emit_draw_state(const struct c_output *c, const struct dt_program *p
     if (program->depth_test)
         text_add(c->out, "        .depth_test = true, .depth_write = %s, .compare = %s,\n",
                  program->depth_write ? "true" : "false", compares[program->compare]);
-    text_add(c->out, "        .cull = %s%s%s", culls[program->cull],
-             program->blend_add ? ", .blend_add = true" : "",
+    text_add(c->out, "        .cull = %s%s", culls[program->cull],
              program->layered ? ", .layered = true" : "");
     if (program->clip_distances)
         text_add(c->out, ", .clip_distances = %" PRIu32, program->clip_distances);

@@ -100,9 +100,9 @@ static unsigned accesses_of(unsigned kinds)
 }
 
 /* A colour target is read when its content is kept or blended with. */
-static bool reads_color(const struct pass *pass, const struct access *access)
+static bool reads_color(const struct access *access)
 {
-    return access->kind & ACCESS_COLOR && (access->mode == MODE_UPDATE || pass->blend_add);
+    return access->kind & ACCESS_COLOR && (access->mode == MODE_UPDATE || access->blend);
 }
 
 /* An image has one layout in a pass, for all accesses of the pass. */
@@ -126,7 +126,7 @@ static struct dt_barrier barrier_of(const struct pass *pass, const struct barrie
     unsigned to = accesses_of(barrier->to);
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (pass->accesses[i].resource == barrier->resource && to & DT_WRITE_COLOR &&
-            reads_color(pass, &pass->accesses[i]))
+            reads_color(&pass->accesses[i]))
             to |= DT_READ_COLOR;
     return (struct dt_barrier){
         .resource = (uint16_t)barrier->resource->index,
@@ -313,6 +313,10 @@ static void lower_targets(struct lowering *l, const struct pass *pass, struct dt
                                      .load = access->mode == MODE_UPDATE,
                                      .one_layer = access->layer,
                                      .layer = (uint16_t)access->layer_value};
+        if (!depth) {
+            target->blend = access->blend;
+            target->keep = access->keep;
+        }
         program->color_count += access->kind & ACCESS_COLOR ? 1 : 0;
         program->depth = depth ? depth : program->depth;
     }
@@ -334,7 +338,6 @@ static void lower_program(struct lowering *l, const struct pass *pass, struct dt
         return;
     lower_targets(l, pass, program);
     program->cull = culls[pass->cull];
-    program->blend_add = pass->blend_add;
     program->layered = pass->layers != NULL;
     program->clip_distances = pass->clip_distances;
     if (program->depth && pass->depth_compare != COMPARE_OFF) {
@@ -400,10 +403,27 @@ static bool stores(const struct pass *pass)
     return false;
 }
 
+/* Whether colour targets of the pass differ in blending or in masks. */
+static bool blends_apart(const struct pass *pass)
+{
+    const struct access *first = NULL;
+    bool apart = false;
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        if (!(access->kind & ACCESS_COLOR))
+            continue;
+        if (!first)
+            first = access;
+        apart |= access->keep != first->keep || !access->blend != !first->blend ||
+                 (first->blend && memcmp(access->blend, first->blend, sizeof *first->blend) != 0);
+    }
+    return apart;
+}
+
 static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
                         struct dt_panel *panel)
 {
-    const size_t most = DT_ARRAY_COUNT(capabilities) + 5;
+    const size_t most = DT_ARRAY_COUNT(capabilities) + 6;
     struct dt_need *needs = table(l, l->from->pass_count * most, sizeof *needs);
     for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
         const struct pass *pass = l->from->order[p];
@@ -414,6 +434,7 @@ static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
         } others[] = {
             {"samplerAnisotropy", filters_anisotropic(pass)},
             {"fragmentStoresAndAtomics", pass_draws(pass) && stores(pass)},
+            {"independentBlend", blends_apart(pass)},
             {"fullDrawIndexUint32", scene},
             {"multiDrawIndirect", indirect},
             {"drawIndirectFirstInstance", indirect},

@@ -9,8 +9,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* enum dt_type, dt_format, dt_contract_kind: the emitted reflection uses the same */
-#include "diptych.h"
+/* enum dt_type, dt_format, dt_contract_kind, struct dt_blend: generated code has the same */
+#include "panel.h"
 
 /* ---- Places and expressions ------------------------------------------------------------------ */
 
@@ -176,6 +176,11 @@ struct access {
     struct expr *layer;  /* one layer of an array, in the body a plain image; NULL: all */
     const char *sampler; /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
     struct loc sampler_loc;
+    /* read: colour targets; `blend` is the pass's unless the access has its own */
+    const struct dt_blend *blend; /* NULL: off */
+    bool own_blend;
+    uint8_t keep; /* channels that `mask` leaves out, red in bit 0 */
+    struct loc blend_loc, mask_loc;
     struct resource *resource;       /* check; NULL for a builtin */
     int builtin;                     /* enum builtin, or -1 */
     struct sampler *filter;          /* check */
@@ -303,7 +308,7 @@ struct pass {
     /* draws */
     enum pass_cull cull;
     enum pass_compare depth_compare; /* default LESS with a depth target */
-    bool depth_write, blend_add;
+    bool depth_write;
     uint32_t clip_distances;
     /* check and plan */
     struct loc size_loc, indirect_loc, indices_loc, interleave_loc;

@@ -31,6 +31,36 @@ static uint32_t read_names(struct reader *reader, struct fy_node *list, const ch
     return count;
 }
 
+/* NULL: off. */
+static const struct dt_blend *read_blend(struct reader *reader, const struct fields *fields)
+{
+    static const struct dt_blend words[] = {
+        [2] = {DT_FACTOR_SRC_ALPHA, DT_FACTOR_ONE_MINUS_SRC_ALPHA, DT_BLEND_ADD, DT_FACTOR_ONE,
+               DT_FACTOR_ONE_MINUS_SRC_ALPHA, DT_BLEND_ADD},
+        [3] = {.dst = DT_FACTOR_ONE_MINUS_SRC_ALPHA, .alpha_dst = DT_FACTOR_ONE_MINUS_SRC_ALPHA},
+        [4] = {.op = DT_BLEND_MIN, .alpha_op = DT_BLEND_MIN},
+        [5] = {.op = DT_BLEND_MAX, .alpha_op = DT_BLEND_MAX},
+        [6] = {DT_FACTOR_DST_COLOR, DT_FACTOR_ZERO, DT_BLEND_ADD, DT_FACTOR_DST_COLOR,
+               DT_FACTOR_ZERO, DT_BLEND_ADD},
+    };
+    struct fy_node *node = field_node(fields, "blend");
+    struct fields map;
+    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
+        int word = field_choice(reader, fields, "blend", 0);
+        return word ? &words[word] : NULL;
+    }
+    struct dt_blend *blend = reader_alloc(reader, 1, sizeof *blend);
+    if (!blend || !fields_read(reader, node, SECTION_BLEND, node_loc(reader, node), &map))
+        return NULL;
+    blend->src = (enum dt_factor)field_choice(reader, &map, "src", DT_FACTOR_ONE);
+    blend->dst = (enum dt_factor)field_choice(reader, &map, "dst", DT_FACTOR_ONE);
+    blend->op = (enum dt_blend_op)field_choice(reader, &map, "op", DT_BLEND_ADD);
+    blend->alpha_src = (enum dt_factor)field_choice(reader, &map, "alpha_src", (int)blend->src);
+    blend->alpha_dst = (enum dt_factor)field_choice(reader, &map, "alpha_dst", (int)blend->dst);
+    blend->alpha_op = (enum dt_blend_op)field_choice(reader, &map, "alpha_op", (int)blend->op);
+    return blend;
+}
+
 static bool read_access(struct reader *reader, struct fy_node *node, enum access_mode mode,
                         struct access *access)
 {
@@ -58,6 +88,11 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     access->sampler_loc = field_loc(reader, &fields, "sampler");
     access->mip = field_expr(reader, &fields, "mip");
     access->layer = field_expr(reader, &fields, "layer");
+    access->own_blend = field_given(&fields, "blend");
+    access->blend = read_blend(reader, &fields);
+    access->blend_loc = field_loc(reader, &fields, "blend");
+    access->keep = (uint8_t)(14 - field_choice(reader, &fields, "mask", 14));
+    access->mask_loc = field_loc(reader, &fields, "mask");
     if (access->layer && mode == MODE_WRITE)
         diag_error(reader->diag, field_loc(reader, &fields, "layer"),
                    "`writes` replaces all layers of a mip; list one layer in `updates`");
@@ -271,7 +306,10 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
     pass->depth_compare = (enum pass_compare)field_choice(reader, fields, "depth",
                                                           depth ? COMPARE_LESS : COMPARE_OFF);
     pass->depth_write = field_bool(reader, fields, "depth_write", true);
-    pass->blend_add = field_choice(reader, fields, "blend", 0) == 1;
+    const struct dt_blend *blend = read_blend(reader, fields);
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (!pass->accesses[i].own_blend)
+            pass->accesses[i].blend = blend;
     double distances = field_number(reader, fields, "clip_distances", 0);
     if (distances > 8)
         diag_error(reader->diag, field_loc(reader, fields, "clip_distances"),

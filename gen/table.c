@@ -11,6 +11,12 @@
     "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|"    \
     "d32f"
 
+#define BLENDS "off|add|over|premultiplied|min|max|multiply"
+#define FACTORS                                                                                    \
+    "one|zero|src_color|one_minus_src_color|dst_color|one_minus_dst_color|src_alpha|"              \
+    "one_minus_src_alpha|dst_alpha|one_minus_dst_alpha"
+#define OPERATIONS "add|subtract|reverse_subtract|min|max"
+
 #define INPUT_DOC                                                                                  \
     "true: the content comes from outside, by `--input NAME=FILE` or from the host that runs the " \
     "pipeline, and stays from frame to frame. No pass writes it."
@@ -103,6 +109,22 @@ const struct section_info table_sections[SECTION_COUNT] = {
         {"an access", "passes[].reads[]", "access",
          "An element of `reads`, `writes` or `updates`: a resource's name, or a map.",
          "{name: gbuffer_normal, sampler: soft}"},
+    [SECTION_BLEND] =
+        {"a blend", "passes[].blend", "blend",
+         "How a draw combines a colour (src) with what the target holds (dst): src * its factor, "
+         "operation, dst * its factor. `min` and `max` take no factors. A word is short for a map: "
+         "`add` for {src: one, dst: one}; `premultiplied` for {src: one, dst: "
+         "one_minus_src_alpha}; `over` for the same with src: src_alpha and alpha_src: one; "
+         "`multiply` for {src: dst_color, dst: zero}; `min` and `max` for {op: min} and {op: max}. "
+         "Overlapping triangles blend in their order on every device: instances one after the "
+         "other, triangles as their indices stand. How the device rounds is not defined: the "
+         "standards ask for at least the precision of the target. So `min`, `max` and masks leave "
+         "the same bits on every device, but for NaN and zeros of either sign. `add` of 32-bit "
+         "floats is one addition, which devices round to nearest. Products may be fused with the "
+         "sum, and 16-bit floats and 8-bit codes may be truncated: with a factor other than one "
+         "and zero, or one of these targets, two drivers of one maker agree, and between others a "
+         "contract allows for the difference.",
+         "{src: src_alpha, dst: one, alpha_src: zero}"},
     [SECTION_RANGES] = {"`ranges`", "passes[].ranges", "ranges",
                         "Runs of a buffer that every invocation of a workgroup reads alike. The "
                         "body iterates with "
@@ -391,8 +413,8 @@ const struct key table_keys[] = {
      OPTIONAL, "less with a depth target, else off", "draw: the depth test.", "less_equal"},
     {SECTION_PASS, "depth_write", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "true",
      "draw: whether depth is written.", "false"},
-    {SECTION_PASS, "blend", KEY_CHOICE, SECTION_NONE, "off|add", OPTIONAL, "off",
-     "draw: how colours are combined.", "add"},
+    {SECTION_PASS, "blend", KEY_CHOICE, SECTION_BLEND, BLENDS, OPTIONAL, "off",
+     "draw: how colours are combined, in targets without a `blend` of their own.", "add"},
     {SECTION_PASS, "clip_distances", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "0",
      "draw: scene: clip distances that the vertex part writes, up to 8.", "1"},
     {SECTION_PASS_INCLUDE, "include", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL, "The file.",
@@ -410,6 +432,24 @@ const struct key table_keys[] = {
     {SECTION_ACCESS, "layer", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "all",
      "reads and updates: one layer of an array image, which the body sees as a plain image; baked.",
      "0"},
+    {SECTION_ACCESS, "blend", KEY_CHOICE, SECTION_BLEND, BLENDS, OPTIONAL, "the pass's",
+     "Colour target: how the draw's colours are combined with it.", "over"},
+    /* in the order of the masks 1 to 15 */
+    {SECTION_ACCESS, "mask", KEY_CHOICE, SECTION_NONE,
+     "r|g|rg|b|rb|gb|rgb|a|ra|ga|rga|ba|rba|gba|rgba", OPTIONAL, "rgba",
+     "Colour target: the channels that the draw writes; the others keep what they hold.", "rgb"},
+    {SECTION_BLEND, "src", KEY_CHOICE, SECTION_NONE, FACTORS, OPTIONAL, "one",
+     "Factor of the draw's colour.", "src_alpha"},
+    {SECTION_BLEND, "dst", KEY_CHOICE, SECTION_NONE, FACTORS, OPTIONAL, "one",
+     "Factor of the target's content.", "one_minus_src_alpha"},
+    {SECTION_BLEND, "op", KEY_CHOICE, SECTION_NONE, OPERATIONS, OPTIONAL, "add",
+     "`subtract`: src - dst; `reverse_subtract`: dst - src.", "reverse_subtract"},
+    {SECTION_BLEND, "alpha_src", KEY_CHOICE, SECTION_NONE, FACTORS, OPTIONAL, "`src`",
+     "Factor of the draw's alpha.", "one"},
+    {SECTION_BLEND, "alpha_dst", KEY_CHOICE, SECTION_NONE, FACTORS, OPTIONAL, "`dst`",
+     "Factor of the target's alpha.", "one_minus_src_alpha"},
+    {SECTION_BLEND, "alpha_op", KEY_CHOICE, SECTION_NONE, OPERATIONS, OPTIONAL, "`op`",
+     "Operation of alpha.", "max"},
     {SECTION_DEFINES, "*", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A macro, by its name: an integer; baked.", "2 * radius + 1"},
     {SECTION_RANGES, "*", KEY_MAP, SECTION_RANGE, NULL, OPTIONAL, NULL, "A range, by its name.",

@@ -178,12 +178,13 @@ bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
     const struct dt_program *info = info_of(rt, pass);
     GLuint framebuffer = program_of(rt, pass)->framebuffer;
     (void)layers;
+    rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE); /* clears obey masks */
     for (uint32_t i = 0; i < info->color_count; i++)
         if (!info->colors[i].load && !clear_color(rt, framebuffer, (GLint)i, &info->colors[i]))
             return false;
     if (!info->depth || info->depth->load)
         return true;
-    rt->gl.DepthMask(GL_TRUE); /* clears obey the mask */
+    rt->gl.DepthMask(GL_TRUE);
     return GL(rt, pass_name(rt, pass),
               ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0,
                                       rt->core.panel->storage[info->depth->resource].clear));
@@ -214,6 +215,38 @@ static void enable(struct gl_runtime *rt, GLenum what, bool on)
         rt->gl.Disable(what);
 }
 
+static void set_blend(struct gl_runtime *rt, GLuint index, const struct dt_target *target)
+{
+    static const GLenum factors[] = {
+        [DT_FACTOR_ONE] = GL_ONE,
+        [DT_FACTOR_ZERO] = GL_ZERO,
+        [DT_FACTOR_SRC_COLOR] = GL_SRC_COLOR,
+        [DT_FACTOR_ONE_MINUS_SRC_COLOR] = GL_ONE_MINUS_SRC_COLOR,
+        [DT_FACTOR_DST_COLOR] = GL_DST_COLOR,
+        [DT_FACTOR_ONE_MINUS_DST_COLOR] = GL_ONE_MINUS_DST_COLOR,
+        [DT_FACTOR_SRC_ALPHA] = GL_SRC_ALPHA,
+        [DT_FACTOR_ONE_MINUS_SRC_ALPHA] = GL_ONE_MINUS_SRC_ALPHA,
+        [DT_FACTOR_DST_ALPHA] = GL_DST_ALPHA,
+        [DT_FACTOR_ONE_MINUS_DST_ALPHA] = GL_ONE_MINUS_DST_ALPHA,
+    };
+    static const GLenum ops[] = {[DT_BLEND_ADD] = GL_FUNC_ADD,
+                                 [DT_BLEND_SUBTRACT] = GL_FUNC_SUBTRACT,
+                                 [DT_BLEND_REVERSE_SUBTRACT] = GL_FUNC_REVERSE_SUBTRACT,
+                                 [DT_BLEND_MIN] = GL_MIN,
+                                 [DT_BLEND_MAX] = GL_MAX};
+    const struct dt_blend *blend = target->blend;
+    rt->gl.ColorMaski(index, !(target->keep & 1), !(target->keep & 2), !(target->keep & 4),
+                      !(target->keep & 8));
+    if (!blend) {
+        rt->gl.Disablei(GL_BLEND, index);
+        return;
+    }
+    rt->gl.Enablei(GL_BLEND, index);
+    rt->gl.BlendFuncSeparatei(index, factors[blend->src], factors[blend->dst],
+                              factors[blend->alpha_src], factors[blend->alpha_dst]);
+    rt->gl.BlendEquationSeparatei(index, ops[blend->op], ops[blend->alpha_op]);
+}
+
 static void set_raster_state(struct gl_runtime *rt, const struct dt_program *info)
 {
     static const GLenum compares[] = {[DT_COMPARE_LESS] = GL_LESS,
@@ -226,8 +259,8 @@ static void set_raster_state(struct gl_runtime *rt, const struct dt_program *inf
     rt->gl.DepthFunc(info->depth_test ? compares[info->compare] : GL_ALWAYS);
     enable(rt, GL_CULL_FACE, info->cull != DT_CULL_NONE);
     rt->gl.CullFace(info->cull == DT_CULL_FRONT ? GL_FRONT : GL_BACK);
-    enable(rt, GL_BLEND, info->blend_add);
-    rt->gl.BlendFunc(GL_ONE, GL_ONE);
+    for (uint32_t i = 0; i < info->color_count; i++)
+        set_blend(rt, i, &info->colors[i]);
     for (uint32_t i = 0; i < rt->core.limits.clip_distances; i++)
         enable(rt, GL_CLIP_DISTANCE0 + i, i < info->clip_distances);
 }

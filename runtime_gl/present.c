@@ -130,6 +130,7 @@ static void begin(struct gl_runtime *rt, int width, int height)
     rt->gl.ClearBufferfv(GL_COLOR, 0, black);
     rt->gl.Enable(GL_SCISSOR_TEST);
     rt->gl.Enable(GL_BLEND);
+    rt->gl.BlendEquation(GL_FUNC_ADD);
     rt->gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     rt->gl.UseProgram(rt->present.program);
     rt->gl.BindVertexArray(rt->no_input);

@@ -336,7 +336,6 @@ static bool neutralise(struct gl_runtime *rt)
             rt->gl.PixelStorei(stores[i], 0);
     rt->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
     rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
-    rt->gl.BlendEquation(GL_FUNC_ADD);
     rt->gl.DepthRange(0, 1);
     rt->gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     return gl_state_fix(rt);

@@ -19,6 +19,7 @@ static const struct {
     {FEATURE(vulkan13, synchronization2), true},
     {FEATURE(vulkan13, dynamicRendering), true},
     {FEATURE(vulkan13, maintenance4), true},
+    {FEATURE(core.features, independentBlend), false},
     {FEATURE(core.features, fullDrawIndexUint32), false},
     {FEATURE(core.features, multiDrawIndirect), false},
     {FEATURE(core.features, drawIndirectFirstInstance), false},

@@ -232,11 +232,10 @@ bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte);
 struct vk_program_info {
     const char *name;
     const struct dt_stages *stages;
-    const struct dt_program *state; /* all but its targets */
+    const struct dt_program *state; /* of its targets: blending and masks */
     VkFormat color_formats[DT_MAX_COLOR_TARGETS];
     VkFormat depth_format; /* VK_FORMAT_UNDEFINED: no depth attachment */
     bool scene_vertices;   /* attributes of struct dt_vertex at locations 0 to 3; else none */
-    bool blend_over;       /* blends by the source's alpha; keeps the target's */
 };
 bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info);

@@ -95,6 +95,21 @@ static VkFormat format_of(const struct dt_core *core, const struct dt_target *ta
     return vk_format(core->pipeline->resources[target->resource].format);
 }
 
+/* Images are checked when they are made, but not for blending, which belongs to the program. */
+static bool blends(struct dt_core *core, const char *pass, const struct dt_target *target)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    VkFormatProperties can;
+    if (!target->blend)
+        return true;
+    rt->vk.GetPhysicalDeviceFormatProperties(rt->physical, format_of(core, target), &can);
+    return can.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT ||
+           dt_error(core,
+                    "pass %s: %s does not blend images of the format of %s; use another format, or "
+                    "another --device",
+                    pass, core->device_name, core->pipeline->resources[target->resource].name);
+}
+
 static bool create_program(struct dt_core *core, void *program, uint32_t pass)
 {
     const struct dt_program *state = &core->panel->programs[pass];
@@ -105,8 +120,11 @@ static bool create_program(struct dt_core *core, void *program, uint32_t pass)
         .depth_format = state->depth ? format_of(core, state->depth) : VK_FORMAT_UNDEFINED,
         .scene_vertices = core->pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE,
     };
-    for (uint32_t i = 0; i < state->color_count; i++)
+    for (uint32_t i = 0; i < state->color_count; i++) {
         info.color_formats[i] = format_of(core, &state->colors[i]);
+        if (!blends(core, info.name, &state->colors[i]))
+            return false;
+    }
     return vk_program_create(vk_runtime_of(core), program, &info);
 }
 

@@ -323,15 +323,18 @@ static bool make_program(struct vk_runtime *rt, uint32_t texture)
                                             .fragment = {window_frag, sizeof window_frag}};
     static const struct dt_binding bindings[] = {{.binding = 0, .kind = DT_BIND_STORAGE},
                                                  {.binding = 1, .kind = DT_BIND_TEXTURE}};
-    static const struct dt_program state = {
-        .bindings = bindings, .binding_count = DT_ARRAY_COUNT(bindings), .color_count = 1};
+    static const struct dt_blend over = {.src = DT_FACTOR_SRC_ALPHA,
+                                         .dst = DT_FACTOR_ONE_MINUS_SRC_ALPHA,
+                                         .alpha_src = DT_FACTOR_ZERO};
+    static const struct dt_target target = {.blend = &over};
+    static const struct dt_program state = {.bindings = bindings,
+                                            .binding_count = DT_ARRAY_COUNT(bindings),
+                                            .colors = &target,
+                                            .color_count = 1};
     struct vk_present *present = &rt->present;
     struct vk_program *program = &present->programs[texture];
-    const struct vk_program_info info = {.name = "window",
-                                         .stages = &stages,
-                                         .state = &state,
-                                         .color_formats = {present->format},
-                                         .blend_over = true};
+    const struct vk_program_info info = {
+        .name = "window", .stages = &stages, .state = &state, .color_formats = {present->format}};
     const struct vk_descriptor descriptors[] = {
         {.buffer = {present->vertices.handle, 0, present->vertices.size}},
         {.image = {present->samplers[texture != 0], present->textures[texture].view,

@@ -208,18 +208,36 @@ static const VkPipelineDynamicStateCreateInfo dynamic_state = {
     .pDynamicStates = dynamic_states,
 };
 
-static VkPipelineColorBlendAttachmentState blend_state(const struct vk_program_info *info)
+static VkPipelineColorBlendAttachmentState blend_state(const struct dt_target *target)
 {
-    bool over = info->blend_over;
+    static const VkBlendFactor factors[] = {
+        [DT_FACTOR_ONE] = VK_BLEND_FACTOR_ONE,
+        [DT_FACTOR_ZERO] = VK_BLEND_FACTOR_ZERO,
+        [DT_FACTOR_SRC_COLOR] = VK_BLEND_FACTOR_SRC_COLOR,
+        [DT_FACTOR_ONE_MINUS_SRC_COLOR] = VK_BLEND_FACTOR_ONE_MINUS_SRC_COLOR,
+        [DT_FACTOR_DST_COLOR] = VK_BLEND_FACTOR_DST_COLOR,
+        [DT_FACTOR_ONE_MINUS_DST_COLOR] = VK_BLEND_FACTOR_ONE_MINUS_DST_COLOR,
+        [DT_FACTOR_SRC_ALPHA] = VK_BLEND_FACTOR_SRC_ALPHA,
+        [DT_FACTOR_ONE_MINUS_SRC_ALPHA] = VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA,
+        [DT_FACTOR_DST_ALPHA] = VK_BLEND_FACTOR_DST_ALPHA,
+        [DT_FACTOR_ONE_MINUS_DST_ALPHA] = VK_BLEND_FACTOR_ONE_MINUS_DST_ALPHA,
+    };
+    static const VkBlendOp ops[] = {[DT_BLEND_ADD] = VK_BLEND_OP_ADD,
+                                    [DT_BLEND_SUBTRACT] = VK_BLEND_OP_SUBTRACT,
+                                    [DT_BLEND_REVERSE_SUBTRACT] = VK_BLEND_OP_REVERSE_SUBTRACT,
+                                    [DT_BLEND_MIN] = VK_BLEND_OP_MIN,
+                                    [DT_BLEND_MAX] = VK_BLEND_OP_MAX};
+    static const struct dt_blend off = {0};
+    const struct dt_blend *blend = target->blend ? target->blend : &off;
     return (VkPipelineColorBlendAttachmentState){
-        .blendEnable = info->state->blend_add || over,
-        .srcColorBlendFactor = over ? VK_BLEND_FACTOR_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
-        .dstColorBlendFactor = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE,
-        .colorBlendOp = VK_BLEND_OP_ADD,
-        .srcAlphaBlendFactor = over ? VK_BLEND_FACTOR_ZERO : VK_BLEND_FACTOR_ONE,
-        .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-        .alphaBlendOp = VK_BLEND_OP_ADD,
-        .colorWriteMask = 0xf,
+        .blendEnable = target->blend != NULL,
+        .srcColorBlendFactor = factors[blend->src],
+        .dstColorBlendFactor = factors[blend->dst],
+        .colorBlendOp = ops[blend->op],
+        .srcAlphaBlendFactor = factors[blend->alpha_src],
+        .dstAlphaBlendFactor = factors[blend->alpha_dst],
+        .alphaBlendOp = ops[blend->alpha_op],
+        .colorWriteMask = 0xf & ~(VkColorComponentFlags)target->keep,
     };
 }
 
@@ -252,7 +270,7 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
     };
     VkPipelineColorBlendAttachmentState blends[DT_MAX_COLOR_TARGETS];
     for (uint32_t i = 0; i < state->color_count; i++)
-        blends[i] = blend_state(info);
+        blends[i] = blend_state(&state->colors[i]);
     VkPipelineColorBlendStateCreateInfo blend = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
         .attachmentCount = state->color_count,

@@ -25,7 +25,8 @@
     X("tests/specs/mips.yaml", mips)                                                               \
     X("tests/specs/bloom.yaml", bloom)                                                             \
     X("tests/specs/body.yaml", body)                                                               \
-    X("tests/specs/outside.yaml", outside)
+    X("tests/specs/outside.yaml", outside)                                                         \
+    X("tests/specs/particles.yaml", particles)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
 EACH_SPEC(DECLARE)
@@ -164,6 +165,10 @@ static void same_target(const struct dt_target *a, const struct dt_target *b)
     assert_int_equal(a->load, b->load);
     assert_int_equal(a->one_layer, b->one_layer);
     assert_int_equal(a->layer, b->layer);
+    assert_int_equal(a->keep, b->keep);
+    assert_int_equal(!a->blend, !b->blend);
+    if (a->blend)
+        assert_memory_equal(a->blend, b->blend, sizeof *a->blend);
 }
 
 static void same_program(const struct dt_program *a, const struct dt_program *b)
@@ -189,7 +194,6 @@ static void same_program(const struct dt_program *a, const struct dt_program *b)
     assert_int_equal(a->cull, b->cull);
     assert_int_equal(a->depth_test, b->depth_test);
     assert_int_equal(a->depth_write, b->depth_write);
-    assert_int_equal(a->blend_add, b->blend_add);
     assert_int_equal(a->layered, b->layered);
     assert_int_equal(a->clip_distances, b->clip_distances);
 }

@@ -182,6 +182,8 @@ static const struct dt_sampler samplers[] = {
         .layout = (how), .sampler = (which)                                                        \
     }
 
+static const struct dt_blend add = {0};
+
 static const struct dt_program programs[PROBE_PASSES] = {
     [PROBE_PLAN] = {BINDINGS(UNIFORM(0, DT_FRAME), STORAGE(1, PROBE_DRAWS),
                              STORAGE(2, PROBE_GROUPS))},
@@ -222,9 +224,8 @@ static const struct dt_program programs[PROBE_PASSES] = {
     [PROBE_MASK_PASS] = {BINDINGS(UNIFORM(0, DT_LIVE), IMAGE(1, PROBE_MASK, 0, DT_WRITE_STORAGE))},
     [PROBE_SHOW] = {BINDINGS(TEXTURE(0, PROBE_COLOR, DT_ALL_MIPS, DT_LAYOUT_READ, -1)),
                     .colors = TARGET(PROBE_DISPLAY, 0, false), .color_count = 1},
-    [PROBE_GLOW_PASS] = {.colors = TARGET(PROBE_GLOW, 0, false),
-                         .color_count = 1,
-                         .blend_add = true},
+    [PROBE_GLOW_PASS] = {.colors = &(const struct dt_target){.resource = PROBE_GLOW, .blend = &add},
+                         .color_count = 1},
     [PROBE_SKIP] = {BINDINGS(UNIFORM(0, DT_LIVE), IMAGE(1, PROBE_MASK, 0, DT_WRITE_STORAGE))},
 };
 

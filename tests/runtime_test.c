@@ -448,7 +448,20 @@ static void change_code(struct variant *v)
 }
 static void change_state(struct variant *v)
 {
-    v->programs[PROBE_GLOW_PASS].blend_add = false;
+    static const struct dt_target target = {.resource = PROBE_GLOW};
+    v->programs[PROBE_GLOW_PASS].colors = &target;
+}
+static void change_blend(struct variant *v)
+{
+    static const struct dt_blend most = {.op = DT_BLEND_MAX, .alpha_op = DT_BLEND_MAX};
+    static const struct dt_target target = {.resource = PROBE_GLOW, .blend = &most};
+    v->programs[PROBE_GLOW_PASS].colors = &target;
+}
+static void change_mask(struct variant *v)
+{
+    static const struct dt_blend add = {0};
+    static const struct dt_target target = {.resource = PROBE_GLOW, .keep = 8, .blend = &add};
+    v->programs[PROBE_GLOW_PASS].colors = &target;
 }
 static void change_bindings(struct variant *v)
 {
@@ -494,6 +507,8 @@ static void programs_go_on_where_they_are_the_same(void **state)
         {change_code, 1u << PROBE_AGAIN},
         {change_nothing, 1u << PROBE_AGAIN},
         {change_state, 1u << PROBE_GLOW_PASS},
+        {change_blend, 1u << PROBE_GLOW_PASS},
+        {change_mask, 1u << PROBE_GLOW_PASS},
         {change_bindings, 1u << PROBE_GLOW_PASS},
         {change_kind, 1u << PROBE_GLOW_PASS},
         {change_nothing, 1u << PROBE_GLOW_PASS},

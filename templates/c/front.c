@@ -185,8 +185,7 @@ static bool same_bindings(const struct dt_program *a, const struct dt_program *b
 static bool same_state(const struct dt_program *a, const struct dt_program *b)
 {
     return a->compare == b->compare && a->cull == b->cull && a->depth_test == b->depth_test &&
-           a->depth_write == b->depth_write && a->blend_add == b->blend_add &&
-           a->clip_distances == b->clip_distances;
+           a->depth_write == b->depth_write && a->clip_distances == b->clip_distances;
 }
 
 static enum dt_format format_of(const struct dt_panel *panel, const struct dt_target *target)
@@ -194,12 +193,19 @@ static enum dt_format format_of(const struct dt_panel *panel, const struct dt_ta
     return panel->pipeline->resources[target->resource].format;
 }
 
+static bool same_blend(const struct dt_target *a, const struct dt_target *b)
+{
+    return a->keep == b->keep && !a->blend == !b->blend &&
+           (!a->blend || memcmp(a->blend, b->blend, sizeof *a->blend) == 0);
+}
+
 static bool same_targets(const struct dt_panel *a, const struct dt_program *pa,
                          const struct dt_panel *b, const struct dt_program *pb)
 {
     bool same = pa->color_count == pb->color_count && !pa->depth == !pb->depth;
     for (uint32_t i = 0; same && i < pa->color_count; i++)
-        same = format_of(a, &pa->colors[i]) == format_of(b, &pb->colors[i]);
+        same = format_of(a, &pa->colors[i]) == format_of(b, &pb->colors[i]) &&
+               same_blend(&pa->colors[i], &pb->colors[i]);
     return same && (!pa->depth || format_of(a, pa->depth) == format_of(b, pb->depth));
 }
 

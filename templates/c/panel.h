@@ -117,12 +117,44 @@ struct dt_binding {
     int16_t sampler;
 };
 
+/* Factors of a colour; alpha takes the alpha of the same name. */
+enum dt_factor {
+    DT_FACTOR_ONE,
+    DT_FACTOR_ZERO,
+    DT_FACTOR_SRC_COLOR,
+    DT_FACTOR_ONE_MINUS_SRC_COLOR,
+    DT_FACTOR_DST_COLOR,
+    DT_FACTOR_ONE_MINUS_DST_COLOR,
+    DT_FACTOR_SRC_ALPHA,
+    DT_FACTOR_ONE_MINUS_SRC_ALPHA,
+    DT_FACTOR_DST_ALPHA,
+    DT_FACTOR_ONE_MINUS_DST_ALPHA
+};
+
+enum dt_blend_op { /* SUBTRACT: src - dst; MIN and MAX take no factors */
+                   DT_BLEND_ADD,
+                   DT_BLEND_SUBTRACT,
+                   DT_BLEND_REVERSE_SUBTRACT,
+                   DT_BLEND_MIN,
+                   DT_BLEND_MAX
+};
+
+/* The shader's colour (src) and the target's content (dst), each times its factor. Of zeros: add. */
+struct dt_blend {
+    enum dt_factor src, dst;
+    enum dt_blend_op op;
+    enum dt_factor alpha_src, alpha_dst;
+    enum dt_blend_op alpha_op;
+};
+
 struct dt_target {
     uint16_t resource;
     uint8_t mip;
+    uint8_t keep;   /* colours: channels that the draw does not write, red in bit 0 */
     bool load;      /* keep the content; else clear it as its storage says */
     bool one_layer; /* `layer` of an array; else, of a layered draw, all layers */
     uint16_t layer;
+    const struct dt_blend *blend; /* colours; NULL: replaces the content */
 };
 
 enum dt_compare { DT_COMPARE_LESS, DT_COMPARE_LESS_EQUAL, DT_COMPARE_GREATER, DT_COMPARE_ALWAYS };
@@ -138,7 +170,6 @@ struct dt_program {
     enum dt_compare compare;
     enum dt_cull cull; /* front faces are counter-clockwise in OpenGL's window coordinates */
     bool depth_test, depth_write;
-    bool blend_add;
     bool layered;            /* gl_Layer selects the layer of all targets */
     uint32_t clip_distances; /* that its vertex shader writes */
 };
