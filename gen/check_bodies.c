@@ -377,12 +377,6 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
         diag_warning(c->diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it",
                      pass->name, word, lists_of[access->mode]);
     }
-    if (pass->kind == PASS_FULLSCREEN && mentions(body, "VERTEX"))
-        diag_warning(
-            c->diag, pass->shader_loc,
-            "the pass `%s` draws a fullscreen triangle, whose vertex shader is generated: the "
-            "VERTEX part of its body is not used",
-            pass->name);
     for (uint32_t i = 0; i < pass->range_count; i++)
         if (!mentions(body, pass->ranges[i].name))
             diag_warning(c->diag, pass->ranges[i].loc,
@@ -439,6 +433,15 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     pass->shader = body_name(c, pass->shader, pass->shader_loc, pass->body);
     scan_source(c, body, pass->body, 0);
     pass->minds_group = minds_group(body);
+    pass->own_vertices = mentions(body, "VERTEX");
+    if (pass->kind == PASS_VERTICES && !pass->own_vertices)
+        diag_error(c->diag, pass->shader_loc,
+                   "the pass `%s` draws vertices, but its body has no part `#ifdef VERTEX`",
+                   pass->name);
+    if (pass->topology == DT_POINTS && !mentions(body, "gl_PointSize"))
+        diag_error(c->diag, pass->shader_loc,
+                   "the pass `%s` draws points, but its body does not write gl_PointSize",
+                   pass->name);
     for (uint32_t i = 0; i < p->resource_count; i++)
         if (!find_word_access(pass, p->resources[i].name, false))
             check_foreign_word(c, pass, body, &p->resources[i],

@@ -226,7 +226,8 @@ static void check_arguments(struct checker *c, const struct pass *pass)
             diag_error(c->diag, locs[i], "`%s` must be a buffer of uint%s", used[i]->name,
                        i ? "" : ", or of a struct of uint");
     }
-    int64_t least = pass->kind == PASS_DISPATCH ? 3 : 5, count = least;
+    int64_t least = pass->kind == PASS_DISPATCH ? 3 : pass->kind == PASS_VERTICES ? 4 : 5;
+    int64_t count = least;
     if (used[0] && !used[0]->structure && expr_eval(used[0]->count, 1, 1, &count) == EXPR_OK &&
         count < least)
         diag_error(c->diag, pass->indirect_loc,
@@ -351,6 +352,37 @@ static void check_dispatch(struct checker *c, struct pass *pass)
     }
 }
 
+static void check_rect(struct checker *c, const struct pass *pass, struct expr *const rect[4],
+                       const char *const what[4])
+{
+    for (int i = 0; i < 4; i++) {
+        struct limits limits = {what[i], pass->name, EXPR_FRAME | EXPR_LIVE,
+                                i < 2 ? -DT_MAX_SIDE : 0, DT_MAX_SIDE};
+        if (rect[i])
+            check_expr(c, rect[i], &limits);
+    }
+}
+
+static void check_draw(struct checker *c, const struct pass *pass)
+{
+    static const char *const viewport[] = {"the x of the viewport", "the y of the viewport",
+                                           "the width of the viewport",
+                                           "the height of the viewport"};
+    static const char *const scissor[] = {"the x of the scissor", "the y of the scissor",
+                                          "the width of the scissor", "the height of the scissor"};
+    struct limits vertices = {"the number of vertices", pass->name, EXPR_FRAME | EXPR_LIVE, 0,
+                              INT32_MAX};
+    struct limits instances = {"the number of instances", pass->name, EXPR_FRAME | EXPR_LIVE, 0,
+                               INT32_MAX};
+    if (pass->vertices)
+        check_expr(c, pass->vertices, &vertices);
+    if (pass->instances)
+        check_expr(c, pass->instances, &instances);
+    check_rect(c, pass, pass->viewport, viewport);
+    check_rect(c, pass, pass->scissor, scissor);
+    check_targets(c, pass);
+}
+
 static void check_range(struct checker *c, const struct pass *pass, struct range *range)
 {
     struct limits limits = {"the count", range->name, EXPR_BAKED, 1, 1 << 20};
@@ -394,7 +426,7 @@ static void check_pass(struct checker *c, struct pass *pass)
     if (pass->kind == PASS_DISPATCH)
         check_dispatch(c, pass);
     else
-        check_targets(c, pass);
+        check_draw(c, pass);
     for (uint32_t i = 0; i < pass->range_count; i++)
         check_range(c, pass, &pass->ranges[i]);
     for (uint32_t i = 0; i < pass->define_count; i++) {

@@ -379,6 +379,16 @@ static void add_frame_names(struct glsl *glsl)
     put_function(glsl, &variables);
 }
 
+/* A fullscreen draw has no vertex buffer: one triangle covers the frame. */
+static void add_fullscreen_position(const struct glsl *glsl, struct text *out)
+{
+    const char *index = glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex";
+    text_add(out,
+             "vec4 fullscreen_position()\n{\n    vec2 corner = vec2(%s << 1 & 2, %s & 2);\n"
+             "    return vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n\n",
+             index, index);
+}
+
 static void add_place(struct glsl *glsl)
 {
     struct text function = {0};
@@ -390,6 +400,9 @@ static void add_place(struct glsl *glsl)
         if (glsl_uses(glsl, "invocation"))
             text_add(&function,
                      "ivec3 invocation()\n{\n    return ivec3(gl_GlobalInvocationID);\n}\n\n");
+    } else if (glsl->pass->kind == PASS_FULLSCREEN) {
+        if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "fullscreen_position"))
+            add_fullscreen_position(glsl, &function);
     } else if (glsl->pass->kind == PASS_SCENE) {
         if (glsl_uses(glsl, "view"))
             text_add(&function, "View view = frame.%s;\n\n",
@@ -447,13 +460,19 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
                                             {"vec3", "vertex_normal"},
                                             {"vec2", "vertex_uv"},
                                             {"uint", "vertex_material"}};
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4 && glsl->pass->kind == PASS_SCENE; i++)
         if (glsl_uses(glsl, "%s", inputs[i][1]))
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
         text_add(out, "out float gl_ClipDistance[%u];\n", glsl->pass->clip_distances);
     if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && glsl_uses(glsl, "gl_Position"))
         text_add(out, "precise gl_Position;\n");
+}
+
+/* Whether the generator supplies the vertex shader. */
+static bool makes_vertices(const struct pass *pass)
+{
+    return pass->kind == PASS_FULLSCREEN && !pass->own_vertices;
 }
 
 static void add_head(struct glsl *glsl)
@@ -476,18 +495,14 @@ static void add_head(struct glsl *glsl)
     if (glsl->stage == STAGE_IS_COMPUTE)
         text_add(out, "\nlayout(local_size_x = %u, local_size_y = %u, local_size_z = %u) in;\n",
                  pass->local[0], pass->local[1], pass->local[2]);
-    if (glsl->stage == STAGE_IS_VERTEX && pass->kind == PASS_SCENE)
+    if (glsl->stage == STAGE_IS_VERTEX && !makes_vertices(pass))
         add_vertex_inputs(glsl, out);
 }
 
-/* A fullscreen draw has no vertex buffer: one triangle covers the frame. */
 static void add_fullscreen_vertex(struct glsl *glsl)
 {
     text_add(&glsl->parts[PART_BODY],
-             "void main()\n{\n    vec2 corner = vec2(%s << 1 & 2, %s & 2);\n"
-             "    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n",
-             glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex",
-             glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex");
+             "void main()\n{\n    gl_Position = fullscreen_position();\n}\n");
 }
 
 /* Directly before the body, so that no macro replaces a word of generated code. */
@@ -506,11 +521,12 @@ static void add_defines(struct glsl *glsl)
 
 static bool add_parts(struct glsl *glsl)
 {
-    if (glsl->pass->kind == PASS_FULLSCREEN && glsl->stage == STAGE_IS_VERTEX)
+    bool made = makes_vertices(glsl->pass) && glsl->stage == STAGE_IS_VERTEX;
+    if (made)
         add_fullscreen_vertex(glsl);
     else if (!glsl_body(glsl) || !glsl_check_precise(glsl) || !glsl_ranges(glsl))
         return false;
-    if (glsl->pass->kind != PASS_FULLSCREEN || glsl->stage != STAGE_IS_VERTEX)
+    if (!made)
         add_defines(glsl);
     add_functions(glsl);
     glsl_resources(glsl);

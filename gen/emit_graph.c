@@ -116,11 +116,16 @@ static void emit_dispatch(const struct drawing *d, const struct pass *pass)
 
 static void emit_draw(const struct drawing *d, const struct pass *pass)
 {
-    text_add(d->out, pass->kind == PASS_SCENE ? "draw of the scene" : "draw, fullscreen");
+    static const char *const topologies[] = {"triangles", "lines", "points"};
+    if (pass->kind == PASS_VERTICES)
+        text_add(d->out, "draw of %s", topologies[pass->topology]);
+    else
+        text_add(d->out, pass->kind == PASS_SCENE ? "draw of the scene" : "draw, fullscreen");
     if (pass->kind == PASS_SCENE && pass->view && !pass->layers)
         text_add(d->out, " from the %s", pass->view);
     if (pass->layers)
-        text_add(d->out, ", %" PRIu32 " instances", at_reference(pass->layers, 1));
+        text_add(d->out, ", %" PRIu32 " %s", at_reference(pass->layers, 1),
+                 pass->kind == PASS_SCENE ? "instances" : "layers");
     text_add(d->out, "%s", pass->indirect_resource ? " by arguments" : "");
 }
 

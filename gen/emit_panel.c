@@ -169,6 +169,15 @@ static void emit_draw_state(const struct c_output *c, const struct dt_program *p
              program->layered ? ", .layered = true" : "");
     if (program->clip_distances)
         text_add(c->out, ", .clip_distances = %" PRIu32, program->clip_distances);
+    if (program->topology)
+        text_add(c->out, ", .topology = %s",
+                 program->topology == DT_LINES ? "DT_LINES" : "DT_POINTS");
+    if (program->bias_constant != 0 || program->bias_slope != 0) {
+        text_add(c->out, ",\n        .bias_constant = ");
+        c_float(c->out, (double)program->bias_constant);
+        text_add(c->out, ", .bias_slope = ");
+        c_float(c->out, (double)program->bias_slope);
+    }
     text_add(c->out, ",\n");
 }
 
@@ -269,11 +278,45 @@ static void emit_layers(const struct c_output *c, const struct pass *pass)
     c_expr(c->out, pass->layers);
 }
 
+/* Verb `viewport` or `scissor`, before the draw. */
+static void emit_rect(const struct c_output *c, const struct pass *pass, const char *indent,
+                      const char *verb, struct expr *const rect[4])
+{
+    if (!rect[0])
+        return;
+    text_add(c->out, "%sok = ok && ", indent);
+    emit_verb(c, pass, verb);
+    text_add(c->out, ", dt_rect(");
+    for (int i = 0; i < 4; i++) {
+        text_add(c->out, i ? ", " : "");
+        c_expr(c->out, rect[i]);
+    }
+    text_add(c->out, "));\n");
+}
+
+static void emit_vertices(const struct c_output *c, const struct pass *pass)
+{
+    emit_verb(c, pass, pass->indirect_resource ? "draw_vertices_indirect" : "draw_vertices");
+    emit_layers(c, pass);
+    if (pass->indirect_resource) {
+        text_add(c->out, ", ");
+        c_resource(c, pass->indirect_resource->index);
+        return;
+    }
+    text_add(c->out, ", dt_count(");
+    c_expr(c->out, pass->vertices);
+    text_add(c->out, "), dt_count(");
+    c_expr(c->out, pass->instances);
+    text_add(c->out, ")");
+}
+
 static void emit_work(const struct c_output *c, const struct pass *pass)
 {
     if (pass->kind == PASS_FULLSCREEN) {
         emit_verb(c, pass, "draw_fullscreen");
         emit_layers(c, pass);
+    } else if (pass->kind == PASS_VERTICES) {
+        emit_vertices(c, pass);
     } else if (pass->kind == PASS_SCENE && pass->indirect_resource) {
         emit_verb(c, pass, "draw_indirect");
         emit_layers(c, pass);
@@ -324,7 +367,10 @@ static void emit_run(const struct c_output *c, const struct pass *pass)
     const char *indent = pass->conditional ? "        " : "    ";
     text_add(c->out, "%s%sok = ok && ", pass->conditional ? "    if (runs) {\n" : "", indent);
     emit_verb(c, pass, "bind");
-    text_add(c->out, ");\n%sok = ok && ", indent);
+    text_add(c->out, ");\n");
+    emit_rect(c, pass, indent, "viewport", pass->viewport);
+    emit_rect(c, pass, indent, "scissor", pass->scissor);
+    text_add(c->out, "%sok = ok && ", indent);
     emit_work(c, pass);
     text_add(c->out, ";\n");
     if (!pass->conditional)

@@ -25,11 +25,14 @@ static void emit_extent(const struct c_output *c)
     text_add(c->out, "    default:\n        dt_set_extent(size, 1, 1, 1);\n    }\n}\n\n");
 }
 
-/* Factor of `runs` along one axis: layers of a draw, or invocations of a dispatch. */
+/* Factor of `runs` along one axis: layers, or vertices and instances, of a draw, or invocations of a
+ * dispatch. */
 static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
 {
     uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;
-    if (pass_draws(pass)) {
+    if (pass->kind == PASS_VERTICES) {
+        c_expr(c->out, axis == 0 ? pass->vertices : axis == 1 ? pass->instances : NULL);
+    } else if (pass_draws(pass)) {
         c_expr(c->out, axis == 0 ? pass->layers : NULL);
     } else if (pass->size == SIZE_IMAGE) {
         text_add(c->out, "size[%d]", axis);
@@ -258,6 +261,7 @@ static void emit_pass(const struct c_output *c, uint32_t index)
     static const char *const kinds[] = {
         [DT_PASS_DRAW_SCENE] = "DT_PASS_DRAW_SCENE",
         [DT_PASS_DRAW_FULLSCREEN] = "DT_PASS_DRAW_FULLSCREEN",
+        [DT_PASS_DRAW_VERTICES] = "DT_PASS_DRAW_VERTICES",
         [DT_PASS_DISPATCH] = "DT_PASS_DISPATCH",
     };
     const struct dt_pass *pass = &c->tables->pipeline.passes[index];

@@ -340,6 +340,9 @@ static void lower_program(struct lowering *l, const struct pass *pass, struct dt
     program->cull = culls[pass->cull];
     program->layered = pass->layers != NULL;
     program->clip_distances = pass->clip_distances;
+    program->topology = pass->topology;
+    program->bias_constant = pass->bias_constant;
+    program->bias_slope = pass->bias_slope;
     if (program->depth && pass->depth_compare != COMPARE_OFF) {
         program->depth_test = true;
         program->depth_write = pass->depth_write;
@@ -423,11 +426,12 @@ static bool blends_apart(const struct pass *pass)
 static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
                         struct dt_panel *panel)
 {
-    const size_t most = DT_ARRAY_COUNT(capabilities) + 6;
+    const size_t most = DT_ARRAY_COUNT(capabilities) + 7;
     struct dt_need *needs = table(l, l->from->pass_count * most, sizeof *needs);
     for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
         const struct pass *pass = l->from->order[p];
-        bool scene = pass->kind == PASS_SCENE, indirect = scene && pass->indirect_resource;
+        bool scene = pass->kind == PASS_SCENE;
+        bool indirect = pass_draws(pass) && pass->indirect_resource;
         const struct {
             const char *feature;
             bool needed;
@@ -436,6 +440,7 @@ static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
             {"fragmentStoresAndAtomics", pass_draws(pass) && stores(pass)},
             {"independentBlend", blends_apart(pass)},
             {"fullDrawIndexUint32", scene},
+            {"largePoints", pass->topology == DT_POINTS},
             {"multiDrawIndirect", indirect},
             {"drawIndirectFirstInstance", indirect},
         };
@@ -614,6 +619,7 @@ static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
 {
     static const enum dt_pass_kind kinds[] = {[PASS_SCENE] = DT_PASS_DRAW_SCENE,
                                               [PASS_FULLSCREEN] = DT_PASS_DRAW_FULLSCREEN,
+                                              [PASS_VERTICES] = DT_PASS_DRAW_VERTICES,
                                               [PASS_DISPATCH] = DT_PASS_DISPATCH};
     struct dt_pass *passes = table(l, l->from->pass_count, sizeof *passes);
     for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++) {

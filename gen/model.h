@@ -230,7 +230,7 @@ struct define { /* a macro of the body */
     struct expr *value; /* baked */
 };
 
-enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_DISPATCH };
+enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_VERTICES, PASS_DISPATCH };
 enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
 enum pass_cull { CULL_NONE, CULL_BACK, CULL_FRONT };
 enum pass_compare {
@@ -310,6 +310,11 @@ struct pass {
     enum pass_compare depth_compare; /* default LESS with a depth target */
     bool depth_write;
     uint32_t clip_distances;
+    struct expr *vertices, *instances; /* draws of vertices; NULL: indirect; instances NULL: 1 */
+    enum dt_topology topology;
+    struct expr *viewport[4], *scissor[4]; /* x, y, width, height; NULL: all of the targets */
+    float bias_constant, bias_slope;
+    bool own_vertices; /* check: the body has a vertex part */
     /* check and plan */
     struct loc size_loc, indirect_loc, indices_loc, interleave_loc;
     bool conditional; /* `when` depends on live parameters */

@@ -350,9 +350,10 @@ static unsigned stages_of(const struct pass *pass, const struct access *access)
         return STAGE_DEPTH;
     if (pass->kind == PASS_DISPATCH)
         return STAGE_COMPUTE;
-    /* Draws write buffers in the fragment stage; the vertices of a fullscreen draw read none. */
-    return pass->kind == PASS_SCENE && access->mode == MODE_READ ? STAGE_VERTEX | STAGE_FRAGMENT
-                                                                 : STAGE_FRAGMENT;
+    /* Draws write buffers in the fragment stage; generated vertex shaders read none. */
+    return (pass->kind != PASS_FULLSCREEN || pass->own_vertices) && access->mode == MODE_READ
+               ? STAGE_VERTEX | STAGE_FRAGMENT
+               : STAGE_FRAGMENT;
 }
 
 static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch touch)

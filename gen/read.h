@@ -18,7 +18,7 @@ struct override {
 };
 
 /* One checked map of the document: its known keys. value: NULL for a wrong value. */
-enum { MOST_KEYS = 32 };
+enum { MOST_KEYS = 48 };
 struct field_value {
     const struct key *key;
     struct fy_node *name, *value;

@@ -90,6 +90,8 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
         return scalar || is_scalar_list(node, 1, 3);
     case KEY_SIZE:
         return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 2);
+    case KEY_RECT:
+        return is_scalar_list(node, 4, 4);
     case KEY_VALUE:
         return scalar
                    ? !strcmp(text, "true") || !strcmp(text, "false") || text_number(text, &number)

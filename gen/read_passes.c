@@ -224,15 +224,43 @@ static void refuse_others(struct reader *reader, const struct fields *fields,
     static const char *const scene[] = {"local", "ranges", NULL};
     static const char *const fullscreen[] = {
         "local", "ranges", "indirect", "view", "layers", "indices", "cull", "clip_distances", NULL};
-    static const char *const dispatch[] = {"view",  "layers",         "indices",
-                                           "cull",  "depth",          "depth_write",
-                                           "blend", "clip_distances", NULL};
+    static const char *const vertices[] = {"local", "ranges", "view", "indices", NULL};
+    static const char *const dispatch[] = {
+        "view",  "layers",         "indices",  "cull",    "depth",      "depth_write",
+        "blend", "clip_distances", "viewport", "scissor", "depth_bias", NULL};
     if (pass->kind == PASS_SCENE)
         refuse_keys(reader, fields, "a draw", scene);
     else if (pass->kind == PASS_FULLSCREEN)
         refuse_keys(reader, fields, "a fullscreen draw", fullscreen);
+    else if (pass->kind == PASS_VERTICES)
+        refuse_keys(reader, fields, "a draw of vertices", vertices);
     else
         refuse_keys(reader, fields, "a dispatch", dispatch);
+}
+
+static void read_draw(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct fy_node *node = field_node(fields, "draw");
+    struct fields map;
+    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
+        pass->kind = field_choice(reader, fields, "draw", 0) ? PASS_FULLSCREEN : PASS_SCENE;
+        return;
+    }
+    pass->kind = PASS_VERTICES;
+    if (!fields_read(reader, node, SECTION_DRAW, node_loc(reader, node), &map))
+        return;
+    pass->vertices = field_expr(reader, &map, "vertices");
+    pass->instances = field_expr(reader, &map, "instances");
+    pass->topology = (enum dt_topology)field_choice(reader, &map, "topology", DT_TRIANGLES);
+    if (!pass->indirect && !field_given(&map, "vertices"))
+        diag_error(reader->diag, node_loc(reader, node),
+                   "a draw of vertices needs the key `vertices`, or `indirect` beside `draw`");
+    for (int i = 0; i < 2; i++) {
+        const char *key = i ? "instances" : "vertices";
+        if (pass->indirect && field_given(&map, key))
+            diag_error(reader->diag, field_loc(reader, &map, key),
+                       "`indirect` excludes `%s`: the buffer gives the number", key);
+    }
 }
 
 static void read_kind(struct reader *reader, const struct fields *fields, struct pass *pass)
@@ -255,7 +283,7 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
     pass->size = SIZE_INDIRECT;
     pass->size_loc = pass->indirect_loc;
     if (found && !strcmp(found, "draw")) {
-        pass->kind = field_choice(reader, fields, "draw", 0) ? PASS_FULLSCREEN : PASS_SCENE;
+        read_draw(reader, fields, pass);
     } else if (found && !strcmp(found, "interleave")) {
         pass->size = SIZE_INTERLEAVE;
         pass->size_loc = pass->interleave_loc;
@@ -295,6 +323,25 @@ static bool has_depth_target(const struct pipeline *pipeline, const struct pass 
     return false;
 }
 
+/* x, y, width and height. */
+static void read_rect(struct reader *reader, const struct fields *fields, const char *key,
+                      struct expr *rect[4])
+{
+    struct fy_node *list = field_node(fields, key);
+    for (int i = 0; list && i < 4; i++)
+        rect[i] = node_expr(reader, fy_node_sequence_get_by_index(list, i));
+}
+
+static void read_depth_bias(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct fy_node *node = field_node(fields, "depth_bias");
+    struct fields map;
+    if (!node || !fields_read(reader, node, SECTION_DEPTH_BIAS, node_loc(reader, node), &map))
+        return;
+    pass->bias_constant = (float)field_number(reader, &map, "constant", 0);
+    pass->bias_slope = (float)field_number(reader, &map, "slope", 0);
+}
+
 static void read_draw_state(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     if (pass->kind == PASS_DISPATCH)
@@ -306,6 +353,9 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
     pass->depth_compare = (enum pass_compare)field_choice(reader, fields, "depth",
                                                           depth ? COMPARE_LESS : COMPARE_OFF);
     pass->depth_write = field_bool(reader, fields, "depth_write", true);
+    read_rect(reader, fields, "viewport", pass->viewport);
+    read_rect(reader, fields, "scissor", pass->scissor);
+    read_depth_bias(reader, fields, pass);
     const struct dt_blend *blend = read_blend(reader, fields);
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (!pass->accesses[i].own_blend)
@@ -320,6 +370,11 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
         diag_error(reader->diag, field_loc(reader, fields, "depth"),
                    "`depth` needs a depth target: the pass `%s` writes no image of format d32f",
                    pass->name);
+    if (field_given(fields, "depth_bias") && !depth)
+        diag_error(
+            reader->diag, field_loc(reader, fields, "depth_bias"),
+            "`depth_bias` needs a depth target: the pass `%s` writes no image of format d32f",
+            pass->name);
 }
 
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)

@@ -69,6 +69,8 @@ static void add_scalar_type(struct text *out, const struct key *key)
         [KEY_SIZE] = "{\"anyOf\": [{\"const\": \"frame\"}, {\"type\": \"array\", \"items\": "
                      "{\"$ref\": \"#/$defs/EXPR\"}, "
                      "\"minItems\": 2, \"maxItems\": 2}]}",
+        [KEY_RECT] = "{\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/EXPR\"}, "
+                     "\"minItems\": 4, \"maxItems\": 4}",
         [KEY_VALUE] = "{\"anyOf\": [{\"type\": [\"number\", \"boolean\"]}, {\"type\": \"array\", "
                       "\"items\": {\"type\": "
                       "\"number\"}, \"minItems\": 2, \"maxItems\": 4}]}",

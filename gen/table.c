@@ -93,7 +93,8 @@ const struct section_info table_sections[SECTION_COUNT] = {
                             "{x: 4, y: 4}"},
     [SECTION_PASS] =
         {"a pass", "passes[]", "pass",
-         "One pass: a draw of the scene, a fullscreen draw or a dispatch. It has exactly one of "
+         "One pass: a draw of the scene, of vertices, fullscreen, or a dispatch. It has exactly "
+         "one of "
          "`draw`, `dispatch`, "
          "`groups`, `interleave`, or `indirect` alone. Passes run in the order of the list as far "
          "as what they "
@@ -105,6 +106,24 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "looked for beside the including one, then in the templates. Names are unique in all "
          "files together. `pipeline`, `exactness` and `target` stand in the spec alone.",
          "{include: shared/tonemap.yaml}"},
+    [SECTION_DRAW] =
+        {"a draw of vertices", "passes[].draw", "draw",
+         "A draw without a vertex buffer: the vertex part of the body makes each vertex from "
+         "`gl_VertexIndex` and `gl_InstanceIndex`, and may read buffers and images. With "
+         "`indirect`, the buffer has four numbers for each draw in place of `vertices` and "
+         "`instances`: vertices, instances, first vertex, first instance. Which texels a triangle "
+         "covers is the same on both backends of one driver, as with the scene. Lines are not: "
+         "Vulkan "
+         "devices may draw rectangles, where OpenGL has lines of Bresenham. All agree on rows and "
+         "columns through centres of texels. `gl_PointSize` may be rounded and clamped. For other "
+         "lines give a contract, or draw triangles.",
+         "{vertices: 6, instances: particles_alive}"},
+    [SECTION_DEPTH_BIAS] = {"a depth bias", "passes[].depth_bias", "depth_bias",
+                            "What is added to the depth of triangles, against shadows of a surface "
+                            "on itself: constant * r + slope * the largest change of depth from "
+                            "texel to texel. r is 2^-23 of the power of two at or below the "
+                            "triangle's largest depth. Some drivers scale r by a factor.",
+                            "{constant: 2, slope: 1.5}"},
     [SECTION_ACCESS] =
         {"an access", "passes[].reads[]", "access",
          "An element of `reads`, `writes` or `updates`: a resource's name, or a map.",
@@ -354,8 +373,10 @@ const struct key table_keys[] = {
      "shade"},
     {SECTION_PASS, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it does.",
      "\"irradiance by all lights\""},
-    {SECTION_PASS, "draw", KEY_CHOICE, SECTION_NONE, "scene|fullscreen", OPTIONAL, NULL,
-     "A draw: all triangles of the scene, or one triangle that covers the targets.", "scene"},
+    {SECTION_PASS, "draw", KEY_CHOICE, SECTION_DRAW, "scene|fullscreen", OPTIONAL, NULL,
+     "A draw: all triangles of the scene, one triangle that covers the targets, or a number of "
+     "vertices that the body makes.",
+     "scene"},
     {SECTION_PASS, "dispatch", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A dispatch by invocations: one to three integer expressions, or an image's name for one "
      "invocation per texel.",
@@ -366,9 +387,9 @@ const struct key table_keys[] = {
      "A dispatch over an interleave's classes: x and y over the class's pixels, z is the class.",
      "tile"},
     {SECTION_PASS, "indirect", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
-     "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of indexed draws, one "
-     "per "
-     "element.",
+     "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of indexed draws, "
+     "beside "
+     "a draw of vertices of such, one per element.",
      "draw_arguments"},
     {SECTION_PASS, "local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL,
      "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges and `target: software` 512 "
@@ -377,7 +398,9 @@ const struct key table_keys[] = {
     {SECTION_PASS, "view", KEY_CHOICE, SECTION_NONE, "camera|light", OPTIONAL, "camera",
      "draw: scene: what `view` is in the body.", "light"},
     {SECTION_PASS, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "not layered",
-     "draw: scene: that many instances; the vertex part chooses gl_Layer.", "clusters"},
+     "draw: that many layers of the targets, and instances of the scene; the vertex part chooses "
+     "gl_Layer.",
+     "clusters"},
     {SECTION_PASS, "indices", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "the scene's",
      "draw: scene: buffer of uint with the indices to draw.", "visible_indices"},
     {SECTION_PASS, "reads", KEY_NAMES, SECTION_ACCESS, NULL, OPTIONAL, "none",
@@ -416,7 +439,30 @@ const struct key table_keys[] = {
     {SECTION_PASS, "blend", KEY_CHOICE, SECTION_BLEND, BLENDS, OPTIONAL, "off",
      "draw: how colours are combined, in targets without a `blend` of their own.", "add"},
     {SECTION_PASS, "clip_distances", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "0",
-     "draw: scene: clip distances that the vertex part writes, up to 8.", "1"},
+     "draw: clip distances that the vertex part writes, up to 8.", "1"},
+    {SECTION_PASS, "viewport", KEY_RECT, SECTION_NONE, NULL, OPTIONAL, "all of the targets",
+     "draw: x, y, width and height, in texels, of the area that NDC -1 to 1 is mapped to; may use "
+     "live parameters. With a width or height of 0 the draw draws nothing.",
+     "[0, 0, frame.width / 2, frame.height]"},
+    {SECTION_PASS, "scissor", KEY_RECT, SECTION_NONE, NULL, OPTIONAL, "all of the targets",
+     "draw: x, y, width and height of the texels that the draw may change; likewise. Targets in "
+     "`writes` are cleared outside of it, too.",
+     "[8, 8, 64, 64]"},
+    {SECTION_PASS, "depth_bias", KEY_MAP, SECTION_DEPTH_BIAS, NULL, OPTIONAL, "none",
+     "draw: what is added to the depth of triangles.", "{constant: 2, slope: 1.5}"},
+    {SECTION_DRAW, "vertices", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL,
+     "required without `indirect`", "Vertices of an instance; may use live parameters.", "6"},
+    {SECTION_DRAW, "instances", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1",
+     "Instances; may use live parameters.", "particles_alive"},
+    {SECTION_DRAW, "topology", KEY_CHOICE, SECTION_NONE, "triangles|lines|points", OPTIONAL,
+     "triangles",
+     "Three vertices make a triangle, two a line of one texel's width, one a point of "
+     "`gl_PointSize` texels.",
+     "points"},
+    {SECTION_DEPTH_BIAS, "constant", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, "0",
+     "Multiple of the smallest difference of depths.", "2"},
+    {SECTION_DEPTH_BIAS, "slope", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, "0",
+     "Multiple of the triangle's slope.", "1.5"},
     {SECTION_PASS_INCLUDE, "include", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL, "The file.",
      "shared/tonemap.yaml"},
     {SECTION_ACCESS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The resource.",
@@ -555,6 +601,7 @@ const char *table_type_text(enum key_type type)
         [KEY_EXPR] = "an integer expression",
         [KEY_EXPRS] = "an integer expression or a list of 1 to 3",
         [KEY_SIZE] = "`frame` or a list of 2 integer expressions",
+        [KEY_RECT] = "a list of 4 integer expressions: x, y, width, height",
         [KEY_VALUE] = "a number, a bool or a list of 2 to 4 numbers",
         [KEY_NUMBERS] = "a number or a list of 1 to 4",
         [KEY_LENGTH] = "`scene_radius` or a number",

@@ -30,6 +30,8 @@ enum section {
     SECTION_INTERLEAVE,
     SECTION_PASS,
     SECTION_PASS_INCLUDE,
+    SECTION_DRAW,
+    SECTION_DEPTH_BIAS,
     SECTION_ACCESS,
     SECTION_BLEND,
     SECTION_RANGES,
@@ -56,6 +58,7 @@ enum key_type {
     KEY_EXPR,    /* integer expression */
     KEY_EXPRS,   /* integer expression, or a list of 1 to 3 */
     KEY_SIZE,    /* `frame`, or a list of 2 expressions */
+    KEY_RECT,    /* list of 4 expressions */
     KEY_VALUE,   /* number, bool, or a list of 2 to 4 numbers */
     KEY_NUMBERS, /* number, or a list of 1 to 4 */
     KEY_LENGTH,  /* `scene_radius`, or a number */

@@ -42,6 +42,7 @@ bool gl_end(void *runtime, uint32_t pass)
     if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[2 * pass + 1], GL_TIMESTAMP)))
         return false;
     rt->grouped = false;
+    rt->gl.Disable(GL_SCISSOR_TEST); /* of a draw; blits obey it */
     return GL(rt, name, PopDebugGroup());
 }
 
@@ -178,7 +179,8 @@ bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
     const struct dt_program *info = info_of(rt, pass);
     GLuint framebuffer = program_of(rt, pass)->framebuffer;
     (void)layers;
-    rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE); /* clears obey masks */
+    rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE); /* clears obey masks and scissor */
+    rt->gl.Disable(GL_SCISSOR_TEST);
     for (uint32_t i = 0; i < info->color_count; i++)
         if (!info->colors[i].load && !clear_color(rt, framebuffer, (GLint)i, &info->colors[i]))
             return false;
@@ -261,6 +263,8 @@ static void set_raster_state(struct gl_runtime *rt, const struct dt_program *inf
     rt->gl.CullFace(info->cull == DT_CULL_FRONT ? GL_FRONT : GL_BACK);
     for (uint32_t i = 0; i < info->color_count; i++)
         set_blend(rt, i, &info->colors[i]);
+    enable(rt, GL_POLYGON_OFFSET_FILL, info->bias_constant != 0 || info->bias_slope != 0);
+    rt->gl.PolygonOffset(info->bias_slope, info->bias_constant);
     for (uint32_t i = 0; i < rt->core.limits.clip_distances; i++)
         enable(rt, GL_CLIP_DISTANCE0 + i, i < info->clip_distances);
 }
@@ -269,8 +273,12 @@ static void set_viewport(struct gl_runtime *rt, const struct dt_program *info)
 {
     const struct dt_target *target = info->color_count ? &info->colors[0] : info->depth;
     const struct gl_image *image = gl_image_of(rt, target->resource);
-    rt->gl.Viewport(0, 0, gl_mip_size(image->width, target->mip),
-                    gl_mip_size(image->height, target->mip));
+    struct dt_rect viewport, scissor;
+    dt_front_area(&rt->core, (uint32_t)gl_mip_size(image->width, target->mip),
+                  (uint32_t)gl_mip_size(image->height, target->mip), &viewport, &scissor);
+    rt->gl.Viewport(viewport.x, viewport.y, (GLsizei)viewport.width, (GLsizei)viewport.height);
+    rt->gl.Enable(GL_SCISSOR_TEST);
+    rt->gl.Scissor(scissor.x, scissor.y, (GLsizei)scissor.width, (GLsizei)scissor.height);
 }
 
 static bool begin_draw(struct gl_runtime *rt, uint32_t pass, uint32_t layers, GLuint input)
@@ -323,6 +331,31 @@ bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
     struct gl_runtime *rt = runtime;
     return begin_draw(rt, pass, layers, rt->no_input) &&
            GL(rt, pass_name(rt, pass), DrawArraysInstanced(GL_TRIANGLES, 0, 3, (GLsizei)layers));
+}
+
+static const GLenum topologies[] = {
+    [DT_TRIANGLES] = GL_TRIANGLES, [DT_LINES] = GL_LINES, [DT_POINTS] = GL_POINTS};
+
+bool gl_draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                      uint32_t instances)
+{
+    struct gl_runtime *rt = runtime;
+    return begin_draw(rt, pass, layers, rt->no_input) &&
+           GL(rt, pass_name(rt, pass),
+              DrawArraysInstanced(topologies[info_of(rt, pass)->topology], 0, (GLsizei)vertices,
+                                  (GLsizei)instances));
+}
+
+bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t arguments)
+{
+    struct gl_runtime *rt = runtime;
+    const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
+    return begin_draw(rt, pass, layers, rt->no_input) &&
+           GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)) &&
+           GL(rt, pass_name(rt, pass),
+              MultiDrawArraysIndirect(topologies[info_of(rt, pass)->topology], NULL,
+                                      (GLsizei)(buffer->size / DT_VERTEX_DRAW_BYTES),
+                                      DT_VERTEX_DRAW_BYTES));
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */

@@ -201,6 +201,9 @@ bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers);
 bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                       uint32_t arguments);
 bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers);
+bool gl_draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                      uint32_t instances);
+bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t arguments);
 bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers);
 bool gl_clear_buffer(void *runtime, uint32_t pass, uint32_t resource);
 bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip);

@@ -108,7 +108,7 @@ bool gl_context_suits(struct gl_runtime *rt)
 /* ---- Fixed state ----------------------------------------------------------------------------- */
 
 /* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the first
- * vertex is the provoking one, sRGB targets encode. */
+ * vertex is the provoking one, sRGB targets encode, shaders size points, whose origin is row 0. */
 bool gl_state_fix(struct gl_runtime *rt)
 {
     rt->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -116,6 +116,8 @@ bool gl_state_fix(struct gl_runtime *rt)
     rt->gl.FrontFace(GL_CCW);
     rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
     rt->gl.Enable(GL_TEXTURE_CUBE_MAP_SEAMLESS);
+    rt->gl.Enable(GL_PROGRAM_POINT_SIZE);
+    rt->gl.PointParameteri(GL_POINT_SPRITE_COORD_ORIGIN, GL_LOWER_LEFT);
     rt->gl.Disable(GL_DITHER);
     rt->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     return GL(rt, "fixed state", PixelStorei(GL_UNPACK_ALIGNMENT, 1));
@@ -132,9 +134,11 @@ static const GLenum switches[] = {
     GL_DEPTH_TEST,
     GL_DITHER,
     GL_FRAMEBUFFER_SRGB,
+    GL_LINE_SMOOTH,
     GL_POLYGON_OFFSET_FILL,
     GL_PRIMITIVE_RESTART,
     GL_PRIMITIVE_RESTART_FIXED_INDEX,
+    GL_PROGRAM_POINT_SIZE,
     GL_RASTERIZER_DISCARD,
     GL_SCISSOR_TEST,
     GL_STENCIL_TEST,
@@ -190,8 +194,10 @@ struct gl_kept {
     GLboolean on[SWITCHES], clip[MAX_CLIP_DISTANCES], scissor[MAX_VIEWPORTS];
     GLint store[STORES], buffer[BUFFERS];
     GLint program, input, draw_framebuffer, read_framebuffer, unit;
-    GLint clip_origin, clip_depth, provoking, front, cull, depth_function, polygon[2];
+    GLint clip_origin, clip_depth, provoking, front, cull, depth_function, polygon[2], point_origin;
     GLboolean depth_mask;
+    GLfloat line_width, offset_factor, offset_units, offset_clamp;
+    GLint scissor_box[MAX_VIEWPORTS][4];
     GLfloat viewport[MAX_VIEWPORTS][4];
     GLdouble depth_range[MAX_VIEWPORTS][2];
     struct kept_blend blend[MAX_DRAW_BUFFERS];
@@ -250,6 +256,7 @@ static void keep_viewports(const struct gl_runtime *rt, struct gl_kept *kept)
         rt->gl.GetFloati_v(GL_VIEWPORT, i, kept->viewport[i]);
         rt->gl.GetDoublei_v(GL_DEPTH_RANGE, i, kept->depth_range[i]);
         kept->scissor[i] = rt->gl.IsEnabledi(GL_SCISSOR_TEST, i);
+        rt->gl.GetIntegeri_v(GL_SCISSOR_BOX, i, kept->scissor_box[i]);
     }
 }
 
@@ -259,6 +266,7 @@ static void give_viewports(const struct gl_runtime *rt, const struct gl_kept *ke
     for (GLuint i = 0; i < (GLuint)count; i++) {
         rt->gl.ViewportIndexedfv(i, kept->viewport[i]);
         rt->gl.DepthRangeIndexed(i, kept->depth_range[i][0], kept->depth_range[i][1]);
+        rt->gl.ScissorIndexedv(i, kept->scissor_box[i]);
         if (kept->scissor[i])
             rt->gl.Enablei(GL_SCISSOR_TEST, i);
         else
@@ -285,10 +293,15 @@ static void keep_integers(const struct gl_runtime *rt, struct gl_kept *kept)
         {GL_CULL_FACE_MODE, &kept->cull},
         {GL_DEPTH_FUNC, &kept->depth_function},
         {GL_POLYGON_MODE, kept->polygon},
+        {GL_POINT_SPRITE_COORD_ORIGIN, &kept->point_origin},
     };
     for (size_t i = 0; i < DT_ARRAY_COUNT(integers); i++)
         rt->gl.GetIntegerv(integers[i].name, integers[i].value);
     rt->gl.GetBooleanv(GL_DEPTH_WRITEMASK, &kept->depth_mask);
+    rt->gl.GetFloatv(GL_LINE_WIDTH, &kept->line_width);
+    rt->gl.GetFloatv(GL_POLYGON_OFFSET_FACTOR, &kept->offset_factor);
+    rt->gl.GetFloatv(GL_POLYGON_OFFSET_UNITS, &kept->offset_units);
+    rt->gl.GetFloatv(GL_POLYGON_OFFSET_CLAMP, &kept->offset_clamp);
     for (size_t i = 0; i < STORES; i++)
         rt->gl.GetIntegerv(stores[i], &kept->store[i]);
     for (size_t i = 0; i < BUFFERS; i++)
@@ -315,6 +328,9 @@ static void give_integers(const struct gl_runtime *rt, const struct gl_kept *kep
     gl->DepthFunc((GLenum)kept->depth_function);
     gl->DepthMask(kept->depth_mask);
     gl->PolygonMode(GL_FRONT_AND_BACK, (GLenum)kept->polygon[0]);
+    gl->PointParameteri(GL_POINT_SPRITE_COORD_ORIGIN, kept->point_origin);
+    gl->LineWidth(kept->line_width);
+    gl->PolygonOffsetClamp(kept->offset_factor, kept->offset_units, kept->offset_clamp);
     for (size_t i = 0; i < STORES; i++)
         gl->PixelStorei(stores[i], kept->store[i]);
     for (size_t i = 0; i < BUFFERS; i++)
@@ -338,6 +354,7 @@ static bool neutralise(struct gl_runtime *rt)
     rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     rt->gl.DepthRange(0, 1);
     rt->gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    rt->gl.LineWidth(1);
     return gl_state_fix(rt);
 }
 

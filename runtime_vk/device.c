@@ -21,6 +21,7 @@ static const struct {
     {FEATURE(vulkan13, maintenance4), true},
     {FEATURE(core.features, independentBlend), false},
     {FEATURE(core.features, fullDrawIndexUint32), false},
+    {FEATURE(core.features, largePoints), false},
     {FEATURE(core.features, multiDrawIndirect), false},
     {FEATURE(core.features, drawIndirectFirstInstance), false},
     {FEATURE(core.features, samplerAnisotropy), false},

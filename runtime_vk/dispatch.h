@@ -35,6 +35,7 @@
     X(CmdDispatchIndirect)                                                                         \
     X(CmdDraw)                                                                                     \
     X(CmdDrawIndexed)                                                                              \
+    X(CmdDrawIndirect)                                                                             \
     X(CmdDrawIndexedIndirect)                                                                      \
     X(CmdEndRendering)                                                                             \
     X(CmdFillBuffer)                                                                               \

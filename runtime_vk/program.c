@@ -187,9 +187,10 @@ static const VkCompareOp compares[] = {
     [DT_COMPARE_ALWAYS] = VK_COMPARE_OP_ALWAYS,
 };
 
-static const VkPipelineInputAssemblyStateCreateInfo triangles = {
-    .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-    .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+static const VkPrimitiveTopology topologies[] = {
+    [DT_TRIANGLES] = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+    [DT_LINES] = VK_PRIMITIVE_TOPOLOGY_LINE_LIST,
+    [DT_POINTS] = VK_PRIMITIVE_TOPOLOGY_POINT_LIST,
 };
 static const VkPipelineViewportStateCreateInfo one_viewport = {
     .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
@@ -255,11 +256,18 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
             info->scene_vertices ? read_attributes(attributes, &info->stages->vertex) : 0,
         .pVertexAttributeDescriptions = attributes,
     };
+    VkPipelineInputAssemblyStateCreateInfo assembly = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = topologies[state->topology],
+    };
     VkPipelineRasterizationStateCreateInfo rasterization = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
         .polygonMode = VK_POLYGON_MODE_FILL,
         .cullMode = culls[state->cull],
         .frontFace = VK_FRONT_FACE_CLOCKWISE, /* equals GL_CCW: window y points down */
+        .depthBiasEnable = state->bias_constant != 0 || state->bias_slope != 0,
+        .depthBiasConstantFactor = state->bias_constant,
+        .depthBiasSlopeFactor = state->bias_slope,
         .lineWidth = 1,
     };
     VkPipelineDepthStencilStateCreateInfo depth = {
@@ -288,7 +296,7 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
         .stageCount = info->stages->fragment.size ? 2 : 1,
         .pStages = stages,
         .pVertexInputState = &vertex_input,
-        .pInputAssemblyState = &triangles,
+        .pInputAssemblyState = &assembly,
         .pViewportState = &one_viewport,
         .pRasterizationState = &rasterization,
         .pMultisampleState = &one_sample,

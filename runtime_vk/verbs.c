@@ -268,7 +268,11 @@ static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t
     const struct vk_image *image = &vk_resource_at(rt, first->resource)->image;
     uint32_t width = image->width >> first->mip, height = image->height >> first->mip;
     VkRect2D area = {.extent = {width ? width : 1, height ? height : 1}};
-    VkViewport viewport = {0, 0, (float)area.extent.width, (float)area.extent.height, 0, 1};
+    struct dt_rect view, cut;
+    dt_front_area(&rt->core, area.extent.width, area.extent.height, &view, &cut);
+    VkViewport viewport = {
+        (float)view.x, (float)view.y, (float)view.width, (float)view.height, 0, 1};
+    VkRect2D scissor = {{cut.x, cut.y}, {cut.width, cut.height}};
     for (uint32_t i = 0; i < program->color_count; i++)
         colors[i] = attachment(rt, &program->colors[i]);
     if (program->depth)
@@ -283,7 +287,7 @@ static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t
     };
     rt->vk.CmdBeginRendering(rt->frame_commands, &info);
     rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
-    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &area);
+    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
 }
 
 static void bind_scene(const struct vk_runtime *rt, const struct vk_buffer *indices)
@@ -342,6 +346,28 @@ static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
     return true;
 }
 
+static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                          uint32_t instances)
+{
+    const struct vk_runtime *rt = runtime;
+    begin_rendering(rt, pass, layers);
+    rt->vk.CmdDraw(rt->frame_commands, vertices, instances, 0, 0);
+    rt->vk.CmdEndRendering(rt->frame_commands);
+    return true;
+}
+
+static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
+                                   uint32_t arguments)
+{
+    const struct vk_runtime *rt = runtime;
+    const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
+    begin_rendering(rt, pass, layers);
+    rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, 0,
+                           (uint32_t)(draws->size / DT_VERTEX_DRAW_BYTES), DT_VERTEX_DRAW_BYTES);
+    rt->vk.CmdEndRendering(rt->frame_commands);
+    return true;
+}
+
 /* ---- Clears ---------------------------------------------------------------------------------- */
 
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
@@ -382,6 +408,8 @@ const struct dt_verbs vk_verbs = {
     .draw_scene = draw_scene,
     .draw_indirect = draw_indirect,
     .draw_fullscreen = draw_fullscreen,
+    .draw_vertices = draw_vertices,
+    .draw_vertices_indirect = draw_vertices_indirect,
     .clear_targets = clear_targets,
     .clear_buffer = clear_buffer,
     .clear_image = clear_image,

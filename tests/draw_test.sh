@@ -1,40 +1,90 @@
 #!/usr/bin/env bash
-# What draws can do, tests/specs/particles.yaml: the backends agree, and every texel of blended targets is what the formula of
-# its mode gives. TAP.
+# What draws can do, tests/specs/particles.yaml: the backends agree, and every texel of the targets is what a rasterizer of
+# axis-aligned squares and the formulas of blending give. TAP.
 . "$(dirname "$0")/tap.sh"
 spec=$root/tests/specs/particles.yaml
 
 for size in 40x24 17x9 1x1; do
     check "draws agree at $size, validation silent" "$diptych" compare --spec "$spec" --size $size --debug --backend gl,vk,gl+glsl
 done
+check "draws agree without instances, in a viewport beyond the targets" \
+    "$diptych" compare --spec "$spec" --size 40x24 --debug --set alive=0 --set shift=60
 
 # shellcheck disable=SC2317 # called through check
-blended() { # backend
-    "$diptych" render --spec "$spec" --size 40x24 --backend "$1" --dump "$work/$1" -o "$work/$1.png" && python3 - "$work/$1" <<'PYTHON'
+drawn() { # backend alive shift
+    rm -rf "$work/$1"
+    "$diptych" render --spec "$spec" --size 40x24 --backend "$1" --set "alive=$2" --set "shift=$3" \
+        --dump "$work/$1" -o "$work/$1.png" && python3 - "$work/$1" "$2" "$3" <<'PYTHON'
 import glob, struct, sys
-def image(name, code="f"):
-    data = open(glob.glob(f"{sys.argv[1]}/*.blend.{name}.raw")[0], "rb").read()
+alive, shift = int(sys.argv[2]), int(sys.argv[3])
+texels = [(i % 40, i // 40) for i in range(960)]
+def image(name, channels=4, code="f"):
+    data = open(glob.glob(f"{sys.argv[1]}/*.{name}.raw")[0], "rb").read()
     values = struct.unpack(f"<{len(data) // 4}{code}", data)
-    return [values[i : i + 4] for i in range(0, len(values), 4)]
-def same(name, formula, code="f"):
-    for i, texel in enumerate(image(name, code)):
-        x, y = i % 40, i // 40
-        dst = [(n & 15) / 16 for n in (x, y, x + y, 3 * x + y)]
-        src = [(n & 15) / 16 for n in (5 * x, 3 * y, x ^ y, 7 * x + y)]
-        want = tuple(formula(s, d, src[3], dst[3], c) for c, (s, d) in enumerate(zip(src, dst)))
-        assert texel == want, (name, x, y, texel, want)
-same("over", lambda s, d, sa, da, c: s * (1 if c == 3 else sa) + d * (1 - sa))
-same("premultiplied", lambda s, d, sa, da, c: s + d * (1 - sa))
-same("added", lambda s, d, sa, da, c: d if c == 2 else s + d)
-same("least", lambda s, d, sa, da, c: min(s, d))
-same("most", lambda s, d, sa, da, c: s if c % 2 else max(s, d)) # the clear value of g and a is -1
-same("multiplied", lambda s, d, sa, da, c: s * d)
-same("mixed", lambda s, d, sa, da, c: da * sa if c == 3 else d * (1 - s) - s * da)
-for i, texel in enumerate(image("tally", "I")):
-    assert texel == (i % 40, i // 40, 100, 100), (i, texel)
+    return [values[i : i + channels] for i in range(0, len(values), channels)]
+def check(name, found, want):
+    for (x, y), texel in zip(texels, found):
+        assert texel == tuple(want(x, y)), (name, x, y, texel, want(x, y))
+# One layer of blending: s, d, their alphas, the channel.
+modes = {
+    "over": lambda s, d, sa, da, c: s * (1 if c == 3 else sa) + d * (1 - sa),
+    "premultiplied": lambda s, d, sa, da, c: s + d * (1 - sa),
+    "added": lambda s, d, sa, da, c: s + d,
+    "least": lambda s, d, sa, da, c: min(s, d),
+    "largest": lambda s, d, sa, da, c: max(s, d),
+    "multiplied": lambda s, d, sa, da, c: s * d,
+    "mixed": lambda s, d, sa, da, c: da * sa if c == 3 else d * (1 - s) - s * da,
+}
+def blend(mode, src, dst):
+    return [modes[mode](s, d, src[3], dst[3], c) for c, (s, d) in enumerate(zip(src, dst))]
+def fullscreen(mode, x, y):
+    dst = [(n & 15) / 16 for n in (x, y, x + y, 3 * x + y)]
+    src = [(n & 15) / 16 for n in (5 * x, 3 * y, x ^ y, 7 * x + y)]
+    if mode == "largest": # drawn with the mask rb over a clear value of -1
+        dst[1] = dst[3] = -1
+    result = blend(mode, src, dst)
+    if mode == "added": # with the mask rga
+        result[2] = dst[2]
+    return result
+def billboards(mode, x, y):
+    color = fullscreen(mode, x, y)
+    for i in range(alive):
+        left, low, size = i * 5 % 17, i * 7 % 11, 3 + i % 5
+        if left <= x < left + size and low <= y < low + size:
+            color = blend(mode, [n / 4 for n in (i & 3, i + 1 & 3, i // 2 & 3, 1 + i % 3)], color)
+    return color
+for mode in modes:
+    check(mode, image(f"blend.{mode}"), lambda x, y: fullscreen(mode, x, y))
+    if mode != "mixed":
+        check(mode, image(f"billboards.{mode}"), lambda x, y: billboards(mode, x, y))
+check("tally", image("blend.tally", code="I"), lambda x, y: (x, y, 100, 100))
+# Two triangles of instances 0 to 2, and one of instance 5, which centres on the diagonal belong to.
+def counted(x, y):
+    if not (shift <= x < shift + 20 and 2 <= y < 14 and 4 <= x and y < 8):
+        return [0]
+    u, v = (x - shift + 0.5) / 20, (y - 2 + 0.5) / 12
+    return [6 + (6 if u + v < 1 else 0)]
+found = image("count.counted", 1)
+for (x, y), (value,) in zip(texels, found):
+    on_diagonal = abs((x - shift + 0.5) / 20 + (y - 1.5) / 12 - 1) < 1e-6
+    assert [value] == counted(x, y) or (on_diagonal and value in (6, 12)), ("counted", x, y, value)
+def depth(x, y): # of one depth, 2^-24 is the unit of the bias
+    return 0.5 + (4 * 2**-24 if 4 <= min(x, y) and max(x, y) < 10 else -4 * 2**-24 if max(x, y) < 6 else 0)
+check("depth", image("farther.ground_depth", 1), lambda x, y: [depth(x, y)])
+def near(a, b):
+    assert all(abs(m - n) < 2e-6 for m, n in zip(a, b)), (a, b)
+marks = image("strokes.marks")
+for (x, y), texel in zip(texels, marks):
+    if y in (0, 3, 6) and 1 <= x <= 10:
+        assert texel == (0.25,) * 4, ("stroke", x, y, texel)
+    elif abs(x - 10) <= 1 and abs(y - 7) <= 1: # a point of 3 texels: the origin is its first row
+        near(texel, ((x - 9 + 0.5) / 3, (y - 6 + 0.5) / 3, 1, 0.5))
+    elif (x, y) == (30, 20): # a varying of a fullscreen draw
+        near(texel, (30.5 / 40, 20.5 / 24, 0, 1))
 PYTHON
 }
 for backend in gl vk; do
-    check "modes, factors and masks give what their formulas say, $backend" blended $backend
+    check "every texel is what its formula says, $backend" drawn $backend 9 3
+    check "... and with other live parameters" drawn $backend 12 -4
 done
 finish

@@ -73,6 +73,36 @@ static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
     return note(runtime, RECORDER_DRAW_FULLSCREEN, pass, layers, 0, 0);
 }
 
+static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                          uint32_t instances)
+{
+    return note(runtime, RECORDER_DRAW_VERTICES, pass, layers, vertices, instances);
+}
+
+static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
+                                   uint32_t arguments)
+{
+    return note(runtime, RECORDER_DRAW_VERTICES_INDIRECT, pass, layers, arguments, 0);
+}
+
+static bool note_rect(void *runtime, enum recorder_verb verb, uint32_t pass, struct dt_rect rect)
+{
+    struct recorder *r = runtime;
+    bool good = note(runtime, verb, pass, (uint32_t)rect.x, (uint32_t)rect.y, rect.width);
+    r->notes[r->count - 1].arguments[3] = rect.height;
+    return good;
+}
+
+static bool viewport(void *runtime, uint32_t pass, struct dt_rect rect)
+{
+    return note_rect(runtime, RECORDER_VIEWPORT, pass, rect);
+}
+
+static bool scissor(void *runtime, uint32_t pass, struct dt_rect rect)
+{
+    return note_rect(runtime, RECORDER_SCISSOR, pass, rect);
+}
+
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
     return note(runtime, RECORDER_CLEAR_TARGETS, pass, layers, 0, 0);
@@ -102,6 +132,10 @@ static const struct dt_verbs verbs = {
     .draw_scene = draw_scene,
     .draw_indirect = draw_indirect,
     .draw_fullscreen = draw_fullscreen,
+    .draw_vertices = draw_vertices,
+    .draw_vertices_indirect = draw_vertices_indirect,
+    .viewport = viewport,
+    .scissor = scissor,
     .clear_targets = clear_targets,
     .clear_buffer = clear_buffer,
     .clear_image = clear_image,
@@ -157,7 +191,7 @@ static void barrier_line(const struct recorder *r, const struct recorder_note *n
 void recorder_line(const struct recorder *recorder, uint32_t note, char *line, size_t size)
 {
     static const struct {
-        const char *verb, *arguments[3]; /* %: a resource */
+        const char *verb, *arguments[4]; /* %: a resource */
     } forms[] = {
         [RECORDER_BEGIN] = {"begin", {"runs"}},
         [RECORDER_BARRIERS] = {"barriers", {"count"}},
@@ -167,6 +201,10 @@ void recorder_line(const struct recorder *recorder, uint32_t note, char *line, s
         [RECORDER_DRAW_SCENE] = {"draw_scene", {"layers"}},
         [RECORDER_DRAW_INDIRECT] = {"draw_indirect", {"layers", "%indices", "%arguments"}},
         [RECORDER_DRAW_FULLSCREEN] = {"draw_fullscreen", {"layers"}},
+        [RECORDER_DRAW_VERTICES] = {"draw_vertices", {"layers", "vertices", "instances"}},
+        [RECORDER_DRAW_VERTICES_INDIRECT] = {"draw_vertices_indirect", {"layers", "%arguments"}},
+        [RECORDER_VIEWPORT] = {"viewport", {"x", "y", "width", "height"}},
+        [RECORDER_SCISSOR] = {"scissor", {"x", "y", "width", "height"}},
         [RECORDER_CLEAR_TARGETS] = {"clear_targets", {"layers"}},
         [RECORDER_CLEAR_BUFFER] = {"clear_buffer", {"%resource"}},
         [RECORDER_CLEAR_IMAGE] = {"clear_image", {"%resource", "mip"}},
@@ -180,7 +218,7 @@ void recorder_line(const struct recorder *recorder, uint32_t note, char *line, s
     }
     used += (size_t)snprintf(line, size, "%s %s (%u)", forms[n->verb].verb,
                              pass_name(recorder, n->pass), n->pass);
-    for (int i = 0; i < 3 && forms[n->verb].arguments[i] && used < size; i++) {
+    for (int i = 0; i < 4 && forms[n->verb].arguments[i] && used < size; i++) {
         const char *form = forms[n->verb].arguments[i];
         uint32_t value = n->arguments[i];
         used += (size_t)(*form == '%' ? snprintf(line + used, size - used, ", %s %s (%u)", form + 1,

@@ -15,6 +15,10 @@ enum recorder_verb {
     RECORDER_DRAW_SCENE,
     RECORDER_DRAW_INDIRECT,
     RECORDER_DRAW_FULLSCREEN,
+    RECORDER_DRAW_VERTICES,
+    RECORDER_DRAW_VERTICES_INDIRECT,
+    RECORDER_VIEWPORT,
+    RECORDER_SCISSOR,
     RECORDER_CLEAR_TARGETS,
     RECORDER_CLEAR_BUFFER,
     RECORDER_CLEAR_IMAGE,
@@ -24,7 +28,7 @@ enum recorder_verb {
 struct recorder_note {
     enum recorder_verb verb;
     uint32_t pass;
-    uint32_t arguments[3]; /* in the order of struct dt_verbs; else 0 */
+    uint32_t arguments[4]; /* in the order of struct dt_verbs; else 0 */
     struct dt_barrier barrier;
 };
 

@@ -717,6 +717,16 @@ void vkCmdDrawIndexed(VkCommandBuffer commands, uint32_t indices, uint32_t insta
     real(commands, indices, instances, index, vertex, instance);
 }
 
+void vkCmdDrawIndirect(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset,
+                       uint32_t count, uint32_t stride)
+{
+    REAL(vkCmdDrawIndirect);
+
+    touch_arguments(buffer);
+    touch_draw(false);
+    real(commands, buffer, offset, count, stride);
+}
+
 void vkCmdDrawIndexedIndirect(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSize offset,
                               uint32_t count, uint32_t stride)
 {

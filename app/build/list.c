@@ -17,6 +17,7 @@ static const char *pass_kind(enum dt_pass_kind kind)
 {
     static const char *const names[] = {[DT_PASS_DRAW_SCENE] = "draw scene",
                                         [DT_PASS_DRAW_FULLSCREEN] = "draw fullscreen",
+                                        [DT_PASS_DRAW_VERTICES] = "draw vertices",
                                         [DT_PASS_DISPATCH] = "dispatch"};
     return names[kind];
 }

@@ -37,6 +37,9 @@ static uint64_t play_runs(const struct dt_pipeline *pipeline, uint32_t index, ui
     int64_t count[3] = {1, 1, 1};
     if (!pass || pass->indirect_resource)
         return 0;
+    if (pass->kind == PASS_VERTICES)
+        return dt_product(value_of(pass->vertices, width, height, live),
+                          value_of(pass->instances, width, height, live), 1);
     if (pass_draws(pass))
         return dt_product(value_of(pass->layers, width, height, live), 1, 1);
     if (pass->size == SIZE_INTERLEAVE)
@@ -76,10 +79,33 @@ static uint32_t layers_of(const struct dt_recording *r, const struct pass *pass)
     return (uint32_t)value_of(pass->layers, r->width, r->height, r->live);
 }
 
+static struct dt_rect rect_of(const struct dt_recording *r, struct expr *const rect[4])
+{
+    int64_t values[4];
+    for (int i = 0; i < 4; i++)
+        values[i] = value_of(rect[i], r->width, r->height, r->live);
+    return dt_rect(values[0], values[1], values[2], values[3]);
+}
+
+static uint32_t count_of(const struct dt_recording *r, const struct expr *expr)
+{
+    return dt_count(value_of(expr, r->width, r->height, r->live));
+}
+
 static bool play_work(const struct dt_recording *r, const struct pass *pass)
 {
     const struct dt_verbs *v = r->verbs;
     uint32_t index = pass->index;
+    if (pass->viewport[0] && !v->viewport(r->runtime, index, rect_of(r, pass->viewport)))
+        return false;
+    if (pass->scissor[0] && !v->scissor(r->runtime, index, rect_of(r, pass->scissor)))
+        return false;
+    if (pass->kind == PASS_VERTICES && pass->indirect_resource)
+        return v->draw_vertices_indirect(r->runtime, index, layers_of(r, pass),
+                                         pass->indirect_resource->index);
+    if (pass->kind == PASS_VERTICES)
+        return v->draw_vertices(r->runtime, index, layers_of(r, pass), count_of(r, pass->vertices),
+                                count_of(r, pass->instances));
     if (pass->kind == PASS_FULLSCREEN)
         return v->draw_fullscreen(r->runtime, index, layers_of(r, pass));
     if (pass->kind == PASS_SCENE && !pass->indirect_resource)

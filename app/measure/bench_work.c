@@ -39,7 +39,9 @@ static double flops_of(const struct work_frame *frame, const struct dt_pass *pas
                                       frame->size[0], frame->size[1], frame->live);
     if (pass->kind == DT_PASS_DISPATCH)
         return runs * (double)pass->flops[0];
-    double corners = pass->kind == DT_PASS_DRAW_SCENE ? frame->vertex_count : 3;
+    double corners = pass->kind == DT_PASS_DRAW_SCENE      ? frame->vertex_count
+                     : pass->kind == DT_PASS_DRAW_VERTICES ? 1 /* `runs` counts them */
+                                                           : 3;
     return runs * corners * (double)pass->flops[0] +
            covered_texels(frame, pass) * (double)pass->flops[1];
 }

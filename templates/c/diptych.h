@@ -126,7 +126,12 @@ struct dt_resource {
     uint32_t mips;
 };
 
-enum dt_pass_kind { DT_PASS_DRAW_SCENE, DT_PASS_DRAW_FULLSCREEN, DT_PASS_DISPATCH };
+enum dt_pass_kind {
+    DT_PASS_DRAW_SCENE,
+    DT_PASS_DRAW_FULLSCREEN,
+    DT_PASS_DRAW_VERTICES, /* without vertex buffer */
+    DT_PASS_DISPATCH
+};
 
 struct dt_pass {
     const char *name;

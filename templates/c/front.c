@@ -185,7 +185,9 @@ static bool same_bindings(const struct dt_program *a, const struct dt_program *b
 static bool same_state(const struct dt_program *a, const struct dt_program *b)
 {
     return a->compare == b->compare && a->cull == b->cull && a->depth_test == b->depth_test &&
-           a->depth_write == b->depth_write && a->clip_distances == b->clip_distances;
+           a->depth_write == b->depth_write && a->clip_distances == b->clip_distances &&
+           a->topology == b->topology && a->bias_constant == b->bias_constant &&
+           a->bias_slope == b->bias_slope;
 }
 
 static enum dt_format format_of(const struct dt_panel *panel, const struct dt_target *target)
@@ -511,6 +513,7 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
     struct dt_core *core = runtime;
     enum dt_action action = ask_observer(core, pass);
     core->pass = pass;
+    core->has_viewport = core->has_scissor = false;
     core->skips = action == DT_SKIP;
     core->ran[pass] = runs && action == DT_RUN;
     return action != DT_STOP && core->backend->verbs.begin(core, pass, core->ran[pass]);
@@ -587,22 +590,25 @@ static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
                            core->backend->verbs.draw_scene(core, pass, layers));
 }
 
+static bool check_draws(const struct dt_core *core, uint32_t pass, uint32_t arguments,
+                        uint32_t bytes)
+{
+    uint32_t extent[3];
+    extent_of(core, arguments, extent);
+    uint64_t draws = (uint64_t)extent[0] * core->pipeline->resources[arguments].stride / bytes;
+    return draws <= core->limits.draws ||
+           dt_error(core, "pass %s: %llu indirect draws, but %s allows %u; use fewer",
+                    pass_name(core, pass), (unsigned long long)draws, core->device_name,
+                    core->limits.draws);
+}
+
 static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                           uint32_t arguments)
 {
     struct dt_core *core = runtime;
-    uint32_t extent[3];
-    if (core->skips)
-        return true;
-    extent_of(core, arguments, extent);
-    uint64_t draws =
-        (uint64_t)extent[0] * core->pipeline->resources[arguments].stride / DT_DRAW_BYTES;
-    if (draws > core->limits.draws)
-        return dt_error(core, "pass %s: %llu indirect draws, but %s allows %u; use fewer",
-                        pass_name(core, pass), (unsigned long long)draws, core->device_name,
-                        core->limits.draws);
-    return check_layers(core, pass, layers) &&
-           core->backend->verbs.draw_indirect(core, pass, layers, indices, arguments);
+    return core->skips ||
+           (check_draws(core, pass, arguments, DT_DRAW_BYTES) && check_layers(core, pass, layers) &&
+            core->backend->verbs.draw_indirect(core, pass, layers, indices, arguments));
 }
 
 static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
@@ -610,6 +616,72 @@ static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
     struct dt_core *core = runtime;
     return core->skips || (check_layers(core, pass, layers) &&
                            core->backend->verbs.draw_fullscreen(core, pass, layers));
+}
+
+static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                          uint32_t instances)
+{
+    struct dt_core *core = runtime;
+    return core->skips ||
+           (check_layers(core, pass, layers) &&
+            core->backend->verbs.draw_vertices(core, pass, layers, vertices, instances));
+}
+
+static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
+                                   uint32_t arguments)
+{
+    struct dt_core *core = runtime;
+    return core->skips ||
+           (check_draws(core, pass, arguments, DT_VERTEX_DRAW_BYTES) &&
+            check_layers(core, pass, layers) &&
+            core->backend->verbs.draw_vertices_indirect(core, pass, layers, arguments));
+}
+
+static bool viewport(void *runtime, uint32_t pass, struct dt_rect rect)
+{
+    struct dt_core *core = runtime;
+    const uint32_t *most = core->limits.target_size;
+    if (rect.width > most[0] || rect.height > most[1])
+        return dt_error(core,
+                        "pass %s: a viewport of %ux%u texels, but %s allows %ux%u; choose "
+                        "a smaller one",
+                        pass_name(core, pass), rect.width, rect.height, core->device_name, most[0],
+                        most[1]);
+    core->has_viewport = true;
+    core->viewport = rect;
+    return true;
+}
+
+static bool scissor(void *runtime, uint32_t pass, struct dt_rect rect)
+{
+    struct dt_core *core = runtime;
+    (void)pass;
+    core->has_scissor = true;
+    core->scissor = rect;
+    return true;
+}
+
+/* Clips one axis of a rectangle to 0 to `size`. */
+static void clip_axis(int32_t *start, uint32_t *length, uint32_t size)
+{
+    int64_t first = *start < 0 ? 0 : *start, end = (int64_t)*start + *length;
+    end = end > size ? size : end;
+    *start = (int32_t)(first < end ? first : 0);
+    *length = first < end ? (uint32_t)(end - first) : 0;
+}
+
+void dt_front_area(const struct dt_core *core, uint32_t width, uint32_t height,
+                   struct dt_rect *viewport, struct dt_rect *scissor)
+{
+    const struct dt_rect all = {0, 0, width, height};
+    *viewport = core->has_viewport ? core->viewport : all;
+    *scissor = core->has_scissor ? core->scissor : all;
+    clip_axis(&scissor->x, &scissor->width, width);
+    clip_axis(&scissor->y, &scissor->height, height);
+    if (viewport->width && viewport->height)
+        return;
+    *viewport = all; /* the APIs have no empty one */
+    scissor->width = scissor->height = 0;
 }
 
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
@@ -639,6 +711,10 @@ static const struct dt_verbs checked = {
     .draw_scene = draw_scene,
     .draw_indirect = draw_indirect,
     .draw_fullscreen = draw_fullscreen,
+    .draw_vertices = draw_vertices,
+    .draw_vertices_indirect = draw_vertices_indirect,
+    .viewport = viewport,
+    .scissor = scissor,
     .clear_targets = clear_targets,
     .clear_buffer = clear_buffer,
     .clear_image = clear_image,

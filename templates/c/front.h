@@ -47,9 +47,11 @@ struct dt_core {
 
     /* While a frame is recorded. */
     const struct dt_observer *observer;
-    uint32_t pass; /* of the last begin */
-    bool skips;    /* DT_SKIP: record only barriers */
-    bool *ran;     /* per pass: work recorded in the last frame */
+    uint32_t pass;                  /* of the last begin */
+    bool skips;                     /* DT_SKIP: record only barriers */
+    bool has_viewport, has_scissor; /* of the pass being recorded */
+    struct dt_rect viewport, scissor;
+    bool *ran; /* per pass: work recorded in the last frame */
 };
 
 /* Every bool function logs its error. All take the core that open made. */
@@ -124,6 +126,10 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
 bool dt_front_ready(const struct dt_core *core, const char *verb);
 /* Called by a backend's render: records all passes, through the checked verbs. */
 bool dt_front_record(struct dt_core *core, const void *live);
+/* For a draw into targets of this size: the viewport, at least one texel large, and the scissor,
+ * which lies within the targets and may be empty. */
+void dt_front_area(const struct dt_core *core, uint32_t width, uint32_t height,
+                   struct dt_rect *viewport, struct dt_rect *scissor);
 /* The frame's block with width and height set. */
 struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame);
 /* Whether the resource and the mip exist; `shape` gets size and extent. */

@@ -102,7 +102,10 @@ enum dt_builtin {
 
 enum dt_binding_kind { DT_BIND_UNIFORM, DT_BIND_STORAGE, DT_BIND_TEXTURE, DT_BIND_IMAGE };
 enum { DT_ALL_MIPS = 0xff, DT_MAX_MIPS = 16, DT_MAX_COLOR_TARGETS = 8, DT_MAX_BINDINGS = 64 };
-enum { DT_DRAW_BYTES = 20 }; /* of one indirect draw: VkDrawIndexedIndirectCommand */
+enum {
+    DT_DRAW_BYTES = 20,       /* of one indirect draw: VkDrawIndexedIndirectCommand */
+    DT_VERTEX_DRAW_BYTES = 16 /* the same without indices: VkDrawIndirectCommand */
+};
 
 struct dt_binding {
     uint16_t binding;  /* the number in GLSL */
@@ -159,6 +162,7 @@ struct dt_target {
 
 enum dt_compare { DT_COMPARE_LESS, DT_COMPARE_LESS_EQUAL, DT_COMPARE_GREATER, DT_COMPARE_ALWAYS };
 enum dt_cull { DT_CULL_NONE, DT_CULL_BACK, DT_CULL_FRONT };
+enum dt_topology { DT_TRIANGLES, DT_LINES, DT_POINTS };
 
 /* A dispatch has only the bindings. A draw has at least one colour target or a depth target. */
 struct dt_program {
@@ -172,6 +176,8 @@ struct dt_program {
     bool depth_test, depth_write;
     bool layered;            /* gl_Layer selects the layer of all targets */
     uint32_t clip_distances; /* that its vertex shader writes */
+    enum dt_topology topology;
+    float bias_constant, bias_slope; /* depth bias of triangles */
 };
 
 /* A device feature that a pass needs in addition to those that every pipeline needs. */
@@ -181,6 +187,12 @@ struct dt_need {
 };
 
 /* ---- Recording ------------------------------------------------------------------------------- */
+
+/* Texels of a target, row 0 first. */
+struct dt_rect {
+    int32_t x, y;
+    uint32_t width, height;
+};
 
 /* The functions that record a frame. Each logs its error and returns false. Between begin and end
  * of a pass come barriers, then bind and the work; if the pass does not run, only clears. `layers`:
@@ -198,6 +210,15 @@ struct dt_verbs {
     bool (*draw_indirect)(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                           uint32_t arguments);
     bool (*draw_fullscreen)(void *runtime, uint32_t pass, uint32_t layers);
+    bool (*draw_vertices)(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                          uint32_t instances);
+    /* DT_VERTEX_DRAW_BYTES for each draw */
+    bool (*draw_vertices_indirect)(void *runtime, uint32_t pass, uint32_t layers,
+                                   uint32_t arguments);
+    /* Of the pass's draw; without them all of the targets. The front keeps them: a backend has
+     * NULL here and asks dt_front_area. */
+    bool (*viewport)(void *runtime, uint32_t pass, struct dt_rect viewport);
+    bool (*scissor)(void *runtime, uint32_t pass, struct dt_rect scissor);
     bool (*clear_targets)(void *runtime, uint32_t pass, uint32_t layers); /* targets without load */
     bool (*clear_buffer)(void *runtime, uint32_t pass, uint32_t resource); /* to zero */
     bool (*clear_image)(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip);
@@ -238,6 +259,26 @@ static inline void dt_set_extent(uint32_t extent[3], int64_t x, int64_t y, int64
     extent[0] = dt_size(x);
     extent[1] = dt_size(y);
     extent[2] = dt_size(z);
+}
+
+/* Vertices or instances of a draw. */
+static inline uint32_t dt_count(int64_t count)
+{
+    return count < 0 ? 0 : count > INT32_MAX ? INT32_MAX : (uint32_t)count;
+}
+
+enum { DT_MAX_SIDE = 16384 };
+
+/* Limits the corner to -DT_MAX_SIDE to DT_MAX_SIDE, width and height to 0 to DT_MAX_SIDE. */
+static inline struct dt_rect dt_rect(int64_t x, int64_t y, int64_t width, int64_t height)
+{
+    const int64_t most = DT_MAX_SIDE;
+    struct dt_rect rect;
+    rect.x = (int32_t)(x < -most ? -most : x > most ? most : x);
+    rect.y = (int32_t)(y < -most ? -most : y > most ? most : y);
+    rect.width = (uint32_t)(width < 0 ? 0 : width > most ? most : width);
+    rect.height = (uint32_t)(height < 0 ? 0 : height > most ? most : height);
+    return rect;
 }
 
 /* Workgroups for `count` invocations; 0 if count is not positive. */

@@ -4,8 +4,13 @@
 #define OPENGL
 #define EXACT
 
-void main()
+vec4 fullscreen_position()
 {
     precise vec2 corner = vec2(gl_VertexID << 1 & 2, gl_VertexID & 2);
-    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
+    { precise vec4 result = vec4(2.0 * corner - 1.0, 0.0, 1.0); return result; }
+}
+
+void main()
+{
+    gl_Position = fullscreen_position();
 }

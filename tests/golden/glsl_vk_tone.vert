@@ -3,8 +3,13 @@
 #define VERTEX
 #define EXACT
 
-void main()
+vec4 fullscreen_position()
 {
     vec2 corner = vec2(gl_VertexIndex << 1 & 2, gl_VertexIndex & 2);
-    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);
+    return vec4(2.0 * corner - 1.0, 0.0, 1.0);
+}
+
+void main()
+{
+    gl_Position = fullscreen_position();
 }

@@ -127,8 +127,13 @@ static size_t read_state(GLint out[STATE_SIZE])
         GL_FRONT_FACE,
         GL_PACK_ALIGNMENT,
         GL_PIXEL_UNPACK_BUFFER_BINDING,
+        GL_LINE_SMOOTH,
+        GL_POINT_SPRITE_COORD_ORIGIN,
+        GL_POLYGON_OFFSET_FACTOR,
         GL_POLYGON_OFFSET_FILL,
+        GL_POLYGON_OFFSET_UNITS,
         GL_PRIMITIVE_RESTART,
+        GL_PROGRAM_POINT_SIZE,
         GL_PROVOKING_VERTEX,
         GL_RASTERIZER_DISCARD,
         GL_READ_FRAMEBUFFER_BINDING,
@@ -167,7 +172,8 @@ static size_t read_state(GLint out[STATE_SIZE])
         glGetInteger64i_v(GL_SHADER_STORAGE_BUFFER_START, k, &start);
         out[count + 14 + k] = (GLint)start;
     }
-    return count + 18;
+    glGetIntegeri_v(GL_SCISSOR_BOX, 0, &out[count + 18]);
+    return count + 22;
 }
 
 void make_disorder(void)
@@ -183,6 +189,8 @@ void make_disorder(void)
                                GL_STENCIL_TEST,
                                GL_CLIP_DISTANCE0 + 3};
     GLuint framebuffer, input, uniforms = make_buffer(NULL, 4096);
+    glPolygonOffset(3, 5);
+    glScissor(1, 2, 3, 4);
     for (size_t i = 0; i < COUNT(switches); i++)
         glEnable(switches[i]);
     glCreateFramebuffers(1, &framebuffer);

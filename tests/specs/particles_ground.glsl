@@ -7,6 +7,6 @@ vec4 ground(ivec2 p)
 void main()
 {
     ivec2 p = ivec2(gl_FragCoord.xy);
-    over = premultiplied = added = least = most = multiplied = mixed = ground(p);
+    over = premultiplied = added = least = largest = multiplied = mixed = ground(p);
     tally = uvec4(p, p);
 }
