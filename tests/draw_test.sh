@@ -12,7 +12,7 @@ check "draws agree without instances, in a viewport beyond the targets" \
 
 # shellcheck disable=SC2317 # called through check
 drawn() { # backend alive shift
-    rm -rf "$work/$1"
+    rm -rf "${work:?}/$1"
     "$diptych" render --spec "$spec" --size 40x24 --backend "$1" --set "alive=$2" --set "shift=$3" \
         --dump "$work/$1" -o "$work/$1.png" && python3 - "$work/$1" "$2" "$3" <<'PYTHON'
 import glob, struct, sys
