@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "plan.h"
 #include "table.h"
 
 static const char *type_text(struct checker *c, enum dt_type type)
@@ -30,7 +31,7 @@ static void check_flips(struct checker *c, const struct resource *resource)
 {
     struct loc loc = resource->contract.loc;
     if (resource->kind == DT_IMAGE) {
-        if (resource->format < DT_FORMAT_R32UI || resource->format > DT_FORMAT_R32I)
+        if (!format_info(resource->format)->integer)
             diag_error(c->diag, loc, "`flips` is for integers; the texels of `%s` are not",
                        resource->name);
         return;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "plan.h"
 
 enum { MOST_TARGETS = 8, MOST_GROUPS = 65535 };
 
@@ -14,7 +15,7 @@ static bool is_depth(const struct resource *r)
 
 static bool is_integer(enum dt_format format)
 {
-    return format >= DT_FORMAT_R32UI && format <= DT_FORMAT_R32I;
+    return format_info(format)->integer;
 }
 
 static bool is_target(const struct pass *pass, const struct access *access)

@@ -13,24 +13,9 @@ struct format_names {
 
 static struct format_names format_names(enum dt_format format)
 {
-    static const struct format_names names[DT_FORMAT_COUNT] = {
-        [DT_FORMAT_R8] = {"r8", ""},
-        [DT_FORMAT_RG8] = {"rg8", ""},
-        [DT_FORMAT_RGBA8] = {"rgba8", ""},
-        [DT_FORMAT_RGBA8_SRGB] = {NULL, ""},
-        [DT_FORMAT_R16F] = {"r16f", ""},
-        [DT_FORMAT_RG16F] = {"rg16f", ""},
-        [DT_FORMAT_RGBA16F] = {"rgba16f", ""},
-        [DT_FORMAT_R32F] = {"r32f", ""},
-        [DT_FORMAT_RG32F] = {"rg32f", ""},
-        [DT_FORMAT_RGBA32F] = {"rgba32f", ""},
-        [DT_FORMAT_R32UI] = {"r32ui", "u"},
-        [DT_FORMAT_RG32UI] = {"rg32ui", "u"},
-        [DT_FORMAT_RGBA32UI] = {"rgba32ui", "u"},
-        [DT_FORMAT_R32I] = {"r32i", "i"},
-        [DT_FORMAT_D32F] = {NULL, ""},
-    };
-    return names[format];
+    const struct format_info *info = format_info(format);
+    const char *prefix = !info->integer ? "" : strstr(info->name, "ui") ? "u" : "i";
+    return (struct format_names){info->storage ? info->name : NULL, prefix};
 }
 
 static bool is_image(const struct access *access)

@@ -113,20 +113,14 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     return false;
 }
 
-/* A format of GLSL that the language does not have, such as rgba16: lists those of as many channels,
- * since the nearest name (rgba16f) holds other values. False: text is none. */
+/* A format of GLSL that the language does not have, such as rgba8_snorm: lists those of as many channels,
+ * since the nearest name (rgba16_snorm) holds other values. False: text is none. */
 static bool lacks_format(struct reader *reader, const char *text, struct loc loc,
                          const char *const *words, size_t count)
 {
     static const struct {
         const char *ending, *meaning;
-    } known[] = {{"8_snorm", "8-bit snorm"},
-                 {"16", "16-bit unorm"},
-                 {"16_snorm", "16-bit snorm"},
-                 {"8ui", "8-bit unsigned integers"},
-                 {"16ui", "16-bit unsigned integers"},
-                 {"8i", "8-bit integers"},
-                 {"16i", "16-bit integers"}};
+    } known[] = {{"8_snorm", "8-bit snorm"}};
     size_t channels = strspn(text, "rgba"), i = 0;
     while (i < DT_ARRAY_COUNT(known) && strcmp(text + channels, known[i].ending))
         i++;
@@ -147,13 +141,13 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
 {
     if (table_choice(key->choices, text) >= 0)
         return true;
-    const char *words[24];
-    char copy[256];
+    const char *words[48];
+    char copy[512];
     size_t count = 0;
     strncpy(copy, key->choices, sizeof copy - 1);
     copy[sizeof copy - 1] = '\0';
     char *rest = copy;
-    for (char *word; (word = strsep(&rest, "|")) && count < 24;)
+    for (char *word; (word = strsep(&rest, "|")) && count < 48;)
         words[count++] = word;
     if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
         return false;

@@ -9,7 +9,10 @@
     NUMBER_TYPES "|bool|mat4" /* bool keeps the numbering of enum dt_type; set_type rejects it */
 #define FORMATS                                                                                    \
     "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|"    \
-    "d32f"
+    "d32f|"                                                                                        \
+    "r16|rg16|rgba16|r16_snorm|rg16_snorm|rgba16_snorm|"                                           \
+    "r8ui|rg8ui|rgba8ui|r16ui|rg16ui|rgba16ui|"                                                    \
+    "r8i|rg8i|rgba8i|r16i|rg16i|rgba16i|rg32i|rgba32i"
 
 #define BLENDS "off|add|over|premultiplied|min|max|multiply"
 #define FACTORS                                                                                    \
@@ -293,7 +296,13 @@ const struct key table_keys[] = {
     {SECTION_IMAGES, "*", KEY_MAP, SECTION_IMAGE, NULL, OPTIONAL, NULL, "An image, by its name.",
      "{format: rgba16f, size: frame}"},
     {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, FORMATS, REQUIRED, NULL,
-     "Format of a texel.", "rgba16f"},
+     "Format of a texel. Without ending, numbers from 0 to 1 in integer steps; `_snorm`: from -1 "
+     "to "
+     "1; `f`: floats; `ui` and `i`: unsigned and signed integers. A dispatch that uses one of "
+     "those "
+     "that Vulkan calls extended, such as r16ui, needs shaderStorageImageExtendedFormats; a device "
+     "that cannot draw into, filter or blend a format names it.",
+     "rgba16f"},
     {SECTION_IMAGE, "size", KEY_SIZE, SECTION_NONE, NULL, OPTIONAL,
      "required without `file`; frame for an input",
      "`frame`, or width and height as integer expressions, 1 to 16384.", "[frame.width / 2, 256]"},
@@ -532,7 +541,8 @@ const struct key table_keys[] = {
     {SECTION_CONTRACTS, "*", KEY_CHOICE, SECTION_CONTRACT, "exact", OPTIONAL, NULL,
      "For one resource, by its name.", "{ulp: 4}"},
     {SECTION_CONTRACT, "ulp", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL,
-     "Units in the last place: of float and half, codes of 8 bit formats, 1 for integers.", "4"},
+     "Units in the last place: of float and half, codes of 8 and 16 bit formats, 1 for integers.",
+     "4"},
     {SECTION_CONTRACT, "abs", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Absolute difference.", "0.001"},
     {SECTION_CONTRACT, "rel", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,

@@ -187,7 +187,7 @@ static size_t channel_count(const char *format)
 }
 
 /* Whether `other` can replace the image's format with only a change of precision: the same
- * channels, not integer, large enough for the clear colour, and at least half for a half or a
+ * channels, of floats, large enough for the clear colour, and at least half for a half or a
  * float. */
 static bool may_replace(const struct resource *image, const struct format_info *other)
 {
@@ -195,8 +195,9 @@ static bool may_replace(const struct resource *image, const struct format_info *
     const double largest_half = 65504;
     size_t channels = channel_count(own->name);
     bool half = other->bytes == 2 * channels;
-    if (own == other || own->integer || other->integer || !own->storage || !other->storage ||
-        channels != channel_count(other->name) || strncmp(own->name, other->name, channels) != 0)
+    if (own == other || own->integer || !strchr(other->name, 'f') || !own->storage ||
+        !other->storage || channels != channel_count(other->name) ||
+        strncmp(own->name, other->name, channels) != 0)
         return false;
     for (int i = 0; half && i < 4; i++)
         if (fabs(image->clear[i]) > largest_half)

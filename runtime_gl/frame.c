@@ -158,12 +158,12 @@ static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
 {
     const struct gl_image *image = gl_image_of(rt, target->resource);
     const float *c = rt->core.panel->storage[target->resource].clear;
-    switch (gl_format(image->format)->type) {
-    case GL_UNSIGNED_INT: {
+    switch (dt_front_scalar(image->format)) {
+    case DT_TYPE_UINT: {
         const GLuint value[4] = {(GLuint)c[0], (GLuint)c[1], (GLuint)c[2], (GLuint)c[3]};
         return GL(rt, image->name, ClearNamedFramebufferuiv(framebuffer, GL_COLOR, index, value));
     }
-    case GL_INT: {
+    case DT_TYPE_INT: {
         const GLint value[4] = {(GLint)c[0], (GLint)c[1], (GLint)c[2], (GLint)c[3]};
         return GL(rt, image->name, ClearNamedFramebufferiv(framebuffer, GL_COLOR, index, value));
     }

@@ -21,6 +21,26 @@ static const struct gl_format formats[DT_FORMAT_COUNT] = {
     [DT_FORMAT_RGBA32UI] = {GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 16},
     [DT_FORMAT_R32I] = {GL_R32I, GL_RED_INTEGER, GL_INT, 4},
     [DT_FORMAT_D32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
+    [DT_FORMAT_R16] = {GL_R16, GL_RED, GL_UNSIGNED_SHORT, 2},
+    [DT_FORMAT_RG16] = {GL_RG16, GL_RG, GL_UNSIGNED_SHORT, 4},
+    [DT_FORMAT_RGBA16] = {GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT, 8},
+    [DT_FORMAT_R16_SNORM] = {GL_R16_SNORM, GL_RED, GL_SHORT, 2},
+    [DT_FORMAT_RG16_SNORM] = {GL_RG16_SNORM, GL_RG, GL_SHORT, 4},
+    [DT_FORMAT_RGBA16_SNORM] = {GL_RGBA16_SNORM, GL_RGBA, GL_SHORT, 8},
+    [DT_FORMAT_R8UI] = {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1},
+    [DT_FORMAT_RG8UI] = {GL_RG8UI, GL_RG_INTEGER, GL_UNSIGNED_BYTE, 2},
+    [DT_FORMAT_RGBA8UI] = {GL_RGBA8UI, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, 4},
+    [DT_FORMAT_R16UI] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
+    [DT_FORMAT_RG16UI] = {GL_RG16UI, GL_RG_INTEGER, GL_UNSIGNED_SHORT, 4},
+    [DT_FORMAT_RGBA16UI] = {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, 8},
+    [DT_FORMAT_R8I] = {GL_R8I, GL_RED_INTEGER, GL_BYTE, 1},
+    [DT_FORMAT_RG8I] = {GL_RG8I, GL_RG_INTEGER, GL_BYTE, 2},
+    [DT_FORMAT_RGBA8I] = {GL_RGBA8I, GL_RGBA_INTEGER, GL_BYTE, 4},
+    [DT_FORMAT_R16I] = {GL_R16I, GL_RED_INTEGER, GL_SHORT, 2},
+    [DT_FORMAT_RG16I] = {GL_RG16I, GL_RG_INTEGER, GL_SHORT, 4},
+    [DT_FORMAT_RGBA16I] = {GL_RGBA16I, GL_RGBA_INTEGER, GL_SHORT, 8},
+    [DT_FORMAT_RG32I] = {GL_RG32I, GL_RG_INTEGER, GL_INT, 8},
+    [DT_FORMAT_RGBA32I] = {GL_RGBA32I, GL_RGBA_INTEGER, GL_INT, 16},
 };
 
 const struct gl_format *gl_format(enum dt_format format)
@@ -122,11 +142,11 @@ bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_
     GLenum format = image->format == DT_FORMAT_D32F ? GL_DEPTH_COMPONENT : GL_RGBA;
     GLenum type = GL_FLOAT;
     const void *value = clear;
-    switch (gl_format(image->format)->type) {
-    case GL_UNSIGNED_INT:
+    switch (dt_front_scalar(image->format)) {
+    case DT_TYPE_UINT:
         format = GL_RGBA_INTEGER, type = GL_UNSIGNED_INT, value = u;
         break;
-    case GL_INT:
+    case DT_TYPE_INT:
         format = GL_RGBA_INTEGER, type = GL_INT, value = i;
         break;
     default:

@@ -225,13 +225,11 @@ static VkClearColorValue clear_color(const struct vk_image *image, const float c
 {
     VkClearColorValue value;
     for (int i = 0; i < 4; i++) {
-        switch (image->texel) {
-        case DT_FORMAT_R32UI:
-        case DT_FORMAT_RG32UI:
-        case DT_FORMAT_RGBA32UI:
+        switch (dt_front_scalar(image->texel)) {
+        case DT_TYPE_UINT:
             value.uint32[i] = (uint32_t)clear[i];
             break;
-        case DT_FORMAT_R32I:
+        case DT_TYPE_INT:
             value.int32[i] = (int32_t)clear[i];
             break;
         default:

@@ -323,6 +323,23 @@ static void halves_are_ieee(void **state)
     const uint16_t infinite = 0xfc00;
     const uint16_t nan = 0x7e00;
     assert_true(number_value(NUMBER_HALF, (const uint8_t *)&infinite) == -INFINITY);
+    const struct {
+        enum number_kind kind;
+        uint16_t bits;
+        double value;
+    } codes[] = {{NUMBER_UNORM16, 13107, 0.2},   {NUMBER_UNORM16, 65535, 1},
+                 {NUMBER_SNORM16, 32767, 1},     {NUMBER_SNORM16, 0x8001, -1},
+                 {NUMBER_UINT8, 200, 200},       {NUMBER_INT8, 200, -56},
+                 {NUMBER_UINT16, 0x8001, 32769}, {NUMBER_INT16, 0x8001, -32767}};
+    for (size_t i = 0; i < sizeof codes / sizeof *codes; i++) {
+        uint16_t stored = 0;
+        assert_true(number_value(codes[i].kind, (const uint8_t *)&codes[i].bits) == codes[i].value);
+        assert_true(number_store(codes[i].kind, codes[i].value, (uint8_t *)&stored));
+        assert_int_equal(stored, codes[i].bits);
+        assert_false(number_store(codes[i].kind, 65536, (uint8_t *)&stored));
+    }
+    const uint16_t least = 0x8000; /* snorm has two codes of -1 */
+    assert_true(number_value(NUMBER_SNORM16, (const uint8_t *)&least) == -1);
     assert_true(isnan(number_value(NUMBER_HALF, (const uint8_t *)&nan)));
 }
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What draws can do, tests/specs/particles.yaml: the backends agree, and every texel of the targets is what a rasterizer of
-# axis-aligned squares and the formulas of blending give. TAP.
+# axis-aligned squares and the formulas of blending give. And formats of few bits, tests/specs/formats.yaml: dispatches and
+# draws leave the codes that their numbers have. TAP.
 . "$(dirname "$0")/tap.sh"
 spec=$root/tests/specs/particles.yaml
 
@@ -86,5 +87,41 @@ PYTHON
 for backend in gl vk; do
     check "every texel is what its formula says, $backend" drawn $backend 9 3
     check "... and with other live parameters" drawn $backend 12 -4
+done
+
+formats=$root/tests/specs/formats.yaml
+check "formats of few bits agree, validation silent" "$diptych" compare --spec "$formats" --size 20x12 --debug --backend gl,vk,gl+glsl
+# shellcheck disable=SC2317 # called through check
+coded() { # backend
+    rm -rf "$work/$1"
+    "$diptych" render --spec "$formats" --size 20x12 --backend "$1" --dump "$work/$1" -o "$work/$1.png" --show of_rgba16_snorm &&
+        python3 - "$work/$1" <<'PYTHON'
+import glob, re, struct, sys
+codes = {"": "H", "_snorm": "h", "8ui": "B", "16ui": "H", "8i": "b", "16i": "h", "32i": "i"}
+def stored(ending, n):
+    return ([1000 * n, n, n + 1, 7] if ending == "" else [250 * n - 10000, n, -n, 7] if ending == "_snorm"
+            else [n, n + 1, n + 2, n + 3] if ending.endswith("ui") else [n - 50, -49, -48, -47])
+def drawn(ending): # 2.0 is clamped to 1.0
+    first = {"8ui": 200, "16ui": 60000, "8i": -100, "16i": -30000, "32i": -2000000000}
+    return ([13107, 26214, 65535, 65535] if ending == "" else [-6553, 13107, 32767, 32767] if ending == "_snorm"
+            else [first[ending], 1, 2, 3] if ending.endswith("ui") else [first[ending], -1, -2, 3])
+count = 0
+for pass_name, in_draw in ("store", False), ("draw", True):
+    for file in glob.glob(f"{sys.argv[1]}/*.{pass_name}_*.of_*.raw"):
+        channels, ending = re.search(r"\.of_(r|rg|rgba)(?:16)?(|_snorm|8ui|16ui|8i|16i|32i|ui|i)\.raw$", file).groups()
+        ending = "16" + ending if ending in ("ui", "i") else ending
+        data = open(file, "rb").read()
+        found = struct.unpack(f"<{len(data) // struct.calcsize(codes[ending])}{codes[ending]}", data)
+        for i in range(240):
+            x, y, size = i % 20, i // 20, len(channels)
+            inside = in_draw and 2 <= x < 7 and 1 <= y < 7
+            want = drawn(ending) if inside else stored(ending, x + 3 * y)
+            assert list(found[i * size : (i + 1) * size]) == want[:size], (file, x, y, found[i * size : (i + 1) * size], want)
+        count += 1
+assert count == 40, count
+PYTHON
+}
+for backend in gl vk; do
+    check "every texel has the code of its number, $backend" coded $backend
 done
 finish

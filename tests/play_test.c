@@ -26,7 +26,8 @@
     X("tests/specs/bloom.yaml", bloom)                                                             \
     X("tests/specs/body.yaml", body)                                                               \
     X("tests/specs/outside.yaml", outside)                                                         \
-    X("tests/specs/particles.yaml", particles)
+    X("tests/specs/particles.yaml", particles)                                                     \
+    X("tests/specs/formats.yaml", formats)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
 EACH_SPEC(DECLARE)

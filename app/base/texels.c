@@ -43,6 +43,26 @@ static const struct {
     [DT_FORMAT_RGBA32UI] = {"rgba32ui", 4, NUMBER_UINT},
     [DT_FORMAT_R32I] = {"r32i", 1, NUMBER_INT},
     [DT_FORMAT_D32F] = {"d32f", 1, NUMBER_FLOAT},
+    [DT_FORMAT_R16] = {"r16", 1, NUMBER_UNORM16},
+    [DT_FORMAT_RG16] = {"rg16", 2, NUMBER_UNORM16},
+    [DT_FORMAT_RGBA16] = {"rgba16", 4, NUMBER_UNORM16},
+    [DT_FORMAT_R16_SNORM] = {"r16_snorm", 1, NUMBER_SNORM16},
+    [DT_FORMAT_RG16_SNORM] = {"rg16_snorm", 2, NUMBER_SNORM16},
+    [DT_FORMAT_RGBA16_SNORM] = {"rgba16_snorm", 4, NUMBER_SNORM16},
+    [DT_FORMAT_R8UI] = {"r8ui", 1, NUMBER_UINT8},
+    [DT_FORMAT_RG8UI] = {"rg8ui", 2, NUMBER_UINT8},
+    [DT_FORMAT_RGBA8UI] = {"rgba8ui", 4, NUMBER_UINT8},
+    [DT_FORMAT_R16UI] = {"r16ui", 1, NUMBER_UINT16},
+    [DT_FORMAT_RG16UI] = {"rg16ui", 2, NUMBER_UINT16},
+    [DT_FORMAT_RGBA16UI] = {"rgba16ui", 4, NUMBER_UINT16},
+    [DT_FORMAT_R8I] = {"r8i", 1, NUMBER_INT8},
+    [DT_FORMAT_RG8I] = {"rg8i", 2, NUMBER_INT8},
+    [DT_FORMAT_RGBA8I] = {"rgba8i", 4, NUMBER_INT8},
+    [DT_FORMAT_R16I] = {"r16i", 1, NUMBER_INT16},
+    [DT_FORMAT_RG16I] = {"rg16i", 2, NUMBER_INT16},
+    [DT_FORMAT_RGBA16I] = {"rgba16i", 4, NUMBER_INT16},
+    [DT_FORMAT_RG32I] = {"rg32i", 2, NUMBER_INT},
+    [DT_FORMAT_RGBA32I] = {"rgba32i", 4, NUMBER_INT},
 };
 
 const char *type_name(enum dt_type type)
@@ -82,7 +102,36 @@ uint32_t format_size(enum dt_format format)
 
 uint32_t number_size(enum number_kind kind)
 {
-    return kind == NUMBER_UNORM8 ? 1 : kind == NUMBER_HALF ? 2 : 4;
+    switch (kind) {
+    case NUMBER_UNORM8:
+    case NUMBER_UINT8:
+    case NUMBER_INT8:
+        return 1;
+    case NUMBER_UNORM16:
+    case NUMBER_SNORM16:
+    case NUMBER_HALF:
+    case NUMBER_UINT16:
+    case NUMBER_INT16:
+        return 2;
+    case NUMBER_FLOAT:
+    case NUMBER_UINT:
+    case NUMBER_INT:
+        break;
+    }
+    return 4;
+}
+
+bool number_is_integer(enum number_kind kind)
+{
+    return kind >= NUMBER_UINT;
+}
+
+uint32_t number_one(enum number_kind kind)
+{
+    return kind == NUMBER_UNORM8    ? UINT8_MAX
+           : kind == NUMBER_UNORM16 ? UINT16_MAX
+           : kind == NUMBER_SNORM16 ? INT16_MAX
+                                    : 0;
 }
 
 uint32_t number_bits(enum number_kind kind, const uint8_t *place)
@@ -110,15 +159,24 @@ double number_value(enum number_kind kind, const uint8_t *place)
     memcpy(&number, &bits, sizeof number);
     switch (kind) {
     case NUMBER_UNORM8:
-        return bits / 255.0;
+    case NUMBER_UNORM16:
+        return (double)bits / number_one(kind);
+    case NUMBER_SNORM16: /* -32768 is -1, too */
+        return fmax((double)(int16_t)bits / INT16_MAX, -1);
     case NUMBER_HALF:
         return half_value(bits);
     case NUMBER_FLOAT:
         return (double)number;
     case NUMBER_UINT:
+    case NUMBER_UINT8:
+    case NUMBER_UINT16:
         return bits;
     case NUMBER_INT:
         return (int32_t)bits;
+    case NUMBER_INT8:
+        return (int8_t)bits;
+    case NUMBER_INT16:
+        return (int16_t)bits;
     }
     return 0;
 }
@@ -139,23 +197,25 @@ static uint32_t half_bits(double value)
 
 bool number_store(enum number_kind kind, double value, uint8_t *place)
 {
-    static const double least[] = {[NUMBER_UNORM8] = 0,
-                                   [NUMBER_HALF] = -65519.99,
-                                   [NUMBER_FLOAT] = -FLT_MAX,
-                                   [NUMBER_UINT] = 0,
-                                   [NUMBER_INT] = INT32_MIN};
-    static const double most[] = {[NUMBER_UNORM8] = 1,
-                                  [NUMBER_HALF] = 65519.99,
-                                  [NUMBER_FLOAT] = FLT_MAX,
-                                  [NUMBER_UINT] = UINT32_MAX,
-                                  [NUMBER_INT] = INT32_MAX};
+    static const double least[] = {
+        [NUMBER_UNORM8] = 0,        [NUMBER_UNORM16] = 0,      [NUMBER_SNORM16] = -1,
+        [NUMBER_UINT8] = 0,         [NUMBER_INT8] = INT8_MIN,  [NUMBER_UINT16] = 0,
+        [NUMBER_INT16] = INT16_MIN, [NUMBER_HALF] = -65519.99, [NUMBER_FLOAT] = -FLT_MAX,
+        [NUMBER_UINT] = 0,          [NUMBER_INT] = INT32_MIN};
+    static const double most[] = {
+        [NUMBER_UNORM8] = 1,        [NUMBER_UNORM16] = 1,     [NUMBER_SNORM16] = 1,
+        [NUMBER_UINT8] = UINT8_MAX, [NUMBER_INT8] = INT8_MAX, [NUMBER_UINT16] = UINT16_MAX,
+        [NUMBER_INT16] = INT16_MAX, [NUMBER_HALF] = 65519.99, [NUMBER_FLOAT] = FLT_MAX,
+        [NUMBER_UINT] = UINT32_MAX, [NUMBER_INT] = INT32_MAX};
     float number = (float)value;
     uint32_t bits = 0;
     if (!(value >= least[kind] && value <= most[kind]))
         return false;
     switch (kind) {
     case NUMBER_UNORM8:
-        bits = (uint32_t)lrint(255 * value);
+    case NUMBER_UNORM16:
+    case NUMBER_SNORM16:
+        bits = (uint32_t)lrint(number_one(kind) * value);
         break;
     case NUMBER_HALF:
         bits = half_bits(value);
@@ -165,6 +225,10 @@ bool number_store(enum number_kind kind, double value, uint8_t *place)
         break;
     case NUMBER_UINT:
     case NUMBER_INT:
+    case NUMBER_UINT8:
+    case NUMBER_INT8:
+    case NUMBER_UINT16:
+    case NUMBER_INT16:
         bits = (uint32_t)llrint(value);
         break;
     }

@@ -12,15 +12,29 @@ const char *format_name(enum dt_format format);  /* as in the spec: "rgba16f" */
 uint32_t format_channels(enum dt_format format); /* 1, 2 or 4 */
 uint32_t format_size(enum dt_format format);     /* bytes per texel */
 
-enum number_kind { NUMBER_UNORM8, NUMBER_HALF, NUMBER_FLOAT, NUMBER_UINT, NUMBER_INT };
+enum number_kind {
+    NUMBER_UNORM8,
+    NUMBER_UNORM16,
+    NUMBER_SNORM16,
+    NUMBER_HALF,
+    NUMBER_FLOAT,
+    NUMBER_UINT, /* integers from here on; of 32 bits without a number */
+    NUMBER_INT,
+    NUMBER_UINT8,
+    NUMBER_INT8,
+    NUMBER_UINT16,
+    NUMBER_INT16
+};
 enum number_kind format_number(enum dt_format format);
+bool number_is_integer(enum number_kind kind);
+uint32_t number_one(enum number_kind kind); /* code of 1.0 of unorm and snorm; others: 0 */
 
 uint32_t number_size(enum number_kind kind);                       /* bytes */
 uint32_t number_bits(enum number_kind kind, const uint8_t *place); /* as they lie */
 double number_value(enum number_kind kind, const uint8_t *place);  /* exact; unorm8: code / 255 */
 
 /* Stores the nearest number of that kind. False, and nothing stored: it is not finite, or beyond the
- * kind's range, which for unorm8 is 0 to 1. */
+ * kind's range, which for unorm is 0 to 1, for snorm -1 to 1. */
 bool number_store(enum number_kind kind, double value, uint8_t *place);
 
 /* One number in each element of a resource. */

@@ -79,13 +79,15 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
     double apart = fabs(values[0] - values[1]);
     double size = fmax(fabs(values[0]), fabs(values[1]));
     double codes = fabs((double)bits[0] - (double)bits[1]);
-    if (kind == NUMBER_UNORM8) /* rounded once, so that 5 codes are no more than 5/255 */
-        apart = codes / 255;
+    if (kind == NUMBER_SNORM16)
+        codes = fabs((double)(int16_t)bits[0] - (double)(int16_t)bits[1]);
+    if (number_one(kind)) /* rounded once, so that 5 codes are no more than 5/255 */
+        apart = codes / number_one(kind);
     switch (contract) {
     case DT_CONTRACT_ULP:
         if (is_float(kind))
             return fabs(ordered(kind, bits[0]) - ordered(kind, bits[1]));
-        return kind == NUMBER_UNORM8 ? codes : apart;
+        return number_one(kind) ? codes : apart;
     case DT_CONTRACT_REL:
         return size > 0 ? apart / size : 0;
     case DT_CONTRACT_FLIPS: /* discrete values have no distance: the first is the worst */

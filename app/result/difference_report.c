@@ -21,8 +21,8 @@ static bool reads_back(enum number_kind kind, uint32_t bits, double value, const
     double read = strtod(text, NULL);
     if (kind == NUMBER_FLOAT)
         return (float)read == (float)value;
-    if (kind == NUMBER_UNORM8)
-        return fabs(read * 255 - bits) < 0.5;
+    if (number_one(kind))
+        return fabs(read - value) * number_one(kind) < 0.5;
     bool outward = fabs(read) > fabs(value);
     if (!outward && !(bits & 0x7fff))
         return read == 0;
@@ -54,7 +54,7 @@ static const char *write_number(char text[2 * NUMBER_TEXT], enum number_kind kin
                                 double value)
 {
     char decimal[NUMBER_TEXT];
-    if (kind == NUMBER_INT || kind == NUMBER_UINT)
+    if (number_is_integer(kind))
         snprintf(decimal, sizeof decimal, "%.0f", value);
     else if (!isfinite(value))
         snprintf(decimal, sizeof decimal, "%s", isnan(value) ? "NaN" : value < 0 ? "-Inf" : "Inf");

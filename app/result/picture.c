@@ -104,7 +104,8 @@ static struct range find_range(const float *numbers, size_t count, bool depth)
 
 static float map_number(const struct dt_resource *resource, struct range range, float value)
 {
-    if (format_number(resource->format) == NUMBER_UNORM8)
+    enum number_kind kind = format_number(resource->format);
+    if (kind == NUMBER_UNORM8 || kind == NUMBER_UNORM16)
         return value;
     if (resource->format == DT_FORMAT_D32F)
         return range.most > range.least ? (value - range.least) / (range.most - range.least)
@@ -159,8 +160,7 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
         picture_free(picture);
         return false;
     }
-    enum number_kind kind = format_number(resource->format);
-    bool labels = kind == NUMBER_UINT || kind == NUMBER_INT;
+    bool labels = number_is_integer(format_number(resource->format));
     struct range range = find_range(picture->linear, count * 3, resource->format == DT_FORMAT_D32F);
     for (size_t i = 0; i < count; i++)
         if (labels)

@@ -30,8 +30,7 @@ struct pair {
 
 static bool is_label(const struct dt_resource *resource)
 {
-    enum number_kind kind = format_number(resource->format);
-    return kind == NUMBER_UINT || kind == NUMBER_INT;
+    return number_is_integer(format_number(resource->format));
 }
 
 /* ---- Measuring ------------------------------------------------------------------------------- */

@@ -220,34 +220,32 @@ static uint32_t float_bits(float value)
 
 static uint32_t one_in(enum number_kind kind)
 {
-    switch (kind) {
-    case NUMBER_UNORM8:
-        return 255;
-    case NUMBER_HALF:
-        return 0x3c00;
-    case NUMBER_FLOAT:
-        return float_bits(1.0f);
-    case NUMBER_UINT:
-    case NUMBER_INT:
-        break;
-    }
-    return 1;
+    if (number_one(kind))
+        return number_one(kind);
+    return kind == NUMBER_HALF ? 0x3c00 : kind == NUMBER_FLOAT ? float_bits(1.0f) : 1;
 }
 
 static uint32_t with_other_sign(enum number_kind kind, uint32_t bits)
 {
+    const uint32_t all = UINT32_MAX >> (32 - 8 * number_size(kind));
     switch (kind) {
     case NUMBER_UNORM8:
-        return 255 - bits;
+    case NUMBER_UNORM16:
+        return number_one(kind) - bits;
+    case NUMBER_SNORM16: /* code 0 becomes -1.0 */
     case NUMBER_HALF:
         return bits ^ 0x8000;
     case NUMBER_FLOAT:
         return bits ^ 0x80000000;
     case NUMBER_UINT:
     case NUMBER_INT:
+    case NUMBER_UINT8:
+    case NUMBER_INT8:
+    case NUMBER_UINT16:
+    case NUMBER_INT16:
         break;
     }
-    return ~bits; /* -v - 1: also 0 changes */
+    return ~bits & all; /* -v - 1: also 0 changes */
 }
 
 /* Depth stays between 0 and 1: the APIs reject other values. */

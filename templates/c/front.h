@@ -126,6 +126,8 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
 bool dt_front_ready(const struct dt_core *core, const char *verb);
 /* Called by a backend's render: records all passes, through the checked verbs. */
 bool dt_front_record(struct dt_core *core, const void *live);
+/* The scalars that shaders see: DT_TYPE_FLOAT, DT_TYPE_UINT or DT_TYPE_INT. */
+enum dt_type dt_front_scalar(enum dt_format format);
 /* For a draw into targets of this size: the viewport, at least one texel large, and the scissor,
  * which lies within the targets and may be empty. */
 void dt_front_area(const struct dt_core *core, uint32_t width, uint32_t height,
