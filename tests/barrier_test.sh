@@ -22,6 +22,7 @@ pipelines() { # size
     audit "mips at $1" "$specs/mips.yaml" --live shrink=false --size "$1"
     audit "mips and layers in place at $1" "$specs/bloom.yaml" --size "$1"
     audit "draws at $1" "$specs/particles.yaml" --size "$1"
+    audit "formats at $1" "$specs/formats.yaml" --size "$1"
     audit "layout at $1" "$specs/layouts.yaml" --size "$1"
     audit "kinds at $1" "$specs/kinds.yaml" --size "$1"
     audit "memory at $1" "$specs/memory.yaml" --size "$1"

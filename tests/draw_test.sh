@@ -93,7 +93,7 @@ formats=$root/tests/specs/formats.yaml
 check "formats of few bits agree, validation silent" "$diptych" compare --spec "$formats" --size 20x12 --debug --backend gl,vk,gl+glsl
 # shellcheck disable=SC2317 # called through check
 coded() { # backend
-    rm -rf "$work/$1"
+    rm -rf "${work:?}/$1"
     "$diptych" render --spec "$formats" --size 20x12 --backend "$1" --dump "$work/$1" -o "$work/$1.png" --show of_rgba16_snorm &&
         python3 - "$work/$1" <<'PYTHON'
 import glob, re, struct, sys
