@@ -2,13 +2,15 @@
  * `precise` does not reach, and then moves the terms. So each product of which one side is seen to
  * be a matrix becomes a call, `exact_product(m, v)`, of a function with a fixed order of terms: the
  * order in which spirv.c expands products. For SPIR-V the name is a macro for the product itself.
- * Types are told by declarations, not by a compiler: what is not seen (a macro, `m *= n`, a
- * constant expression) stays. Called by emit_glsl.c on the complete text, before glsl_precise. */
+ * Types come from the declarations that precede a name. Products in macros, in constants and in
+ * `m *= n` are not found, and stay. Called by emit_glsl.c on the complete text, before glsl_precise. */
 #include "glsl.h"
 
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { MOST_DEPTH = 64 };
 
 struct shape {
     uint8_t columns, rows; /* 0: no matrix */
@@ -56,6 +58,8 @@ static bool is_word(const struct products *products, uint32_t index)
 
 static bool is_number(const struct products *products, uint32_t index)
 {
+    if (index >= products->token_count)
+        return false;
     const char *text = products->places[index].token.text;
     return isdigit((unsigned char)text[*text == '.']);
 }
@@ -164,16 +168,20 @@ static struct shape declared_shape(const struct products *products, uint32_t nam
     return (struct shape){0};
 }
 
-static struct shape shape_of(const struct products *products, uint32_t first, uint32_t last)
+/* depth: of the nesting; what lies deeper than MOST_DEPTH is not seen. */
+static struct shape shape_of(const struct products *products, uint32_t first, uint32_t last,
+                             uint32_t depth)
 {
+    if (depth > MOST_DEPTH || last >= products->token_count)
+        return (struct shape){0};
     uint32_t ends = products->places[last].ends;
     if (ends && products->list[ends - 1].first == first)
         return products->list[ends - 1].shape;
-    while (is_one_of(products, first, "+-"))
+    while (first < last && is_one_of(products, first, "+-"))
         first++;
     if (is(products, first, "("))
         return products->places[first].partner == last && last > first + 1
-                   ? shape_of(products, first + 1, last - 1)
+                   ? shape_of(products, first + 1, last - 1, depth + 1)
                    : (struct shape){0};
     if (last > first && is(products, last - 1, "."))
         return declared_shape(products, last, true);
@@ -182,7 +190,7 @@ static struct shape shape_of(const struct products *products, uint32_t first, ui
     if (call && shape.rows)
         return shape;
     if (call && (is(products, first, "transpose") || is(products, first, "inverse"))) {
-        shape = shape_of(products, first + 2, last - 1);
+        shape = shape_of(products, first + 2, last - 1, depth + 1);
         return is(products, first, "inverse") ? shape : (struct shape){shape.rows, shape.columns};
     }
     bool element = is(products, first + 1, "[") && products->places[first + 1].partner == last;
@@ -238,8 +246,8 @@ static void add_product(struct products *products, uint32_t star)
         product.first = factor_begin(products, product.first - 2);
         single = false;
     }
-    product.left = single ? shape_of(products, product.first, star - 1) : (struct shape){0};
-    product.right = shape_of(products, star + 1, product.last);
+    product.left = single ? shape_of(products, product.first, star - 1, 0) : (struct shape){0};
+    product.right = shape_of(products, star + 1, product.last, 0);
     if (product.left.rows && product.right.rows)
         product.shape = (struct shape){product.right.columns, product.left.rows};
     else if (is_number(products, product.first) && product.first + 1 == star)

@@ -355,6 +355,8 @@ static void survey(const struct module *m)
             stores->block = label;
         } else if (spirv_is(i, SpvOpVariable)) {
             m->stores[i[2]].escapes |= i[3] != SpvStorageClassFunction || *i >> 16 > 4;
+        } else if (spirv_is(i, SpvOpFunctionParameter)) { /* the caller writes it, too */
+            m->stores[i[2]].escapes = true;
         } else if (spirv_is(i, SpvOpAccessChain) || spirv_is(i, SpvOpFunctionCall)) {
             for (uint32_t k = 3; k < *i >> 16; k++)
                 m->stores[i[k]].escapes = true;

@@ -88,7 +88,6 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
                  struct fields *fields);
 /* Entries of a section, of all files at the top level. */
 struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key);
-bool has_field(const struct fields *fields, const char *key); /* perhaps with a wrong value */
 struct fy_node *field_node(const struct fields *fields, const char *key);
 bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);

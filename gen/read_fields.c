@@ -297,14 +297,6 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
 
 /* ---- Typed access ---------------------------------------------------------------------------- */
 
-bool has_field(const struct fields *fields, const char *key)
-{
-    for (size_t i = 0; i < fields->count; i++)
-        if (!strcmp(fields->values[i].key->name, key))
-            return true;
-    return false;
-}
-
 struct fy_node *field_node(const struct fields *fields, const char *key)
 {
     for (size_t i = 0; i < fields->count; i++)

@@ -215,11 +215,11 @@ const struct fields *documents_fields(struct reader *reader)
         struct loc start = {.source = at->source, .line = 1, .column = 1, .length = 1};
         fields_read(reader, fy_document_root(at->yaml), SECTION_TOP, start, &at->fields);
         at->fields.next = at->next ? &at->next->fields : NULL;
-        has_passes |= has_field(&at->fields, "passes");
+        has_passes |= field_given(&at->fields, "passes");
         if (at != spec)
             refuse_keys(reader, at);
     } while ((at = at->next));
-    if (!has_field(&spec->fields, "pipeline"))
+    if (!field_given(&spec->fields, "pipeline"))
         diag_error(reader->diag, spec->fields.loc, "the spec needs the key `pipeline`");
     if (!has_passes)
         diag_error(reader->diag, spec->fields.loc, "the spec needs the key `passes`");

@@ -1,4 +1,5 @@
 /* Passes of a spec. Called by read.c after the sections that passes may name. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -338,8 +339,14 @@ static void read_depth_bias(struct reader *reader, const struct fields *fields, 
     struct fields map;
     if (!node || !fields_read(reader, node, SECTION_DEPTH_BIAS, node_loc(reader, node), &map))
         return;
-    pass->bias_constant = (float)field_number(reader, &map, "constant", 0);
-    pass->bias_slope = (float)field_number(reader, &map, "slope", 0);
+    static const char *const keys[] = {"constant", "slope"};
+    float *const values[] = {&pass->bias_constant, &pass->bias_slope};
+    for (int i = 0; i < 2; i++) {
+        *values[i] = (float)field_number(reader, &map, keys[i], 0);
+        if (!isfinite(*values[i]))
+            diag_error(reader->diag, field_loc(reader, &map, keys[i]),
+                       "`%s` is larger than a 32-bit float can be", keys[i]);
+    }
 }
 
 static void read_draw_state(struct reader *reader, const struct fields *fields, struct pass *pass)
@@ -419,6 +426,8 @@ void read_passes(struct reader *reader, const struct fields *top)
         if (fields_read(reader, items[i], SECTION_PASS, node_loc(reader, items[i]), &fields))
             read_pass(reader, &fields, &pipeline->passes[pipeline->pass_count++]);
     }
+    while (top->next && !field_node(top, "passes"))
+        top = top->next;
     if (!count && field_node(top, "passes"))
         diag_error(reader->diag, field_loc(reader, top, "passes"),
                    "a pipeline has at least one pass");

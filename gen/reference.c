@@ -59,24 +59,25 @@ static void add_section(struct text *out, enum section section)
 
 void emit_reference(struct text *out)
 {
-    text_add(out,
-             "# The spec language\n\n"
-             "Written by `diptych-gen --reference` from the table that its parser uses. A spec is "
-             "one YAML 1.2 document; "
-             "`diptych-gen --schema` prints a JSON Schema of it for editors.\n\n"
-             "Integer expressions stand wherever a count or a size does: `+ - * / %%`, "
-             "comparisons, `&& || !`, "
-             "`a ? b : c`, `min(a, b)`, `max(a, b)`, `ceil_div(a, b)` with a positive divisor, "
-             "parentheses, integers, "
-             "`true` and `false`, names of parameters and constants, a vector's component "
-             "(`tile.x`), `frame.width` "
-             "and `frame.height`, and of what has a `file` `NAME.width`, `NAME.height` and "
-             "`NAME.count`. They are evaluated in 64 bits; a division by zero or an overflow "
-             "is an error.\n\n"
-             "`--set PATH=VALUE` overrides a value: the path is dotted "
-             "(`metrics.vpl_distance.position`, elements of lists "
-             "by their `name` or number: `passes.shade.local`), a bare name is a parameter.\n\n"
-             "What GLSL may name is [at the end](#body).\n");
+    text_add(
+        out,
+        "# The spec language\n\n"
+        "Written by `diptych-gen --reference` from the table that its parser uses. A spec is "
+        "one YAML 1.2 document; "
+        "`diptych-gen --schema` prints a JSON Schema of it for editors.\n\n"
+        "Integer expressions stand wherever a count or a size does: `+ - * / %%`, "
+        "comparisons, `&& || !`, "
+        "`a ? b : c`, `min(a, b)`, `max(a, b)`, `ceil_div(a, b)` with a positive divisor, "
+        "parentheses, integers, "
+        "`true` and `false`, names of parameters and constants, a vector's component "
+        "(`tile.x`), `frame.width` "
+        "and `frame.height`, and sizes of resources with a `file`: `NAME.width`, `NAME.height`, "
+        "`NAME.count`. They are evaluated in 64 bits; a division by zero or an overflow "
+        "is an error.\n\n"
+        "`--set PATH=VALUE` overrides a value: the path is dotted "
+        "(`metrics.vpl_distance.position`, elements of lists "
+        "by their `name` or number: `passes.shade.local`), a bare name is a parameter.\n\n"
+        "What GLSL may name is [at the end](#body).\n");
     for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++)
         add_section(out, section);
     emit_body_reference(out);

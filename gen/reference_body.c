@@ -199,9 +199,9 @@ void emit_body_reference(struct text *out)
              "files are written with the last row on top.\n\n"
              "Mips: `NAME(p)`, `NAME_size()` and `NAME_store` see the access's `mip`, 0 "
              "without one. With a `sampler` and no `mip`, `NAME_sample` picks the mip by "
-             "derivatives in fragment stages and reads mip 0 in others. Where a pass reads "
-             "several mips of one image by texel, `NAME(p)` is the first that it lists; with `as`, "
-             "each mip has its own name, size and functions. A pass may read one mip and write "
+             "derivatives in fragment stages and reads mip 0 in others. Several "
+             "mips or layers of an image that a pass reads alike need a name each, by `as`, and "
+             "have their own size and functions. A pass may read one mip and write "
              "another, also by a draw. An access with a `layer` sees a plain image.\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(groups); i++) {
         text_add(out, "\n### %s\n\n%s%s| name | where | meaning |\n|---|---|---|\n",

@@ -276,8 +276,8 @@ static void destroy(struct gl_context *ctx, bool unload)
     *ctx = (struct gl_context){0};
 }
 
-/* glad asks for functions of the context's own version alone. OSMesa lacks those of robust access
- * (glGetn...), which nobody here calls. */
+/* glad asks for functions of the context's own version alone. OSMesa lacks those of robust access,
+ * glGetn..., which this runtime does not call. */
 static GLADapiproc load(void *user, const char *name)
 {
     struct gl_context *ctx = user;

@@ -139,7 +139,7 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
     return true;
 }
 
-/* fsync tells of what a disk cannot take only later. */
+/* fsync: a full disk or a network folder may report a failed write only then. */
 static bool sync_and_rename(const char *from, const char *to, struct image_error *error)
 {
     FILE *file = fopen(from, "rb");

@@ -189,7 +189,7 @@ void *realloc(void *memory, size_t size)
     return fails(REALLOC, CALLER) ? NULL : __libc_realloc(memory, size);
 }
 
-/* What libraries do before main counts for nothing: nobody can catch their errors there. */
+/* Calls before main are not counted: the program cannot handle their failure. */
 static int counted_main(int count, char **arguments, char **environment)
 {
     begun = true;

@@ -89,8 +89,7 @@ struct child {
     bool ended;      /* by the parent's command */
 };
 
-/* Ends this process when the message cannot be sent: the parent has ended, and nobody reads the
- * result. */
+/* Ends this process when the message cannot be sent: then the parent has ended. */
 static void tell(const struct child *child, const struct message *message)
 {
     if (!send_all(child->socket, message, sizeof *message))
