@@ -383,7 +383,7 @@ static void check_listed(struct checker *c, const struct pass *pass, const struc
                          "the pass `%s` does not iterate over its range `%s`", pass->name,
                          pass->ranges[i].name);
     for (uint32_t i = 0; i < pass->define_count; i++)
-        if (!mentions(body, pass->defines[i].name))
+        if (!pass->defines[i].word && !mentions(body, pass->defines[i].name))
             diag_warning(c->diag, pass->defines[i].loc,
                          "the pass `%s` defines `%s` but does not use it", pass->name,
                          pass->defines[i].name);
@@ -468,6 +468,8 @@ void check_bodies(struct checker *c)
 
 static bool in_bodies(const struct checker *c, const char *name)
 {
+    const char *dot = strrchr(name, '.'); /* bodies of an instance use the last part */
+    name = dot ? dot + 1 : name;
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
         if (mentions(&c->bodies[i], name))
             return true;

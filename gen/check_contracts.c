@@ -54,8 +54,9 @@ static void check_flips(struct checker *c, const struct resource *resource)
 static struct resource *find_margin(struct checker *c, const struct contract *contract)
 {
     const struct pipeline *p = c->pipeline;
-    const char *name =
-        arena_strndup(c->model->arena, contract->margin, strcspn(contract->margin, "."));
+    const char *name = contract->margin, *dot = strrchr(name, '.');
+    if (dot && !find_resource(c, name)) /* NAME.FIELD; an instance's name has dots, too */
+        name = arena_strndup(c->model->arena, name, (size_t)(dot - name));
     struct resource *margin = name ? find_resource(c, name) : NULL;
     if (margin && margin->kind == DT_BUFFER)
         return margin;
@@ -102,7 +103,7 @@ static int find_field(struct checker *c, const struct resource *margin, const ch
 static int margin_field(struct checker *c, const struct resource *margin,
                         const struct contract *contract)
 {
-    const char *dot = strchr(contract->margin, '.');
+    const char *dot = strchr(contract->margin + strlen(margin->name), '.');
     const struct structure *structure = margin->structure;
     if (!has_element(margin))
         return -1;

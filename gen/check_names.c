@@ -140,18 +140,32 @@ static void declare(struct declaration *list, size_t *count, const char *name, c
     list[(*count)++] = (struct declaration){name, kind, loc};
 }
 
-/* Everything that shares one scope in the generated GLSL. */
-static size_t collect(const struct pipeline *p, struct declaration *list)
+/* The name of an instance's entry as bodies and C see it: second_views. */
+static const char *word_of(struct checker *c, const char *name)
 {
+    struct text word = {0};
+    if (!strchr(name, '.'))
+        return name;
+    text_add_word(&word, name);
+    name = arena_strndup(c->model->arena, word.data ? word.data : "?", word.data ? word.length : 1);
+    text_free(&word);
+    c->out_of_memory |= !name;
+    return name ? name : "?";
+}
+
+/* Everything that shares one scope in the generated GLSL. */
+static size_t collect(struct checker *c, struct declaration *list)
+{
+    const struct pipeline *p = c->pipeline;
     size_t count = 0;
     for (uint32_t i = 0; i < p->param_count; i++)
         declare(list, &count, p->params[i].name, "parameter", p->params[i].loc);
     for (uint32_t i = 0; i < p->constant_count; i++)
-        declare(list, &count, p->constants[i].name, "constant", p->constants[i].loc);
+        declare(list, &count, word_of(c, p->constants[i].name), "constant", p->constants[i].loc);
     for (uint32_t i = 0; i < p->struct_count; i++)
         declare(list, &count, p->structs[i].name, "struct", p->structs[i].loc);
     for (uint32_t i = 0; i < p->resource_count; i++)
-        declare(list, &count, p->resources[i].name,
+        declare(list, &count, word_of(c, p->resources[i].name),
                 p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].loc);
     for (uint32_t i = 0; i < p->sampler_count; i++)
         declare(list, &count, p->samplers[i].name, "sampler", p->samplers[i].loc);
@@ -275,15 +289,15 @@ static void check_all_capitals(struct checker *c)
     check_capitals(c, list, count);
     count = 0;
     for (uint32_t i = 0; i < p->constant_count; i++)
-        list[count++] = (struct capital){p->constants[i].name, 0, p->constants[i].loc};
+        list[count++] = (struct capital){word_of(c, p->constants[i].name), 0, p->constants[i].loc};
     check_capitals(c, list, count);
     count = 0;
     for (uint32_t i = 0; i < p->resource_count; i++)
-        list[count++] = (struct capital){p->resources[i].name, 0, p->resources[i].loc};
+        list[count++] = (struct capital){word_of(c, p->resources[i].name), 0, p->resources[i].loc};
     check_capitals(c, list, count);
     count = 0;
     for (uint32_t i = 0; i < p->pass_count; i++)
-        list[count++] = (struct capital){p->passes[i].name, 0, p->passes[i].loc};
+        list[count++] = (struct capital){word_of(c, p->passes[i].name), 0, p->passes[i].loc};
     check_capitals(c, list, count);
 }
 
@@ -351,7 +365,8 @@ static void check_defines(struct checker *c, const struct pass *pass, struct dec
             if (!strcmp(pass->ranges[k].name, macro.name))
                 diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", macro.name,
                            pass->name);
-        for (uint32_t s = 0; s < c->pipeline->struct_count; s++)
+        bool replaces = !pass->defines[i].word || !expr_is_literal(pass->defines[i].value);
+        for (uint32_t s = 0; replaces && s < c->pipeline->struct_count; s++)
             for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
                 if (!strcmp(c->pipeline->structs[s].fields[k].name, macro.name))
                     diag_error(c->diag, macro.loc,
@@ -369,7 +384,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
         const struct resource *resource = find_resource(c, access->name);
-        if (!access->as || !strcmp(access->as, access->name))
+        if (!access->as || !strcmp(access->as, word_of(c, access->name)))
             continue;
         check_word(c, access->as, access->as_loc, false);
         check_word_once(c, pass, i);
@@ -397,9 +412,10 @@ static void check_pass_names(struct checker *c)
 {
     struct pipeline *p = c->pipeline;
     for (uint32_t i = 0; i < p->pass_count; i++) {
-        check_word(c, p->passes[i].name, p->passes[i].loc, true);
+        const char *word = word_of(c, p->passes[i].name);
+        check_word(c, word, p->passes[i].loc, true);
         for (uint32_t k = 0; k < i; k++)
-            if (!strcmp(p->passes[k].name, p->passes[i].name) && strcmp(p->passes[i].name, "?")) {
+            if (!strcmp(word_of(c, p->passes[k].name), word) && strcmp(word, "?")) {
                 diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
                            p->passes[i].name);
                 diag_note(c->diag, p->passes[k].loc, "first here");
@@ -421,7 +437,7 @@ void check_names(struct checker *c)
         c->out_of_memory = true;
         return;
     }
-    size_t count = collect(p, list);
+    size_t count = collect(c, list);
     if (p->name)
         check_word(c, p->name, p->loc, true);
     for (size_t i = 0; i < count; i++) {

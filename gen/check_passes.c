@@ -431,8 +431,8 @@ static void check_pass(struct checker *c, struct pass *pass)
     for (uint32_t i = 0; i < pass->range_count; i++)
         check_range(c, pass, &pass->ranges[i]);
     for (uint32_t i = 0; i < pass->define_count; i++) {
-        struct limits macro = {"the value", pass->defines[i].name, EXPR_BAKED, INT32_MIN,
-                               INT32_MAX};
+        unsigned reach = pass->defines[i].word ? EXPR_FRAME | EXPR_LIVE : EXPR_BAKED;
+        struct limits macro = {"the value", pass->defines[i].name, reach, INT32_MIN, INT32_MAX};
         check_expr(c, pass->defines[i].value, &macro);
     }
 }

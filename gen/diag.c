@@ -20,8 +20,9 @@ struct message {
     enum severity severity;
     struct loc loc;
     char *text;
-    unsigned file; /* number of the source in order of first appearance */
-    unsigned head; /* index of the message that a note belongs to; else its own */
+    const char *format; /* of the text */
+    unsigned file;      /* number of the source in order of first appearance */
+    unsigned head;      /* index of the message that a note belongs to; else its own */
     unsigned order;
 };
 
@@ -176,13 +177,20 @@ static unsigned file_number(const struct diag *diag, const struct source *source
     return next;
 }
 
+/* Of one group or repeat. */
+static bool are_instances(struct loc a, struct loc b)
+{
+    return a.source && b.source && a.source != b.source && a.source->use && b.source->use;
+}
+
 static bool is_duplicate(const struct diag *diag, const struct message *message)
 {
     for (unsigned i = 0; i < diag->count; i++) {
         const struct message *other = &diag->messages[i];
         if (other->severity == message->severity && other->file == message->file &&
             other->loc.line == message->loc.line && other->loc.column == message->loc.column &&
-            !strcmp(other->text, message->text))
+            (!strcmp(other->text, message->text) ||
+             (other->format == message->format && are_instances(other->loc, message->loc))))
             return true;
     }
     return false;
@@ -209,7 +217,7 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
         diag->capacity = capacity;
     }
     struct message message = {
-        .severity = severity, .loc = loc, .file = file_number(diag, loc.source)};
+        .severity = severity, .loc = loc, .file = file_number(diag, loc.source), .format = format};
     if (vasprintf(&message.text, format, arguments) < 0) {
         diag->failed = true;
         return;
@@ -229,7 +237,10 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
 static void note_includes(struct diag *diag, const struct source *source)
 {
     for (; source && source->included.source; source = source->included.source)
-        diag_note(diag, source->included, "`%s` is included here", source->path);
+        if (source->use)
+            diag_note(diag, source->included, "%s", source->use);
+        else
+            diag_note(diag, source->included, "`%s` is included here", source->path);
 }
 
 void diag_error(struct diag *diag, struct loc loc, const char *format, ...)

@@ -26,6 +26,7 @@ struct source {
     const char *text;
     size_t length;
     struct loc included; /* of a part of a spec: where the spec includes it; source NULL: nowhere */
+    const char *use;     /* of an instance: what a note there says; NULL: a file */
 };
 /* The path without "NAME/..", unless NAME is a symbolic link. So a file that several files include
  * has one path, and its errors are reported once. NULL: out of memory. */
@@ -45,7 +46,8 @@ const char *source_list(struct model *model, const char *path, const char **reas
 struct diag; /* collects; owns nothing of the model */
 struct diag *diag_create(void);
 void diag_free(struct diag *diag);
-/* An error or a warning in an included file gets a note for each include on the way. */
+/* An error or a warning in an included file gets a note for each include on the way. What several
+ * instances of a group have in common is told once. */
 void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)

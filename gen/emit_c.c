@@ -12,7 +12,7 @@
 void c_upper(struct text *out, const char *name)
 {
     for (; *name; name++)
-        text_add(out, "%c", toupper((unsigned char)*name));
+        text_add(out, "%c", *name == '.' ? '_' : toupper((unsigned char)*name));
 }
 
 void c_enumerator(const struct c_output *c, const char *group, const char *name)

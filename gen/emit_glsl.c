@@ -119,11 +119,14 @@ static void add_params(struct glsl *glsl, struct text *out)
 
 static void add_constant(const struct constant *constant, struct text *out)
 {
-    if (constant->folds && constant_is_literal(constant)) {
-        text_add(out, "const int %s = %lld;\n", constant->name, (long long)constant->folded);
+    bool literal = constant->folds && constant_is_literal(constant);
+    text_add(out, literal ? "const int " : "#define ");
+    text_add_word(out, constant->name);
+    if (literal) {
+        text_add(out, " = %lld;\n", (long long)constant->folded);
         return;
     }
-    text_add(out, "#define %s (", constant->name);
+    text_add(out, " (");
     expr_emit_glsl(constant->value, out);
     text_add(out, ")\n");
 }
@@ -138,7 +141,12 @@ static void add_constants(struct glsl *glsl, struct text *out)
         more = false;
         for (uint32_t i = count; i-- > 0;) {
             const struct constant *constant = &glsl->pipeline->constants[i];
-            if (there[i] || !glsl_uses(glsl, "%s", constant->name))
+            struct text word = {0};
+            text_add_word(&word, constant->name);
+            bool used = !there[i] && glsl_uses(glsl, "%s", word.data ? word.data : "");
+            out->failed |= word.failed;
+            text_free(&word);
+            if (!used)
                 continue;
             add_constant(constant, out);
             more = there[i] = true;
@@ -512,9 +520,20 @@ static void add_defines(struct glsl *glsl)
     for (uint32_t i = 0; i < glsl->pass->define_count; i++) {
         const struct define *define = &glsl->pass->defines[i];
         int64_t value = 0;
-        if (expr_eval(define->value, 0, 0, &value) == EXPR_OK)
+        if (define->word && !glsl_uses(glsl, "%s", define->name))
+            continue;
+        if (define->word && !expr_is_literal(define->value)) {
+            text_add(&macros, "#define %s (", define->name);
+            expr_emit_glsl(define->value, &macros);
+            text_add(&macros, ")\n");
+        } else if (expr_eval(define->value, 0, 0, &value) != EXPR_OK) {
+            continue;
+        } else if (define->word) { /* no macro: a body may have a variable of that name */
+            text_add(&macros, "const int %s = %lld;\n", define->name, (long long)value);
+        } else {
             text_add(&macros, value < 0 ? "#define %s (%lld)\n" : "#define %s %lld\n", define->name,
                      (long long)value);
+        }
     }
     glsl_put_before(&glsl->parts[PART_BODY], &macros);
 }

@@ -258,16 +258,24 @@ static void emit_written(const struct drawing *d, uint32_t place, const struct r
     text_add(d->out, "</td></tr>\n");
 }
 
+/* before: also the first letter of the name. */
+static void emit_node(struct text *out, const char *before, const struct pass *pass)
+{
+    text_add(out, "%s_", before);
+    text_add_word(out, pass->name);
+}
+
 static void emit_pass(const struct drawing *d, uint32_t place)
 {
     const struct pass *pass = d->pipeline->order[place];
     const char *before = "<td border=\"0\"><table " DOT_TABLE ">\n", *after = "";
 
+    emit_node(d->out, "  p", pass);
     text_add(d->out,
-             "  p_%s [label=<<table " DOT_TABLE
+             " [label=<<table " DOT_TABLE
              "><tr><td width=\"370\" style=\"%s\"><table border=\"0\" cellborder=\"0\" "
              "cellspacing=\"0\" cellpadding=\"0\">\n",
-             pass->name, pass->conditional ? "dashed" : "solid");
+             pass->conditional ? "dashed" : "solid");
     for (uint32_t i = 0; i < pass->barrier_count; i++)
         if (waits(&pass->barriers[i]))
             emit_bar(d, pass, &pass->barriers[i]);
@@ -295,13 +303,14 @@ static void emit_dropped(const struct drawing *d, uint32_t *next, int line, stru
 
         if (pass->loc.line > line)
             return;
+        emit_node(d->out, "  d", pass);
         text_add(d->out,
-                 "  d_%s [shape=box, style=dashed, color=\"#909090\", fontcolor=\"#505050\", "
+                 " [shape=box, style=dashed, color=\"#909090\", fontcolor=\"#505050\", "
                  "height=0.1, margin=\"0.05,0.04\", label=<<b>%s</b>&nbsp; left out: when ",
-                 pass->name, pass->name);
+                 pass->name);
         emit_condition(d, pass->when_text);
         text_add(d->out, ">];\n");
-        text_add(column, "%sd_%s", column->length ? " -> " : "", pass->name);
+        emit_node(column, column->length ? " -> d" : "d", pass);
     }
 }
 
@@ -316,8 +325,9 @@ static void emit_arrow(const struct drawing *d, uint32_t from, uint32_t to)
         if (find_writer(d->pipeline, &d->pipeline->resources[i], to) == (int)from)
             uses |= dot_uses(order[to], &d->pipeline->resources[i]);
     if (uses) {
-        text_add(d->out, "  p_%s -> p_%s [penwidth=%s%s];\n", order[from < to ? from : to]->name,
-                 order[from < to ? to : from]->name, uses & DOT_WRITES ? "1.4" : "0.7",
+        emit_node(d->out, "  p", order[from < to ? from : to]);
+        emit_node(d->out, " -> p", order[from < to ? to : from]);
+        text_add(d->out, " [penwidth=%s%s];\n", uses & DOT_WRITES ? "1.4" : "0.7",
                  from < to ? "" : ", style=dashed, dir=back");
     }
 }
@@ -365,7 +375,7 @@ void emit_graph(const struct model *model, struct text *out)
     for (uint32_t place = 0; place < pipeline->pass_count; place++) {
         emit_dropped(&d, &dropped, pipeline->order[place]->loc.line, &column);
         emit_pass(&d, place);
-        text_add(&column, "%sp_%s", column.length ? " -> " : "", pipeline->order[place]->name);
+        emit_node(&column, column.length ? " -> p" : "p", pipeline->order[place]);
     }
     emit_dropped(&d, &dropped, INT_MAX, &column);
     out->failed |= column.failed;

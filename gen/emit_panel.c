@@ -421,7 +421,9 @@ static void emit_pass(const struct c_output *c, const struct pass *pass)
         c_comment(c->out, pass->doc);
         text_add(c->out, " */\n");
     }
-    text_add(c->out, "static bool record_%s(const struct dt_recording *r)\n{\n", pass->name);
+    text_add(c->out, "static bool record_");
+    text_add_word(c->out, pass->name);
+    text_add(c->out, "(const struct dt_recording *r)\n{\n");
     emit_barriers(c, pass);
     text_add(c->out, "    const struct dt_verbs *v = r->verbs;\n");
     c_frame_locals(c, body.data);
@@ -435,8 +437,11 @@ static void emit_record(const struct c_output *c)
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
         emit_pass(c, c->pipeline->order[i]);
     text_add(c->out, "static bool record(const struct dt_recording *r)\n{\n    return ");
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        text_add(c->out, "%srecord_%s(r)", i ? " &&\n        " : "", c->pipeline->order[i]->name);
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        text_add(c->out, "%srecord_", i ? " &&\n        " : "");
+        text_add_word(c->out, c->pipeline->order[i]->name);
+        text_add(c->out, "(r)");
+    }
     text_add(c->out, c->pipeline->pass_count ? ";\n}\n\n" : "r != NULL;\n}\n\n");
 }
 

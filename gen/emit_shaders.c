@@ -61,7 +61,8 @@ static uint32_t owner_of(const struct dt_shaders *shaders, uint32_t pass, int st
 
 static void emit_symbol(const struct c_output *c, uint32_t pass, int stage, const char *what)
 {
-    text_add(c->out, "%s_%s%s", c->pipeline->order[pass]->name, stage_names[stage], what);
+    text_add_word(c->out, c->pipeline->order[pass]->name);
+    text_add(c->out, "_%s%s", stage_names[stage], what);
 }
 
 static void emit_code(const struct c_output *c, const struct dt_shaders *shaders, uint32_t pass,

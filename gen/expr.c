@@ -38,9 +38,9 @@ struct expr {
     enum operation operation;
     struct expr *operand[3];
     int64_t number;
-    const char *name;
-    int component;      /* of a vector parameter; -1: none */
-    const char *member; /* of a resource with a file: "width"; resolving makes it a number */
+    const char *name;        /* perhaps with dots; resolving takes off the component */
+    const char *base, *last; /* of a name with dots: what precedes the last dot, and follows it */
+    int component;           /* of a vector parameter; -1: none */
     struct loc loc;
     const struct param *param;       /* resolved */
     const struct constant *constant; /* resolved */
@@ -54,6 +54,8 @@ struct parser {
     const char *text;
     size_t at;
     struct loc loc; /* of the whole text */
+    const struct expr_names *names;
+    bool replaces; /* the text stands for a name: all parts have the place of that name */
     unsigned depth, terms;
     bool failed;
 };
@@ -63,6 +65,8 @@ enum { DEEPEST = 64 }; /* later stages recurse over nesting and terms */
 static struct loc place(const struct parser *p, size_t from, size_t to)
 {
     struct loc loc = p->loc;
+    if (p->replaces)
+        return loc;
     loc.column += (int)from;
     loc.length = to > from ? (int)(to - from) : 1;
     return loc;
@@ -185,7 +189,35 @@ static struct expr *parse_frame(struct parser *p, size_t from)
     return fail(p, from, p->at, "`frame` has only `frame.width` and `frame.height`");
 }
 
-static const char *const members[] = {"width", "height", "count"};
+/* Words joined by dots. */
+static size_t path_length(const char *text)
+{
+    size_t length = word_length(text), next;
+    while (text[length] == '.' && (next = word_length(text + length + 1)))
+        length += 1 + next;
+    return length;
+}
+
+static struct expr *parse_all(struct parser *p);
+
+/* What the name stands for inside a group or repeat. */
+static struct expr *parse_replacement(struct parser *p, const struct expr_text *text, size_t from)
+{
+    struct parser inner = {.model = p->model,
+                           .diag = p->diag,
+                           .text = text->text,
+                           .loc = place(p, from, p->at),
+                           .names = &text->names,
+                           .replaces = true,
+                           .depth = p->depth + 1,
+                           .terms = p->terms};
+    if (inner.depth > DEEPEST)
+        return fail(p, from, p->at, "more than 64 nested levels");
+    struct expr *expr = parse_all(&inner);
+    p->terms = inner.terms;
+    p->failed |= inner.failed;
+    return expr;
+}
 
 static struct expr *parse_name(struct parser *p)
 {
@@ -206,27 +238,22 @@ static struct expr *parse_name(struct parser *p)
             expr->number = p->text[from] == 't';
         return expr;
     }
-    int component = -1;
-    const char *member = NULL;
-    if (p->text[p->at] == '.') {
-        const char *word = p->text + p->at + 1;
-        const char *letter = *word ? strchr("xyzw", *word) : NULL;
-        size_t size = word_length(word);
-        p->at += 1 + size;
-        for (size_t i = 0; i < sizeof members / sizeof *members; i++)
-            member = is_word(word, size, members[i]) ? members[i] : member;
-        if (!member && (!letter || size != 1))
-            return fail(p, from, p->at, "a component is one of .x .y .z .w");
-        if (!member)
-            component = *letter == 'w' ? 3 : *letter - 'x';
-    }
-    struct expr *expr = node(p, OP_NAME, from);
+    length = path_length(p->text + from);
+    p->at = from + length;
+    char *name = arena_strndup(p->model->arena, p->text + from, length);
+    struct expr_text text = {0};
+    if (name && p->names && p->names->find && p->names->find(p->names->scope, name, &text))
+        return parse_replacement(p, &text, from);
+    struct expr *expr = name ? node(p, OP_NAME, from) : NULL;
     if (!expr)
         return NULL;
-    expr->name = arena_strndup(p->model->arena, p->text + from, length);
-    expr->component = component;
-    expr->member = member;
-    return expr->name ? expr : NULL;
+    expr->name = name;
+    const char *dot = strrchr(name, '.');
+    if (dot) {
+        expr->base = arena_strndup(p->model->arena, name, (size_t)(dot - name));
+        expr->last = dot + 1;
+    }
+    return !dot || expr->base ? expr : NULL;
 }
 
 static struct expr *parse_primary(struct parser *p)
@@ -331,16 +358,22 @@ static struct expr *parse_choose(struct parser *p)
     return condition;
 }
 
-struct expr *expr_parse(struct model *model, const char *text, struct loc loc, struct diag *diag)
+static struct expr *parse_all(struct parser *p)
 {
-    struct parser p = {.model = model, .diag = diag, .text = text, .loc = loc};
-    struct expr *expr = parse_choose(&p);
+    struct expr *expr = parse_choose(p);
     if (!expr)
         return NULL;
-    skip_spaces(&p);
-    if (p.text[p.at])
-        return fail(&p, p.at, p.at + 1, "expected an operator");
+    skip_spaces(p);
+    if (p->text[p->at])
+        return fail(p, p->at, p->at + 1, "expected an operator");
     return expr;
+}
+
+struct expr *expr_parse(struct model *model, const char *text, struct loc loc,
+                        const struct expr_names *names, struct diag *diag)
+{
+    struct parser p = {.model = model, .diag = diag, .text = text, .loc = loc, .names = names};
+    return parse_all(&p);
 }
 
 struct loc expr_loc(const struct expr *expr)
@@ -376,7 +409,6 @@ static bool resolve_param(struct expr *expr, const struct param *param, struct d
 {
     static const char letters[] = "xyzw";
     bool is_float = param->type <= DT_TYPE_VEC4 || param->type == DT_TYPE_MAT4;
-    expr->param = param;
     if (is_float) {
         diag_error(diag, expr->loc, "`%s` is a float parameter, but expressions are over integers",
                    param->name);
@@ -405,17 +437,17 @@ static bool resolve_member(struct expr *expr, const struct pipeline *pipeline, s
 {
     const struct resource *from = NULL;
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (pipeline->resources[i].file && !strcmp(pipeline->resources[i].name, expr->name))
+        if (pipeline->resources[i].file && !strcmp(pipeline->resources[i].name, expr->base))
             from = &pipeline->resources[i];
-    bool is_count = !strcmp(expr->member, "count");
+    bool is_count = !strcmp(expr->last, "count");
     if (!from || is_count != (from->kind == DT_BUFFER)) {
-        diag_error(diag, expr->loc, "`%s.%s` is known only of %s with a `file`", expr->name,
-                   expr->member, is_count ? "a buffer" : "an image");
+        diag_error(diag, expr->loc, "`%s` is known only of %s with a `file`", expr->name,
+                   is_count ? "a buffer" : "an image");
         return false;
     }
-    const struct expr *size = is_count                         ? from->count
-                              : !strcmp(expr->member, "width") ? from->width
-                                                               : from->height;
+    const struct expr *size = is_count                       ? from->count
+                              : !strcmp(expr->last, "width") ? from->width
+                                                             : from->height;
     if (!from->file_path || !size) /* reported */
         return false;
     expr->operation = OP_NUMBER;
@@ -423,25 +455,44 @@ static bool resolve_member(struct expr *expr, const struct pipeline *pipeline, s
     return true;
 }
 
+/* Whether the parameter or constant exists, which `expr` then names. */
+static bool find_name(struct expr *expr, const char *name, const struct pipeline *pipeline)
+{
+    for (uint32_t i = 0; i < pipeline->param_count && !expr->param; i++)
+        if (!strcmp(pipeline->params[i].name, name))
+            expr->param = &pipeline->params[i];
+    for (uint32_t i = 0; i < pipeline->constant_count && !expr->param && !expr->constant; i++)
+        if (!strcmp(pipeline->constants[i].name, name))
+            expr->constant = &pipeline->constants[i];
+    return expr->param || expr->constant;
+}
+
 static bool resolve_name(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
 {
-    if (expr->member)
-        return resolve_member(expr, pipeline, diag);
-    for (uint32_t i = 0; i < pipeline->param_count; i++)
-        if (!strcmp(pipeline->params[i].name, expr->name))
-            return resolve_param(expr, &pipeline->params[i], diag);
-    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
-        const struct constant *constant = &pipeline->constants[i];
-        if (strcmp(constant->name, expr->name))
-            continue;
-        expr->constant = constant;
-        if (expr->component < 0)
-            return true;
-        diag_error(diag, expr->loc, "`%s` is a constant and has no components", constant->name);
-        return false;
+    bool found = find_name(expr, expr->name, pipeline);
+    if (!found && expr->base && find_name(expr, expr->base, pipeline)) {
+        const char *letter = strchr("xyzw", *expr->last);
+        if (!letter || expr->last[1]) {
+            diag_error(diag, expr->loc, "a component is one of .x .y .z .w in the expression `%s`",
+                       expr->name);
+            return false;
+        }
+        expr->component = *letter == 'w' ? 3 : *letter - 'x';
+        expr->name = expr->base;
+        found = true;
     }
-    report_unknown(expr, pipeline, diag);
-    return false;
+    if (!found && expr->base &&
+        (!strcmp(expr->last, "width") || !strcmp(expr->last, "height") ||
+         !strcmp(expr->last, "count")))
+        return resolve_member(expr, pipeline, diag);
+    if (!found)
+        report_unknown(expr, pipeline, diag);
+    if (expr->param)
+        return resolve_param(expr, expr->param, diag);
+    if (expr->constant && expr->component >= 0)
+        diag_error(diag, expr->loc, "`%s` is a constant and has no components",
+                   expr->constant->name);
+    return expr->constant && expr->component < 0;
 }
 
 bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
@@ -470,8 +521,8 @@ bool expr_mentions(const struct expr *expr, const char *name)
 {
     if (!expr)
         return false;
-    if (expr->operation == OP_NAME && !expr->member)
-        return !strcmp(expr->name, name);
+    if (expr->operation == OP_NAME)
+        return !strcmp(expr->name, name) || (expr->base && !strcmp(expr->base, name));
     return expr_mentions(expr->operand[0], name) || expr_mentions(expr->operand[1], name) ||
            expr_mentions(expr->operand[2], name);
 }
@@ -777,7 +828,7 @@ static void emit_leaf(const struct expr *expr, enum language language, struct te
 {
     if (expr->operation == OP_NAME && expr->constant) {
         if (language == LANGUAGE_GLSL)
-            text_add(out, "%s", expr->name);
+            text_add_word(out, expr->name);
         else
             emit(expr->constant->value, language, true, out);
     } else if (expr->operation == OP_NAME) {

@@ -8,8 +8,21 @@
 #include "diag.h"
 #include "text.h"
 
-/* NULL after an error at the offending column. A plain integer scalar is an expression too. */
-struct expr *expr_parse(struct model *model, const char *text, struct loc loc, struct diag *diag);
+/* Names with a meaning of their own where the expression stands: inside a group or repeat. */
+struct expr_text;
+struct expr_names {
+    /* Whether `name` stands for a text, which lives as long as the model. */
+    bool (*find)(const void *scope, const char *name, struct expr_text *text);
+    const void *scope;
+};
+struct expr_text {
+    const char *text;
+    struct expr_names names; /* of the text; find NULL: none */
+};
+/* names: NULL: none. NULL after an error at the offending column. A plain integer scalar is an
+ * expression too. */
+struct expr *expr_parse(struct model *model, const char *text, struct loc loc,
+                        const struct expr_names *names, struct diag *diag);
 /* Resolves names against params, constants and files; reports unknown ones with a suggestion. Booleans
  * count as 0 and 1. */
 bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag);

@@ -488,6 +488,8 @@ static bool is_global(const struct glsl *glsl, const char *first)
             known = token_is(token, pipeline->params[i].name);
         for (uint32_t i = 0; i < pipeline->constant_count && !known; i++)
             known = token_is(token, pipeline->constants[i].name);
+        for (uint32_t i = 0; i < glsl->pass->define_count && !known; i++)
+            known = token_is(token, glsl->pass->defines[i].name);
         if (!known)
             return false;
         member = token_is(token, ".");

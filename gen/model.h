@@ -227,7 +227,8 @@ struct range {
 struct define { /* a macro of the body */
     const char *name;
     struct loc loc;
-    struct expr *value; /* baked */
+    struct expr *value; /* baked, unless `word` */
+    bool word;          /* a name of the instance; emitted only if the body uses it */
 };
 
 enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_VERTICES, PASS_DISPATCH };

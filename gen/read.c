@@ -91,7 +91,11 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
     }
     bool loaded = documents_load(&reader, source);
     if (loaded) {
-        document_set(&reader, sets, set_count);
+        document_set(&reader, sets, set_count, true);
+        loaded = documents_expand(&reader);
+    }
+    if (loaded) {
+        document_set(&reader, sets, set_count, false);
         read_sections(&reader);
     }
     if (reader.out_of_memory)

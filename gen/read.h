@@ -31,21 +31,28 @@ struct fields {
     const struct fields *next; /* top level: of the next file */
 };
 
-/* The spec, or a file that it includes. */
+struct scope; /* read_group.c: the names of an instance */
+
+/* The spec, a file that it includes, or an instance of a group or repeat. */
 struct document {
     const struct source *source;
     struct fy_document *yaml;
-    struct fields fields;    /* of the top level */
-    const char *real;        /* real path */
-    struct document *parent; /* includes it; NULL: the spec */
-    struct fy_node *entry;   /* element of the parent's `passes` that includes it; NULL: none */
-    struct document *next;   /* in the order of reading */
+    struct fields fields;        /* of the top level */
+    const char *real;            /* real path */
+    struct document *parent;     /* includes it; NULL: the spec */
+    struct fy_node *entry;       /* element of the parent's `passes` that includes it; NULL: none */
+    const struct scope *scope;   /* of an instance; NULL: a file */
+    const struct fy_node *group; /* of an instance: what it is a copy of */
+    struct document *next;       /* in the order of reading */
 };
 
 struct reader {
     struct model *model;
     struct diag *diag;
-    struct document spec; /* and, by `next`, the files that it includes */
+    struct document spec; /* and, by `next`, the files that it includes, and instances */
+    uint32_t instance_count;
+    /* read_group.c: parameters and constants for repeats; `values`: those that fold; NULL: not read */
+    struct pipeline *all, *values;
     struct override *overrides;
     size_t override_count;
     bool out_of_memory;
@@ -66,22 +73,43 @@ struct named_list {
 bool documents_load(struct reader *reader, const struct source *source);
 void documents_free(struct reader *reader);
 const struct source *node_source(const struct reader *reader, struct fy_node *node);
-/* The file whose section has an entry of this name; else the spec. Returns its root. */
-struct fy_node *root_with(const struct reader *reader, const char *section, const char *name,
-                          size_t length);
+/* The document whose section has an entry that `path` begins with; else the spec. Returns its root.
+ * path[ends[0] .. ends[1]) is the entry's own name, which path[ends[2]] follows. */
+struct fy_node *root_with(struct reader *reader, const char *section, const char *path,
+                          size_t ends[3]);
 /* The top level of all files, checked. */
 const struct fields *documents_fields(struct reader *reader);
 /* The passes of all files: those of `include` first, the others in their place. */
 struct fy_node **documents_passes(struct reader *reader, uint32_t *count);
 
-/* read_document.c */
-void document_set(struct reader *reader, const char *const *sets, size_t set_count);
+/* read_group.c: adds a document for each instance; false after an error that makes too many. */
+bool documents_expand(struct reader *reader);
+bool is_use(struct fy_node *item); /* of a group, or repeated */
+/* The name that an entry gets, such as `second.views`; `node`: any of the entry. */
+const char *declared_name(struct reader *reader, struct fy_node *node, const char *name);
+/* The name that a scalar means where it stands; NULL unless a scalar. */
+const char *referred_name(struct reader *reader, struct fy_node *node);
+/* The text of a scalar; of an argument, if it is the name of one. NULL unless a scalar. */
+const char *argument_text(struct reader *reader, struct fy_node *node);
+struct expr_names node_names(const struct reader *reader, struct fy_node *node);
+/* Visits arguments, constants and numbers of the instances around the node. */
+void each_word(struct reader *reader, struct fy_node *node,
+               void (*visit)(void *user, const char *word), void *user);
+/* In an instance: the text with `{EXPR}` replaced. NULL: out of memory. */
+const char *filled_text(struct reader *reader, struct fy_node *node, const char *text);
+
+/* read_document.c: `early`: those of parameters and constants, before instances are made; else
+ * the others. */
+void document_set(struct reader *reader, const char *const *sets, size_t set_count, bool early);
 struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 0 for NULL */
-const char *node_text(struct reader *reader, struct fy_node *node);     /* NULL unless a scalar */
+/* NULL unless a scalar. key_text: as written; node_text: with `{EXPR}` replaced. */
+const char *key_text(struct reader *reader, struct fy_node *node);
+const char *node_text(struct reader *reader, struct fy_node *node);
+const char *element_name(struct reader *reader, struct fy_node *item); /* its `name`; or NULL */
+bool is_path(const char *text); /* names and numbers joined by dots */
 bool is_identifier(const char *text);
 bool text_number(const char *text, double *value);
 bool text_amount(const char *text, double *value); /* a number, A/B or P% */
-bool is_member(const char *text);                  /* NAME or NAME.FIELD */
 
 /* read_fields.c: false when the node is no map; `loc`: location for errors about missing keys. */
 bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
@@ -92,6 +120,8 @@ struct fy_node *field_node(const struct fields *fields, const char *key);
 bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
+/* Of a resource, pass or file; an argument stands for its value. */
+const char *field_reference(struct reader *reader, const struct fields *fields, const char *key);
 bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback);
 double field_number(struct reader *reader, const struct fields *fields, const char *key,
                     double fallback);

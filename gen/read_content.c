@@ -25,7 +25,7 @@ static const char *find_file(struct reader *reader, const struct resource *resou
 static struct expr *number(struct reader *reader, uint32_t value, struct loc loc)
 {
     const char *text = arena_printf(reader->model->arena, "%u", value);
-    return text ? expr_parse(reader->model, text, loc, reader->diag) : NULL;
+    return text ? expr_parse(reader->model, text, loc, NULL, reader->diag) : NULL;
 }
 
 /* False: *reason. */

@@ -35,13 +35,26 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node)
     return loc;
 }
 
-const char *node_text(struct reader *reader, struct fy_node *node)
+const char *key_text(struct reader *reader, struct fy_node *node)
 {
     if (!node || fy_node_get_type(node) != FYNT_SCALAR)
         return NULL;
     size_t length = 0;
     const char *text = fy_node_get_scalar(node, &length);
     return arena_strndup(reader->model->arena, text ? text : "", text ? length : 0);
+}
+
+const char *node_text(struct reader *reader, struct fy_node *node)
+{
+    const char *text = key_text(reader, node);
+    return text ? filled_text(reader, node, text) : NULL;
+}
+
+const char *element_name(struct reader *reader, struct fy_node *item)
+{
+    return fy_node_get_type(item) == FYNT_MAPPING
+               ? key_text(reader, fy_node_mapping_lookup_value_by_string(item, "name", FY_NT))
+               : NULL;
 }
 
 bool is_identifier(const char *text)
@@ -51,6 +64,19 @@ bool is_identifier(const char *text)
     while (isalnum((unsigned char)*text) || *text == '_')
         text++;
     return !*text;
+}
+
+bool is_path(const char *text)
+{
+    bool word = isalpha((unsigned char)*text) || *text == '_';
+    for (; word && *text; text += *text == '.') {
+        size_t length = 0;
+        while (isalnum((unsigned char)text[length]) || text[length] == '_')
+            length++;
+        word = length && (!text[length] || (text[length] == '.' && text[length + 1]));
+        text += length;
+    }
+    return word;
 }
 
 bool text_number(const char *text, double *value)
@@ -83,15 +109,6 @@ bool text_amount(const char *text, double *value)
     return true;
 }
 
-bool is_member(const char *text)
-{
-    char first[128];
-    size_t length = strcspn(text, ".");
-    snprintf(first, sizeof first, "%.*s", (int)length, text);
-    return length < sizeof first && is_identifier(first) &&
-           (!text[length] || is_identifier(text + length + 1));
-}
-
 /* ---- Overrides ------------------------------------------------------------------------------- */
 
 /* One `--set PATH=VALUE` while its path is followed. */
@@ -100,7 +117,8 @@ struct setting {
     const char *path; /* the rest of the path */
     const char *value;
     char segment[128];
-    int column; /* of the segment */
+    int column;        /* of the segment */
+    size_t take, skip; /* length of the next segment, if it has dots, and of what follows it */
 };
 
 static struct loc setting_loc(const struct setting *setting, int column, size_t length)
@@ -111,13 +129,15 @@ static struct loc setting_loc(const struct setting *setting, int column, size_t 
 
 static bool next_segment(struct setting *setting)
 {
-    const char *end = strpbrk(setting->path, ".=");
+    const char *end = setting->take ? setting->path + setting->take : strpbrk(setting->path, ".=");
     size_t length = end ? (size_t)(end - setting->path) : 0;
     if (!length || length >= sizeof setting->segment)
         return false;
     setting->column = (int)(setting->path - setting->source->text) + 1;
     memcpy(setting->segment, setting->path, length);
     setting->segment[length] = '\0';
+    end += setting->skip;
+    setting->take = setting->skip = 0;
     setting->path = *end == '.' ? end + 1 : end;
     return true;
 }
@@ -296,13 +316,6 @@ static void report_unknown_key(struct reader *reader, const struct setting *sett
     report_path(reader, setting, table_sections[section].title, names, count);
 }
 
-static const char *element_name(struct reader *reader, struct fy_node *item)
-{
-    return fy_node_get_type(item) == FYNT_MAPPING
-               ? node_text(reader, fy_node_mapping_lookup_value_by_string(item, "name", FY_NT))
-               : NULL;
-}
-
 /* The element of a list of maps with this `name` or index. Suggests passes of all files. */
 static struct fy_node *find_element(struct reader *reader, const struct setting *setting,
                                     struct fy_node *list)
@@ -316,7 +329,7 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
     if (!*end && number >= 0 && number < fy_node_sequence_item_count(list))
         return fy_node_sequence_get_by_index(list, (int)number);
     while ((item = fy_node_sequence_iterate(list, &iterator))) {
-        const char *text = element_name(reader, item);
+        const char *text = is_use(item) ? NULL : element_name(reader, item);
         if (text && !strcmp(text, setting->segment))
             return item;
     }
@@ -327,8 +340,8 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
         if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
             continue;
         while (count < MOST_NAMES && (item = fy_node_sequence_iterate(passes, &iterator)))
-            if (element_name(reader, item))
-                names[count++] = element_name(reader, item);
+            if (element_name(reader, item) && !is_use(item))
+                names[count++] = declared_name(reader, item, element_name(reader, item));
     }
     report_path(reader, setting, "the list", names, count);
     return NULL;
@@ -392,7 +405,8 @@ static bool is_scalar_key(const char *name)
 /* A bare name is a parameter, else a scalar of the top level such as `exactness`. */
 static void apply_bare(struct reader *reader, struct setting *setting)
 {
-    struct fy_node *root = root_with(reader, "params", setting->segment, strlen(setting->segment));
+    size_t ends[3];
+    struct fy_node *root = root_with(reader, "params", setting->segment, ends);
     struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
     if (params && fy_node_get_type(params) != FYNT_MAPPING)
         params = NULL;
@@ -406,15 +420,33 @@ static void apply_bare(struct reader *reader, struct setting *setting)
         report_unknown_key(reader, setting, params, SECTION_PARAMS);
 }
 
-/* The path goes on in the file that declares what its second segment names. */
+/* The path goes on in the document that declares what its second segment names. */
 static void apply_path(struct reader *reader, struct setting *setting)
 {
-    struct fy_node *root =
-        root_with(reader, setting->segment, setting->path, strcspn(setting->path, ".="));
+    size_t ends[3] = {0}, of[3] = {0};
+    struct fy_node *root = root_with(reader, setting->segment, setting->path, ends);
+    if (!strcmp(setting->segment, "contracts") &&
+        !ends[2]) /* of a resource, perhaps of an instance */
+        for (int i = 0; i < 2 && !ends[2]; i++) {
+            root_with(reader, i ? "images" : "buffers", setting->path, of);
+            ends[1] = ends[2] = of[2];
+        }
+    setting->path += ends[0];
+    setting->take = ends[1] - ends[0];
+    setting->skip = ends[2] - ends[1];
     apply_in_map(reader, setting, root, SECTION_TOP);
 }
 
-static void apply_set(struct reader *reader, const char *text)
+/* Whether it may decide which instances there are: a parameter, or a constant of a file. */
+static bool is_early(struct reader *reader, const struct setting *setting)
+{
+    size_t ends[3] = {0};
+    return is_last(setting) || !strcmp(setting->segment, "params") ||
+           (!strcmp(setting->segment, "constants") &&
+            root_with(reader, "constants", setting->path, ends) && ends[2] && !ends[0]);
+}
+
+static void apply_set(struct reader *reader, const char *text, bool early)
 {
     struct source *source = reader_alloc(reader, 1, sizeof *source);
     if (!source)
@@ -426,25 +458,32 @@ static void apply_set(struct reader *reader, const char *text)
     for (const char *at = text; well_formed && at < equals - 1; at++)
         well_formed = at[0] != '.' || at[1] != '.';
     if (!well_formed) {
-        diag_error(reader->diag, setting_loc(&setting, 1, strlen(text)),
-                   "`--set %s`: expected PATH=VALUE", text);
+        if (early)
+            diag_error(reader->diag, setting_loc(&setting, 1, strlen(text)),
+                       "`--set %s`: expected PATH=VALUE", text);
         return;
     }
     setting.value = equals + 1;
-    if (!next_segment(&setting))
+    bool fits = next_segment(&setting);
+    if ((!fits || is_early(reader, &setting)) != early)
+        return;
+    if (!fits)
         diag_error(reader->diag, setting_loc(&setting, 1, 1), "`--set %s`: the path is too long",
                    text);
-    else if (!strcmp(setting.segment, "include"))
+    else if (!strcmp(setting.segment, "include") || !strcmp(setting.segment, "groups"))
         diag_error(reader->diag, setting_loc(&setting, 1, strlen(setting.segment)),
-                   "`--set %s`: includes cannot be set", text);
+                   *setting.segment == 'i'
+                       ? "`--set %s`: includes cannot be set"
+                       : "`--set %s`: groups cannot be set; name an entry of an instance",
+                   text);
     else if (is_last(&setting))
         apply_bare(reader, &setting);
     else
         apply_path(reader, &setting);
 }
 
-void document_set(struct reader *reader, const char *const *sets, size_t set_count)
+void document_set(struct reader *reader, const char *const *sets, size_t set_count, bool early)
 {
     for (size_t i = 0; i < set_count; i++)
-        apply_set(reader, sets[i]);
+        apply_set(reader, sets[i], early);
 }

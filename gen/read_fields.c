@@ -71,8 +71,10 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     switch (key->type) {
     case KEY_NAME:
         return scalar && is_identifier(text);
+    case KEY_REFERENCE:
+        return scalar && is_path(text);
     case KEY_MEMBER:
-        return scalar && is_member(text);
+        return scalar && is_path(text);
     case KEY_TEXT:
     case KEY_EXPR:
     case KEY_CHOICE:
@@ -213,7 +215,7 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
 static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct fields *fields)
 {
     struct fy_node *name_node = fy_node_pair_key(pair), *value = fy_node_pair_value(pair);
-    const char *name = node_text(reader, name_node);
+    const char *name = key_text(reader, name_node);
     struct loc loc = node_loc(reader, name_node);
     if (!name) {
         diag_error(reader->diag, loc, "a key must be a word, not %s", describe(reader, name_node));
@@ -267,15 +269,18 @@ static void add_named(struct reader *reader, const struct key *entry, struct fy_
     void *iterator = NULL;
     struct fy_node_pair *pair;
     while ((pair = fy_node_mapping_iterate(map, &iterator))) {
-        const char *name = node_text(reader, fy_node_pair_key(pair));
+        const char *name = key_text(reader, fy_node_pair_key(pair));
         struct loc loc = node_loc(reader, fy_node_pair_key(pair));
-        if (!name || !is_identifier(name)) {
+        bool refers = entry->child == SECTION_CONTRACTS; /* to a resource, perhaps of an instance */
+        if (!name || !(refers ? is_path(name) : is_identifier(name))) {
             diag_error(reader->diag, loc, "a name in %s must be letters, digits and `_`, not %s",
                        table_sections[entry->child].title,
                        describe(reader, fy_node_pair_key(pair)));
             continue;
         }
         const struct key *child = table_find(entry->child, name);
+        if (entry->section == SECTION_TOP && !refers)
+            name = declared_name(reader, map, name);
         if (child && value_check(reader, child, fy_node_pair_value(pair), loc))
             list->items[list->count++] = (struct named){name, loc, fy_node_pair_value(pair)};
     }
@@ -358,10 +363,17 @@ int field_choice(struct reader *reader, const struct fields *fields, const char 
     return text ? table_choice(table_find(fields->section, key)->choices, text) : fallback;
 }
 
+const char *field_reference(struct reader *reader, const struct fields *fields, const char *key)
+{
+    return referred_name(reader, field_node(fields, key));
+}
+
 struct expr *node_expr(struct reader *reader, struct fy_node *node)
 {
     const char *text = node_text(reader, node);
-    return text ? expr_parse(reader->model, text, node_loc(reader, node), reader->diag) : NULL;
+    struct expr_names names = node_names(reader, node);
+    return text ? expr_parse(reader->model, text, node_loc(reader, node), &names, reader->diag)
+                : NULL;
 }
 
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key)

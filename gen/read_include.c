@@ -1,5 +1,5 @@
 /* The documents of a spec: the spec and the files that it includes. Each is parsed once, depth
- * first. Called by read.c and, for `--set`, by read_document.c. */
+ * first. Called by read.c and, for `--set`, by read_document.c. read_group.c adds instances. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,32 +18,36 @@ const struct source *node_source(const struct reader *reader, struct fy_node *no
     return reader->spec.source;
 }
 
-static bool has_element(struct fy_node *list, const char *name, size_t length)
+/* Whether the path begins with the entry's name; see root_with. */
+static bool begins(struct reader *reader, struct fy_node *node, const char *name, const char *path,
+                   size_t ends[3])
 {
-    void *iterator = NULL;
-    struct fy_node *item;
-    while ((item = fy_node_sequence_iterate(list, &iterator))) {
-        size_t own = 0;
-        const char *text = fy_node_get_type(item) == FYNT_MAPPING
-                               ? fy_node_mapping_lookup_scalar_by_simple_key(item, &own, "name", 4)
-                               : NULL;
-        if (text && own == length && !strncmp(text, name, length))
-            return true;
-    }
-    return false;
+    const char *full = name ? declared_name(reader, node, name) : NULL;
+    size_t length = full ? strlen(full) : 0;
+    if (!length || strncmp(path, full, length) || !strchr(".=", path[length]))
+        return false;
+    ends[0] = (size_t)(strstr(full, name) - full);
+    ends[1] = ends[0] + strlen(name);
+    ends[2] = length;
+    return true;
 }
 
-struct fy_node *root_with(const struct reader *reader, const char *section, const char *name,
-                          size_t length)
+struct fy_node *root_with(struct reader *reader, const char *section, const char *path,
+                          size_t ends[3])
 {
-    for (const struct document *at = reader->spec.next; at; at = at->next) {
-        struct fy_node *root = fy_document_root(at->yaml);
+    for (const struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *root = fy_document_root(at->yaml), *item;
         struct fy_node *value = fy_node_mapping_lookup_value_by_string(root, section, FY_NT);
-        if (value &&
-            (fy_node_get_type(value) == FYNT_MAPPING
-                 ? fy_node_mapping_lookup_pair_by_string(value, name, length) != NULL
-                 : fy_node_get_type(value) == FYNT_SEQUENCE && has_element(value, name, length)))
-            return root;
+        struct fy_node_pair *pair;
+        void *iterator = NULL;
+        if (value && fy_node_get_type(value) == FYNT_MAPPING)
+            while ((pair = fy_node_mapping_iterate(value, &iterator)))
+                if (begins(reader, root, key_text(reader, fy_node_pair_key(pair)), path, ends))
+                    return root;
+        if (value && fy_node_get_type(value) == FYNT_SEQUENCE)
+            while ((item = fy_node_sequence_iterate(value, &iterator)))
+                if (!is_use(item) && begins(reader, root, element_name(reader, item), path, ends))
+                    return root;
     }
     return fy_document_root(reader->spec.yaml);
 }
@@ -216,7 +220,7 @@ const struct fields *documents_fields(struct reader *reader)
         fields_read(reader, fy_document_root(at->yaml), SECTION_TOP, start, &at->fields);
         at->fields.next = at->next ? &at->next->fields : NULL;
         has_passes |= field_given(&at->fields, "passes");
-        if (at != spec)
+        if (at != spec && !at->scope)
             refuse_keys(reader, at);
     } while ((at = at->next));
     if (!field_given(&spec->fields, "pipeline"))
@@ -235,15 +239,13 @@ static void add_passes(const struct reader *reader, const struct document *docum
         if (at->parent == document && !at->entry)
             add_passes(reader, at, items, count);
     while (list && (item = fy_node_sequence_iterate(list, &iterator))) {
-        const struct document *included = document->next;
-        while (included && included->entry != item)
-            included = included->next;
-        if (included)
-            add_passes(reader, included, items, count);
-        else if (items)
-            items[(*count)++] = item;
-        else
-            ++*count;
+        bool stands = !is_include(item) && !is_use(item);
+        for (const struct document *at = document->next; !stands && at; at = at->next)
+            if (at->entry == item)
+                add_passes(reader, at, items, count);
+        if (stands && items)
+            items[*count] = item;
+        *count += stands;
     }
 }
 

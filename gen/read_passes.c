@@ -12,7 +12,7 @@ static int list_count(struct fy_node *list)
     return list ? fy_node_sequence_item_count(list) : 0;
 }
 
-/* Reads a list of names; reports and skips other items. */
+/* Reads a list of references; reports and skips other items. */
 static uint32_t read_names(struct reader *reader, struct fy_node *list, const char ***names,
                            struct loc **locs)
 {
@@ -21,8 +21,8 @@ static uint32_t read_names(struct reader *reader, struct fy_node *list, const ch
     *locs = reader_alloc(reader, (size_t)list_count(list), sizeof **locs);
     for (int i = 0; *names && *locs && i < list_count(list); i++) {
         struct fy_node *item = fy_node_sequence_get_by_index(list, i);
-        const char *text = node_text(reader, item);
-        if (!text || !is_identifier(text)) {
+        const char *text = referred_name(reader, item);
+        if (!text || !is_path(text)) {
             diag_error(reader->diag, node_loc(reader, item), "expected a name");
             continue;
         }
@@ -62,6 +62,20 @@ static const struct dt_blend *read_blend(struct reader *reader, const struct fie
     return blend;
 }
 
+/* Inside an instance the body knows a resource by the name in the group. */
+static void set_name(struct reader *reader, struct fy_node *node, struct access *access)
+{
+    const char *text = node_text(reader, node);
+    access->name = referred_name(reader, node);
+    if (!text || !access->name || (!strcmp(text, access->name) && !strchr(text, '.')))
+        return;
+    struct text word = {0};
+    text_add_word(&word, text);
+    access->as = arena_strndup(reader->model->arena, word.data ? word.data : "", word.length);
+    access->as_loc = access->loc;
+    text_free(&word);
+}
+
 static bool read_access(struct reader *reader, struct fy_node *node, enum access_mode mode,
                         struct access *access)
 {
@@ -70,8 +84,8 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
                               .binding = -1,
                               .attachment = -1,
                               .loc = node_loc(reader, node)};
-    access->name = node_text(reader, node);
-    if (access->name && is_identifier(access->name))
+    set_name(reader, node, access);
+    if (access->name && is_path(access->name))
         return true;
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
         diag_error(reader->diag, access->loc,
@@ -81,11 +95,13 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     struct fields fields;
     if (!fields_read(reader, node, SECTION_ACCESS, access->loc, &fields))
         return false;
-    access->name = field_text(reader, &fields, "name");
     access->loc = field_loc(reader, &fields, "name");
-    access->as = field_text(reader, &fields, "as");
-    access->as_loc = field_loc(reader, &fields, "as");
-    access->sampler = field_text(reader, &fields, "sampler");
+    set_name(reader, field_node(&fields, "name"), access);
+    if (field_node(&fields, "as")) {
+        access->as = field_text(reader, &fields, "as");
+        access->as_loc = field_loc(reader, &fields, "as");
+    }
+    access->sampler = field_reference(reader, &fields, "sampler");
     access->sampler_loc = field_loc(reader, &fields, "sampler");
     access->mip = field_expr(reader, &fields, "mip");
     access->layer = field_expr(reader, &fields, "layer");
@@ -131,7 +147,7 @@ static void read_ranges(struct reader *reader, const struct fields *fields, stru
         if (!fields_read(reader, list.items[i].value, SECTION_RANGE, range->loc, &inner))
             continue;
         pass->range_count++;
-        range->of = field_text(reader, &inner, "of");
+        range->of = field_reference(reader, &inner, "of");
         range->of_loc = field_loc(reader, &inner, "of");
         range->count = field_expr(reader, &inner, "count");
         if (field_node(&inner, "first"))
@@ -141,15 +157,52 @@ static void read_ranges(struct reader *reader, const struct fields *fields, stru
     }
 }
 
+struct words {
+    struct reader *reader;
+    struct pass *pass;
+    struct fy_node *node;
+    uint32_t count;
+};
+
+static void count_word(void *user, const char *word)
+{
+    struct words *words = user;
+    words->count++;
+    (void)word;
+}
+
+/* Not the name of a resource or of a file, which bodies cannot use as a value. */
+static void add_word(void *user, const char *word)
+{
+    struct words *words = user;
+    struct reader *reader = words->reader;
+    struct expr_names names = node_names(reader, words->node);
+    struct diag *silent = diag_create();
+    struct loc loc = node_loc(reader, words->node);
+    struct expr *value = silent ? expr_parse(reader->model, word, loc, &names, silent) : NULL;
+    bool known = value && expr_resolve(value, &reader->model->pipeline, silent);
+    diag_free(silent);
+    if (known)
+        words->pass->defines[words->pass->define_count++] =
+            (struct define){.name = word, .loc = loc, .value = value, .word = true};
+}
+
+/* The macros of the body, and in an instance its arguments, constants and number. */
 static void read_defines(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     struct named_list list = fields_named(reader, fields, "defines");
-    if (!list.count)
+    struct words words = {reader, pass, field_node(fields, "name"), list.count};
+    each_word(reader, words.node, count_word, &words);
+    if (!words.count)
         return;
-    pass->defines = reader_alloc(reader, list.count, sizeof *pass->defines);
+    pass->defines = reader_alloc(reader, words.count, sizeof *pass->defines);
     for (uint32_t i = 0; pass->defines && i < list.count; i++)
-        pass->defines[pass->define_count++] = (struct define){
-            list.items[i].name, list.items[i].loc, node_expr(reader, list.items[i].value)};
+        pass->defines[pass->define_count++] =
+            (struct define){.name = list.items[i].name,
+                            .loc = list.items[i].loc,
+                            .value = node_expr(reader, list.items[i].value)};
+    if (pass->defines)
+        each_word(reader, words.node, add_word, &words);
 }
 
 /* ---- The kind and the size ------------------------------------------------------------------- */
@@ -186,7 +239,7 @@ static int read_dispatch(struct reader *reader, const struct fields *fields, str
 {
     const char *key = field_node(fields, "dispatch") ? "dispatch" : "groups";
     struct fy_node *node = field_node(fields, key);
-    const char *text = node_text(reader, node);
+    const char *text = referred_name(reader, node);
     pass->kind = PASS_DISPATCH;
     pass->size_loc = field_loc(reader, fields, key);
     pass->size = !strcmp(key, "groups") ? SIZE_GROUPS : SIZE_INVOCATIONS;
@@ -388,23 +441,24 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
 {
     *pass = (struct pass){
         .frame_binding = -1, .live_binding = -1, .textures_binding = -1, .materials_binding = -1};
-    pass->name = field_text(reader, fields, "name");
+    pass->name =
+        declared_name(reader, field_node(fields, "name"), field_text(reader, fields, "name"));
     pass->loc = field_loc(reader, fields, "name");
     if (!pass->name)
         pass->name = "?";
     pass->doc = field_text(reader, fields, "doc");
-    pass->shader = field_text(reader, fields, "shader");
+    pass->shader = argument_text(reader, field_node(fields, "shader"));
     pass->shader_loc = field_loc(reader, fields, "shader");
-    pass->limit = field_text(reader, fields, "limit");
+    pass->limit = argument_text(reader, field_node(fields, "limit"));
     pass->limit_loc = field_loc(reader, fields, "limit");
-    pass->interleave_name = field_text(reader, fields, "interleave");
+    pass->interleave_name = field_reference(reader, fields, "interleave");
     pass->interleave_loc = field_loc(reader, fields, "interleave");
-    pass->indirect = field_text(reader, fields, "indirect");
+    pass->indirect = field_reference(reader, fields, "indirect");
     pass->indirect_loc = field_loc(reader, fields, "indirect");
-    pass->indices = field_text(reader, fields, "indices");
+    pass->indices = field_reference(reader, fields, "indices");
     pass->indices_loc = field_loc(reader, fields, "indices");
     pass->when = field_expr(reader, fields, "when");
-    pass->when_text = field_text(reader, fields, "when");
+    pass->when_text = argument_text(reader, field_node(fields, "when"));
     pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
     pass->after_count =
         read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);

@@ -98,7 +98,7 @@ static void read_buffer(struct reader *reader, const struct named *named, struct
     if (!fields_read(reader, named->value, SECTION_BUFFER, named->loc, &fields))
         return;
     buffer->doc = field_text(reader, &fields, "doc");
-    buffer->of = field_text(reader, &fields, "of");
+    buffer->of = argument_text(reader, field_node(&fields, "of"));
     buffer->of_loc = field_loc(reader, &fields, "of");
     buffer->count = field_expr(reader, &fields, "count");
     buffer->history = field_bool(reader, &fields, "history", false);
@@ -139,8 +139,8 @@ static void read_image(struct reader *reader, const struct named *named, struct 
         image->height = node_expr(reader, fy_node_sequence_get_by_index(size, 1));
     } else {
         struct loc loc = field_loc(reader, &fields, "size");
-        image->width = expr_parse(reader->model, "frame.width", loc, reader->diag);
-        image->height = expr_parse(reader->model, "frame.height", loc, reader->diag);
+        image->width = expr_parse(reader->model, "frame.width", loc, NULL, reader->diag);
+        image->height = expr_parse(reader->model, "frame.height", loc, NULL, reader->diag);
     }
     image->layers = field_expr(reader, &fields, "layers");
     image->mips = field_expr(reader, &fields, "mips");

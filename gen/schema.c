@@ -32,18 +32,21 @@ static void add_list(struct text *out, const struct key *key)
     text_add(out, "{\"type\": \"array\", \"items\": ");
     if (key->child == SECTION_PASS) {
         text_add(out, "{\"anyOf\": [");
-        add_reference(out, SECTION_PASS);
-        text_add(out, ", ");
-        add_reference(out, SECTION_PASS_INCLUDE);
+        static const enum section items[] = {SECTION_PASS, SECTION_PASS_INCLUDE, SECTION_USE,
+                                             SECTION_REPEAT};
+        for (size_t i = 0; i < DT_ARRAY_COUNT(items); i++) {
+            text_add(out, "%s", i ? ", " : "");
+            add_reference(out, items[i]);
+        }
         text_add(out, "]}");
     } else if (key->type == KEY_LIST) {
         add_reference(out, key->child);
     } else if (key->child != SECTION_NONE) {
-        text_add(out, "{\"anyOf\": [{\"$ref\": \"#/$defs/NAME\"}, ");
+        text_add(out, "{\"anyOf\": [{\"$ref\": \"#/$defs/REFERENCE\"}, ");
         add_reference(out, key->child);
         text_add(out, "]}");
     } else {
-        text_add(out, "{\"$ref\": \"#/$defs/NAME\"}");
+        text_add(out, "{\"$ref\": \"#/$defs/REFERENCE\"}");
     }
     text_add(out, "}");
 }
@@ -52,6 +55,7 @@ static void add_scalar_type(struct text *out, const struct key *key)
 {
     static const char *const types[] = {
         [KEY_NAME] = "{\"$ref\": \"#/$defs/NAME\"}",
+        [KEY_REFERENCE] = "{\"$ref\": \"#/$defs/REFERENCE\"}",
         [KEY_TEXT] = "{\"type\": [\"string\", \"number\", \"boolean\"]}",
         [KEY_FILES] = "{\"type\": \"array\", \"items\": {\"type\": \"string\"}}",
         [KEY_BOOL] = "{\"type\": \"boolean\"}",
@@ -149,8 +153,10 @@ static void add_section(struct text *out, enum section section)
     }
     text_add(out, "\n      },\n");
     if (any) {
-        text_add(out, "      \"propertyNames\": {\"$ref\": \"#/$defs/NAME\"},\n      "
-                      "\"additionalProperties\": ");
+        text_add(out,
+                 "      \"propertyNames\": {\"$ref\": \"#/$defs/%s\"},\n      "
+                 "\"additionalProperties\": ",
+                 section == SECTION_CONTRACTS ? "REFERENCE" : "NAME");
         add_type(out, any);
     } else {
         text_add(out, "      \"additionalProperties\": false");
@@ -167,6 +173,7 @@ void emit_schema(struct text *out)
         table_sections[SECTION_TOP].anchor);
     text_add(out,
              "    \"NAME\": {\"type\": \"string\", \"pattern\": \"^[A-Za-z_][A-Za-z0-9_]*$\"},\n"
+             "    \"REFERENCE\": {\"type\": \"string\", \"pattern\": \"^[A-Za-z_]\"},\n"
              "    \"EXPR\": {\"type\": [\"integer\", \"string\", \"boolean\"]}");
     for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++) {
         text_add(out, ",\n");

@@ -109,6 +109,39 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "looked for beside the including one, then in the templates. Names are unique in all "
          "files together. `pipeline`, `exactness` and `target` stand in the spec alone.",
          "{include: shared/tonemap.yaml}"},
+    [SECTION_GROUPS] =
+        {"`groups`", "groups", "groups",
+         "Passes, resources and constants that belong together, written once and used several "
+         "times. "
+         "An element {group: NAME} of `passes` makes an instance.",
+         "maps: {args: [points], passes: [{name: fill, dispatch: 64, writes: [points], shader: "
+         "fill.glsl}]}"},
+    [SECTION_GROUP] =
+        {"a group", "groups.NAME", "group",
+         "One group. Inside, the names of its arguments, constants, buffers, images and passes "
+         "come "
+         "first; then those of the whole spec. Bodies of its passes use these names, too.",
+         "{args: [source, radius], images: {half: {format: rgba16f, size: frame}}, passes: []}"},
+    [SECTION_USE] =
+        {"a use of a group", "passes[].group", "use",
+         "In place of a pass: the passes of a group in this place. What the group declares has the "
+         "name INSTANCE.NAME: `second.views` in the spec, in messages and in paths of `--set`, "
+         "`second_views` in C and in bodies outside of the group.",
+         "{group: maps, as: second, with: {points: second_vpls, count: 2 * clusters}}"},
+    [SECTION_WITH] = {"`with`", "passes[].with", "with",
+                      "Arguments of a group: names of resources, integer expressions, files of "
+                      "bodies.",
+                      "{points: second_vpls, count: 2 * clusters}"},
+    [SECTION_REPEAT] =
+        {"a repeat", "passes[].repeat", "repeat",
+         "In place of a pass: the passes of a list, for each number of a range. A pass or a use of "
+         "a group may have the key `repeat` itself. The names end in the number: `down.0`, "
+         "`down.1`. "
+         "Expressions and bodies use the number by its name; other texts have it in braces, as "
+         "`\"keys.{(k + 1) % 2}\"`.",
+         "{repeat: k in 0 .. levels - 2, passes: [{name: down, dispatch: 64, updates: [{name: "
+         "glow, "
+         "mip: k}], shader: down.glsl}]}"},
     [SECTION_DRAW] =
         {"a draw of vertices", "passes[].draw", "draw",
          "A draw without a vertex buffer: the vertex part of the body makes each vertex from "
@@ -220,6 +253,8 @@ const struct key table_keys[] = {
     {SECTION_TOP, "passes", KEY_LIST, SECTION_PASS, NULL, OPTIONAL, "**required** in a spec",
      "The passes. An element `{include: FILE}` stands for the passes of a file.",
      "[{name: fill, dispatch: picture, writes: [picture], shader: fill.glsl}]"},
+    {SECTION_TOP, "groups", KEY_MAP, SECTION_GROUPS, NULL, OPTIONAL, NULL,
+     "Passes and resources to use several times.", "{maps: {args: [points], passes: []}}"},
     {SECTION_TOP, "asserts", KEY_LIST, SECTION_ASSERT, NULL, OPTIONAL, NULL,
      "Conditions on the values in force.", "[{that: clusters > 0, message: \"no clusters\"}]"},
     {SECTION_TOP, "contracts", KEY_MAP, SECTION_CONTRACTS, NULL, OPTIONAL, NULL,
@@ -377,7 +412,42 @@ const struct key table_keys[] = {
     {SECTION_INTERLEAVE, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it is for.",
      "\"shading classes\""},
 
+    /* groups and repeats */
+    {SECTION_GROUPS, "*", KEY_MAP, SECTION_GROUP, NULL, OPTIONAL, NULL, "A group, by its name.",
+     "{args: [points], passes: []}"},
+    {SECTION_GROUP, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it makes.",
+     "\"visibility maps\""},
+    {SECTION_GROUP, "args", KEY_NAMES, SECTION_NONE, NULL, OPTIONAL, "none",
+     "Names that each use gives a meaning.", "[points, count]"},
+    {SECTION_GROUP, "constants", KEY_MAP, SECTION_CONSTANTS, NULL, OPTIONAL, NULL,
+     "Constants of each instance.", "{half: count / 2}"},
+    {SECTION_GROUP, "buffers", KEY_MAP, SECTION_BUFFERS, NULL, OPTIONAL, NULL,
+     "Buffers of each instance.", "{views: {of: View, count: count}}"},
+    {SECTION_GROUP, "images", KEY_MAP, SECTION_IMAGES, NULL, OPTIONAL, NULL,
+     "Images of each instance.", "{depth: {format: d32f, size: [256, 256], layers: count}}"},
+    {SECTION_GROUP, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL,
+     "Passes, repeats and uses of other groups.",
+     "[{name: fill, dispatch: count, writes: [views], shader: fill.glsl}]"},
+    {SECTION_USE, "group", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The group.", "maps"},
+    {SECTION_USE, "as", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "the group's name",
+     "The name of the instance.", "second"},
+    {SECTION_USE, "with", KEY_MAP, SECTION_WITH, NULL, OPTIONAL, "none",
+     "A value for each argument.", "{points: second_vpls}"},
+    {SECTION_USE, "repeat", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "once",
+     "NAME in FIRST .. LAST: an instance for each number.", "k in 0 .. 2"},
+    {SECTION_WITH, "*", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "The value of an argument: a name, an integer expression or a file.", "second_vpls"},
+    {SECTION_REPEAT, "repeat", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "NAME in FIRST .. LAST, both included; no pass if LAST is below FIRST. The limits depend on "
+     "baked parameters alone.",
+     "k in 0 .. levels - 1"},
+    {SECTION_REPEAT, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL,
+     "The passes, in this order for each number.",
+     "[{name: down, dispatch: 64, updates: [glow], shader: down.glsl}]"},
+
     /* passes */
+    {SECTION_PASS, "repeat", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "once",
+     "NAME in FIRST .. LAST: the pass for each number, both included.", "k in 0 .. levels - 1"},
     {SECTION_PASS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "Name of the pass.",
      "shade"},
     {SECTION_PASS, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it does.",
@@ -392,10 +462,10 @@ const struct key table_keys[] = {
      "[frame.width, frame.height]"},
     {SECTION_PASS, "groups", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A dispatch by workgroups.", "clusters"},
-    {SECTION_PASS, "interleave", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
+    {SECTION_PASS, "interleave", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A dispatch over an interleave's classes: x and y over the class's pixels, z is the class.",
      "tile"},
-    {SECTION_PASS, "indirect", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
+    {SECTION_PASS, "indirect", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of indexed draws, "
      "beside "
      "a draw of vertices of such, one per element.",
@@ -410,7 +480,7 @@ const struct key table_keys[] = {
      "draw: that many layers of the targets, and instances of the scene; the vertex part chooses "
      "gl_Layer.",
      "clusters"},
-    {SECTION_PASS, "indices", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "the scene's",
+    {SECTION_PASS, "indices", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "the scene's",
      "draw: scene: buffer of uint with the indices to draw.", "visible_indices"},
     {SECTION_PASS, "reads", KEY_NAMES, SECTION_ACCESS, NULL, OPTIONAL, "none",
      "What the pass reads.", "[vpls, {name: gbuffer_normal, sampler: soft}]"},
@@ -474,13 +544,13 @@ const struct key table_keys[] = {
      "Multiple of the triangle's slope.", "1.5"},
     {SECTION_PASS_INCLUDE, "include", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL, "The file.",
      "shared/tonemap.yaml"},
-    {SECTION_ACCESS, "name", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The resource.",
+    {SECTION_ACCESS, "name", KEY_REFERENCE, SECTION_NONE, NULL, REQUIRED, NULL, "The resource.",
      "shadow_depth"},
     {SECTION_ACCESS, "as", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "its name",
      "What the body calls it in place of its name, so that one body serves passes over different "
      "resources, or that it tells mips and layers of one image apart.",
      "points"},
-    {SECTION_ACCESS, "sampler", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "by texel",
+    {SECTION_ACCESS, "sampler", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "by texel",
      "reads: the filtering sampler of `NAME_sample` and `NAME_compare`.", "soft"},
     {SECTION_ACCESS, "mip", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL,
      "0; all for a sampler without `layer`", "The mip level; baked.", "1"},
@@ -509,7 +579,7 @@ const struct key table_keys[] = {
      "A macro, by its name: an integer; baked.", "2 * radius + 1"},
     {SECTION_RANGES, "*", KEY_MAP, SECTION_RANGE, NULL, OPTIONAL, NULL, "A range, by its name.",
      "{of: vpls, count: 32}"},
-    {SECTION_RANGE, "of", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL,
+    {SECTION_RANGE, "of", KEY_REFERENCE, SECTION_NONE, NULL, REQUIRED, NULL,
      "The buffer, among the pass's reads.", "vpls"},
     {SECTION_RANGE, "count", KEY_EXPR, SECTION_NONE, NULL, REQUIRED, NULL,
      "Number of elements; baked.", "32"},
@@ -562,9 +632,9 @@ const struct key table_keys[] = {
      "Largest absolute difference of a texel that is no outlier.", "5/255"},
     {SECTION_IMAGE_CONTRACT, "outliers", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, "0",
      "Share of the texels that may differ by more, 0 to 1.", "0.1%"},
-    {SECTION_OUTPUT, "linear", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
+    {SECTION_OUTPUT, "linear", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Image with linear radiance, for EXR.", "radiance"},
-    {SECTION_OUTPUT, "display", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, NULL,
+    {SECTION_OUTPUT, "display", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Image with 8 bit sRGB codes, for PNG.", "picture"},
 };
 const size_t table_key_count = sizeof table_keys / sizeof *table_keys;
@@ -602,6 +672,7 @@ const char *table_type_text(enum key_type type)
 {
     static const char *const texts[] = {
         [KEY_NAME] = "a name",
+        [KEY_REFERENCE] = "a name",
         [KEY_MEMBER] = "a name or NAME.FIELD",
         [KEY_TEXT] = "text",
         [KEY_BOOL] = "true or false",

@@ -30,6 +30,11 @@ enum section {
     SECTION_INTERLEAVE,
     SECTION_PASS,
     SECTION_PASS_INCLUDE,
+    SECTION_GROUPS,
+    SECTION_GROUP,
+    SECTION_USE,
+    SECTION_WITH,
+    SECTION_REPEAT,
     SECTION_DRAW,
     SECTION_DEPTH_BIAS,
     SECTION_ACCESS,
@@ -48,26 +53,27 @@ enum section {
 /* The type of a key's value. With a child section, a map of that section is accepted as well
  * (KEY_MAP: only a map; KEY_LIST and KEY_NAMES: as elements of the list). */
 enum key_type {
-    KEY_NAME,    /* identifier */
-    KEY_MEMBER,  /* NAME or NAME.FIELD */
-    KEY_TEXT,    /* any scalar */
-    KEY_BOOL,    /* true or false */
-    KEY_NUMBER,  /* real */
-    KEY_AMOUNT,  /* real, as a number, a fraction A/B or a percentage */
-    KEY_INTEGER, /* 0, 1, 2... */
-    KEY_EXPR,    /* integer expression */
-    KEY_EXPRS,   /* integer expression, or a list of 1 to 3 */
-    KEY_SIZE,    /* `frame`, or a list of 2 expressions */
-    KEY_RECT,    /* list of 4 expressions */
-    KEY_VALUE,   /* number, bool, or a list of 2 to 4 numbers */
-    KEY_NUMBERS, /* number, or a list of 1 to 4 */
-    KEY_LENGTH,  /* `scene_radius`, or a number */
-    KEY_WEIGHT,  /* number, or the name of a parameter */
-    KEY_CHOICE,  /* one of the words in `choices` */
-    KEY_TYPE,    /* type of a field: a word in `choices`, or TYPE[N] */
-    KEY_NAMES,   /* list of identifiers */
-    KEY_FILES,   /* list of file names */
-    KEY_LIST,    /* list of maps */
+    KEY_NAME,      /* identifier */
+    KEY_REFERENCE, /* a name, perhaps of an instance: second.views */
+    KEY_MEMBER,    /* NAME or NAME.FIELD */
+    KEY_TEXT,      /* any scalar */
+    KEY_BOOL,      /* true or false */
+    KEY_NUMBER,    /* real */
+    KEY_AMOUNT,    /* real, as a number, a fraction A/B or a percentage */
+    KEY_INTEGER,   /* 0, 1, 2... */
+    KEY_EXPR,      /* integer expression */
+    KEY_EXPRS,     /* integer expression, or a list of 1 to 3 */
+    KEY_SIZE,      /* `frame`, or a list of 2 expressions */
+    KEY_RECT,      /* list of 4 expressions */
+    KEY_VALUE,     /* number, bool, or a list of 2 to 4 numbers */
+    KEY_NUMBERS,   /* number, or a list of 1 to 4 */
+    KEY_LENGTH,    /* `scene_radius`, or a number */
+    KEY_WEIGHT,    /* number, or the name of a parameter */
+    KEY_CHOICE,    /* one of the words in `choices` */
+    KEY_TYPE,      /* type of a field: a word in `choices`, or TYPE[N] */
+    KEY_NAMES,     /* list of identifiers */
+    KEY_FILES,     /* list of file names */
+    KEY_LIST,      /* list of maps */
     KEY_MAP
 };
 

@@ -89,6 +89,12 @@ void text_add_json(struct text *text, const char *string)
     text_add_bytes(text, "\"", 1);
 }
 
+void text_add_word(struct text *text, const char *name)
+{
+    for (; *name; name++)
+        text_add_bytes(text, *name == '.' ? "_" : name, 1);
+}
+
 /* ---- Long lines ------------------------------------------------------------------------------ */
 
 /* Returns the end of the string literal or comment that begins at line[at]; without one, `at`. */

@@ -50,7 +50,7 @@ static int teardown(void **state)
 
 static struct expr *parse(struct fixture *f, const char *text)
 {
-    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, f->diag);
+    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, NULL, f->diag);
     return expr && expr_resolve(expr, &f->model.pipeline, f->diag) ? expr : NULL;
 }
 

@@ -36,7 +36,7 @@ def check_reference(schema, markdown):
         value = yaml.safe_load(example)
         jsonschema.validate(value, {"$defs": schema["$defs"], **part})
     for anchor, definition in schema["$defs"].items():
-        if anchor in ("NAME", "EXPR"):
+        if anchor in ("NAME", "REFERENCE", "EXPR"):
             continue
         keys = set(definition["properties"])
         if definition["additionalProperties"]:

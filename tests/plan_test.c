@@ -50,7 +50,7 @@ static int teardown(void **state)
 
 static struct expr *number(struct fixture *f, const char *text)
 {
-    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, f->diag);
+    struct expr *expr = expr_parse(&f->model, text, (struct loc){0}, NULL, f->diag);
 
     assert_non_null(expr);
     assert_true(expr_resolve(expr, &f->model.pipeline, f->diag));

@@ -1,0 +1,516 @@
+/* Instances: each use of a group, and each value of a repeat, becomes a document with a copy of
+ * the sections and a scope of names. Called by read.c after the parameters have their values, and
+ * by the readers to translate names. */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "read.h"
+
+enum { MOST_INSTANCES = 1024, MOST_CONSTANT_CHAIN = 64 };
+
+/* An argument of a group, or the number of a repeat. */
+struct binding {
+    const char *name, *text;
+    const struct scope *scope; /* names of `text` */
+};
+
+struct scope {
+    struct reader *reader;
+    const struct scope *outer;   /* of a repeat: where it stands; a group: NULL */
+    const char *prefix, *suffix; /* of the names that it declares */
+    struct fy_node *root;        /* declares them */
+    struct binding *bindings;
+    uint32_t binding_count;
+};
+
+/* ---- Names ----------------------------------------------------------------------------------- */
+
+static const struct scope *node_scope(const struct reader *reader, struct fy_node *node)
+{
+    const struct fy_document *yaml = node ? fy_node_document(node) : NULL;
+    for (const struct document *at = reader->spec.next; at; at = at->next)
+        if (at->yaml == yaml)
+            return at->scope;
+    return NULL;
+}
+
+static const char *full_name(const struct scope *scope, const char *name)
+{
+    return scope ? arena_printf(scope->reader->model->arena, "%s%s%s", scope->prefix, name,
+                                scope->suffix)
+                 : name;
+}
+
+const char *declared_name(struct reader *reader, struct fy_node *node, const char *name)
+{
+    return name ? full_name(node_scope(reader, node), name) : NULL;
+}
+
+static struct fy_node *value_of(struct fy_node *map, const char *key)
+{
+    return fy_node_mapping_lookup_value_by_string(map, key, FY_NT);
+}
+
+/* Whether one of the passes, or of those in a repeat among them, has this name. */
+static bool list_declares(struct fy_node *passes, const char *word, size_t length)
+{
+    static const char *const keys[] = {"name", "as"};
+    void *iterator = NULL;
+    struct fy_node *item;
+    if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
+        return false;
+    while ((item = fy_node_sequence_iterate(passes, &iterator))) {
+        if (fy_node_get_type(item) != FYNT_MAPPING)
+            continue;
+        for (int i = 0; i < 2; i++) {
+            size_t own = 0;
+            const char *text =
+                fy_node_mapping_lookup_scalar_by_simple_key(item, &own, keys[i], strlen(keys[i]));
+            if (text && own == length && !strncmp(text, word, length))
+                return true;
+        }
+        if (list_declares(value_of(item, "passes"), word, length))
+            return true;
+    }
+    return false;
+}
+
+/* Whether the scope's sections have an entry of this name. */
+static bool declares(const struct scope *scope, const char *word, size_t length)
+{
+    static const char *const sections[] = {"constants", "buffers", "images"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(sections); i++) {
+        struct fy_node *map = value_of(scope->root, sections[i]);
+        if (map && fy_node_get_type(map) == FYNT_MAPPING &&
+            fy_node_mapping_lookup_pair_by_string(map, word, length))
+            return true;
+    }
+    return list_declares(value_of(scope->root, "passes"), word, length);
+}
+
+static const struct binding *find_binding(const struct scope *scope, const char *word,
+                                          size_t length)
+{
+    for (uint32_t i = 0; i < scope->binding_count; i++)
+        if (strlen(scope->bindings[i].name) == length &&
+            !strncmp(scope->bindings[i].name, word, length))
+            return &scope->bindings[i];
+    return NULL;
+}
+
+static bool find_text(const void *user, const char *name, struct expr_text *text)
+{
+    size_t length = strcspn(name, ".");
+    for (const struct scope *scope = user; scope; scope = scope->outer) {
+        const struct binding *binding = find_binding(scope, name, length);
+        if (binding) {
+            text->text = name[length] ? arena_printf(scope->reader->model->arena, "%s%s",
+                                                     binding->text, name + length)
+                                      : binding->text;
+            text->names = (struct expr_names){binding->scope ? find_text : NULL, binding->scope};
+            return text->text != NULL;
+        }
+        if (declares(scope, name, length)) {
+            text->text = full_name(scope, name);
+            return text->text != NULL;
+        }
+    }
+    return false;
+}
+
+/* A name as the whole pipeline knows it. */
+static const char *global_name(const struct scope *scope, const char *name)
+{
+    struct expr_text text = {0};
+    while (scope && find_text(scope, name, &text)) {
+        name = text.text;
+        scope = text.names.find ? text.names.scope : NULL;
+        text = (struct expr_text){0};
+    }
+    return name;
+}
+
+const char *referred_name(struct reader *reader, struct fy_node *node)
+{
+    const char *text = node_text(reader, node);
+    return text ? global_name(node_scope(reader, node), text) : NULL;
+}
+
+const char *argument_text(struct reader *reader, struct fy_node *node)
+{
+    const char *text = node_text(reader, node);
+    for (const struct scope *scope = node_scope(reader, node); text && scope;) {
+        const struct binding *binding = find_binding(scope, text, strlen(text));
+        text = binding ? binding->text : text;
+        scope = binding ? binding->scope : scope->outer;
+    }
+    return text;
+}
+
+struct expr_names node_names(const struct reader *reader, struct fy_node *node)
+{
+    const struct scope *scope = node_scope(reader, node);
+    return (struct expr_names){scope ? find_text : NULL, scope};
+}
+
+void each_word(struct reader *reader, struct fy_node *node,
+               void (*visit)(void *user, const char *word), void *user)
+{
+    for (const struct scope *scope = node_scope(reader, node); scope; scope = scope->outer) {
+        struct fy_node *constants = value_of(scope->root, "constants");
+        struct fy_node_pair *pair;
+        void *iterator = NULL;
+        for (uint32_t i = 0; i < scope->binding_count; i++)
+            visit(user, scope->bindings[i].name);
+        while (constants && (pair = fy_node_mapping_iterate(constants, &iterator)))
+            if (key_text(reader, fy_node_pair_key(pair)))
+                visit(user, key_text(reader, fy_node_pair_key(pair)));
+    }
+}
+
+/* ---- Values that are known while reading ----------------------------------------------------- */
+
+/* Folds the constants that depend on baked parameters alone. */
+static void fold_constants(struct pipeline *values, const struct pipeline *all, struct diag *diag)
+{
+    bool more = true;
+    for (int round = 0; more && round < MOST_CONSTANT_CHAIN; round++) {
+        more = false;
+        for (uint32_t i = 0; i < all->constant_count; i++) {
+            struct constant *from = &all->constants[i];
+            if (from->folds || !from->value || !expr_resolve(from->value, values, diag) ||
+                expr_reach(from->value) != EXPR_BAKED ||
+                expr_eval(from->value, 0, 0, &from->folded) != EXPR_OK)
+                continue;
+            from->folds = more = true;
+            values->constants[values->constant_count++] = *from;
+        }
+    }
+}
+
+/* Parameters and constants of all documents so far. Errors are reported later, by read.c. */
+static bool read_values(struct reader *reader)
+{
+    struct model *model = reader->model;
+    struct diag *diag = reader->diag;
+    struct pipeline saved = model->pipeline;
+    reader->diag = diag_create();
+    reader->all = reader_alloc(reader, 1, sizeof *reader->all);
+    reader->values = reader_alloc(reader, 1, sizeof *reader->values);
+    bool good = reader->diag && reader->all && reader->values;
+    if (good) {
+        const struct fields *top = documents_fields(reader);
+        model->pipeline = (struct pipeline){0};
+        read_params(reader, top);
+        read_constants(reader, top);
+        *reader->all = *reader->values = model->pipeline;
+        reader->values->constants =
+            reader_alloc(reader, reader->all->constant_count, sizeof *reader->values->constants);
+        reader->values->constant_count = 0;
+        good = reader->values->constants;
+        if (good)
+            fold_constants(reader->values, reader->all, reader->diag);
+    }
+    diag_free(reader->diag);
+    reader->diag = diag;
+    model->pipeline = saved;
+    return good;
+}
+
+/* False after an error at `loc`. */
+static bool evaluate(struct reader *reader, const struct scope *scope, const char *text,
+                     struct loc loc, int64_t *value)
+{
+    struct expr_names names = {scope ? find_text : NULL, scope};
+    if (!reader->values && !read_values(reader))
+        return false;
+    struct expr *expr = expr_parse(reader->model, text, loc, &names, reader->diag);
+    struct diag *silent = diag_create();
+    bool known = expr && silent && expr_resolve(expr, reader->values, silent);
+    diag_free(silent);
+    if (!expr || (!known && !expr_resolve(expr, reader->all, reader->diag)))
+        return false;
+    if (!known || expr_reach(expr) != EXPR_BAKED || expr_eval(expr, 0, 0, value) != EXPR_OK) {
+        diag_error(reader->diag, loc,
+                   "`%s` must be an integer over baked parameters and their constants", text);
+        return false;
+    }
+    return true;
+}
+
+const char *filled_text(struct reader *reader, struct fy_node *node, const char *text)
+{
+    const struct scope *scope = text && strchr(text, '{') ? node_scope(reader, node) : NULL;
+    struct text out = {0};
+    if (!scope)
+        return text;
+    for (const char *end; *text; text = end) {
+        size_t plain = strcspn(text, "{");
+        int64_t value;
+        text_add_bytes(&out, text, plain);
+        end = text[plain] ? strchr(text + plain, '}') : text + plain;
+        if (!text[plain])
+            continue;
+        const char *inner = end ? arena_strndup(reader->model->arena, text + plain + 1,
+                                                (size_t)(end - text) - plain - 1)
+                                : NULL;
+        if (!end)
+            diag_error(reader->diag, node_loc(reader, node), "`{` without `}`");
+        if (!inner || !evaluate(reader, scope, inner, node_loc(reader, node), &value))
+            break;
+        text_add(&out, "%lld", (long long)value);
+        end++;
+    }
+    const char *filled = arena_strndup(reader->model->arena, out.data ? out.data : "", out.length);
+    text_free(&out);
+    return filled;
+}
+
+/* ---- Instances ------------------------------------------------------------------------------- */
+
+/* An element of `passes` that stands for instances, and the document that has it. */
+struct use {
+    struct reader *reader;
+    struct document *from;
+    struct fy_node *item;
+    struct fields fields;
+};
+
+/* Appends an instance, which owns `yaml` and its root. NULL: out of memory. */
+static struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_node *root,
+                                  struct fy_node *of, const char *label)
+{
+    struct reader *reader = use->reader;
+    struct document *document = reader_alloc(reader, 1, sizeof *document), *last = use->from;
+    struct scope *scope = reader_alloc(reader, 1, sizeof *scope);
+    struct source *source = reader_alloc(reader, 1, sizeof *source);
+    if (!document || !scope || !source || !root || !label || fy_document_set_root(yaml, root)) {
+        reader->out_of_memory = true;
+        fy_node_free(root);
+        fy_document_destroy(yaml);
+        return NULL;
+    }
+    *source = *node_source(reader, of);
+    source->included = node_loc(reader, use->item);
+    source->use = label;
+    *scope = (struct scope){.reader = reader, .prefix = "", .suffix = "", .root = root};
+    *document = (struct document){.source = source,
+                                  .yaml = yaml,
+                                  .real = "",
+                                  .parent = use->from,
+                                  .entry = use->item,
+                                  .scope = scope,
+                                  .group = of};
+    while (last->next)
+        last = last->next;
+    last->next = document;
+    reader->values = NULL;
+    if (reader->instance_count++ < MOST_INSTANCES)
+        return scope;
+    diag_error(reader->diag, source->included, "groups and repeats make more than %d instances",
+               MOST_INSTANCES);
+    return NULL;
+}
+
+static void remove_key(struct fy_node *map, const char *key)
+{
+    struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, key, FY_NT);
+    if (pair)
+        fy_node_free(fy_node_mapping_remove_by_key(map, fy_node_pair_key(pair)));
+}
+
+/* ---- Repeats --------------------------------------------------------------------------------- */
+
+/* A copy of the element as a document's root: {passes: [element]}, or the passes that it lists. */
+static struct fy_node *copy_repeated(struct fy_document *yaml, struct fy_node *item)
+{
+    struct fy_node *copy = fy_node_copy(yaml, item);
+    if (!copy)
+        return NULL;
+    remove_key(copy, "repeat");
+    if (value_of(copy, "passes"))
+        return copy;
+    struct fy_node *root = fy_node_create_mapping(yaml), *list = fy_node_create_sequence(yaml),
+                   *key = fy_node_create_scalar(yaml, "passes", FY_NT);
+    if (root && list && key && !fy_node_sequence_append(list, copy) &&
+        !fy_node_mapping_append(root, key, list))
+        return root;
+    return NULL;
+}
+
+/* Parses `NAME in FIRST .. LAST`. */
+static bool read_span(struct reader *reader, struct fy_node *item, const char **name,
+                      int64_t span[2])
+{
+    struct arena *arena = reader->model->arena;
+    const struct scope *scope = node_scope(reader, item);
+    struct fy_node *node = value_of(item, "repeat");
+    struct loc loc = node_loc(reader, node);
+    const char *text = node_text(reader, node);
+    size_t length = text ? strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"
+                                        "0123456789")
+                         : 0;
+    const char *dots = text ? strstr(text, "..") : NULL;
+    if (text)
+        *name = arena_strndup(arena, text, length);
+    if (!dots || strncmp(text + length, " in ", 4) || !*name || !is_identifier(*name)) {
+        diag_error(reader->diag, loc, "`repeat` must be NAME in FIRST .. LAST");
+        return false;
+    }
+    const char *begin = text + length + 4, *end = dots;
+    while (end > begin && end[-1] == ' ')
+        end--;
+    const char *first = arena_strndup(arena, begin, (size_t)(end - begin));
+    const char *last = dots + 2 + strspn(dots + 2, " ");
+    return first && evaluate(reader, scope, first, loc, &span[0]) &&
+           evaluate(reader, scope, last, loc, &span[1]);
+}
+
+static bool expand_repeat(struct use *use)
+{
+    struct reader *reader = use->reader;
+    struct arena *arena = reader->model->arena;
+    const struct scope *outer = node_scope(reader, use->item);
+    const char *name = NULL;
+    int64_t span[2];
+    if (value_of(use->item, "passes") &&
+        !fields_read(reader, use->item, SECTION_REPEAT, node_loc(reader, use->item), &use->fields))
+        return true;
+    if (!read_span(reader, use->item, &name, span))
+        return true;
+    if (span[1] - span[0] >= MOST_INSTANCES)
+        span[1] = span[0] + MOST_INSTANCES;
+    for (int64_t k = span[0]; k <= span[1]; k++) {
+        struct fy_document *yaml = fy_document_create(NULL);
+        struct scope *scope =
+            add_instance(use, yaml, yaml ? copy_repeated(yaml, use->item) : NULL, use->item,
+                         arena_printf(arena, "here with %s = %lld", name, (long long)k));
+        struct binding *binding = scope ? reader_alloc(reader, 1, sizeof *binding) : NULL;
+        if (!binding)
+            return false;
+        *binding = (struct binding){name, arena_printf(arena, "%lld", (long long)k), NULL};
+        scope->outer = outer;
+        scope->bindings = binding;
+        scope->binding_count = 1;
+        scope->prefix = outer ? outer->prefix : "";
+        scope->suffix = arena_printf(arena, "%s.%lld", outer ? outer->suffix : "", (long long)k);
+        if (!binding->text || !scope->suffix)
+            return false;
+    }
+    return true;
+}
+
+/* ---- Groups ---------------------------------------------------------------------------------- */
+
+static struct fy_node *find_group(struct use *use)
+{
+    struct reader *reader = use->reader;
+    const char *name = field_text(reader, &use->fields, "group"), *names[64];
+    size_t count = 0;
+    for (const struct document *at = &reader->spec; name && at; at = at->next) {
+        struct fy_node *groups = value_of(fy_document_root(at->yaml), "groups");
+        struct fy_node_pair *pair;
+        void *iterator = NULL;
+        if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
+            continue;
+        struct fy_node *group = value_of(groups, name);
+        if (group)
+            return group;
+        while (count < DT_ARRAY_COUNT(names) && (pair = fy_node_mapping_iterate(groups, &iterator)))
+            if (key_text(reader, fy_node_pair_key(pair)))
+                names[count++] = key_text(reader, fy_node_pair_key(pair));
+    }
+    const char *nearest = name ? nearest_name(name, names, count) : NULL;
+    if (name)
+        diag_error(reader->diag, field_loc(reader, &use->fields, "group"),
+                   nearest ? "unknown group `%s`; did you mean `%s`?" : "unknown group `%s`", name,
+                   nearest);
+    return NULL;
+}
+
+/* Gives the group's arguments their texts. */
+static void bind_arguments(struct use *use, struct scope *scope, struct fy_node *args)
+{
+    struct reader *reader = use->reader;
+    struct fy_node *with = field_node(&use->fields, "with"), *item;
+    struct fy_node_pair *pair;
+    void *iterator = NULL;
+    size_t count = args ? (size_t)fy_node_sequence_item_count(args) : 0;
+    scope->bindings = reader_alloc(reader, count, sizeof *scope->bindings);
+    while (scope->bindings && args && (item = fy_node_sequence_iterate(args, &iterator))) {
+        const char *name = node_text(reader, item);
+        struct fy_node *value = with && name ? value_of(with, name) : NULL;
+        const char *text = node_text(reader, value);
+        if (name && text)
+            scope->bindings[scope->binding_count++] =
+                (struct binding){name, text, node_scope(reader, use->item)};
+        else if (name)
+            diag_error(reader->diag, node_loc(reader, value ? value : use->item),
+                       value ? "the argument `%s` must be a name or an expression"
+                             : "the group needs the argument `%s`",
+                       name);
+    }
+    iterator = NULL;
+    while (with && (pair = fy_node_mapping_iterate(with, &iterator))) {
+        const char *name = key_text(reader, fy_node_pair_key(pair));
+        if (name && !find_binding(scope, name, strlen(name)))
+            diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
+                       "the group has no argument `%s`", name);
+    }
+}
+
+static bool expand_group(struct use *use)
+{
+    struct reader *reader = use->reader;
+    struct arena *arena = reader->model->arena;
+    const struct scope *outer = node_scope(reader, use->item);
+    struct loc loc = node_loc(reader, use->item);
+    if (!fields_read(reader, use->item, SECTION_USE, loc, &use->fields))
+        return true;
+    struct fy_node *group = find_group(use);
+    struct fields sections;
+    if (!group || !fields_read(reader, group, SECTION_GROUP, loc, &sections))
+        return true;
+    for (const struct document *at = use->from; at; at = at->parent)
+        if (at->group == group) {
+            diag_error(reader->diag, loc, "the group uses itself");
+            return true;
+        }
+    const char *as =
+        field_text(reader, &use->fields, field_node(&use->fields, "as") ? "as" : "group");
+    const char *name = as ? full_name(outer, as) : NULL;
+    struct fy_document *yaml = fy_document_create(NULL);
+    struct scope *scope = add_instance(use, yaml, yaml ? fy_node_copy(yaml, group) : NULL, group,
+                                       arena_printf(arena, "here as `%s`", name ? name : "?"));
+    if (!scope)
+        return false;
+    remove_key(scope->root, "args");
+    remove_key(scope->root, "doc");
+    scope->prefix = arena_printf(arena, "%s.", name ? name : "?");
+    bind_arguments(use, scope, field_node(&sections, "args"));
+    return scope->prefix;
+}
+
+bool is_use(struct fy_node *item)
+{
+    return fy_node_get_type(item) == FYNT_MAPPING &&
+           (value_of(item, "repeat") || value_of(item, "group"));
+}
+
+bool documents_expand(struct reader *reader)
+{
+    for (struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *passes = value_of(fy_document_root(at->yaml), "passes"), *item;
+        void *iterator = NULL;
+        if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
+            continue;
+        while ((item = fy_node_sequence_iterate(passes, &iterator))) {
+            struct use use = {.reader = reader, .from = at, .item = item};
+            if (is_use(item) &&
+                !(value_of(item, "repeat") ? expand_repeat(&use) : expand_group(&use)))
+                return false;
+        }
+    }
+    return true;
+}
