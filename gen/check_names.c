@@ -537,6 +537,31 @@ static void resolve_filter(struct checker *c, struct access *access)
     report_missing(c, access->sampler_loc, "sampler", access->sampler, names, count);
 }
 
+/* A builtin is read as a whole, under its own name. */
+static void refuse_keys(struct checker *c, const struct access *access)
+{
+    const struct loc nowhere = {0};
+    const struct {
+        const char *key;
+        bool given;
+        struct loc loc;
+    } keys[] = {{"sampler", access->sampler, access->sampler_loc},
+                {"mip", access->mip, access->mip ? expr_loc(access->mip) : nowhere},
+                {"layer", access->layer, access->layer ? expr_loc(access->layer) : nowhere},
+                {"blend", access->own_blend, access->blend_loc},
+                {"mask", access->own_mask, access->mask_loc}};
+    if (access->as)
+        diag_error(c->diag, access->as_loc, "`%s` has one name in every body; leave `as` out",
+                   access->name);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
+        if (keys[i].given)
+            diag_error(c->diag, keys[i].loc, "`%s` is the scene's and has no `%s`", access->name,
+                       keys[i].key);
+    if (access->mode != MODE_READ)
+        diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read",
+                   access->name);
+}
+
 static void resolve_access(struct checker *c, struct access *access)
 {
     access->resource = find_resource(c, access->name);
@@ -545,13 +570,9 @@ static void resolve_access(struct checker *c, struct access *access)
             access->builtin = i;
     if (!access->resource && access->builtin < 0)
         report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
-    if (access->builtin >= 0 && access->as)
-        diag_error(c->diag, access->as_loc, "`%s` has one name in every body; leave `as` out",
-                   access->name);
-    if (access->builtin >= 0 && access->mode != MODE_READ)
-        diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read",
-                   access->name);
-    if (access->sampler)
+    if (access->builtin >= 0)
+        refuse_keys(c, access);
+    else if (access->sampler)
         resolve_filter(c, access);
 }
 

@@ -135,7 +135,7 @@ static void check_blend(struct checker *c, const struct pass *pass, const struct
     if (!image)
         return;
     for (int i = 0; i < 2 && !colour; i++)
-        if (i ? access->keep : access->own_blend)
+        if (i ? access->own_mask : access->own_blend)
             diag_error(c->diag, i ? access->mask_loc : access->blend_loc,
                        "`%s` is no colour target of the pass `%s` and has no `%s`", access->name,
                        pass->name, i ? "mask" : "blend");

@@ -178,7 +178,7 @@ struct access {
     struct loc sampler_loc;
     /* read: colour targets; `blend` is the pass's unless the access has its own */
     const struct dt_blend *blend; /* NULL: off */
-    bool own_blend;
+    bool own_blend, own_mask;
     uint8_t keep; /* channels that `mask` leaves out, red in bit 0 */
     struct loc blend_loc, mask_loc;
     struct resource *resource;       /* check; NULL for a builtin */

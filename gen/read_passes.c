@@ -108,6 +108,7 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     access->own_blend = field_given(&fields, "blend");
     access->blend = read_blend(reader, &fields);
     access->blend_loc = field_loc(reader, &fields, "blend");
+    access->own_mask = field_given(&fields, "mask");
     access->keep = (uint8_t)(14 - field_choice(reader, &fields, "mask", 14));
     access->mask_loc = field_loc(reader, &fields, "mask");
     if (access->layer && mode == MODE_WRITE)
