@@ -592,7 +592,7 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
         shader->stage = stage;
         join_parts(&glsl, &shader->glsl);
         if (!model->pipeline.fast && backend == BACKEND_GL) {
-            glsl_products(&shader->glsl);
+            glsl_products(&shader->glsl, glsl.parts[PART_HEAD].length);
             glsl_precise(&shader->glsl);
         }
         ok = !shader->glsl.failed;

@@ -78,8 +78,9 @@ void glsl_resources(struct glsl *glsl);
 bool glsl_check_accesses(struct glsl *glsl);
 /* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
 bool glsl_check_precise(const struct glsl *glsl);
-/* glsl_product.c: makes products with matrices calls, in the text of a whole stage. */
-void glsl_products(struct text *text);
+/* glsl_product.c: makes products with matrices calls, in the text of a whole stage. head: length of
+ * PART_HEAD, behind which the called functions stand. */
+void glsl_products(struct text *text, size_t head);
 /* glsl_precise.c: adds `precise` to declarations and results in the text of a whole stage. */
 void glsl_precise(struct text *text);
 /* glsl_library.c: puts the definitions of templates/glsl/NAME.glsl that the stage uses before

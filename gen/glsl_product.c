@@ -330,7 +330,7 @@ static void add_functions(struct text *out, const struct products *products)
         single[left.columns][left.rows] = single[right.columns][right.rows] = true;
         pair[left.columns][left.rows][right.columns] = true;
     }
-    text_add(out, "#ifdef GL_SPIRV\n#define exact_product(a, b) ((a) * (b))\n#else\n");
+    text_add(out, "\n#ifdef GL_SPIRV\n#define exact_product(a, b) ((a) * (b))\n#else\n");
     for (uint8_t i = 2; i <= 4; i++)
         for (uint8_t j = 2; j <= 4; j++)
             if (single[i][j])
@@ -340,7 +340,7 @@ static void add_functions(struct text *out, const struct products *products)
             for (uint8_t k = 2; k <= 4; k++)
                 if (pair[i][j][k])
                     add_with_matrices(out, (struct shape){i, j}, k);
-    text_add(out, "#endif\n\n");
+    text_add(out, "#endif\n");
 }
 
 static void add_place(struct text *out, const struct place *place)
@@ -355,20 +355,27 @@ static void add_place(struct text *out, const struct place *place)
         text_add(out, ")");
 }
 
-void glsl_products(struct text *text)
+void glsl_products(struct text *text, size_t head)
 {
+    if (text->failed)
+        return;
     struct products products = {0};
-    struct text out = {.failed = text->failed};
-    const char *copied = text->data ? text->data : "";
+    struct text out = {0};
+    const char *copied = text->data;
     if (!read_text(&products, copied))
         out.failed = true;
     else
         find_products(&products);
+    if (products.count) {
+        text_add_bytes(&out, copied, head);
+        add_functions(&out, &products);
+        copied += head;
+    }
     for (uint32_t i = 0; products.count && i < products.token_count; i++) {
         struct token token = products.places[i].token;
+        if (token.text < copied)
+            continue;
         text_add_bytes(&out, copied, (size_t)(token.text - copied));
-        if (i == 0)
-            add_functions(&out, &products);
         add_place(&out, &products.places[i]);
         copied = token.text + token.length;
     }

@@ -362,6 +362,23 @@ static void test_products_are_written_out(void **state)
         }
 }
 
+/* The functions of products stand above the first #line, and so above the macros of the body. */
+static void test_products_precede_the_body(void **state)
+{
+    struct fixture *f = *state;
+    f->passes[SCENE].access_count = 0;
+    set_body(f, SCENE, "scene.glsl",
+             "#define HALF 0.5\n"
+             "void main()\n{\n"
+             "    mat2 m = mat2(gl_FragCoord);\n"
+             "    gl_FragDepth = HALF * (m * gl_FragCoord.xy).x;\n}\n");
+    struct shader shader = build(f, SCENE, BACKEND_GL, STAGE_IS_FRAGMENT);
+    const char *function = strstr(shader.glsl.data, "vec2 exact_product(");
+    assert_non_null(function);
+    assert_true(function < strstr(shader.glsl.data, "#line"));
+    shader_free(&shader);
+}
+
 /* What a disk sampler does to points of the unit square can be had for points of the body's own: a
  * function of the disk's name, which is there for bodies that call it, and on disks alone. */
 static void test_map_of_a_sampler(void **state)
@@ -711,6 +728,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_goldens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_no_contraction, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_products_are_written_out, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_products_precede_the_body, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_words_of_a_pass, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_map_of_a_sampler, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_range_shapes, set_up, tear_down),

@@ -9,6 +9,11 @@
 #define VERTEX
 #define OPENGL
 #define EXACT
+layout(location = 0) in vec3 vertex_position;
+layout(location = 1) in vec3 vertex_normal;
+precise out float gl_ClipDistance[1];
+precise gl_Position;
+
 #ifdef GL_SPIRV
 #define exact_product(a, b) ((a) * (b))
 #else
@@ -18,11 +23,6 @@ mat4x4 exact_product(precise float s, precise mat4x4 m) { { precise mat4x4 resul
 vec4 exact_product(precise vec4 v, precise mat4x4 m) { { precise vec4 result = vec4(v.x * m[0].x + v.y * m[0].y + v.z * m[0].z + v.w * m[0].w, v.x * m[1].x + v.y * m[1].y + v.z * m[1].z + v.w * m[1].w, v.x * m[2].x + v.y * m[2].y + v.z * m[2].z + v.w * m[2].w, v.x * m[3].x + v.y * m[3].y + v.z * m[3].z + v.w * m[3].w); return result; } }
 mat4x4 exact_product(precise mat4x4 a, precise mat4x4 b) { { precise mat4x4 result = mat4x4(exact_product(a, b[0]), exact_product(a, b[1]), exact_product(a, b[2]), exact_product(a, b[3])); return result; } }
 #endif
-
-layout(location = 0) in vec3 vertex_position;
-layout(location = 1) in vec3 vertex_normal;
-precise out float gl_ClipDistance[1];
-precise gl_Position;
 
 float exact_dot(precise float a, precise float b)
 {
