@@ -30,10 +30,23 @@ static const char *skip_blank(const char *at)
     }
 }
 
+/* The end of a number such as 12u, .5, 1.5e-3 or 0x1e. */
+static const char *skip_number(const char *at)
+{
+    const char *end = at + 1;
+    bool hexadecimal = *end == 'x' || *end == 'X';
+    while (is_word(*end) || *end == '.' ||
+           (!hexadecimal && (*end == '+' || *end == '-') && (end[-1] == 'e' || end[-1] == 'E')))
+        end++;
+    return end;
+}
+
 struct token token_next(const char **cursor)
 {
     const char *at = skip_blank(*cursor), *end = at;
-    if (is_word(*end)) /* splits numbers such as 1.5e3; no caller needs them whole */
+    if (isdigit((unsigned char)at[*at == '.']))
+        end = skip_number(at);
+    else if (is_word(*end))
         while (is_word(*end))
             end++;
     else if (*end)

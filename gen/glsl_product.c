@@ -64,20 +64,6 @@ static bool is_number(const struct products *products, uint32_t index)
     return isdigit((unsigned char)text[*text == '.']);
 }
 
-/* As token_next, but numbers are whole. */
-static struct token next_token(const char **cursor)
-{
-    struct token token = token_next(cursor);
-    if (!token.length || !isdigit((unsigned char)token.text[*token.text == '.']))
-        return token;
-    const char *end = token.text;
-    while (isalnum((unsigned char)*end) || *end == '.' ||
-           (*end && strchr("+-", *end) && strchr("eE", end[-1]) && strncmp(token.text, "0x", 2)))
-        end++;
-    *cursor = end;
-    return (struct token){token.text, (size_t)(end - token.text)};
-}
-
 /* Of mat2 to mat4, mat2x2 to mat4x4. */
 static struct shape shape_of_type(struct token type)
 {
@@ -105,7 +91,7 @@ static void read_tokens(struct products *products, const char *text, uint32_t *o
     uint32_t depth = 0, declared = 0;
     bool constant = false;
     struct token token;
-    for (const char *cursor = text; (token = next_token(&cursor)).length;) {
+    for (const char *cursor = text; (token = token_next(&cursor)).length;) {
         uint32_t i = products->token_count++;
         struct place *places = products->places;
         places[i] = (struct place){.token = token, .partner = i};
