@@ -14,11 +14,8 @@ enum { DEEPEST_INCLUDE = 16 };
 static const struct source *read_body(struct checker *c, const char *key, const char *name,
                                       struct loc loc)
 {
-    /* a name from the command line is relative to the spec's folder */
-    const struct source *from =
-        strcmp(loc.source->path, "--set") ? loc.source : c->pipeline->loc.source;
-    const char *near = source_candidate(c->model, from->path, name, strlen(name), 0);
-    const char *below = source_candidate(c->model, from->path, name, strlen(name), 1);
+    const char *near = source_candidate(c->model, loc.source->path, name, strlen(name), 0);
+    const char *below = source_candidate(c->model, loc.source->path, name, strlen(name), 1);
     const char *near_reason = "out of memory", *below_reason = near_reason;
     const struct source *source = near ? source_read(c->model, near, &near_reason) : NULL;
     if (!source && below)
@@ -38,7 +35,7 @@ static const char *body_name(struct checker *c, const char *name, struct loc loc
                              const struct source *body)
 {
     const char *folders[] = {source_candidate(c->model, "", "", 0, 1),
-                             source_candidate(c->model, c->pipeline->loc.source->path, "", 0, 0)};
+                             source_candidate(c->model, c->pipeline->spec, "", 0, 0)};
     if (!loc.source->included.source || !body)
         return name;
     for (size_t i = 0; i < DT_ARRAY_COUNT(folders); i++)

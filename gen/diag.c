@@ -89,6 +89,8 @@ const char *source_path(struct arena *arena, const char *path)
 const char *source_candidate(const struct model *model, const char *from, const char *name,
                              size_t length, int place)
 {
+    if (!strcmp(from, "--set"))
+        from = model->pipeline.spec;
     const char *slash = strrchr(from, '/');
     if (place == 0)
         return arena_printf(model->arena, "%.*s%.*s", slash ? (int)(slash - from) + 1 : 0, from,

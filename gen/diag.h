@@ -31,8 +31,8 @@ struct source {
 /* The path without "NAME/..", unless NAME is a symbolic link. So a file that several files include
  * has one path, and its errors are reported once. NULL: out of memory. */
 const char *source_path(struct arena *arena, const char *path);
-/* Where a file may be that another one includes by `name`: place 0 beside that file, 1 in the
- * templates, 2 in templates/glsl. NULL: out of memory. */
+/* Where a file may be that the file `from` names: place 0 beside `from`, or beside the spec if
+ * `from` is --set; 1 in the templates, 2 in templates/glsl. NULL: out of memory. */
 const char *source_candidate(const struct model *model, const char *from, const char *name,
                              size_t length, int place);
 /* Reads a whole file into the arena and lists it in model->inputs; NULL: *reason says why,

@@ -140,8 +140,7 @@ void c_table(const struct c_output *c, const char *name, const char *count, uint
 
 void c_head(const struct c_output *c, const char *what)
 {
-    const struct source *source = c->pipeline->loc.source;
-    const char *path = source ? source->path : "a model without a file";
+    const char *path = c->pipeline->spec ? c->pipeline->spec : "a model without a file";
     const char *slash = strrchr(path, '/');
     text_add(c->out, "/* ");
     c_comment(c->out, c->pipeline->doc ? c->pipeline->doc : c->pipeline->name);

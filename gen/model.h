@@ -335,6 +335,7 @@ struct assertion {
 };
 
 struct pipeline {
+    const char *spec; /* path of the document; NULL: a model without one */
     const char *name, *doc;
     struct loc loc;
     bool fast; /* exactness: fast; default exact */

@@ -61,6 +61,7 @@ static void read_sections(struct reader *reader)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
     const struct fields *top = documents_fields(reader);
+    pipeline->spec = reader->spec.source->path;
     pipeline->name = field_text(reader, top, "pipeline");
     pipeline->loc = field_loc(reader, top, "pipeline");
     pipeline->doc = field_text(reader, top, "doc");

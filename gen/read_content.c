@@ -6,19 +6,18 @@
 #include "scenes/npy.h"
 #include "scenes/picture_size.h"
 
-/* The file's path: relative to the file that names it, or for --set to the spec. NULL: reported. */
+/* The file's path: absolute, or relative to the file that names it. NULL: reported. */
 static const char *find_file(struct reader *reader, const struct resource *resource)
 {
-    const char *from = resource->file_loc.source->path;
-    if (!strcmp(from, "--set"))
-        from = reader->spec.source->path;
-    const char *slash = strrchr(from, '/'), *reason = "out of memory";
-    int folder = slash && resource->file[0] != '/' ? (int)(slash - from + 1) : 0;
-    const char *path = arena_printf(reader->model->arena, "%.*s%s", folder, from, resource->file);
+    const char *name = resource->file, *reason = "out of memory";
+    const char *path = *name == '/'
+                           ? name
+                           : source_candidate(reader->model, resource->file_loc.source->path, name,
+                                              strlen(name), 0);
     const char *found = path ? source_list(reader->model, path, &reason) : NULL;
     if (!found)
         diag_error(reader->diag, resource->file_loc, "cannot read the file `%s`: %s",
-                   path ? path : resource->file, reason);
+                   path ? path : name, reason);
     return found;
 }
 

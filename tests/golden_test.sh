@@ -146,4 +146,6 @@ for kind in baked live uniform; do
             "$gen" --check tests/specs/kinds.yaml --set "${kind}_$wrong"
     done
 done
+check "a file that --set names lies beside the spec, also if --set names the pipeline" \
+    "$gen" --check tests/specs/kinds.yaml --set pipeline=other --set passes.sum.shader=kinds_sum.glsl
 finish
