@@ -152,8 +152,8 @@ static struct expr *parse_call(struct parser *p, enum operation operation, size_
     if (!take(p, ","))
         return fail(p, p->at, p->at + 1,
                     p->text[p->at] ? "expected `,` and a second argument"
-                                   : "quote it, since YAML ends it at the comma: expected `,` and "
-                                     "a second argument");
+                                   : "expected `,` and a second argument (inside { } and [ ], "
+                                     "YAML ends a value without quotes at its comma)");
     struct expr *b = parse_choose(p);
     if (!b)
         return NULL;

@@ -145,16 +145,14 @@ static void add_store(const struct glsl *glsl, const struct access *access, stru
              format_names(image->format).prefix, variable_name(glsl, access));
 }
 
-/* Whether this access defines the texel read `image(p)`. Of several accesses of this name, one
- * without a sampler does, since it may be of another mip than a sampled one; else the first. */
+/* Whether this access defines the texel read `image(p)`. Of two accesses of this name, the one
+ * without a sampler does, since it may be of another mip. */
 static bool gives_texels(const struct glsl *glsl, const struct access *access)
 {
-    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
+    for (uint32_t i = 0; access->filter && i < glsl->pass->access_count; i++) {
         const struct access *other = &glsl->pass->accesses[i];
-        if (other == access || !same_word(other, access) || other->binding < 0 ||
-            other->mode == MODE_WRITE || is_compare(other))
-            continue;
-        if (!other->filter == !access->filter ? other < access : !other->filter)
+        if (!other->filter && same_word(other, access) && other->binding >= 0 &&
+            other->mode != MODE_WRITE)
             return false;
     }
     return true;

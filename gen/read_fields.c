@@ -115,25 +115,23 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     return false;
 }
 
-/* A format of GLSL that the language does not have, such as rgba8_snorm: lists those of as many channels,
- * since the nearest name (rgba16_snorm) holds other values. False: text is none. */
+/* 8-bit snorm is a format of GLSL, but not of the language: lists the formats of as many channels,
+ * since the nearest name (rgba16_snorm) holds other values. False: text is no such format. */
 static bool lacks_format(struct reader *reader, const char *text, struct loc loc,
                          const char *const *words, size_t count)
 {
-    static const struct {
-        const char *ending, *meaning;
-    } known[] = {{"8_snorm", "8-bit snorm"}};
-    size_t channels = strspn(text, "rgba"), i = 0;
-    while (i < DT_ARRAY_COUNT(known) && strcmp(text + channels, known[i].ending))
-        i++;
+    size_t channels = strspn(text, "rgba");
+    if (!channels || strcmp(text + channels, "8_snorm"))
+        return false;
     struct text list = {0};
-    for (size_t j = 0; channels && i < DT_ARRAY_COUNT(known) && j < count; j++)
-        if (!strncmp(words[j], text, channels) && strspn(words[j], "rgba") == channels)
-            text_add(&list, "%s%s", list.data ? ", " : "", words[j]);
-    if (list.data)
-        diag_error(reader->diag, loc, "the language has no format `%s` (%s); `%.*s` formats are %s",
-                   text, known[i].meaning, (int)channels, text, list.data);
+    for (size_t i = 0; i < count; i++)
+        if (!strncmp(words[i], text, channels) && strspn(words[i], "rgba") == channels)
+            text_add(&list, "%s%s", list.data ? ", " : "", words[i]);
     bool lacks = list.data;
+    if (lacks)
+        diag_error(reader->diag, loc,
+                   "the language has no format `%s` (8-bit snorm); `%.*s` formats are %s", text,
+                   (int)channels, text, list.data);
     text_free(&list);
     return lacks;
 }
