@@ -91,7 +91,7 @@ static bool is_glsl_type(const char *name)
     return false;
 }
 
-/* Macros of <stdint.h>, <limits.h> and diptych.h, such as INT32_MAX, UINT8_C, CHAR_BIT, DT_ERROR. */
+/* Macros of <stdint.h>, <limits.h> and diptych.h, such as INT32_MAX, UINT8_C, DT_ERROR. */
 static bool is_macro(const char *name)
 {
     static const char *const ends[] = {"_MAX", "_MIN", "_C", "_WIDTH", "_BIT"};

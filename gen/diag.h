@@ -39,8 +39,8 @@ const char *source_candidate(const struct model *model, const char *from, const 
  * and nothing is reported. Regular files up to 64 MiB. */
 const struct source *source_read(struct model *model, const char *path, const char **reason);
 
-/* Lists a file in model->inputs without reading it. Returns its path in the arena; NULL: *reason, as
- * above. */
+/* Lists a file in model->inputs without reading it. Returns its path in the arena; NULL: *reason,
+ * as above. */
 const char *source_list(struct model *model, const char *path, const char **reason);
 
 struct diag; /* collects; owns nothing of the model */

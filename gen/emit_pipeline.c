@@ -25,8 +25,8 @@ static void emit_extent(const struct c_output *c)
     text_add(c->out, "    default:\n        dt_set_extent(size, 1, 1, 1);\n    }\n}\n\n");
 }
 
-/* Factor of `runs` along one axis: layers, or vertices and instances, of a draw, or invocations of a
- * dispatch. */
+/* Factor of `runs` along one axis: layers, or vertices and instances, of a draw, or invocations of
+ * a dispatch. */
 static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
 {
     uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;

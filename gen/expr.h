@@ -1,7 +1,7 @@
 /* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names of
  * parameters and constants, components (tile.x), frame.width, frame.height; and lut.width,
- * lut.height and kernel.count of resources with a `file`. 64-bit, overflow and division by zero are errors. Called
- * by read (parse), check (resolve, fold) and the emitters (C and GLSL text). */
+ * lut.height and kernel.count of resources with a `file`. 64-bit, overflow and division by zero are
+ * errors. Called by read (parse), check (resolve, fold) and the emitters (C and GLSL text). */
 #ifndef DIPTYCH_GEN_EXPR_H
 #define DIPTYCH_GEN_EXPR_H
 
@@ -23,8 +23,8 @@ struct expr_text {
  * expression too. */
 struct expr *expr_parse(struct model *model, const char *text, struct loc loc,
                         const struct expr_names *names, struct diag *diag);
-/* Resolves names against params, constants and files; reports unknown ones with a suggestion. Booleans
- * count as 0 and 1. */
+/* Resolves names against params, constants and files; reports unknown ones with a suggestion.
+ * Booleans count as 0 and 1. */
 bool expr_resolve(struct expr *expr, const struct pipeline *pipeline, struct diag *diag);
 
 enum expr_reach {

@@ -3,7 +3,7 @@
  * be a matrix becomes a call, `exact_product(m, v)`, of a function with a fixed order of terms: the
  * order in which spirv.c expands products. For SPIR-V the name is a macro for the product itself.
  * Types come from the declarations that precede a name. Products in macros, in constants and in
- * `m *= n` are not found, and stay. Called by emit_glsl.c on the complete text, before glsl_precise. */
+ * `m *= n` are not found. Called by emit_glsl.c on the whole text, before glsl_precise. */
 #include "glsl.h"
 
 #include <ctype.h>

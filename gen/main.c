@@ -132,8 +132,8 @@ static void add_named(struct generation *g, const char *suffix, struct text *tex
         text_free(text);
 }
 
-/* gl/NAME.PASS.comp and gl/NAME.PASS.comp.spv, and so on for every stage and backend. The output takes the
- * GLSL, and gets a copy of the SPIR-V. */
+/* gl/NAME.PASS.comp and gl/NAME.PASS.comp.spv, and so on for every stage and backend. The output
+ * takes the GLSL, and gets a copy of the SPIR-V. */
 static void add_shaders(struct generation *g)
 {
     const struct pipeline *pipeline = &g->spec.model.pipeline;

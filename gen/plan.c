@@ -242,16 +242,10 @@ static void check_uniform(const struct range *range, const struct resource *buff
     }
 }
 
-/* Chooses what the spec leaves open. Up to one unrolled block of 32 elements, CPU drivers are fastest
- * with a copy in shared memory, read at literal indices: 1.6 times plain C. Longer ranges are read in
- * place, in a loop. Times of SSVP's shading with 64 VPLs per class on Mesa 22.3, divided by plain C's:
- *
- *             uniform block   storage buffer   shared memory
- *   rolled    3.4             11.5             10.0; 33 with 256 VPLs, copied in blocks of 64
- *   unrolled  6.1             21.9             45.2, copied in blocks of 32
- *
- * A GPU reads shared memory as fast in a loop, and long unrolled code only fills its instruction
- * cache. */
+/* Chooses what the spec leaves open. CPU drivers are fastest with a copy in shared memory that is
+ * read at literal indices, for up to one unrolled block of 32 elements; longer ranges they read in
+ * place, in a loop. A GPU reads shared memory as fast in a loop, and long unrolled code only fills
+ * its instruction cache. */
 static void choose_range(struct range *range, uint64_t count, uint32_t stride, bool gpu)
 {
     bool one_block = count <= UNROLLED_BLOCK && range->loop != LOOP_ROLL;

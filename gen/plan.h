@@ -36,8 +36,7 @@ const struct format_info *format_info(enum dt_format format);
 /* ---- plan.c: all accesses of one pass to the same mips of one resource ----------------------- */
 
 /* Whether a texture access reads only one mip of an image with several: by texel, or with `mip` or
- * `layer`.
- * It then binds a view of this mip, and the same pass may write the other mips. */
+ * `layer`. It then binds a view of this mip, and the same pass may write the other mips. */
 bool access_sees_one_mip(const struct access *access);
 
 struct touch {

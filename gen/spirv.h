@@ -32,8 +32,8 @@ struct parameter_values {
     uint32_t size;
 };
 /* iterations.c: for each label below the module's bound, how often the loop runs that starts there;
- * 0: no loop. 1 also where more than constants and parameters decide, or `break` or `return` can end
- * the loop. free(). NULL when out of memory. */
+ * 0: no loop. 1 also where more than constants and parameters decide, or `break` or `return` can
+ * end the loop. free(). NULL when out of memory. */
 uint64_t *spirv_iterations(const uint32_t *words, size_t count, const uint32_t *definitions,
                            const struct parameter_values *parameters);
 

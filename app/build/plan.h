@@ -1,5 +1,5 @@
-/* A spec, read, checked and planned in this process, ready to be played: the one file of the app's headers
- * that stands for gen/, whose own names stay behind it. Called by pipeline.c. */
+/* A spec, read, checked and planned in this process, ready to be played: the one file of the app's
+ * headers that stands for gen/, whose own names stay behind it. Called by pipeline.c. */
 #ifndef DIPTYCH_PLAN_BUILD_H
 #define DIPTYCH_PLAN_BUILD_H
 
@@ -23,10 +23,10 @@ const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
 /* The paths of all files that were read. */
 const char *const *plan_sources(const struct plan *plan, uint32_t *count);
-/* What a backend ("gl", "vk") compiles for a pass; suffix: "comp", "vert" or "frag". NULL: it has none. */
+/* What a backend ("gl", "vk") compiles for a pass; suffix: "comp", "vert" or "frag". NULL: none. */
 const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pass,
                       const char *suffix);
-/* The pass's `limit` file with a #line that names it; free(). NULL: it has none, or out of memory. */
+/* The pass's `limit` file with a #line that names it; free(). NULL: none, or out of memory. */
 char *plan_limit(const struct plan *plan, uint32_t pass);
 
 /* Of a resource with `input` or `file` in the spec. */
@@ -39,7 +39,7 @@ struct plan_input plan_input(const struct plan *plan, uint32_t resource);
 void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
                      struct console *console);
 
-/* Of all that a frame depends on: equal for a spec that was saved without a change. 0: out of memory. */
+/* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);
 /* NAME.h, for such a file; free(). */
 char *plan_header(const struct plan *plan);

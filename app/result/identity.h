@@ -1,7 +1,7 @@
-/* What must be the same on two machines before their results can be compared: the spec and its GLSL,
- * --set, live parameters, the scene, the content of --input, the frame's size and index, diptych's version. What tools make of
- * that (SPIR-V, objects) has no part in it: their versions differ. Written into the manifest of a dump,
- * checked by compare --against. */
+/* What must be the same on two machines before their results can be compared: the spec and its
+ * GLSL, --set, live parameters, the scene, the content of --input, the frame's size and index,
+ * diptych's version. What tools make of that (SPIR-V, objects) has no part in it: their versions
+ * differ. Written into the manifest of a dump, checked by compare --against. */
 #ifndef DIPTYCH_IDENTITY_H
 #define DIPTYCH_IDENTITY_H
 
@@ -25,19 +25,20 @@ struct identity {
     uint32_t frame;
 };
 
-/* Adds diptych, pipeline, params, sources, set, inputs, backend, device, live, scene, scene_file, scene_data,
- * width, height and frame. False with the error logged when something cannot be read. */
+/* Adds diptych, pipeline, params, sources, set, inputs, backend, device, live, scene, scene_file,
+ * scene_data, width, height and frame. False: something cannot be read; logged. */
 bool identity_add(cJSON *manifest, const struct identity *identity, const struct dt_log *log);
 
-/* Takes size, frame and live parameters from a manifest: what the options give must be the same, the
- * rest takes the manifest's values, the live ones in the block `live`. `folder` is named in errors. */
+/* Takes size, frame and live parameters from a manifest: what the options give must be the same,
+ * the rest takes the manifest's values, the live ones in the block `live`. `folder` is named in
+ * errors. */
 bool identity_take_frame(const cJSON *manifest, const char *folder, struct options *options,
                          const struct dt_log *log);
 bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
                         const struct dt_pipeline *pipeline, void *live, const struct dt_log *log);
 
-/* Whether the pipeline and the scene are the manifest's; the error says what differs. Another mesh or
- * other mathematics of the machine's library are but a warning. */
+/* Whether the pipeline and the scene are the manifest's; the error says what differs. Another mesh
+ * or other mathematics of the machine's library are but a warning. */
 bool identity_check(const cJSON *manifest, const char *folder, const struct identity *identity,
                     const struct dt_log *log);
 
