@@ -191,11 +191,13 @@ bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct d
     if (!dt_front_import(&rt->core, resource, image->image))
         return false;
     const struct dt_resource *into = &rt->core.pipeline->resources[resource];
-    if (into->history && image->image && image->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
+    if (into->history && image->image && image->layout_before == VK_IMAGE_LAYOUT_UNDEFINED) {
+        rt->core.imported[resource] = rt->imports[resource].image; /* as before */
         return dt_error(&rt->core,
                         "import_image %s: the pipeline reads its content, which the layout_before "
                         "UNDEFINED discards; give the layout that the image has",
                         into->name);
+    }
     rt->imports[resource] = *image;
     return true;
 }

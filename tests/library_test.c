@@ -737,6 +737,9 @@ static void vulkan_takes_inputs(void **state)
     struct dt_vk_host host = vk_host();
     outside.rt = dt_vk_open(&host);
     assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk));
+    const struct dt_vk_image image = {.image = (VkImage)&heard /* never used as one */};
+    REFUSED(dt_vk_import_image(outside.rt, OUTSIDE_RESOURCE_PHOTO, &image),
+            "which the layout_before"); /* and is no import: the photo is written */
     for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
         assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT));
         outside.commands = begin();
@@ -1162,6 +1165,8 @@ static void opengl_takes_inputs(void **state)
         dt_gl_resize(rt, WIDTH, HEIGHT));
     REFUSED(opengl_writes(OUTSIDE_RESOURCE_PHOTO, 0, &photo),
             "write photo: it is an image of the host; write that one");
+    assert_true(dt_gl_import_image(rt, OUTSIDE_RESOURCE_PHOTO, 0)); /* canceled */
+    REFUSED(opengl_writes(OUTSIDE_RESOURCE_PHOTO, 0, &photo), "write: call resize first");
     free(photo.data);
     dt_gl_close(rt);
     assert_int_equal(get_error(), GL_NO_ERROR);

@@ -486,13 +486,18 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
+static bool is_sized(const struct dt_core *core, const char *verb)
+{
+    return core->sized ||
+           dt_error(core,
+                    "%s: call resize first (also after a new scene, an import or a failed frame)",
+                    verb);
+}
+
 bool dt_front_ready(const struct dt_core *core, const char *verb)
 {
-    if (!core->sized)
-        return dt_error(core,
-                        "%s: call resize first (also after a new scene, an import or a failed "
-                        "frame)",
-                        verb);
+    if (!is_sized(core, verb))
+        return false;
     for (uint32_t i = 0; i < core->pipeline->resource_count; i++) {
         const struct dt_resource *input = &core->pipeline->resources[i];
         uint32_t mips = input->kind == DT_IMAGE ? input->mips : 1, mip = 0;
@@ -851,7 +856,8 @@ bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
                    const struct dt_bytes *bytes)
 {
     struct dt_bytes own = {0};
-    if (!dt_front_find(core, "write", resource, mip, &own))
+    if (!dt_front_find(core, "write", resource, mip, &own) ||
+        (core->hosted && !is_sized(core, "write")))
         return false;
     const struct dt_resource *to = &core->pipeline->resources[resource];
     if (core->hosted && (!to->input || core->imported[resource]))
