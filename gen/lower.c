@@ -250,8 +250,8 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     };
     if (!is_image(access))
         return binding;
-    binding.mip =
-        texture && !access_sees_one_mip(access) ? DT_ALL_MIPS : (uint8_t)access->mip_value;
+    bool all_mips = texture && !access->layer && !access_sees_one_mip(access);
+    binding.mip = all_mips ? DT_ALL_MIPS : (uint8_t)access->mip_value;
     binding.one_layer = access->layer;
     binding.layer = (uint16_t)access->layer_value;
     binding.layout = access->resource ? layout_in_pass(pass, access->resource) : DT_LAYOUT_READ;

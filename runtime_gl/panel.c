@@ -194,8 +194,7 @@ static bool create_views(struct gl_runtime *rt, struct gl_program *program,
 {
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const struct dt_binding *binding = &info->bindings[i];
-        if (binding->kind == DT_BIND_TEXTURE &&
-            (binding->mip != DT_ALL_MIPS || binding->one_layer) &&
+        if (binding->kind == DT_BIND_TEXTURE && binding->mip != DT_ALL_MIPS &&
             !gl_image_view(rt, gl_image_of(rt, binding->resource), binding, &program->views[i]))
             return false;
     }

@@ -158,12 +158,10 @@ bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_
 bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view)
 {
-    bool all_mips = binding->mip == DT_ALL_MIPS;
     rt->gl.GenTextures(1, view);
     return GL(rt, image->name,
               TextureView(*view, binding->one_layer ? GL_TEXTURE_2D : gl_target(image),
-                          image->handle, gl_format(image->format)->internal,
-                          all_mips ? 0 : binding->mip, all_mips ? image->mips : 1,
+                          image->handle, gl_format(image->format)->internal, binding->mip, 1,
                           binding->one_layer ? binding->layer : 0,
                           binding->one_layer ? 1 : image->layers));
 }

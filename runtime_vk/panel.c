@@ -305,11 +305,10 @@ static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
     bool scene = binding->resource == DT_SCENE_TEXTURES;
     const struct vk_image *image =
         scene ? &rt->builtin.textures : &vk_resource_at(rt, binding->resource)->image;
-    uint32_t mip = binding->mip == DT_ALL_MIPS && binding->one_layer ? 0 : binding->mip;
     VkDescriptorImageInfo info = {
-        .imageView = mip == DT_ALL_MIPS
+        .imageView = binding->mip == DT_ALL_MIPS
                          ? image->view
-                         : vk_image_view(image, mip, binding->one_layer, binding->layer),
+                         : vk_image_view(image, binding->mip, binding->one_layer, binding->layer),
         .imageLayout = vk_layout(binding->layout),
     };
     if (scene)

@@ -111,7 +111,7 @@ struct dt_binding {
     uint16_t binding;  /* the number in GLSL */
     uint16_t resource; /* or enum dt_builtin */
     enum dt_binding_kind kind;
-    uint8_t mip;    /* textures: one, or DT_ALL_MIPS; images: one */
+    uint8_t mip;    /* one; of a texture with all layers also DT_ALL_MIPS */
     bool one_layer; /* a plain image: `layer` of an array; else all layers */
     uint16_t layer;
     uint8_t layout;  /* images and textures: enum dt_layout during the pass */
