@@ -169,6 +169,8 @@ static void emit_draw_state(const struct c_output *c, const struct dt_program *p
              program->layered ? ", .layered = true" : "");
     if (program->clip_distances)
         text_add(c->out, ", .clip_distances = %" PRIu32, program->clip_distances);
+    if (program->attributes)
+        text_add(c->out, ", .attributes = 0x%x", program->attributes);
     if (program->topology)
         text_add(c->out, ", .topology = %s",
                  program->topology == DT_LINES ? "DT_LINES" : "DT_POINTS");

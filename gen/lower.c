@@ -323,7 +323,24 @@ static void lower_targets(struct lowering *l, const struct pass *pass, struct dt
     program->colors = colors;
 }
 
-static void lower_program(struct lowering *l, const struct pass *pass, struct dt_program *program)
+/* Bits of the locations of a vertex shader's inputs. */
+static uint8_t input_locations(const struct shader *vertex)
+{
+    const uint32_t *words = vertex->words;
+    uint8_t locations = 0;
+    for (size_t at = SPIRV_HEADER; at < vertex->word_count; at += words[at] >> 16) {
+        if (!spirv_is(words + at, SpvOpDecorate) || words[at + 2] != SpvDecorationLocation)
+            continue;
+        for (size_t i = at; i < vertex->word_count; i += words[i] >> 16)
+            if (spirv_is(words + i, SpvOpVariable) && words[i + 2] == words[at + 1] &&
+                words[i + 3] == SpvStorageClassInput)
+                locations |= (uint8_t)(1u << words[at + 3]);
+    }
+    return locations;
+}
+
+static void lower_program(struct lowering *l, const struct pass *pass, const struct shader *vertex,
+                          struct dt_program *program)
 {
     static const enum dt_compare compares[] = {[COMPARE_OFF] = DT_COMPARE_ALWAYS,
                                                [COMPARE_LESS] = DT_COMPARE_LESS,
@@ -340,6 +357,7 @@ static void lower_program(struct lowering *l, const struct pass *pass, struct dt
     program->cull = culls[pass->cull];
     program->layered = pass->layers != NULL;
     program->clip_distances = pass->clip_distances;
+    program->attributes = input_locations(vertex);
     program->topology = pass->topology;
     program->bias_constant = pass->bias_constant;
     program->bias_slope = pass->bias_slope;
@@ -350,11 +368,12 @@ static void lower_program(struct lowering *l, const struct pass *pass, struct dt
     }
 }
 
-static void lower_programs(struct lowering *l, struct dt_panel *panel)
+static void lower_programs(struct lowering *l, const struct pass_shaders *shaders,
+                           struct dt_panel *panel)
 {
     struct dt_program *programs = table(l, l->from->pass_count, sizeof *programs);
     for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++)
-        lower_program(l, l->from->order[i], &programs[i]);
+        lower_program(l, l->from->order[i], &shaders[i].stage[STAGE_IS_VERTEX], &programs[i]);
     panel->programs = programs;
 }
 
@@ -673,7 +692,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     out->panel.pipeline = &out->pipeline;
     lower_storage(&l, &out->panel);
     lower_samplers(&l, &out->panel);
-    lower_programs(&l, &out->panel);
+    lower_programs(&l, shaders[BACKEND_VK], &out->panel);
     lower_needs(&l, shaders[BACKEND_VK], &out->panel);
     lower_barriers(&l, out);
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)

@@ -235,7 +235,6 @@ struct vk_program_info {
     const struct dt_program *state; /* of its targets: blending and masks */
     VkFormat color_formats[DT_MAX_COLOR_TARGETS];
     VkFormat depth_format; /* VK_FORMAT_UNDEFINED: no depth attachment */
-    bool scene_vertices;   /* attributes of struct dt_vertex at locations 0 to 3; else none */
 };
 bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info);

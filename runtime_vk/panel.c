@@ -118,7 +118,6 @@ static bool create_program(struct dt_core *core, void *program, uint32_t pass)
         .stages = &core->shaders->stages[pass],
         .state = state,
         .depth_format = state->depth ? format_of(core, state->depth) : VK_FORMAT_UNDEFINED,
-        .scene_vertices = core->pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE,
     };
     for (uint32_t i = 0; i < state->color_count; i++) {
         info.color_formats[i] = format_of(core, &state->colors[i]);

@@ -145,32 +145,12 @@ static const VkVertexInputAttributeDescription vertex_attributes[] = {
     {3, 0, VK_FORMAT_R32_UINT, offsetof(struct dt_vertex, material)},
 };
 
-/* Bits of the locations of a vertex shader's inputs, from its SPIR-V. */
-static uint32_t input_locations(const struct dt_code *code)
-{
-    enum { HEADER = 5, DECORATE = 71, VARIABLE = 59, LOCATION = 30, INPUT = 1 };
-    uint32_t count = (uint32_t)(code->size / sizeof *code->words), locations = 0;
-    for (uint32_t i = HEADER; i < count && code->words[i] >> 16; i += code->words[i] >> 16) {
-        const uint32_t *decoration = code->words + i;
-        if (decoration[0] != (4 << 16 | DECORATE) || decoration[2] != LOCATION)
-            continue;
-        for (uint32_t j = i; j < count && code->words[j] >> 16; j += code->words[j] >> 16) {
-            const uint32_t *variable = code->words + j;
-            if ((variable[0] & 0xffff) == VARIABLE && variable[2] == decoration[1] &&
-                variable[3] == INPUT)
-                locations |= 1U << decoration[3];
-        }
-    }
-    return locations;
-}
-
 /* Those that the vertex shader reads: the validation layer names every other. */
-static uint32_t read_attributes(VkVertexInputAttributeDescription *attributes,
-                                const struct dt_code *code)
+static uint32_t read_attributes(VkVertexInputAttributeDescription *attributes, uint8_t read)
 {
-    uint32_t count = 0, locations = input_locations(code);
+    uint32_t count = 0;
     for (size_t i = 0; i < DT_ARRAY_COUNT(vertex_attributes); i++)
-        if (locations >> vertex_attributes[i].location & 1)
+        if (read >> vertex_attributes[i].location & 1)
             attributes[count++] = vertex_attributes[i];
     return count;
 }
@@ -250,10 +230,9 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
     VkVertexInputAttributeDescription attributes[DT_ARRAY_COUNT(vertex_attributes)];
     VkPipelineVertexInputStateCreateInfo vertex_input = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-        .vertexBindingDescriptionCount = info->scene_vertices,
+        .vertexBindingDescriptionCount = state->attributes != 0,
         .pVertexBindingDescriptions = &vertex_binding,
-        .vertexAttributeDescriptionCount =
-            info->scene_vertices ? read_attributes(attributes, &info->stages->vertex) : 0,
+        .vertexAttributeDescriptionCount = read_attributes(attributes, state->attributes),
         .pVertexAttributeDescriptions = attributes,
     };
     VkPipelineInputAssemblyStateCreateInfo assembly = {

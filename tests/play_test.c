@@ -197,6 +197,7 @@ static void same_program(const struct dt_program *a, const struct dt_program *b)
     assert_int_equal(a->depth_write, b->depth_write);
     assert_int_equal(a->layered, b->layered);
     assert_int_equal(a->clip_distances, b->clip_distances);
+    assert_int_equal(a->attributes, b->attributes);
     assert_int_equal(a->topology, b->topology);
     assert_true(a->bias_constant == b->bias_constant && a->bias_slope == b->bias_slope);
 }

@@ -176,6 +176,7 @@ struct dt_program {
     bool depth_test, depth_write;
     bool layered;            /* gl_Layer selects the layer of all targets */
     uint32_t clip_distances; /* that its vertex shader writes */
+    uint8_t attributes; /* of struct dt_vertex, the first in bit 0, that its vertex shader reads */
     enum dt_topology topology;
     float bias_constant, bias_slope; /* depth bias of triangles */
 };

@@ -232,7 +232,7 @@ static const struct dt_program programs[] = {
         .color_count = 1,
         .depth = &(const struct dt_target){.resource = SMALL_RESOURCE_DEPTH},
         .depth_test = true, .depth_write = true, .compare = DT_COMPARE_LESS,
-        .cull = DT_CULL_NONE,
+        .cull = DT_CULL_NONE, .attributes = 0x3,
     },
     [SMALL_PASS_PLACE] = {
         .bindings = (const struct dt_binding[]){
