@@ -264,10 +264,7 @@ static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *b
 static void write_image(const struct vk_runtime *rt, VkCommandBuffer commands,
                         struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
 {
-    const VkBufferImageCopy region = {
-        .imageSubresource = {image->aspect, mip, 0, image->layers},
-        .imageExtent = {bytes->extent[0], bytes->extent[1], 1},
-    };
+    const VkBufferImageCopy region = vk_mip_region(image, mip);
     VkImageLayout layout =
         image->layout == VK_IMAGE_LAYOUT_UNDEFINED ? VK_IMAGE_LAYOUT_GENERAL : image->layout;
     update(rt, commands, &rt->upload, 0, bytes->data, bytes->size);

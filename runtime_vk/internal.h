@@ -205,6 +205,8 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
 /* The view of a mip and of one or all of its layers. */
 VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_layer,
                           uint32_t layer);
+/* All layers of a mip, tightly packed from the first byte of a buffer. */
+VkBufferImageCopy vk_mip_region(const struct vk_image *image, uint32_t mip);
 bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
                          const struct vk_image_info *info); /* with both */
 void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);

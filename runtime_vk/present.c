@@ -292,10 +292,7 @@ bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, ui
     VkCommandBuffer commands = vk_immediate_begin(rt, to->name);
     if (!commands)
         return false;
-    VkBufferImageCopy region = {
-        .imageSubresource = {to->aspect, 0, 0, 1},
-        .imageExtent = {width, height, 1},
-    };
+    const VkBufferImageCopy region = vk_mip_region(to, 0);
     vk_transition(rt, commands, to, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     vkCmdCopyBufferToImage(commands, rt->staging.handle, to->handle, to->layout, 1, &region);
     vk_transition(rt, commands, to, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);

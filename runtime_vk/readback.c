@@ -5,16 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All layers of one mip, tightly packed in the staging buffer. */
-static VkBufferImageCopy mip_region(const struct vk_image *image, uint32_t mip,
-                                    const struct dt_bytes *shape)
-{
-    return (VkBufferImageCopy){
-        .imageSubresource = {image->aspect, mip, 0, image->layers},
-        .imageExtent = {shape->extent[0], shape->extent[1], 1},
-    };
-}
-
 /* No transition to UNDEFINED exists. */
 static void restore_layout(const struct vk_runtime *rt, VkCommandBuffer commands,
                            struct vk_image *image, VkImageLayout layout)
@@ -50,7 +40,7 @@ static bool read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t m
                        struct dt_bytes *out)
 {
     VkImageLayout layout = image->layout;
-    VkBufferImageCopy region = mip_region(image, mip, out);
+    VkBufferImageCopy region = vk_mip_region(image, mip);
     VkCommandBuffer commands;
     if (!vk_staging(rt, out->size, image->name) ||
         !(commands = vk_immediate_begin(rt, image->name)))
@@ -96,7 +86,7 @@ static bool write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t 
                         const struct dt_bytes *bytes)
 {
     VkImageLayout layout = image->layout;
-    VkBufferImageCopy region = mip_region(image, mip, bytes);
+    VkBufferImageCopy region = vk_mip_region(image, mip);
     VkCommandBuffer commands = begin_write(rt, image->name, bytes);
     if (!commands)
         return false;

@@ -313,6 +313,15 @@ VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_l
     return one_layer ? image->layer_views[mip * image->layers + layer] : image->mip_views[mip];
 }
 
+VkBufferImageCopy vk_mip_region(const struct vk_image *image, uint32_t mip)
+{
+    uint32_t width = image->width >> mip, height = image->height >> mip;
+    return (VkBufferImageCopy){
+        .imageSubresource = {image->aspect, mip, 0, image->layers},
+        .imageExtent = {width ? width : 1, height ? height : 1, 1},
+    };
+}
+
 bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory)
 {
     if ((!image->imported &&
@@ -380,12 +389,9 @@ bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte)
         return false;
     vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     for (uint32_t i = 0; i < image->mips * image->layers; i++) {
-        uint32_t mip = i / image->layers, layer = i % image->layers;
-        uint32_t width = image->width >> mip, height = image->height >> mip;
-        VkBufferImageCopy region = {
-            .imageSubresource = {image->aspect, mip, layer, 1},
-            .imageExtent = {width ? width : 1, height ? height : 1, 1},
-        };
+        VkBufferImageCopy region = vk_mip_region(image, i / image->layers);
+        region.imageSubresource.baseArrayLayer = i % image->layers;
+        region.imageSubresource.layerCount = 1;
         rt->vk.CmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
                                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     }

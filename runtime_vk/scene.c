@@ -24,17 +24,13 @@ static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer,
     return vk_immediate_end(rt, info->name);
 }
 
-static uint32_t mip_size(uint32_t size, uint32_t mip)
-{
-    return size >> mip ? size >> mip : 1;
-}
-
 /* Uploads mip by mip, so that the staging buffer needs only the size of mip 0 of all layers. */
 static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const uint8_t *texels)
 {
     for (uint32_t mip = 0; mip < image->mips; mip++) {
-        uint32_t width = mip_size(image->width, mip), height = mip_size(image->height, mip);
-        size_t size = (size_t)width * height * image->layers * 4;
+        const VkBufferImageCopy region = vk_mip_region(image, mip);
+        size_t size = (size_t)region.imageExtent.width * region.imageExtent.height *
+                      image->layers * 4;
         void *staging = vk_staging(rt, size, image->name);
         if (!staging)
             return false;
@@ -45,10 +41,6 @@ static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const u
             return false;
         if (mip == 0)
             vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-        VkBufferImageCopy region = {
-            .imageSubresource = {image->aspect, mip, 0, image->layers},
-            .imageExtent = {width, height, 1},
-        };
         rt->vk.CmdCopyBufferToImage(commands, rt->staging.handle, image->handle,
                                     VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
         if (mip + 1 == image->mips)
