@@ -2,7 +2,6 @@
  * and the runtimes read no files. */
 #include "build/inputs.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -11,6 +10,7 @@
 
 #include "base/files.h"
 #include "base/texels.h"
+#include "result/identity.h"
 #include "scenes/nearest.h"
 #include "scenes/child.h"
 #include "scenes/image.h"
@@ -384,15 +384,12 @@ static bool load_input(struct loading *loading)
     return loading->resource->kind == DT_IMAGE ? load_image(loading) : load_buffer(loading);
 }
 
-static bool add_hash(struct pipeline *pipeline, const struct loading *loading)
+static void add_hash(struct pipeline *pipeline, const struct loading *loading)
 {
-    uint64_t hash = FILE_HASH_START;
+    struct input_hash *hash = &pipeline->input_hashes[pipeline->input_hash_count++];
+    *hash = (struct input_hash){loading->resource->name, FILE_HASH_START};
     for (uint32_t mip = 0; mip < loading->input->mips; mip++)
-        hash_bytes(&hash, loading->input->mip[mip].data, loading->input->mip[mip].size);
-    char *text = format_string("%s=%016" PRIx64, loading->resource->name, hash);
-    pipeline->input_hashes[pipeline->input_hash_count] = text;
-    pipeline->input_hash_count += text != NULL;
-    return text || refuse(loading, "out of memory");
+        hash_bytes(&hash->hash, loading->input->mip[mip].data, loading->input->mip[mip].size);
 }
 
 static bool load_resource(struct pipeline *pipeline, struct console *console,
@@ -412,8 +409,12 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
                               .file = given ? given : from.file,
                               .by_option = given,
                               .srgb = from.srgb};
-    if (loading.file)
-        return load_input(&loading) && (!given || add_hash(pipeline, &loading));
+    if (loading.file) {
+        bool good = load_input(&loading);
+        if (good && given)
+            add_hash(pipeline, &loading);
+        return good;
+    }
     report_error(&console->log, "%s: the input %s has no content; give --input %s=FILE",
                  pipeline->info->name, resource->name, resource->name);
     return false;

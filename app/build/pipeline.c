@@ -175,8 +175,6 @@ void pipeline_unload(struct pipeline *pipeline)
     for (uint32_t i = 0; i < pipeline->input_count; i++)
         for (uint32_t mip = 0; mip < pipeline->inputs[i].mips; mip++)
             free(pipeline->inputs[i].mip[mip].data);
-    for (uint32_t i = 0; i < pipeline->input_hash_count; i++)
-        free(pipeline->input_hashes[i]);
     free(pipeline->input_hashes);
     free(pipeline->inputs);
     free(pipeline->live);

@@ -16,7 +16,7 @@ struct pipeline {
     char *spec, *templates; /* real paths of the spec and of the templates folder; owned */
     struct input *inputs;   /* see inputs.h; NULL: not loaded; owned */
     uint32_t input_count;
-    char **input_hashes; /* of those of --input: "NAME=HASH"; owned */
+    struct input_hash *input_hashes; /* of those of --input, see identity.h; owned */
     uint32_t input_hash_count;
     uint32_t frame_size[2]; /* that of an input which fills the frame; 0: any */
 };

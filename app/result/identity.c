@@ -173,11 +173,9 @@ static void add_inputs(cJSON *manifest, const struct identity *identity)
 {
     cJSON *hashes = cJSON_AddObjectToObject(manifest, "inputs");
     for (uint32_t i = 0; i < identity->input_count; i++) {
-        const char *text = identity->inputs[i], *equals = strchr(text, '=');
-        char *name = strndup(text, (size_t)(equals - text));
-        if (name)
-            cJSON_AddStringToObject(hashes, name, equals + 1);
-        free(name);
+        char text[HASH_TEXT];
+        write_hash(text, identity->inputs[i].hash);
+        cJSON_AddStringToObject(hashes, identity->inputs[i].name, text);
     }
 }
 

@@ -10,6 +10,11 @@
 #include "base/options.h"
 #include "scenes/scene.h"
 
+struct input_hash {
+    const char *name; /* of the input */
+    uint64_t hash;    /* of its content */
+};
+
 struct identity {
     const char *backend, *device; /* that made it; told, not checked */
     const struct dt_pipeline *pipeline;
@@ -17,7 +22,7 @@ struct identity {
     const char *spec, *templates; /* real paths: where its files are looked up */
     const char *const *sources;   /* paths of the spec and of all GLSL */
     uint32_t source_count;
-    char *const *inputs; /* "NAME=HASH" of the content of each --input */
+    const struct input_hash *inputs; /* one for each --input */
     uint32_t input_count;
     const struct scene *scene;
     const struct options *options; /* the scene as --scene names it, --set */
