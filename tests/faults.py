@@ -1,4 +1,4 @@
-"""Faults put in on purpose, and found: for every pass of both shipped pipelines one, of another backend and kind
+"""Faults put in on purpose, and found: for every pass of shipped pipelines one, of another backend and kind
 from pass to pass, or of either backend every kind with DIPTYCH_LONG set, compare must name exactly the pass that has it,
 the resource and the frame. What was put in is told by the log, what was found by the last line; neither knows
 the other. TAP; called by fault_test.sh with the command, the project's folder and a folder to work in."""
@@ -20,6 +20,7 @@ SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", 
                 "--set", "second_clusters=2", "--set", "map_triangles=300"]
 FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
 RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]
+SSDO = SMALL + ["--spec", f"{ROOT}/templates/ssdo.yaml", "--set", "samples=4"]
 
 results = []
 
@@ -89,7 +90,7 @@ class Faults:
 def main():
     faults = Faults()
     seen = set()
-    for title, options in (("ssvp", SSVP), ("ssvp split", [*SSVP, "--set", "split=1"]), ("rsm", RSM)):
+    for title, options in (("ssvp", SSVP), ("ssvp split", [*SSVP, "--set", "split=1"]), ("rsm", RSM), ("ssdo", SSDO)):
         names, why = passes_of(options)
         report(bool(names), f"{title} agrees without a fault", [why] if why else [])
         for name in names:

@@ -6,7 +6,6 @@
 cornell=$root/scenes/cornell.yaml
 atrium=$root/scenes/atrium.yaml
 ssvp=$root/templates/ssvp.yaml
-rsm=$root/templates/rsm.yaml
 
 for frame in "$cornell 64x32" "$cornell 37x23" "$cornell 1x1" "$atrium 37x23"; do
     read -r scene size <<<"$frame"
@@ -17,8 +16,10 @@ for frame in "$cornell 64x32" "$cornell 37x23" "$cornell 1x1" "$atrium 37x23"; d
         check "ssvp agrees on $name at $size with $clusters clusters" \
             "$diptych" compare --scene "$scene" --spec "$ssvp" --size "$size" --set "clusters=$clusters" --debug
     done
-    check "rsm agrees on $name at $size" \
-        "$diptych" compare --scene "$scene" --spec "$rsm" --size "$size" --debug
+    for pipeline in rsm ssdo; do
+        check "$pipeline agrees on $name at $size" \
+            "$diptych" compare --scene "$scene" --spec "$root/templates/$pipeline.yaml" --size "$size" --debug
+    done
 done
 for bounces in 0 1; do
     check "ssvp agrees with bounces=$bounces, whose passes are skipped" \

@@ -19,6 +19,7 @@
     X("templates/ssvp.yaml", ssvp)                                                                 \
     X("templates/rsm.yaml", rsm)                                                                   \
     X("templates/instant_radiosity.yaml", instant_radiosity)                                       \
+    X("templates/ssdo.yaml", ssdo)                                                                 \
     X("templates/machine.yaml", machine)                                                           \
     X("tests/specs/features.yaml", features)                                                       \
     X("tests/specs/layouts.yaml", layouts)                                                         \

@@ -40,6 +40,7 @@ if [ -n "$long" ]; then
 else
     agree ssvp 8 3 12
     agree rsm 12 1 12
+    agree ssdo 3 1 12
 fi
 
 # What the spec's author wrote down, read by another YAML parser, bounds what is drawn; and every kind of thing is drawn.
