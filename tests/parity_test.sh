@@ -37,6 +37,11 @@ check "ssvp agrees split and gathered" \
 check "instant radiosity agrees" \
     "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 --set first_vpls=24 --debug
 
+for picture in templates/pictures/ssdo.png templates/post/table.png; do
+    check "post agrees on $picture" \
+        "$diptych" compare --spec "$root/templates/post.yaml" --input "photo=$root/$picture" --debug
+done
+
 # Other places for the elements of ranges, and other loops: that they leave the same bits is shown by metamorphic_test.sh. 128
 # second-bounce VPLs fit into a uniform block.
 ranges=passes.shade.ranges

@@ -1,9 +1,6 @@
-/* Tone mapping (Reinhard et al. 2002, Equations 2 and 4) on luminance, then the sRGB curve (IEC
- * 61966-2-1) and 8 bits. */
-float srgb(float x)
-{
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
-}
+/* Tone mapping (Reinhard et al. 2002, Equations 2 and 4) on luminance, then the sRGB curve and 8
+ * bits. */
+#include "srgb.glsl"
 
 void main()
 {

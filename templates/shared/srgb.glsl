@@ -1,0 +1,5 @@
+/* sRGB curve (IEC 61966-2-1): linear light to code, 0 to 1. */
+float srgb(float x)
+{
+    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1.0 / 2.4) - 0.055;
+}
