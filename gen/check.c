@@ -159,6 +159,7 @@ bool check_model(struct model *model, const char *templates_dir, struct diag *di
     check_constants(&c);
     check_references(&c);
     check_sizes(&c);
+    check_jitter(&c);
     check_passes(&c);
     check_content(&c);
     check_contracts(&c);

@@ -57,6 +57,7 @@ void check_params(struct checker *c);
 void check_sizes(
     struct checker
         *c); /* of buffers, images, samplers, interleaves; a wrong resource loses its size */
+void check_jitter(struct checker *c);
 void check_asserts(struct checker *c);
 enum { FRAME_SIZES = 3 };
 extern const int frame_sizes[FRAME_SIZES][2];

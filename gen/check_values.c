@@ -8,7 +8,7 @@
 
 #include "check.h"
 
-enum { LARGEST_SIDE = 16384, MOST_LAYERS = 2048, MOST_ELEMENTS = 1 << 28 };
+enum { LARGEST_SIDE = 16384, MOST_LAYERS = 2048, MOST_ELEMENTS = 1 << 28, MOST_POSITIONS = 1024 };
 
 /* The smallest frame, the usual one, and one that no tile size divides. */
 const int frame_sizes[FRAME_SIZES][2] = {{1, 1}, {1920, 1080}, {7, 5}};
@@ -419,6 +419,12 @@ static void check_assert(struct checker *c, const struct assertion *assertion)
             diag_error(c->diag, assertion->loc, "%s", text);
     }
     text_free(&message);
+}
+
+void check_jitter(struct checker *c)
+{
+    struct limits limits = {"the number of positions", "jitter", EXPR_LIVE, 0, MOST_POSITIONS};
+    check_expr(c, c->pipeline->jitter, &limits);
 }
 
 void check_asserts(struct checker *c)

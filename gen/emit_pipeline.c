@@ -85,6 +85,22 @@ static void emit_runs(const struct c_output *c)
     text_free(&body);
 }
 
+static void emit_jitter(const struct c_output *c)
+{
+    struct text value = {0};
+    if (!c->pipeline->jitter)
+        return;
+    c_expr(&value, c->pipeline->jitter);
+    text_add(c->out, "static int64_t jitter(const struct dt_pipeline *pipeline, "
+                     "const void *live_block)\n{\n");
+    if (value.data && strstr(value.data, "live->"))
+        text_add(c->out, "    const struct %s_live *live = live_block;\n", c->pipeline->name);
+    text_add(c->out, "    (void)pipeline, (void)live_block;\n    return %s;\n}\n\n",
+             value.data ? value.data : "");
+    c->out->failed |= value.failed;
+    text_free(&value);
+}
+
 /* ---- Parameters ------------------------------------------------------------------------------ */
 
 static void emit_block_value(struct text *out, const char *part, const struct param *param)
@@ -314,6 +330,7 @@ void emit_reflection(const struct c_output *c)
     const struct dt_pipeline *pipeline = &c->tables->pipeline;
     emit_extent(c);
     emit_runs(c);
+    emit_jitter(c);
     emit_params(c);
     emit_resources(c);
     emit_passes(c);
@@ -328,5 +345,6 @@ void emit_reflection(const struct c_output *c)
                      "    .block_size = sizeof block,\n");
     emit_output(c, "linear_output", pipeline->linear_output);
     emit_output(c, "display_output", pipeline->display_output);
-    text_add(c->out, "    .extent = extent,\n    .runs = runs,\n};\n\n");
+    text_add(c->out, "    .extent = extent,\n    .runs = runs,\n%s};\n\n",
+             c->pipeline->jitter ? "    .jitter = jitter,\n" : "");
 }

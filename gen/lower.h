@@ -9,7 +9,7 @@
 
 struct lowered {
     const struct model *model;
-    struct dt_pipeline pipeline;  /* without extent and runs */
+    struct dt_pipeline pipeline;  /* without extent, runs and jitter */
     struct dt_panel panel;        /* without record */
     struct dt_shaders shaders[2]; /* by enum backend */
     const struct dt_barrier *

@@ -361,6 +361,7 @@ struct pipeline {
     uint32_t dropped_count;
     struct assertion *assertions;
     uint32_t assertion_count;
+    struct expr *jitter;                        /* points of the camera's jitter; NULL: none */
     const char *linear_output, *display_output; /* names, or NULL */
     struct loc linear_loc, display_loc;
     /* plan */

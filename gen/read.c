@@ -33,20 +33,35 @@ static void read_asserts(struct reader *reader, const struct fields *top)
     }
 }
 
-static void read_output(struct reader *reader, const struct fields *top)
+/* The file with this key of the top level, which only one may have; NULL: none. */
+static const struct fields *find_only(struct reader *reader, const struct fields *top,
+                                      const char *key)
 {
-    struct pipeline *pipeline = &reader->model->pipeline;
     const struct fields *of = NULL;
     for (const struct fields *at = top; at; at = at->next) {
-        if (!field_node(at, "output"))
+        if (!field_node(at, key))
             continue;
         if (of) {
-            diag_error(reader->diag, field_loc(reader, at, "output"), "a second `output`");
-            diag_note(reader->diag, field_loc(reader, of, "output"), "first here");
-            return;
+            diag_error(reader->diag, field_loc(reader, at, key), "a second `%s`", key);
+            diag_note(reader->diag, field_loc(reader, of, key), "first here");
+            return NULL;
         }
         of = at;
     }
+    return of;
+}
+
+static void read_jitter(struct reader *reader, const struct fields *top)
+{
+    const struct fields *of = find_only(reader, top, "jitter");
+    if (of)
+        reader->model->pipeline.jitter = field_expr(reader, of, "jitter");
+}
+
+static void read_output(struct reader *reader, const struct fields *top)
+{
+    struct pipeline *pipeline = &reader->model->pipeline;
+    const struct fields *of = find_only(reader, top, "output");
     struct fields fields;
     if (!of || !fields_read(reader, field_node(of, "output"), SECTION_OUTPUT,
                             field_loc(reader, of, "output"), &fields))
@@ -77,6 +92,7 @@ static void read_sections(struct reader *reader)
     read_passes(reader, top);
     read_asserts(reader, top);
     read_contracts(reader, top);
+    read_jitter(reader, top);
     read_output(reader, top);
 }
 

@@ -57,6 +57,19 @@ static const struct body_name frame_names[] = {
     {"frame.height", "any", "Pixels of the frame, uint."},
     {"frame.index", "any", "Number of the frame, from 0, uint."},
     {"frame.triangle_count", "any", "Triangles of the scene, uint."},
+    {"frame.time", "any",
+     "Seconds, by `frames_per_second` of `--motion`, else 60 frames a second; in `view` and in a "
+     "host by the clock."},
+    {"frame.first", "any",
+     "1 in the first frame, and in a host's first frame after a resize: resources with `history` "
+     "are zero; else 0. uint."},
+    {"frame.previous_camera", "any",
+     "`View` of the camera in the frame before, without jitter; where `frame.first` is 1, of this "
+     "frame."},
+    {"frame.jitter", "any",
+     "vec2: pixels by which the spec's `jitter` moves the camera's picture, -0.5 to 0.5; else 0. "
+     "`camera.projection`, `view_projection` and `inverse_view_projection` have it. NDC without it "
+     "is NDC minus `2 * frame.jitter / vec2(frame.width, frame.height)`."},
     {"View view", "`draw: scene`", "`camera` or `light_view`, by the pass's `view`."},
     {"View.view", "any", "World to view space, mat4."},
     {"View.projection", "any", "View to clip space, mat4."},

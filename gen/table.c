@@ -259,6 +259,11 @@ const struct key table_keys[] = {
      "Conditions on the values in force.", "[{that: clusters > 0, message: \"no clusters\"}]"},
     {SECTION_TOP, "contracts", KEY_MAP, SECTION_CONTRACTS, NULL, OPTIONAL, NULL,
      "How far the backends may differ, per resource.", "{default: exact}"},
+    {SECTION_TOP, "jitter", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "0",
+     "Moves the camera's picture by `frame.jitter`, a fraction of a pixel, for temporal "
+     "antialiasing: the number of positions before they repeat, at most 1024; 0: off. May use live "
+     "parameters. The positions are those of Halton's sequence to the bases 2 and 3.",
+     "\"taa ? 8 : 0\""},
     {SECTION_TOP, "output", KEY_MAP, SECTION_OUTPUT, NULL, OPTIONAL, NULL,
      "Which images are the picture.", "{display: picture}"},
 

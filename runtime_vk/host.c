@@ -291,14 +291,13 @@ bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resou
     return true;
 }
 
-static void write_uniforms(const struct vk_runtime *rt, const struct dt_frame *frame,
-                           const void *live)
+static void write_uniforms(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
-    const struct dt_frame block = dt_front_frame(&rt->core, frame);
+    const struct dt_frame block = dt_front_frame(&rt->core, frame, live);
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
     write_uniform(rt, &rt->builtin.frame, 0, &block, sizeof block);
-    write_uniform(rt, &rt->builtin.live, 0, live ? live : pipeline->live_defaults, size);
+    write_uniform(rt, &rt->builtin.live, 0, live, size);
     write_uniform(rt, &rt->builtin.live, size, (const char *)pipeline->live_defaults + size,
                   pipeline->block_size - size);
 }
@@ -368,7 +367,7 @@ static bool record(struct vk_runtime *rt, const struct dt_frame *frame, const vo
     if (rt->core.timing)
         rt->vk.CmdResetQueryPool(commands, rt->queries, 0, 2 * pipeline->pass_count);
     vk_full_barrier(rt, commands);
-    bool good = dt_front_record(&rt->core, live ? live : pipeline->live_defaults);
+    bool good = dt_front_record(&rt->core, live);
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
         if (rt->imports[i].image && rt->imports[i].layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
             vk_transition(rt, commands, &vk_resource_at(rt, i)->image, rt->imports[i].layout_after);
@@ -382,7 +381,7 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
     if (!dt_front_ready(&rt->core, "record"))
         return false;
     rt->frame_commands = commands;
-    rt->core.rendered = record(rt, frame, live);
+    rt->core.rendered = record(rt, frame, live ? live : rt->core.pipeline->live_defaults);
     rt->core.sized = rt->core.rendered; /* else the recorded layouts may never take effect */
     return rt->core.rendered;
 }

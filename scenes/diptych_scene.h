@@ -41,7 +41,7 @@ struct dt_scene_extent {
 };
 
 /* Computes the frame block for a frame size in pixels: near and far planes around the scene, a
- * light view that covers all lit parts. Writes all of *frame; `index` is 0. */
+ * light view that covers all lit parts. Writes all of *frame; the caller sets index and time. */
 void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scene_light *light,
                       const struct dt_scene_extent *extent, uint32_t width, uint32_t height,
                       struct dt_frame *frame);

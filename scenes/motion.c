@@ -1,7 +1,7 @@
 /* Motion files: keyframes of camera and light, and the interpolation; see motion.h.
  *
  *   interpolation: catmull_rom     or linear
- *   frames_per_second: 24          then `at` is in seconds; without it, in frames
+ *   frames_per_second: 24          then `at` is in seconds; without it, in frames, 60 a second
  *   keys:
  *     - {at: 0, camera: {eye: [0, 1, 3]}, light: {target: [-1, 0, 0]}}
  *     - {at: 12, camera: {eye: [1, 1, 3]}}
@@ -24,7 +24,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_FRAMES = 1000000, GROUP_KEYS = LIGHT_KEYS };
+enum { MAX_FRAMES = 1000000, FRAMES_PER_SECOND = 60, GROUP_KEYS = LIGHT_KEYS };
 _Static_assert((int)GROUP_KEYS >= (int)CAMERA_KEYS, "keys of either group");
 
 /* One value of the camera or the light at the keyframes that name it. */
@@ -48,6 +48,7 @@ struct group {
 struct motion {
     char *path;
     bool linear;
+    double frames_per_second;
     int light_kind;
     uint32_t frames;
     struct group camera, light;
@@ -121,13 +122,26 @@ void motion_at(const struct motion *motion, uint32_t frame, struct scene_camera 
     }
 }
 
-void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
+static void compose(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
                     struct dt_frame *frame)
 {
     struct scene moved = *scene;
     if (scene->motion)
         motion_at(scene->motion, index, &moved.camera, &moved.light);
     scene_frame(&moved, width, height, frame);
+}
+
+void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
+                    struct dt_frame *frame)
+{
+    struct dt_frame before = {.index = 0};
+    double rate = scene->motion ? scene->motion->frames_per_second : FRAMES_PER_SECOND;
+    if (index > 0)
+        compose(scene, index - 1, width, height, &before);
+    compose(scene, index, width, height, frame);
+    frame->previous_camera = before.camera;
+    frame->index = index;
+    frame->time = (float)(index / rate);
 }
 
 /* ---- Reading --------------------------------------------------------------------------------- */
@@ -253,10 +267,10 @@ static void forget_nodes(struct group *group)
 
 static void read_motion(struct reader *reader, struct fy_node *root, void *user)
 {
-    enum { INTERPOLATION, FRAMES_PER_SECOND, KEYS, COUNT };
+    enum { INTERPOLATION, RATE, KEYS, COUNT };
     struct key keys[COUNT] = {
         [INTERPOLATION] = {.name = "interpolation", .type = KEY_TEXT},
-        [FRAMES_PER_SECOND] = KEY_OF_NUMBERS("frames_per_second", false, 1, 0.001, 1000, 1),
+        [RATE] = KEY_OF_NUMBERS("frames_per_second", false, 1, 0.001, 1000, 1),
         [KEYS] = {.name = "keys", .type = KEY_SEQUENCE, .required = true},
     };
     struct reading *reading = user;
@@ -274,7 +288,8 @@ static void read_motion(struct reader *reader, struct fy_node *root, void *user)
     if (!motion->linear && strcmp(way, "catmull_rom") != 0)
         reader_report(reader, keys[INTERPOLATION].node,
                       "`interpolation` is `catmull_rom` or `linear`");
-    reading->frames_per_unit = keys[FRAMES_PER_SECOND].number[0];
+    reading->frames_per_unit = keys[RATE].number[0];
+    motion->frames_per_second = keys[RATE].given ? keys[RATE].number[0] : (double)FRAMES_PER_SECOND;
     reading->last_frame = -1;
     while ((item = fy_node_sequence_iterate(keys[KEYS].node, &position)))
         read_keyframe(reader, reading, item);

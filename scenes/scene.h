@@ -56,11 +56,11 @@ void scene_free(struct scene *scene); /* takes a zeroed or failed scene */
 /* Bytes of data->texels: all layers and mips of the texture. */
 size_t scene_texel_bytes(const struct dt_scene *data);
 
-/* Fills everything in *frame that depends on the scene and the aspect ratio; width, height and
- * index stay 0. */
+/* Fills everything in *frame that depends on the scene and the aspect ratio; the rest is 0. */
 void scene_frame(const struct scene *scene, uint32_t width, uint32_t height,
                  struct dt_frame *frame);
-/* The same for the frame `index` of the scene's motion. */
+/* The same for the frame `index` of the scene's motion, with index, time and, from frame 1 on,
+ * previous_camera. Without a motion a second has 60 frames. */
 void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
                     struct dt_frame *frame);
 

@@ -52,6 +52,35 @@ check "... is held against the same motion" "$diptych" compare --scene "$scene" 
 check "... and no other" complains "has other content, or its motion has" \
     "$diptych" compare --scene "$scene" --motion "$work/there.yaml" "${small[@]}" --backend gl --against "$work/dump"
 
+# The camera before: points that a frame saw land by it in the texels that saw them, with the jitter of that frame.
+reproject=(--scene "$scene" --motion "$motion" --spec "$root/tests/specs/reproject.yaml" --size 48x27)
+check "the camera before is the same on both backends" "$diptych" compare "${reproject[@]}" --backend gl,vk,gl+glsl
+# shellcheck disable=SC2317
+reprojects() { # frames expression options...: of told, the largest of `away` by channel and the number of texels seen
+    local frames=$1 expression=$2
+    shift 2
+    rm -rf "$work/away"
+    "$diptych" render "${reproject[@]}" --backend vk --frames "$frames" --dump "$work/away" "$@" || return
+    /usr/bin/python3 - "$work/away" "$expression" <<'PYTHON'
+import array, struct, sys
+read = lambda name: open(f"{sys.argv[1]}/{name}", "rb").read()
+away = array.array("f", read("01.reproject.away.raw"))
+x, y, time, index, first = struct.unpack("2ff2I", read("02.keep.told.raw")[:20])
+before, now, inverse = (max(away[i::4]) for i in range(3))
+seen = sum(away[3::4])
+near = before < 1e-3 and now < 1e-3 and inverse < 1e-4 and seen > 600
+print(x, y, time, index, first, before, now, inverse, seen)
+sys.exit(not eval(sys.argv[2]))
+PYTHON
+}
+check "the first frame has itself before" reprojects 1 "near and first == 1 and index == 0 and time == 0 and (x, abs(y + 1 / 6) < 1e-6) == (0, True)"
+check "... the second the first" reprojects 2 "near and first == 0 and index == 1 and (x, abs(y - 1 / 6) < 1e-6) == (-0.25, True)"
+check "... the last the one before it, 60 of them a second" reprojects 4 "near and abs(time - 3 / 60) < 1e-6 and x == -0.375"
+check "two positions repeat" reprojects 3 "near and x == 0 and index == 2" --set positions=2
+check "no jitter" reprojects 4 "near and x == 0 and y == 0" --set positions=0
+check_status 1 "a fault in the third frame" "$diptych" compare "${reproject[@]}" --fault vk:reproject:bit@2 --bisect "$work/guilty"
+check "... which has its camera before when it is played alone" "$diptych" replay "$work/guilty" --backend gl
+
 check "the path tracer's first frame" "${reference[@]}" --motion "$motion" -o "$work/first.exr"
 check "... its last" "${reference[@]}" --motion "$motion" --frame 3 -o "$work/third.exr"
 check "... the scene, and the place where the motion ends" "${reference[@]}" -o "$work/scene.exr"

@@ -297,6 +297,9 @@ static void same_frame(const struct pair *pair, const uint32_t size[2], const vo
     for (uint32_t i = 0; i < a->pass_count; i++)
         assert_int_equal(a->runs(a, i, size[0], size[1], live),
                          b->runs(b, i, size[0], size[1], live));
+    assert_int_equal(!a->jitter, !b->jitter);
+    if (a->jitter && b->jitter)
+        assert_int_equal(a->jitter(a, live), b->jitter(b, live));
 }
 
 static void frames_are_the_same(void **state)

@@ -1000,6 +1000,55 @@ static void a_window_shows_only_pictures_of_rgba8(void **state)
 #test ", vk", test, NULL, NULL, &vk                                                        \
     }
 
+/* ---- What a runtime adds to the frame -------------------------------------------------------- */
+
+static int64_t three_positions(const struct dt_pipeline *pipeline, const void *live)
+{
+    (void)pipeline, (void)live;
+    return 3;
+}
+
+static void a_frame_knows_the_camera_before(void **state)
+{
+    (void)state;
+    const struct dt_pipeline pipeline = {.name = "none"};
+    struct dt_core core = {.pipeline = &pipeline, .width = 8, .height = 4};
+    struct dt_frame frame = {.camera = {.far_plane = 2}}, block;
+    block = dt_front_frame(&core, &frame, NULL);
+    assert_true(block.first == 1 && block.previous_camera.far_plane == 2);
+    assert_true(block.width == 8 && block.height == 4 && block.jitter[0] == 0);
+    frame.index = 1;
+    frame.camera.far_plane = 3;
+    block = dt_front_frame(&core, &frame, NULL);
+    assert_true(block.first == 0 && block.previous_camera.far_plane == 2);
+    frame.previous_camera.far_plane = 9; /* by the caller */
+    block = dt_front_frame(&core, &frame, NULL);
+    assert_true(block.first == 0 && block.previous_camera.far_plane == 9);
+    frame.previous_camera.far_plane = 0;
+    frame.index = 0; /* a new sequence */
+    frame.camera.far_plane = 4;
+    block = dt_front_frame(&core, &frame, NULL);
+    assert_true(block.first == 1 && block.previous_camera.far_plane == 4);
+}
+
+/* The second of three points, (1/4, 2/3), in the fifth frame. */
+static void jitter_moves_the_picture(void **state)
+{
+    (void)state;
+    const struct dt_pipeline pipeline = {.name = "none", .jitter = three_positions};
+    struct dt_core core = {.pipeline = &pipeline, .width = 8, .height = 4};
+    struct dt_frame frame = {.index = 4};
+    for (int i = 0; i < 4; i++)
+        frame.camera.view_projection[i][i] = frame.camera.inverse_view_projection[i][i] = 1;
+    const struct dt_frame block = dt_front_frame(&core, &frame, NULL);
+    const float *origin = block.camera.view_projection[3];
+    const float *back = block.camera.inverse_view_projection[3];
+    assert_true(block.jitter[0] == -0.25f && fabsf(block.jitter[1] - 1.0f / 6) < 1e-7f);
+    assert_true(origin[0] == -0.0625f && fabsf(origin[1] - 1.0f / 12) < 1e-7f);
+    assert_true(back[0] == -origin[0] && back[1] == -origin[1] && origin[2] == 0);
+    assert_true(block.previous_camera.view_projection[3][0] == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -1021,6 +1070,8 @@ int main(void)
         cmocka_unit_test(limits_are_told_in_the_same_words),
         ON_BOTH(too_much_memory_is_one_error),
         ON_BOTH(a_window_shows_only_pictures_of_rgba8),
+        cmocka_unit_test(a_frame_knows_the_camera_before),
+        cmocka_unit_test(jitter_moves_the_picture),
     };
     return cmocka_run_group_tests_name("runtimes", tests, stay_connected, disconnect);
 }

@@ -838,6 +838,7 @@ static void moving_spot_keeps_its_target(void **state)
     assert_true(fabs((double)frame.light.direction[0] + sqrt(0.5)) < 1e-6);
     assert_true(fabs((double)frame.light_view.direction[1] + sqrt(0.5)) < 1e-6);
     assert_true(frame.light_view.position[0] == 2 && frame.light.position[0] == 2);
+    assert_true(frame.index == 2 && frame.time == 2.0f / 60);
     scene_frame_at(&scene, 0, 64, 64, &frame);
     struct dt_frame still;
     scene_frame(&scene, 64, 64, &still);

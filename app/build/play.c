@@ -54,6 +54,11 @@ static uint64_t play_runs(const struct dt_pipeline *pipeline, uint32_t index, ui
     return dt_product(count[0], count[1], count[2]);
 }
 
+static int64_t play_jitter(const struct dt_pipeline *pipeline, const void *live)
+{
+    return value_of(tables_of(pipeline)->model->pipeline.jitter, 0, 0, live);
+}
+
 static uint32_t groups_of(const struct dt_recording *r, const struct pass *pass, int axis)
 {
     struct groups groups = pass_groups(pass, axis);
@@ -166,6 +171,7 @@ void play_prepare(struct lowered *tables)
 {
     tables->pipeline.extent = play_extent;
     tables->pipeline.runs = play_runs;
+    tables->pipeline.jitter = tables->model->pipeline.jitter ? play_jitter : NULL;
     tables->panel.record = play_record;
     tables->panel.plan = tables;
 }

@@ -233,7 +233,6 @@ static bool write_blocks(const struct writing *writing)
     scene_frame_at(evidence->scene, evidence->frame, size[0], size[1], &frame);
     frame.width = size[0];
     frame.height = size[1];
-    frame.index = evidence->frame;
     cJSON_AddStringToObject(writing->manifest, "frame_block", "frame.raw");
     cJSON_AddStringToObject(writing->manifest, "live_block", "live.raw");
     return folder_write(&writing->folder, "frame.raw", &frame, sizeof frame) &&

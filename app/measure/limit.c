@@ -12,6 +12,7 @@
 #include "base/files.h"
 #include "base/texels.h"
 #include "base/tool.h"
+#include "front.h"
 #include "run/worker.h"
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
@@ -387,6 +388,9 @@ bool limits_check(struct limits *limits, const struct session_info *session)
         scene_frame(session->scene, size[0], size[1], &limit->frame);
         limit->frame.width = size[0];
         limit->frame.height = size[1];
+        limit->frame.previous_camera = limit->frame.camera;
+        limit->frame.first = 1;
+        dt_front_jitter(session->pipeline->info, session->pipeline->live, &limit->frame);
         good = check(limits, limit, &session->console->log);
     }
     return good;

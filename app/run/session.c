@@ -62,7 +62,7 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
     memset(&frame, 0, sizeof frame);
     scene_frame_at(info->scene, session->frame, info->options->size[0], info->options->size[1],
                    &frame);
-    frame.index = session->frame++;
+    session->frame++;
     if (info->frame_block)
         frame = *info->frame_block;
     struct fault_run fault = {.fault = &info->fault,

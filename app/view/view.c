@@ -191,6 +191,9 @@ bool view_render(struct view *view)
     memset(&frame, 0, sizeof frame);
     scene_frame(&view->scene, view->size[0], view->size[1], &frame);
     frame.index = view->frame++;
+    if (frame.index == 0)
+        view->start = milliseconds_now();
+    frame.time = (float)((milliseconds_now() - view->start) * 1e-3);
     view->frames++;
     view->camera = frame.camera;
     return render_sides(view, &frame) && view_pictures(view);

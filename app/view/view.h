@@ -88,6 +88,7 @@ struct view {
     struct dt_view camera;
     uint32_t window_size[2];
     uint32_t frame;  /* index of the next one, since the pipeline was made */
+    double start;    /* of frame 0 */
     uint32_t frames; /* so far */
     double time;     /* start of the last frame, in seconds */
 

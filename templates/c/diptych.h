@@ -207,6 +207,8 @@ struct dt_pipeline {
      * Also 0 if an indirect buffer holds the number. */
     uint64_t (*runs)(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t width,
                      uint32_t height, const void *live);
+    /* Positions of the camera's jitter before it repeats, for this live block; NULL: no jitter. */
+    int64_t (*jitter)(const struct dt_pipeline *pipeline, const void *live);
 };
 
 /* For generated C, which includes math.h. SPIR-V words are a string literal, which compilers parse
@@ -273,18 +275,27 @@ struct dt_light {      /* std140: GLSL struct Light */
 };
 static_assert(sizeof(struct dt_light) == 64, "std140");
 
-struct dt_frame { /* std140: the uniform block Frame, binding by the plan; new in every frame */
+/* std140: the uniform block Frame, binding by the plan; new in every frame. The runtime fills width,
+ * height, jitter and first; it jitters the camera's projection, view_projection and
+ * inverse_view_projection if the spec says so. */
+struct dt_frame {
     struct dt_view camera;
     /* orthographic or perspective, covers all that the light can reach */
     struct dt_view light_view;
     struct dt_light light;
     float scene_center[3];
     float scene_radius;     /* of the bounding sphere */
-    uint32_t width, height; /* frame size in pixels; the runtime fills these two */
-    uint32_t index;         /* 0 in the first frame after create */
+    uint32_t width, height; /* frame size in pixels */
+    uint32_t index;         /* 0 in the first frame after create; also 0 begins a new sequence */
     uint32_t triangle_count;
+    /* camera of the frame before, without jitter. If far_plane is 0, the runtime fills it: with the
+     * camera that it got for its last frame, or with that of this frame if it is the first */
+    struct dt_view previous_camera;
+    float jitter[2]; /* pixels by which the camera's picture is moved, -0.5 to 0.5 */
+    float time;      /* seconds */
+    uint32_t first;  /* 1: index is 0, or no frame was rendered since resize */
 };
-static_assert(sizeof(struct dt_frame) == 288 * 2 + 64 + 32, "std140");
+static_assert(sizeof(struct dt_frame) == 288 * 3 + 64 + 48, "std140");
 
 /* All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with
  * sRGB-encoded colour and linear alpha; all layers have one size and a full mip chain; texels hold

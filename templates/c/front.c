@@ -259,7 +259,7 @@ static void release_resources(struct dt_core *core)
     if (core->backend->release_memory)
         core->backend->release_memory(core);
     core->width = core->height = 0;
-    core->sized = core->rendered = false;
+    core->sized = core->rendered = core->has_camera = false;
 }
 
 static void destroy_programs(struct dt_core *core, const struct made *made)
@@ -511,11 +511,48 @@ bool dt_front_ready(const struct dt_core *core, const char *verb)
     return true;
 }
 
-struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame)
+/* Halton's sequence, 0 to 1: the digits of the index in this base, mirrored at the point. */
+static double halton(uint32_t index, uint32_t base)
+{
+    double value = 0;
+    for (double digit = 1.0 / base; index; index /= base, digit /= base)
+        value += digit * (index % base);
+    return value;
+}
+
+void dt_front_jitter(const struct dt_pipeline *pipeline, const void *live, struct dt_frame *frame)
+{
+    struct dt_view *camera = &frame->camera;
+    int64_t count = pipeline->jitter ? pipeline->jitter(pipeline, live) : 0;
+    if (count < 1)
+        return;
+    uint32_t k = (uint32_t)(frame->index % count) + 1; /* point 0 is a corner */
+    frame->jitter[0] = (float)(halton(k, 2) - 0.5);
+    frame->jitter[1] = (float)(halton(k, 3) - 0.5);
+    const float move[2] = {2 * frame->jitter[0] / (float)frame->width,
+                           2 * frame->jitter[1] / (float)frame->height};
+    for (int i = 0; i < 4; i++)
+        for (int axis = 0; axis < 2; axis++) {
+            camera->projection[i][axis] += move[axis] * camera->projection[i][3];
+            camera->view_projection[i][axis] += move[axis] * camera->view_projection[i][3];
+            camera->inverse_view_projection[3][i] -=
+                move[axis] * camera->inverse_view_projection[axis][i];
+        }
+}
+
+struct dt_frame dt_front_frame(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
     struct dt_frame block = *frame;
+    bool given = frame->previous_camera.far_plane != 0;
     block.width = core->width;
     block.height = core->height;
+    block.first = !given && (frame->index == 0 || !core->has_camera);
+    if (!given)
+        block.previous_camera = block.first ? frame->camera : core->camera;
+    core->camera = frame->camera;
+    core->has_camera = true;
+    block.jitter[0] = block.jitter[1] = 0;
+    dt_front_jitter(core->pipeline, live, &block);
     return block;
 }
 
@@ -819,11 +856,10 @@ bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *liv
     struct dt_core *core = runtime;
     if (!dt_front_ready(core, "render"))
         return false;
-    const struct dt_frame sized = dt_front_frame(core, frame);
+    live = live ? live : core->pipeline->live_defaults;
+    const struct dt_frame block = dt_front_frame(core, frame, live);
     core->observer = observer;
-    core->rendered =
-        leave(core, enter(core) && core->backend->render(
-                                       core, &sized, live ? live : core->pipeline->live_defaults));
+    core->rendered = leave(core, enter(core) && core->backend->render(core, &block, live));
     core->observer = NULL;
     core->sized = core->rendered; /* else the recorded layouts may not have taken effect */
     return core->rendered;

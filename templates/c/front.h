@@ -44,6 +44,8 @@ struct dt_core {
     bool *imported;         /* per resource: uses an image of the host */
     bool sized;             /* a frame may be rendered: nothing has changed since resize */
     bool rendered;          /* a frame was rendered since resize */
+    bool has_camera;        /* of the last frame since resize, without jitter */
+    struct dt_view camera;
 
     /* While a frame is recorded. */
     const struct dt_observer *observer;
@@ -132,8 +134,11 @@ enum dt_type dt_front_scalar(enum dt_format format);
  * which lies within the targets and may be empty. */
 void dt_front_area(const struct dt_core *core, uint32_t width, uint32_t height,
                    struct dt_rect *viewport, struct dt_rect *scissor);
-/* The frame's block with width and height set. */
-struct dt_frame dt_front_frame(const struct dt_core *core, const struct dt_frame *frame);
+/* Fills jitter, and jitters the camera; width, height and index are set. */
+void dt_front_jitter(const struct dt_pipeline *pipeline, const void *live, struct dt_frame *frame);
+/* The block of the next frame, with all that the runtime fills; keeps its camera for the frame after. */
+struct dt_frame dt_front_frame(struct dt_core *core, const struct dt_frame *frame,
+                               const void *live);
 /* Whether the resource and the mip exist; `shape` gets size and extent. */
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
                    struct dt_bytes *shape);

@@ -80,6 +80,10 @@ layout(std140, binding = 1) uniform Frame {
     uint height;
     uint index;
     uint triangle_count;
+    View previous_camera;
+    vec2 jitter; /* pixels */
+    float time;  /* seconds */
+    uint first;
 } frame;
 
 PRECISE View view = frame.light_view;

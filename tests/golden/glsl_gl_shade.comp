@@ -81,6 +81,10 @@ layout(std140, binding = 4) uniform Frame {
     uint height;
     uint index;
     uint triangle_count;
+    View previous_camera;
+    vec2 jitter; /* pixels */
+    float time;  /* seconds */
+    uint first;
 } frame;
 
 /* Hammersley points (Wong, Luk, Heng 1997): (k / n, radical inverse of k in base 2), both in [0,

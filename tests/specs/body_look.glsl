@@ -2,6 +2,7 @@ float of_frame()
 {
     float sum = frame.scene_center.x + frame.scene_radius + scene_center.y + scene_radius;
     sum += float(frame.width + frame.height + frame.index + frame.triangle_count);
+    sum += frame.time + float(frame.first) + frame.jitter.x + frame.previous_camera.far_plane;
     sum += frame.camera.near_plane + frame.light_view.far_plane + float(frame.light.kind);
     sum += camera.position.x + light_view.direction.y + light.position.z + light.direction.x + light.color.g;
     return sum + light.area + light.cos_inner + light.cos_outer + amount * float(half_width);

@@ -66,6 +66,13 @@ static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t
     }
 }
 
+static int64_t jitter(const struct dt_pipeline *pipeline, const void *live_block)
+{
+    const struct small_live *live = live_block;
+    (void)pipeline, (void)live_block;
+    return ((live->glow != 0) != 0 ? 8 : 0);
+}
+
 static const struct {
     struct small_live live;
 } block = {
@@ -197,6 +204,7 @@ const struct dt_pipeline small_pipeline = {
     .display_output = SMALL_RESOURCE_SHOWN,
     .extent = extent,
     .runs = runs,
+    .jitter = jitter,
 };
 
 /* ---- How it is stored, bound and drawn ---- */
