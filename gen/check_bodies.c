@@ -29,6 +29,19 @@ static const struct source *read_body(struct checker *c, const char *key, const 
     return source;
 }
 
+/* Two files, one after the other, as one that includes both. */
+static const struct source *join_bodies(struct checker *c, const struct pass *pass)
+{
+    struct source *body = arena_alloc(c->model->arena, sizeof *body);
+    if (!read_body(c, "shader", pass->more, pass->shader_loc) || !body)
+        return NULL;
+    body->path = pass->shader_loc.source->path;
+    body->text = arena_printf(c->model->arena, "#include \"%s\"\n#include \"%s\"\n", pass->shader,
+                              pass->more);
+    body->length = body->text ? strlen(body->text) : 0;
+    return body->text ? body : NULL;
+}
+
 /* The path of a body that an included file names, as the spec would write it: from the templates or
  * from the spec's folder. */
 static const char *body_name(struct checker *c, const char *name, struct loc loc,
@@ -425,9 +438,12 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
         pass->limit = body_name(c, pass->limit, pass->limit_loc, pass->limit_body);
     }
     pass->body = read_body(c, "shader", pass->shader, pass->shader_loc);
+    if (pass->body && pass->more)
+        pass->body = join_bodies(c, pass);
     if (!pass->body)
         return;
-    pass->shader = body_name(c, pass->shader, pass->shader_loc, pass->body);
+    pass->shader =
+        pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
     scan_source(c, body, pass->body, 0);
     pass->minds_group = minds_group(body);
     pass->own_vertices = mentions(body, "VERTEX");

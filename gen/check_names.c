@@ -365,8 +365,7 @@ static void check_defines(struct checker *c, const struct pass *pass, struct dec
             if (!strcmp(pass->ranges[k].name, macro.name))
                 diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", macro.name,
                            pass->name);
-        bool replaces = !pass->defines[i].word || !expr_is_literal(pass->defines[i].value);
-        for (uint32_t s = 0; replaces && s < c->pipeline->struct_count; s++)
+        for (uint32_t s = 0; !pass->defines[i].word && s < c->pipeline->struct_count; s++)
             for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
                 if (!strcmp(c->pipeline->structs[s].fields[k].name, macro.name))
                     diag_error(c->diag, macro.loc,

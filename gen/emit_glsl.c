@@ -513,7 +513,8 @@ static void add_fullscreen_vertex(struct glsl *glsl)
              "void main()\n{\n    gl_Position = fullscreen_position();\n}\n");
 }
 
-/* Directly before the body, so that no macro replaces a word of generated code. */
+/* Directly before the body, so that no macro replaces a word of generated code. Names of an instance
+ * are variables: a body may have one of that name itself. */
 static void add_defines(struct glsl *glsl)
 {
     struct text macros = {0};
@@ -523,12 +524,12 @@ static void add_defines(struct glsl *glsl)
         if (define->word && !glsl_uses(glsl, "%s", define->name))
             continue;
         if (define->word && !expr_is_literal(define->value)) {
-            text_add(&macros, "#define %s (", define->name);
+            text_add(&macros, "int %s = ", define->name);
             expr_emit_glsl(define->value, &macros);
-            text_add(&macros, ")\n");
+            text_add(&macros, ";\n");
         } else if (expr_eval(define->value, 0, 0, &value) != EXPR_OK) {
             continue;
-        } else if (define->word) { /* no macro: a body may have a variable of that name */
+        } else if (define->word) {
             text_add(&macros, "const int %s = %lld;\n", define->name, (long long)value);
         } else {
             text_add(&macros, value < 0 ? "#define %s (%lld)\n" : "#define %s %lld\n", define->name,

@@ -153,7 +153,7 @@ static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
     if (!find_close(glsl, loop) || !loop->range)
         return false;
     const char *element = glsl_element_type(loop->range->access->resource);
-    if (!token_is(loop->type, element)) {
+    if (!token_is(loop->type, element) && !token_is(loop->type, "auto")) {
         struct loc loc =
             glsl_body_loc(glsl, body, (size_t)(loop->type.text - body), loop->type.length);
         diag_error(glsl->diag, loc, "range %s has elements of type %s", loop->range->name, element);

@@ -277,6 +277,7 @@ struct pass {
     struct loc *use_locs;
     uint32_t use_count;
     const char *shader; /* path as written */
+    const char *more;   /* a second file, which follows; NULL: none */
     struct loc shader_loc;
     const struct source *body; /* check: the file, read once */
     const char *limit;         /* C file with the same work for the CPU, path; NULL: none */

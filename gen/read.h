@@ -71,10 +71,13 @@ struct named_list {
 
 /* read_include.c: reports; false: a file cannot be used. Call documents_free also then. */
 bool documents_load(struct reader *reader, const struct source *source);
+/* Reads a file of the templates, unless it was read; false: reported. */
+bool documents_add(struct reader *reader, const char *name, struct loc loc);
 void documents_free(struct reader *reader);
 const struct source *node_source(const struct reader *reader, struct fy_node *node);
-/* The document whose section has an entry that `path` begins with; else the spec. Returns its root.
- * path[ends[0] .. ends[1]) is the entry's own name, which path[ends[2]] follows. */
+/* The document whose section has the entry that `path` begins with, the one with the longest name;
+ * else the spec. Returns its root. path[ends[0] .. ends[1]) is the entry's own name, and path[ends[2]]
+ * follows; ends must be 0. */
 struct fy_node *root_with(struct reader *reader, const char *section, const char *path,
                           size_t ends[3]);
 /* The top level of all files, checked. */
@@ -89,14 +92,36 @@ bool is_use(struct fy_node *item); /* of a group, or repeated */
 const char *declared_name(struct reader *reader, struct fy_node *node, const char *name);
 /* The name that a scalar means where it stands; NULL unless a scalar. */
 const char *referred_name(struct reader *reader, struct fy_node *node);
-/* The text of a scalar; of an argument, if it is the name of one. NULL unless a scalar. */
-const char *argument_text(struct reader *reader, struct fy_node *node);
+/* The text of a scalar; of an argument, if it is the name of one. loc, if not NULL: its place. NULL
+ * unless a scalar. */
+const char *argument_text(struct reader *reader, struct fy_node *node, struct loc *loc);
 struct expr_names node_names(const struct reader *reader, struct fy_node *node);
 /* Visits arguments, constants and numbers of the instances around the node. */
 void each_word(struct reader *reader, struct fy_node *node,
                void (*visit)(void *user, const char *word), void *user);
 /* In an instance: the text with `{EXPR}` replaced. NULL: out of memory. */
 const char *filled_text(struct reader *reader, struct fy_node *node, const char *text);
+
+/* An element of `passes` that stands for instances, and the document that has it. */
+struct use {
+    struct reader *reader;
+    struct document *from;
+    struct fy_node *item;
+    struct fields fields;
+};
+const struct scope *node_scope(const struct reader *reader, struct fy_node *node); /* or NULL */
+/* Appends an instance of `of`, which owns `yaml` and its root. label: for notes at the use; NULL:
+ * none. NULL: out of memory. */
+struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_node *root,
+                           struct fy_node *of, const char *label);
+/* Names end in `suffix`; `name` stands for the number. False: out of memory. */
+bool scope_set(struct scope *scope, const struct scope *outer, const char *suffix, const char *name,
+               const char *number);
+void scope_hide(struct scope *scope); /* others cannot refer to the names that it declares */
+struct fy_node *node_remove(struct fy_node *map, const char *key); /* its value; NULL: none */
+/* read_cull.c: false: out of memory. */
+bool is_culled(struct fy_node *item);
+bool expand_cull(struct use *use);
 
 /* read_document.c: `early`: those of parameters and constants, before instances are made; else
  * the others. */

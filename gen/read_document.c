@@ -304,12 +304,13 @@ static void report_unknown_key(struct reader *reader, const struct setting *sett
 {
     const char *names[MOST_NAMES + 64];
     size_t count = add_keys(reader, map, names, 0);
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    const struct document *at = &reader->spec;
+    do {
         struct fy_node *other = fy_node_mapping_lookup_value_by_string(
             fy_document_root(at->yaml), table_sections[section].path, FY_NT);
         if (other != map)
             count = add_keys(reader, other, names, count);
-    }
+    } while ((at = at->next));
     for (size_t i = 0; i < table_key_count && count < DT_ARRAY_COUNT(names); i++)
         if (table_keys[i].section == section && strcmp(table_keys[i].name, "*"))
             names[count++] = table_keys[i].name;
@@ -333,7 +334,8 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
         if (text && !strcmp(text, setting->segment))
             return item;
     }
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    const struct document *at = &reader->spec;
+    do {
         struct fy_node *passes =
             fy_node_mapping_lookup_value_by_string(fy_document_root(at->yaml), "passes", FY_NT);
         iterator = NULL;
@@ -342,7 +344,7 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
         while (count < MOST_NAMES && (item = fy_node_sequence_iterate(passes, &iterator)))
             if (element_name(reader, item) && !is_use(item))
                 names[count++] = declared_name(reader, item, element_name(reader, item));
-    }
+    } while ((at = at->next));
     report_path(reader, setting, "the list", names, count);
     return NULL;
 }
@@ -405,7 +407,7 @@ static bool is_scalar_key(const char *name)
 /* A bare name is a parameter, else a scalar of the top level such as `exactness`. */
 static void apply_bare(struct reader *reader, struct setting *setting)
 {
-    size_t ends[3];
+    size_t ends[3] = {0};
     struct fy_node *root = root_with(reader, "params", setting->segment, ends);
     struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
     if (params && fy_node_get_type(params) != FYNT_MAPPING)

@@ -88,6 +88,8 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
         return scalar && text_amount(text, &number);
     case KEY_INTEGER:
         return scalar && is_natural(text);
+    case KEY_BODY:
+        return scalar || is_scalar_list(node, 1, 2);
     case KEY_EXPRS:
         return scalar || is_scalar_list(node, 1, 3);
     case KEY_SIZE:

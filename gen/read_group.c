@@ -13,20 +13,21 @@ enum { MOST_INSTANCES = 1024, MOST_CONSTANT_CHAIN = 64 };
 struct binding {
     const char *name, *text;
     const struct scope *scope; /* names of `text` */
+    struct loc loc;            /* of `text` */
 };
 
 struct scope {
     struct reader *reader;
     const struct scope *outer;   /* of a repeat: where it stands; a group: NULL */
     const char *prefix, *suffix; /* of the names that it declares */
-    struct fy_node *root;        /* declares them */
+    struct fy_node *root;        /* declares them; NULL: none that others may use */
     struct binding *bindings;
     uint32_t binding_count;
 };
 
 /* ---- Names ----------------------------------------------------------------------------------- */
 
-static const struct scope *node_scope(const struct reader *reader, struct fy_node *node)
+const struct scope *node_scope(const struct reader *reader, struct fy_node *node)
 {
     const struct fy_document *yaml = node ? fy_node_document(node) : NULL;
     for (const struct document *at = reader->spec.next; at; at = at->next)
@@ -37,8 +38,9 @@ static const struct scope *node_scope(const struct reader *reader, struct fy_nod
 
 static const char *full_name(const struct scope *scope, const char *name)
 {
-    return scope ? arena_printf(scope->reader->model->arena, "%s%s%s", scope->prefix, name,
-                                scope->suffix)
+    int first = (int)strcspn(name, ".");
+    return scope ? arena_printf(scope->reader->model->arena, "%s%.*s%s%s", scope->prefix, first,
+                                name, scope->suffix, name + first)
                  : name;
 }
 
@@ -79,6 +81,8 @@ static bool list_declares(struct fy_node *passes, const char *word, size_t lengt
 /* Whether the scope's sections have an entry of this name. */
 static bool declares(const struct scope *scope, const char *word, size_t length)
 {
+    if (!scope->root)
+        return false;
     static const char *const sections[] = {"constants", "buffers", "images"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(sections); i++) {
         struct fy_node *map = value_of(scope->root, sections[i]);
@@ -137,12 +141,16 @@ const char *referred_name(struct reader *reader, struct fy_node *node)
     return text ? global_name(node_scope(reader, node), text) : NULL;
 }
 
-const char *argument_text(struct reader *reader, struct fy_node *node)
+const char *argument_text(struct reader *reader, struct fy_node *node, struct loc *loc)
 {
     const char *text = node_text(reader, node);
+    if (text && loc)
+        *loc = node_loc(reader, node);
     for (const struct scope *scope = node_scope(reader, node); text && scope;) {
         const struct binding *binding = find_binding(scope, text, strlen(text));
         text = binding ? binding->text : text;
+        if (binding && loc)
+            *loc = binding->loc;
         scope = binding ? binding->scope : scope->outer;
     }
     return text;
@@ -158,7 +166,7 @@ void each_word(struct reader *reader, struct fy_node *node,
                void (*visit)(void *user, const char *word), void *user)
 {
     for (const struct scope *scope = node_scope(reader, node); scope; scope = scope->outer) {
-        struct fy_node *constants = value_of(scope->root, "constants");
+        struct fy_node *constants = scope->root ? value_of(scope->root, "constants") : NULL;
         struct fy_node_pair *pair;
         void *iterator = NULL;
         for (uint32_t i = 0; i < scope->binding_count; i++)
@@ -269,31 +277,24 @@ const char *filled_text(struct reader *reader, struct fy_node *node, const char 
 
 /* ---- Instances ------------------------------------------------------------------------------- */
 
-/* An element of `passes` that stands for instances, and the document that has it. */
-struct use {
-    struct reader *reader;
-    struct document *from;
-    struct fy_node *item;
-    struct fields fields;
-};
-
-/* Appends an instance, which owns `yaml` and its root. NULL: out of memory. */
-static struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_node *root,
-                                  struct fy_node *of, const char *label)
+struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_node *root,
+                           struct fy_node *of, const char *label)
 {
     struct reader *reader = use->reader;
     struct document *document = reader_alloc(reader, 1, sizeof *document), *last = use->from;
     struct scope *scope = reader_alloc(reader, 1, sizeof *scope);
     struct source *source = reader_alloc(reader, 1, sizeof *source);
-    if (!document || !scope || !source || !root || !label || fy_document_set_root(yaml, root)) {
+    if (!document || !scope || !source || !root || !last || fy_document_set_root(yaml, root)) {
         reader->out_of_memory = true;
         fy_node_free(root);
         fy_document_destroy(yaml);
         return NULL;
     }
     *source = *node_source(reader, of);
-    source->included = node_loc(reader, use->item);
-    source->use = label;
+    if (label) {
+        source->included = node_loc(reader, use->item);
+        source->use = label;
+    }
     *scope = (struct scope){.reader = reader, .prefix = "", .suffix = "", .root = root};
     *document = (struct document){.source = source,
                                   .yaml = yaml,
@@ -308,16 +309,36 @@ static struct scope *add_instance(struct use *use, struct fy_document *yaml, str
     reader->values = NULL;
     if (reader->instance_count++ < MOST_INSTANCES)
         return scope;
-    diag_error(reader->diag, source->included, "groups and repeats make more than %d instances",
-               MOST_INSTANCES);
+    diag_error(reader->diag, node_loc(reader, use->item),
+               "groups and repeats make more than %d instances", MOST_INSTANCES);
     return NULL;
 }
 
-static void remove_key(struct fy_node *map, const char *key)
+struct fy_node *node_remove(struct fy_node *map, const char *key)
 {
     struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, key, FY_NT);
-    if (pair)
-        fy_node_free(fy_node_mapping_remove_by_key(map, fy_node_pair_key(pair)));
+    return pair ? fy_node_mapping_remove_by_key(map, fy_node_pair_key(pair)) : NULL;
+}
+
+void scope_hide(struct scope *scope)
+{
+    scope->root = NULL;
+}
+
+bool scope_set(struct scope *scope, const struct scope *outer, const char *suffix, const char *name,
+               const char *number)
+{
+    struct reader *reader = scope->reader;
+    struct binding *binding = reader_alloc(reader, 1, sizeof *binding);
+    scope->outer = outer;
+    scope->prefix = outer ? outer->prefix : "";
+    scope->suffix = arena_printf(reader->model->arena, "%s%s", outer ? outer->suffix : "", suffix);
+    if (!binding || !scope->suffix || !number)
+        return false;
+    *binding = (struct binding){.name = name, .text = number};
+    scope->bindings = binding;
+    scope->binding_count = 1;
+    return true;
 }
 
 /* ---- Repeats --------------------------------------------------------------------------------- */
@@ -328,7 +349,7 @@ static struct fy_node *copy_repeated(struct fy_document *yaml, struct fy_node *i
     struct fy_node *copy = fy_node_copy(yaml, item);
     if (!copy)
         return NULL;
-    remove_key(copy, "repeat");
+    fy_node_free(node_remove(copy, "repeat"));
     if (value_of(copy, "passes"))
         return copy;
     struct fy_node *root = fy_node_create_mapping(yaml), *list = fy_node_create_sequence(yaml),
@@ -386,16 +407,8 @@ static bool expand_repeat(struct use *use)
         struct scope *scope =
             add_instance(use, yaml, yaml ? copy_repeated(yaml, use->item) : NULL, use->item,
                          arena_printf(arena, "here with %s = %lld", name, (long long)k));
-        struct binding *binding = scope ? reader_alloc(reader, 1, sizeof *binding) : NULL;
-        if (!binding)
-            return false;
-        *binding = (struct binding){name, arena_printf(arena, "%lld", (long long)k), NULL};
-        scope->outer = outer;
-        scope->bindings = binding;
-        scope->binding_count = 1;
-        scope->prefix = outer ? outer->prefix : "";
-        scope->suffix = arena_printf(arena, "%s.%lld", outer ? outer->suffix : "", (long long)k);
-        if (!binding->text || !scope->suffix)
+        const char *suffix = arena_printf(arena, ".%lld", (long long)k);
+        if (!scope || !suffix || !scope_set(scope, outer, suffix, name, suffix + 1))
             return false;
     }
     return true;
@@ -407,8 +420,11 @@ static struct fy_node *find_group(struct use *use)
 {
     struct reader *reader = use->reader;
     const char *name = field_text(reader, &use->fields, "group"), *names[64];
+    const struct document *at = &reader->spec;
     size_t count = 0;
-    for (const struct document *at = &reader->spec; name && at; at = at->next) {
+    if (!name)
+        return NULL;
+    do {
         struct fy_node *groups = value_of(fy_document_root(at->yaml), "groups");
         struct fy_node_pair *pair;
         void *iterator = NULL;
@@ -420,12 +436,11 @@ static struct fy_node *find_group(struct use *use)
         while (count < DT_ARRAY_COUNT(names) && (pair = fy_node_mapping_iterate(groups, &iterator)))
             if (key_text(reader, fy_node_pair_key(pair)))
                 names[count++] = key_text(reader, fy_node_pair_key(pair));
-    }
-    const char *nearest = name ? nearest_name(name, names, count) : NULL;
-    if (name)
-        diag_error(reader->diag, field_loc(reader, &use->fields, "group"),
-                   nearest ? "unknown group `%s`; did you mean `%s`?" : "unknown group `%s`", name,
-                   nearest);
+    } while ((at = at->next));
+    const char *nearest = nearest_name(name, names, count);
+    diag_error(reader->diag, field_loc(reader, &use->fields, "group"),
+               nearest ? "unknown group `%s`; did you mean `%s`?" : "unknown group `%s`", name,
+               nearest);
     return NULL;
 }
 
@@ -443,8 +458,8 @@ static void bind_arguments(struct use *use, struct scope *scope, struct fy_node 
         struct fy_node *value = with && name ? value_of(with, name) : NULL;
         const char *text = node_text(reader, value);
         if (name && text)
-            scope->bindings[scope->binding_count++] =
-                (struct binding){name, text, node_scope(reader, use->item)};
+            scope->bindings[scope->binding_count++] = (struct binding){
+                name, text, node_scope(reader, use->item), node_loc(reader, value)};
         else if (name)
             diag_error(reader->diag, node_loc(reader, value ? value : use->item),
                        value ? "the argument `%s` must be a name or an expression"
@@ -485,8 +500,8 @@ static bool expand_group(struct use *use)
                                        arena_printf(arena, "here as `%s`", name ? name : "?"));
     if (!scope)
         return false;
-    remove_key(scope->root, "args");
-    remove_key(scope->root, "doc");
+    fy_node_free(node_remove(scope->root, "args"));
+    fy_node_free(node_remove(scope->root, "doc"));
     scope->prefix = arena_printf(arena, "%s.", name ? name : "?");
     bind_arguments(use, scope, field_node(&sections, "args"));
     return scope->prefix;
@@ -495,7 +510,7 @@ static bool expand_group(struct use *use)
 bool is_use(struct fy_node *item)
 {
     return fy_node_get_type(item) == FYNT_MAPPING &&
-           (value_of(item, "repeat") || value_of(item, "group"));
+           (value_of(item, "repeat") || value_of(item, "group") || is_culled(item));
 }
 
 bool documents_expand(struct reader *reader)
@@ -507,8 +522,9 @@ bool documents_expand(struct reader *reader)
             continue;
         while ((item = fy_node_sequence_iterate(passes, &iterator))) {
             struct use use = {.reader = reader, .from = at, .item = item};
-            if (is_use(item) &&
-                !(value_of(item, "repeat") ? expand_repeat(&use) : expand_group(&use)))
+            if (is_use(item) && !(value_of(item, "repeat")  ? expand_repeat(&use)
+                                  : value_of(item, "group") ? expand_group(&use)
+                                                            : expand_cull(&use)))
                 return false;
         }
     }

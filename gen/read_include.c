@@ -18,13 +18,13 @@ const struct source *node_source(const struct reader *reader, struct fy_node *no
     return reader->spec.source;
 }
 
-/* Whether the path begins with the entry's name; see root_with. */
+/* Whether the path begins with the entry's name, longer than that of `ends`; see root_with. */
 static bool begins(struct reader *reader, struct fy_node *node, const char *name, const char *path,
                    size_t ends[3])
 {
     const char *full = name ? declared_name(reader, node, name) : NULL;
     size_t length = full ? strlen(full) : 0;
-    if (!length || strncmp(path, full, length) || !strchr(".=", path[length]))
+    if (length <= ends[2] || strncmp(path, full, length) || !strchr(".=", path[length]))
         return false;
     ends[0] = (size_t)(strstr(full, name) - full);
     ends[1] = ends[0] + strlen(name);
@@ -35,7 +35,9 @@ static bool begins(struct reader *reader, struct fy_node *node, const char *name
 struct fy_node *root_with(struct reader *reader, const char *section, const char *path,
                           size_t ends[3])
 {
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    struct fy_node *found = fy_document_root(reader->spec.yaml);
+    const struct document *at = &reader->spec;
+    do {
         struct fy_node *root = fy_document_root(at->yaml), *item;
         struct fy_node *value = fy_node_mapping_lookup_value_by_string(root, section, FY_NT);
         struct fy_node_pair *pair;
@@ -43,13 +45,13 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
         if (value && fy_node_get_type(value) == FYNT_MAPPING)
             while ((pair = fy_node_mapping_iterate(value, &iterator)))
                 if (begins(reader, root, key_text(reader, fy_node_pair_key(pair)), path, ends))
-                    return root;
+                    found = root;
         if (value && fy_node_get_type(value) == FYNT_SEQUENCE)
             while ((item = fy_node_sequence_iterate(value, &iterator)))
                 if (!is_use(item) && begins(reader, root, element_name(reader, item), path, ends))
-                    return root;
-    }
-    return fy_document_root(reader->spec.yaml);
+                    found = root;
+    } while ((at = at->next));
+    return found;
 }
 
 /* ---- Parsing --------------------------------------------------------------------------------- */
@@ -127,11 +129,9 @@ static struct source *find_file(struct reader *reader, const struct document *fr
 }
 
 /* entry: the element of `passes` that includes the file; NULL: `include` does. */
-static bool include(struct reader *reader, struct document *from, struct fy_node *node,
+static bool include(struct reader *reader, struct document *from, const char *name, struct loc loc,
                     struct fy_node *entry)
 {
-    struct loc loc = node_loc(reader, node);
-    const char *name = node_text(reader, node);
     uint32_t count = 0;
     if (!name || !*name) {
         diag_error(reader->diag, loc, "expected a file name");
@@ -179,7 +179,8 @@ static bool read_includes(struct reader *reader, struct document *document)
     bool good = true;
     if (files && fy_node_get_type(files) == FYNT_SEQUENCE)
         while ((item = fy_node_sequence_iterate(files, &iterator)))
-            good &= include(reader, document, item, NULL);
+            good &=
+                include(reader, document, node_text(reader, item), node_loc(reader, item), NULL);
     iterator = NULL;
     if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
         return good;
@@ -189,7 +190,8 @@ static bool read_includes(struct reader *reader, struct document *document)
             continue;
         good &= fields_read(reader, item, SECTION_PASS_INCLUDE, node_loc(reader, item), &fields) &&
                 field_node(&fields, "include") &&
-                include(reader, document, field_node(&fields, "include"), item);
+                include(reader, document, field_text(reader, &fields, "include"),
+                        field_loc(reader, &fields, "include"), item);
     }
     return good;
 }
@@ -197,6 +199,11 @@ static bool read_includes(struct reader *reader, struct document *document)
 bool documents_load(struct reader *reader, const struct source *source)
 {
     return read_source(reader, source, NULL, NULL);
+}
+
+bool documents_add(struct reader *reader, const char *name, struct loc loc)
+{
+    return include(reader, &reader->spec, name, loc, NULL);
 }
 
 /* ---- Sections -------------------------------------------------------------------------------- */

@@ -177,6 +177,9 @@ static void add_word(void *user, const char *word)
 {
     struct words *words = user;
     struct reader *reader = words->reader;
+    for (uint32_t i = 0; i < words->pass->define_count; i++)
+        if (!strcmp(words->pass->defines[i].name, word)) /* an inner scope's, or a macro */
+            return;
     struct expr_names names = node_names(reader, words->node);
     struct diag *silent = diag_create();
     struct loc loc = node_loc(reader, words->node);
@@ -438,6 +441,20 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
             pass->name);
 }
 
+/* Files of an argument lie beside the file that gives it. */
+static void read_files(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct fy_node *shader = field_node(fields, "shader"), *first = shader;
+    if (shader && fy_node_get_type(shader) == FYNT_SEQUENCE) {
+        first = fy_node_sequence_get_by_index(shader, 0);
+        pass->more = node_text(reader, fy_node_sequence_get_by_index(shader, 1));
+    }
+    pass->shader_loc = field_loc(reader, fields, "shader");
+    pass->limit_loc = field_loc(reader, fields, "limit");
+    pass->shader = argument_text(reader, first, &pass->shader_loc);
+    pass->limit = argument_text(reader, field_node(fields, "limit"), &pass->limit_loc);
+}
+
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     *pass = (struct pass){
@@ -448,10 +465,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     if (!pass->name)
         pass->name = "?";
     pass->doc = field_text(reader, fields, "doc");
-    pass->shader = argument_text(reader, field_node(fields, "shader"));
-    pass->shader_loc = field_loc(reader, fields, "shader");
-    pass->limit = argument_text(reader, field_node(fields, "limit"));
-    pass->limit_loc = field_loc(reader, fields, "limit");
+    read_files(reader, fields, pass);
     pass->interleave_name = field_reference(reader, fields, "interleave");
     pass->interleave_loc = field_loc(reader, fields, "interleave");
     pass->indirect = field_reference(reader, fields, "indirect");
@@ -459,7 +473,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     pass->indices = field_reference(reader, fields, "indices");
     pass->indices_loc = field_loc(reader, fields, "indices");
     pass->when = field_expr(reader, fields, "when");
-    pass->when_text = argument_text(reader, field_node(fields, "when"));
+    pass->when_text = argument_text(reader, field_node(fields, "when"), NULL);
     pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
     pass->after_count =
         read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);

@@ -98,7 +98,7 @@ static void read_buffer(struct reader *reader, const struct named *named, struct
     if (!fields_read(reader, named->value, SECTION_BUFFER, named->loc, &fields))
         return;
     buffer->doc = field_text(reader, &fields, "doc");
-    buffer->of = argument_text(reader, field_node(&fields, "of"));
+    buffer->of = argument_text(reader, field_node(&fields, "of"), NULL);
     buffer->of_loc = field_loc(reader, &fields, "of");
     buffer->count = field_expr(reader, &fields, "count");
     buffer->history = field_bool(reader, &fields, "history", false);

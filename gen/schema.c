@@ -58,6 +58,9 @@ static void add_scalar_type(struct text *out, const struct key *key)
         [KEY_REFERENCE] = "{\"$ref\": \"#/$defs/REFERENCE\"}",
         [KEY_TEXT] = "{\"type\": [\"string\", \"number\", \"boolean\"]}",
         [KEY_FILES] = "{\"type\": \"array\", \"items\": {\"type\": \"string\"}}",
+        [KEY_BODY] =
+            "{\"anyOf\": [{\"type\": \"string\"}, {\"type\": \"array\", \"items\": {\"type\": "
+            "\"string\"}, \"minItems\": 1, \"maxItems\": 2}]}",
         [KEY_BOOL] = "{\"type\": \"boolean\"}",
         [KEY_MEMBER] = "{\"type\": \"string\", \"pattern\": "
                        "\"^[A-Za-z_][A-Za-z0-9_]*(\\\\.[A-Za-z_][A-Za-z0-9_]*)?$\"}",

@@ -154,6 +154,15 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "columns through centres of texels. `gl_PointSize` may be rounded and clamped. For other "
          "lines give a contract, or draw triangles.",
          "{vertices: 6, instances: particles_alive}"},
+    [SECTION_CULL] =
+        {"culling", "passes[].cull", "cull",
+         "A scene draw that keeps some triangles. The generator adds passes that test each "
+         "triangle "
+         "and list those to keep, in their order: NAME.size, NAME.test, NAME.place and NAME.list. "
+         "The draw itself draws the lists from the buffers NAME.draws and NAME.indices; NAME.whole "
+         "draws the scene for layers whose list has no room. In bodies of the two draws `whole` is "
+         "0 and 1. At most 64 layers.",
+         "{keep: ssvp/keeps_triangle.glsl, each: views, room: 4096}"},
     [SECTION_DEPTH_BIAS] = {"a depth bias", "passes[].depth_bias", "depth_bias",
                             "What is added to the depth of triangles, against shadows of a surface "
                             "on itself: constant * r + slope * the largest change of depth from "
@@ -417,6 +426,23 @@ const struct key table_keys[] = {
     {SECTION_INTERLEAVE, "doc", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL, "What it is for.",
      "\"shading classes\""},
 
+    /* culling */
+    {SECTION_CULL, "keep", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL,
+     "GLSL file with `bool keeps_triangle(vec3 a, vec3 b, vec3 c, TYPE element)`; without `each` "
+     "the "
+     "last argument is missing. It may use the frame, parameters and `element`. `frustum`: what "
+     "the "
+     "view can see.",
+     "ssvp/keeps_triangle.glsl"},
+    {SECTION_CULL, "each", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "one list",
+     "Buffer with an element for each layer: a list for each.", "views"},
+    {SECTION_CULL, "room", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1048576",
+     "Triangles that a list may have, on average over the layers.", "map_triangles"},
+    {SECTION_CULL, "most", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1048576",
+     "Triangles of the largest scene that is culled; larger ones are drawn whole.", "65536"},
+    {SECTION_CULL, "faces", KEY_CHOICE, SECTION_NONE, "none|back|front", OPTIONAL, "none",
+     "Faces that are dropped.", "back"},
+
     /* groups and repeats */
     {SECTION_GROUPS, "*", KEY_MAP, SECTION_GROUP, NULL, OPTIONAL, NULL, "A group, by its name.",
      "{args: [points], passes: []}"},
@@ -430,6 +456,8 @@ const struct key table_keys[] = {
      "Buffers of each instance.", "{views: {of: View, count: count}}"},
     {SECTION_GROUP, "images", KEY_MAP, SECTION_IMAGES, NULL, OPTIONAL, NULL,
      "Images of each instance.", "{depth: {format: d32f, size: [256, 256], layers: count}}"},
+    {SECTION_GROUP, "asserts", KEY_LIST, SECTION_ASSERT, NULL, OPTIONAL, NULL,
+     "Conditions on the values of each instance.", "[{that: count > 0, message: \"no points\"}]"},
     {SECTION_GROUP, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL,
      "Passes, repeats and uses of other groups.",
      "[{name: fill, dispatch: count, writes: [views], shader: fill.glsl}]"},
@@ -497,8 +525,9 @@ const struct key table_keys[] = {
      "What the pass reads and changes.", "[clusters]"},
     {SECTION_PASS, "uses", KEY_NAMES, SECTION_NONE, NULL, OPTIONAL, "none",
      "Point sets, metrics and interleaves that the body calls.", "[vpl_distance]"},
-    {SECTION_PASS, "shader", KEY_TEXT, SECTION_NONE, NULL, REQUIRED, NULL,
-     "GLSL file of the body, beside the spec or below the templates.", "shade.glsl"},
+    {SECTION_PASS, "shader", KEY_BODY, SECTION_NONE, NULL, REQUIRED, NULL,
+     "GLSL file of the body, beside the spec or below the templates; or two that make one body.",
+     "shade.glsl"},
     {SECTION_PASS, "limit", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "none",
      "C file that does the pass's work on the CPU as fast as it can be done, looked for as "
      "`shader` "
@@ -514,8 +543,8 @@ const struct key table_keys[] = {
      "Runs of buffers that a workgroup reads alike.", "{lights: {of: vpls, count: 32}}"},
     {SECTION_PASS, "defines", KEY_MAP, SECTION_DEFINES, NULL, OPTIONAL, "none",
      "Macros of the body, by name.", "{TAPS: 2 * radius + 1}"},
-    {SECTION_PASS, "cull", KEY_CHOICE, SECTION_NONE, "none|back|front", OPTIONAL, "none",
-     "draw: faces that are dropped.", "back"},
+    {SECTION_PASS, "cull", KEY_CHOICE, SECTION_CULL, "none|back|front", OPTIONAL, "none",
+     "draw: faces that are dropped, or which triangles of the scene are kept.", "back"},
     {SECTION_PASS, "depth", KEY_CHOICE, SECTION_NONE, "off|less|less_equal|greater|always",
      OPTIONAL, "less with a depth target, else off", "draw: the depth test.", "less_equal"},
     {SECTION_PASS, "depth_write", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "true",
@@ -696,6 +725,7 @@ const char *table_type_text(enum key_type type)
         [KEY_TYPE] = "a type",
         [KEY_NAMES] = "a list of names",
         [KEY_FILES] = "a list of file names",
+        [KEY_BODY] = "a file name or a list of 1 or 2",
         [KEY_LIST] = "a list of maps",
         [KEY_MAP] = "a map",
     };

@@ -36,6 +36,7 @@ enum section {
     SECTION_WITH,
     SECTION_REPEAT,
     SECTION_DRAW,
+    SECTION_CULL,
     SECTION_DEPTH_BIAS,
     SECTION_ACCESS,
     SECTION_BLEND,
@@ -73,6 +74,7 @@ enum key_type {
     KEY_TYPE,      /* type of a field: a word in `choices`, or TYPE[N] */
     KEY_NAMES,     /* list of identifiers */
     KEY_FILES,     /* list of file names */
+    KEY_BODY,      /* file name, or a list of 1 or 2 */
     KEY_LIST,      /* list of maps */
     KEY_MAP
 };

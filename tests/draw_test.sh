@@ -124,4 +124,37 @@ PYTHON
 for backend in gl vk; do
     check "every texel has the code of its number, $backend" coded $backend
 done
+
+# Kept triangles: tests/specs/cull.yaml. Draws of lists have the pictures that draws of the whole scene have.
+kept=$root/tests/specs/cull.yaml
+check "culled draws agree, validation silent" \
+    "$diptych" compare --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --debug --backend gl,vk,gl+glsl
+# shellcheck disable=SC2317 # called through check
+culled() { # backend
+    local room
+    for room in 45000 300000 1; do
+        rm -rf "${work:?}/$room"
+        "$diptych" render --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --backend "$1" --set room=$room \
+            --dump "$work/$room" -o "$work/$room.png" || return
+    done
+    python3 - "$work" <<'PYTHON'
+import glob, struct, sys
+def words(room, name, code="I"):
+    data = open(glob.glob(f"{sys.argv[1]}/{room}/*.{name}.raw")[0], "rb").read()
+    return struct.unpack(f"<{len(data) // 4}{code}", data)
+drawn = lambda room, name: words(room, name)[::5] # the number of indices of each draw
+assert words(45000, "whole.full") == words(45000, "part.seen") and words(45000, "whole.full_depth") == words(45000, "part.whole.seen_depth")
+scene = max(drawn(1, "slice.whole_draws"))
+assert 0 < drawn(45000, "part.draws")[0] < scene and not drawn(45000, "part.whole_draws")[0], scene
+assert words(45000, "slice.whole.slices") == words(300000, "slice.whole.slices") == words(1, "slice.whole.slices")
+assert len(set(words(1, "slice.whole.slices"))) > 100
+assert drawn(300000, "slice.whole_draws") == (0, 0, 0) and drawn(300000, "slice.draws")[2] == 0 # nothing is so high
+assert all(0 < n < scene for n in drawn(300000, "slice.draws")[:2]), drawn(300000, "slice.draws")
+assert drawn(1, "slice.draws") == (0, 0, 0) and drawn(1, "slice.whole_draws")[:2] == (scene, scene)
+assert sorted(drawn(45000, "slice.whole_draws")) != sorted(drawn(45000, "slice.draws"))
+PYTHON
+}
+for backend in gl vk; do
+    check "lists of kept triangles draw what the scene draws, $backend" culled $backend
+done
 finish

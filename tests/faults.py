@@ -114,7 +114,7 @@ def main():
     else:
         kmeans = [("gl", "bit", 1), ("gl", "texel", 2), ("vk", "sign", 1), ("vk", "bit", 2)]
         remember = [("gl", "missing", 2), ("vk", "texel", 2)]
-    reasons = faults.inject([f"{side}:kmeans:{kind}:9@{frame}" for side, kind, frame in kmeans], [*SSVP, "--frames", "3"])
+    reasons = faults.inject([f"{side}:first.kmeans:{kind}:9@{frame}" for side, kind, frame in kmeans], [*SSVP, "--frames", "3"])
     reasons += faults.inject([f"{side}:remember:{kind}:2@{frame}" for side, kind, frame in remember],
                              [*FEATURES, "--frames", "3"])
     report(not reasons, "in later frames of three, in passes with history", reasons)

@@ -118,10 +118,10 @@ same_shaders() { # folder pass...
 check "ssvp with other numbers is generated" "$gen" templates/ssvp.yaml -o "$work/others" --set first_vpls=300 --set second_vpls=310 \
     --set clusters=9 --set second_clusters=5 --set paraboloid_size=200 --set rsm_size=300 --set kmeans_iterations=4
 check "... k-means, views, maps and samples of them are the same shaders" same_shaders "$work/others" \
-    kmeans.comp second_kmeans.comp place_views.comp place_second_views.comp sample_rsm.comp sample_paraboloid.comp \
-    place_paraboloid.comp place_second.comp pack_first.comp pack_second.comp paraboloid.vert paraboloid.frag rsm.frag
+    first.kmeans.comp second.kmeans.comp first.place.comp second.place.comp sample_rsm.comp sample_paraboloid.comp \
+    paraboloid.place.comp second_paraboloid.place.comp first.pack.comp second.pack.comp paraboloid.vert paraboloid.frag rsm.frag
 check_status 1 "... shading, whose loops are written out, is not" cmp "$work/ssvp/vk/ssvp.shade.comp" "$work/others/vk/ssvp.shade.comp"
-check_status 1 "... nor is culling" cmp "$work/ssvp/vk/ssvp.cull_paraboloid.comp" "$work/others/vk/ssvp.cull_paraboloid.comp"
+check_status 1 "... nor is culling" cmp "$work/ssvp/vk/ssvp.paraboloid.test.comp" "$work/others/vk/ssvp.paraboloid.test.comp"
 
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"

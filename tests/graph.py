@@ -179,7 +179,8 @@ def check_slots(text):
 
 def main():
     spec, _ = flat.load(sys.argv[1])
-    dot, plain, lifetimes = (open(path, encoding="utf-8").read() for path in sys.argv[2:5])
+    dot, plain, lifetimes = (re.sub(r"(?<=\w)\.(?=[a-z])", "_", open(path, encoding="utf-8").read())   # names as flat.py has them
+                             for path in sys.argv[2:5])
     known = uses(spec)
     resources = {**spec.get("buffers", {}), **spec.get("images", {})}
     histories = {name for name, resource in resources.items() if resource.get("history")}

@@ -74,7 +74,8 @@ class Workshop:
     def generated_original(self, name):
         if name not in self.generated:
             path, settings = PIPELINES[name]
-            self.generated[name] = self.generate(os.path.join(ROOT, path), settings, f"{name}/original/generated")
+            flat = rewrites.Pipeline(os.path.join(ROOT, path)).write(os.path.join(self.folder, name, "original/spec"))
+            self.generated[name] = self.generate(flat, settings, f"{name}/original/generated")
         return self.generated[name]
 
 
@@ -139,13 +140,13 @@ def narrow(entry, data, stride):
 def compare_entry(original, rewritten, entry, pipeline):
     """Holds one entry of the original's dump against its counterpart; returns the number of bytes."""
     mip = entry.get("mip", 0)
-    pass_name = pipeline.pass_names.get(entry["pass"], entry["pass"])
+    pass_name, whole = entry["pass"].replace(".", "_"), entry["resource"].replace(".", "_")   # flat.py has no dots
+    pass_name = pipeline.pass_names.get(pass_name, pass_name)
     fields = entry.get("fields", [None])
     compared = 0
     for field in fields:
         name = field and field["name"]
-        resource, new_name = pipeline.fields.get((entry["resource"], name),
-                                                 (pipeline.names.get(entry["resource"], entry["resource"]), name))
+        resource, new_name = pipeline.fields.get((whole, name), (pipeline.names.get(whole, whole), name))
         where = f"{entry['pass']}: {entry['resource']}{'.' + name if name else ''}"
         other = rewritten.entries.get((pass_name, resource, mip))
         if other is None:

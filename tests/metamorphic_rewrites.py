@@ -34,6 +34,7 @@ class Pipeline:
         self.text = None   # of the spec, where a rewrite is about the text itself; else the tree is written
         self.bodies = {}
         for entry in self.passes():
+            self.join(os.path.dirname(path), entry)
             self.load(os.path.dirname(path), entry["shader"])
         self.settings = {}   # --set of parameters
         self.pass_names = {}   # of the original -> here; names that are the same are left out
@@ -42,6 +43,15 @@ class Pipeline:
         self.longer = False    # buffers may have more elements than the original's, behind them
         self.wider = False     # texels may have more channels
         self.same_output = False   # the generator must write the very same files
+
+    def join(self, folder, entry):
+        """One file for a body of two."""
+        if isinstance(entry["shader"], list):
+            path = f"{entry['name']}_joined.glsl"
+            self.bodies[path] = "".join(f'#include "{name}"\n' for name in entry["shader"])
+            for name in entry["shader"]:
+                self.load(folder, name)
+            entry["shader"] = path
 
     def load(self, folder, path):
         if path in self.bodies:
@@ -405,7 +415,7 @@ def dead_passes(pipeline):
 def merge_buffers(pipeline):
     own_names(pipeline)
     buffers = pipeline.spec["buffers"]
-    keep, join = ("vpls", "labels") if "vpls" in buffers else ("histogram", "marks")
+    keep, join = ("vpls", "first_labels") if "vpls" in buffers else ("histogram", "marks")
     first, second = buffers.pop(keep), buffers.pop(join)
     structure = pipeline.spec["structs"][first["of"]]
     pipeline.spec["structs"]["Merged"] = {"joined": second["of"], **structure}
@@ -447,7 +457,7 @@ def split_buffers(pipeline):
         ranges_as_loops(pipeline)   # a range runs over whole elements
         edit_bodies(pipeline, lambda text: text.replace("Tap tap = taps[(0) + element];", "").replace(
             "tap.", "taps[element]."))
-    for buffer in ("centres", "vpls", "second_vpl", "taps", "histogram"):
+    for buffer in ("first_centres", "vpls", "second_vpl", "taps", "histogram"):
         if buffer in pipeline.spec["buffers"]:
             split_buffer(pipeline, buffer)
 

@@ -46,7 +46,7 @@ check "... is the same: it got there" cmp "$work/seen.exr" "$work/seen_there.exr
 
 check "both backends agree all along" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}"
 check_status 1 "... but for a fault in one frame" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}" \
-    --fault vk:kmeans:bit@2
+    --fault vk:first.kmeans:bit@2
 check "a dump of a motion" "${moving[@]}" --dump "$work/dump"
 check "... is held against the same motion" "$diptych" compare --scene "$scene" --motion "$motion" "${small[@]}" --backend gl --against "$work/dump"
 check "... and no other" complains "has other content, or its motion has" \

@@ -251,9 +251,9 @@ static void clusters_are_those_of_kmeans(void **state)
         struct dump dump;
         render(&dump, "spot", backends[b], "--frames 3");
         struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
-                          labels = dump_read(&dump, NULL, "labels");
-        struct dump_entry margins = dump_read(&dump, NULL, "label_margins");
-        struct dump_entry centres = dump_read(&dump, NULL, "centres");
+                          labels = dump_read(&dump, NULL, "first.labels");
+        struct dump_entry margins = dump_read(&dump, NULL, "first.margins");
+        struct dump_entry centres = dump_read(&dump, NULL, "first.centres");
         assert_int_equal(centres.count, CLUSTERS);
         double mean[CLUSTERS][3] = {{0}}, normal[CLUSTERS][3] = {{0}};
         int members[CLUSTERS] = {0};
@@ -345,7 +345,7 @@ static void shares_by_power(const double power[CLUSTERS], struct disk_sample sam
  * (2 p, 1 - p^2) / (1 + p^2) in the frame of the map, as far as the map says. */
 static struct dump_entry map_positions(const struct dump *dump)
 {
-    struct dump_entry views = dump_read(dump, NULL, "cluster_views");
+    struct dump_entry views = dump_read(dump, NULL, "first.views");
     struct dump_entry map = dump_read(dump, NULL, "paraboloid_distance");
     struct dump_entry positions = dump_read(dump, NULL, "gbuffer_position"); /* its format */
     const size_t size = map.width;
@@ -393,7 +393,7 @@ static void check_second_flux(const char *backend, bool by_power)
     struct dump dump;
     render(&dump, "spot", backend, by_power ? "" : "--set second_by_flux=0");
     struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
-                      labels = dump_read(&dump, NULL, "labels");
+                      labels = dump_read(&dump, NULL, "first.labels");
     struct dump_entry second = dump_read(&dump, NULL, "second_vpl");
     struct dump_entry position = map_positions(&dump);
     assert_int_equal(second.count, SECOND_VPLS);
@@ -595,7 +595,7 @@ static void culling_changes_no_texel(void **state)
     (void)state;
     static const char *const shown[] = {"paraboloid_distance", "second_vpl", "second_distance"};
     static const char *const sets[] = {"--set cull_triangles=1", "--set map_triangles=1000", ""};
-    static const char *const buffers[] = {"paraboloid_draws", "paraboloid_whole"};
+    static const char *const buffers[] = {"paraboloid.draws", "paraboloid.whole_draws"};
     for (int b = 0; b < 2; ++b) {
         uint64_t drawn[3][2] = {{0}};
         struct dump_entry whole[3] = {0};
@@ -635,7 +635,7 @@ static void clusters_begin_anew_unless_reused(void **state)
     for (int i = 0; i < 3; ++i) {
         struct dump dump;
         render(&dump, "spot", "vk", runs[i]);
-        struct dump_entry centres = dump_read(&dump, NULL, "centres");
+        struct dump_entry centres = dump_read(&dump, NULL, "first.centres");
         for (size_t c = 0; c < CLUSTERS; ++c)
             memcpy(means[i][c], vec(&centres, c, "mean"), sizeof means[i][c]);
         dump_entry_free(&centres);
@@ -717,7 +717,7 @@ static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
                           both = dump_read(&two, NULL, "irradiance");
         struct dump_entry position = dump_read(&two, NULL, "gbuffer_position");
         struct dump_entry normal = dump_read(&two, NULL, "gbuffer_normal");
-        struct dump_entry vpls = dump_read(&two, NULL, "shading_second");
+        struct dump_entry vpls = dump_read(&two, NULL, "second.packed");
         size_t per_class = vpls.count / 16;
         int checked = 0;
         for (size_t y = 0; y < position.height; ++y)

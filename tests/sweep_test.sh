@@ -38,7 +38,7 @@ if [ -n "$long" ]; then
         agree rsm 50 $seed 64
     done
 else
-    agree ssvp 8 3 12
+    agree ssvp 8 4 12
     agree rsm 12 1 12
     agree ssdo 3 1 12
     check "variations of post agree" "$diptych" sweep --random 4 --seed 1 --memory 12 --spec "$root/templates/post.yaml" \
@@ -80,7 +80,7 @@ else
 fi
 # Loops over hundreds of VPLs and dozens of eyes that are written out are most of the time, and nobody asks for them here.
 rolled=()
-for range in shade.ranges.{first,second}{,_eye}_range cull_{paraboloid,second}.ranges.eyes; do
+for range in shade.ranges.{first,second}{,_eye}_range {,second_}paraboloid.test.ranges.elements; do
     rolled+=(--set "passes.$range.loop=roll" --set "passes.$range.storage=buffer")
 done
 # Unwritten memory differs between the backends, so that a k-means that a driver cuts short is seen.

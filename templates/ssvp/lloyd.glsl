@@ -1,6 +1,6 @@
 /* k-means over VPLs with the metric vpl_distance (paper, Equation 2; Dong et al. 2009), by Lloyd's
- * iterations. The pass binds `points`, `point_labels` and `point_margins` (one per point), and
- * `point_centres`, which carry the centres from frame to frame.
+ * iterations. The pass binds `points`, `labels` and `margins` (one per point), and
+ * `centres`, which carry the centres from frame to frame.
  *
  * One workgroup runs all iterations. One invocation per cluster computes its sums serially, so
  * their order is fixed; ties go to the lowest index. VPLs of zero flux are ignored and have the
@@ -43,7 +43,7 @@ void seed(int c)
     int living = 0;
     for (int k = 0; k < points_count; k++)
         living += power[k] > 0.0 ? 1 : 0;
-    int wanted = (2 * c + 1) * living / (2 * point_centres_count);
+    int wanted = (2 * c + 1) * living / (2 * centres_count);
     int chosen = 0;
     int rank = 0;
     for (int k = 0; k < points_count; k++) {
@@ -52,10 +52,10 @@ void seed(int c)
             chosen = k;
         rank += lives ? 1 : 0;
     }
-    bool seen = reuse_centres == 1 && point_centres[c].seen != 0u;
-    centre_position[c] = seen ? point_centres[c].mean : points[chosen].position;
+    bool seen = reuse_centres == 1 && centres[c].seen != 0u;
+    centre_position[c] = seen ? centres[c].mean : points[chosen].position;
     vec3 normal = unit_or(points[chosen].normal, vec3(0.0, 0.0, 1.0));
-    centre_normal[c] = seen ? point_centres[c].mean_normal : normal;
+    centre_normal[c] = seen ? centres[c].mean_normal : normal;
 }
 
 void assign(int k)
@@ -65,10 +65,10 @@ void assign(int k)
     float second = 0.0;
     vec3 position = points[k].position;
     vec3 normal = points[k].normal;
-    for (int first = 0; first < point_centres_count; first += kmeans_block) {
+    for (int first = 0; first < centres_count; first += kmeans_block) {
         for (int j = 0; j < kmeans_block; j++) {
             int c = first + j;
-            if (c >= point_centres_count)
+            if (c >= centres_count)
                 break;
             float d = vpl_distance(position, normal, centre_position[c], centre_normal[c]);
             if (c == 0 || d < least) {
@@ -83,7 +83,7 @@ void assign(int k)
     bool lives = power[k] > 0.0;
     label[k] = lives ? nearest : -1;
     apart[k] = lives ? least : -1.0;
-    point_margins[k] = lives && point_centres_count > 1 ? second - least : -1.0;
+    margins[k] = lives && centres_count > 1 ? second - least : -1.0;
 }
 
 /* Mean of the positions, normalised sum of the normals. If normals cancel out, takes the normal of
@@ -122,7 +122,7 @@ void average(int c)
  * negative, so their bits sort like the distances. */
 void reseed_empty(int lane, int lanes)
 {
-    for (int c = 0; c < point_centres_count; c++) {
+    for (int c = 0; c < centres_count; c++) {
         if (member_count[c] == 0) {
             int farthest = -1;
             float most = 0.0;
@@ -163,35 +163,35 @@ void main()
     if (lane == 0)
         none_apart();
     barrier();
-    if (lane < point_centres_count)
+    if (lane < centres_count)
         seed(lane);
     barrier();
     for (int i = 0; i < kmeans_iterations; i++) {
         for (int k = lane; k < points_count; k += lanes)
             assign(k);
         barrier();
-        if (lane < point_centres_count)
+        if (lane < centres_count)
             average(lane);
         barrier();
         reseed_empty(lane, lanes);
         barrier();
-        if (lane < point_centres_count && i + 1 < kmeans_iterations) {
+        if (lane < centres_count && i + 1 < kmeans_iterations) {
             centre_position[lane] = mean_position[lane];
             centre_normal[lane] = mean_normal[lane];
         }
         barrier();
     }
     for (int k = lane; k < points_count; k += lanes)
-        point_labels[k] = label[k];
-    if (lane < point_centres_count) {
+        labels[k] = label[k];
+    if (lane < centres_count) {
         int all = 0;
-        for (int c = 0; c < point_centres_count; c++)
+        for (int c = 0; c < centres_count; c++)
             all += member_count[c];
-        point_centres[lane].position = centre_position[lane];
-        point_centres[lane].normal = centre_normal[lane];
-        point_centres[lane].members = member_count[lane];
-        point_centres[lane].seen = all > 0 ? 1u : 0u;
-        point_centres[lane].mean = mean_position[lane];
-        point_centres[lane].mean_normal = mean_normal[lane];
+        centres[lane].position = centre_position[lane];
+        centres[lane].normal = centre_normal[lane];
+        centres[lane].members = member_count[lane];
+        centres[lane].seen = all > 0 ? 1u : 0u;
+        centres[lane].mean = mean_position[lane];
+        centres[lane].mean_normal = mean_normal[lane];
     }
 }

@@ -7,28 +7,28 @@
 void main()
 {
     int slot = invocation().x;
-    if (slot >= packed_points_count)
+    if (slot >= packed_count)
         return;
-    int class_points = packed_points_count / class_count;
-    int class_eyes = packed_eyes_count / class_count;
+    int class_points = packed_count / class_count;
+    int class_eyes = eyes_count / class_count;
     int j = slot % class_points;
     int wanted = class_member(slot / class_points, j);
     int k = min(wanted, points_count - 1);
-    int c = max(point_labels[k], 0);
+    int c = max(labels[k], 0);
     bool all_clusters = class_eyes == views_count;
-    packed_points[slot].position = points[k].position;
-    packed_points[slot].disk = softness * points[k].area / PI;
-    packed_points[slot].normal = points[k].normal;
-    packed_points[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
-    packed_points[slot].eye = eye_bit(all_clusters ? c : j);
+    packed[slot].position = points[k].position;
+    packed[slot].disk = softness * points[k].area / PI;
+    packed[slot].normal = points[k].normal;
+    packed[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
+    packed[slot].eye = eye_bit(all_clusters ? c : j);
     if (j >= class_eyes)
         return;
     int place = slot / class_points * class_eyes + j;
     c = all_clusters ? j : c;
-    packed_eyes[place].position = views[c].position;
-    packed_eyes[place].layer = c;
-    packed_eyes[place].tangent = views[c].tangent;
-    packed_eyes[place].bitangent = views[c].bitangent;
-    packed_eyes[place].axis = views[c].normal;
-    packed_eyes[place].bit = eye_bit(j);
+    eyes[place].position = views[c].position;
+    eyes[place].layer = c;
+    eyes[place].tangent = views[c].tangent;
+    eyes[place].bitangent = views[c].bitangent;
+    eyes[place].axis = views[c].normal;
+    eyes[place].bit = eye_bit(j);
 }

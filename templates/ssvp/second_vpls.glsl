@@ -19,7 +19,7 @@ float power_of_all()
 {
     float all = 0.0;
     for (int c = 0; c < clusters; c++)
-        all += cluster_views[c].power;
+        all += views[c].power;
     return all;
 }
 
@@ -43,13 +43,13 @@ DiskSample share_by_flux(int k, float all)
     float before = 0.0;
     float passed = 0.0;
     for (int c = 0; c < clusters; c++) {
-        float length_here = cluster_views[c].power;
+        float length_here = views[c].power;
         bool beyond = passed <= place && length_here > 0.0;
         drawn.cluster = beyond ? c : drawn.cluster;
         before = beyond ? passed : before;
         passed += length_here;
     }
-    float share = cluster_views[drawn.cluster].power;
+    float share = views[drawn.cluster].power;
     float within = share > 0.0 ? clamp((place - before) / share, 0.0, 1.0) : 0.5;
     drawn.place = disk_points_map(vec2(within, hammersley(k, second_total).y));
     drawn.number = share > 0.0 ? float(second_total) * (share / all) : 1.0;
@@ -69,7 +69,7 @@ ivec2 map_texel(vec2 p)
  * least a tenth. */
 float samples_per_area(int c, float samples, float s, float square, float cosine)
 {
-    float spread = max(PI * square, cluster_views[c].area);
+    float spread = max(PI * square, views[c].area);
     return samples * (1.0 + s) * (1.0 + s) * max(cosine, 0.1) / (4.0 * spread);
 }
 
@@ -77,11 +77,11 @@ float samples_per_area(int c, float samples, float s, float square, float cosine
  * a surface in front of x. */
 float samples_around(int c, float samples, vec3 x, vec3 n)
 {
-    vec3 d = x - cluster_views[c].position;
+    vec3 d = x - views[c].position;
     float square = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
     float reach = sqrt(square);
-    float ahead = dot(d, cluster_views[c].normal);
-    vec2 p = vec2(dot(d, cluster_views[c].tangent), dot(d, cluster_views[c].bitangent))
+    float ahead = dot(d, views[c].normal);
+    vec2 p = vec2(dot(d, views[c].tangent), dot(d, views[c].bitangent))
         / (reach + max(ahead, 0.0));
     float seen = paraboloid_distance(ivec3(map_texel(p), c)).x;
     float cosine = -dot(n, d) / reach;
@@ -95,7 +95,7 @@ float area_of(int own_cluster, float own, float all, vec3 x, vec3 n)
 {
     float sum = own;
     for (int c = 0; c < clusters; c++) {
-        float power_here = cluster_views[c].power;
+        float power_here = views[c].power;
         float samples = second_by_flux == 1 ? float(second_total) * (power_here / max(all, 1e-30))
                                             : float(second_per_cluster);
         bool another = c != own_cluster && power_here > 0.0;
@@ -117,8 +117,8 @@ void main()
     float s = min(dot(p, p), 1.0);
     float square = (1.0 + s) * (1.0 + s);
     float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.number);
-    vec3 flux = seen.albedo * cluster_views[c].flux * weight;
-    vec3 d = cluster_views[c].position - seen.position;
+    vec3 flux = seen.albedo * views[c].flux * weight;
+    vec3 d = views[c].position - seen.position;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
     float own = samples_per_area(c, drawn.number, s, far, dot(seen.normal, d) * inversesqrt(far));
     second_vpl[k].position = seen.position;

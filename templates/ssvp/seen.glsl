@@ -32,12 +32,12 @@ vec3 albedo_of(SceneVertex a, SceneVertex b, SceneVertex c, vec3 weights, float 
     return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : texel.rgb), 0.0, 1.0);
 }
 
-/* Corner at a place in map_indices; places beyond map_indices continue in scene_indices. */
+/* Corner at a place in paraboloid_indices; places beyond paraboloid_indices continue in scene_indices. */
 SceneVertex corner_at(uint place)
 {
-    uint listed = 3u * uint(listed_triangles);
+    uint listed = 3u * uint(paraboloid_listed);
     bool whole = place >= listed;
-    uint index = whole ? scene_indices[place - listed] : map_indices[place];
+    uint index = whole ? scene_indices[place - listed] : paraboloid_indices[place];
     return scene_vertices[index];
 }
 
@@ -53,10 +53,10 @@ Seen surface_of(ivec3 at)
     vec2 p = (vec2(at.xy) + 0.5) * (2.0 / float(paraboloid_size)) - 1.0;
     float s = dot(p, p);
     vec3 d = vec3(2.0 * p, 1.0 - s) / (1.0 + s);
-    vec3 direction = cluster_views[at.z].tangent * d.x + cluster_views[at.z].bitangent * d.y +
-                     cluster_views[at.z].normal * d.z;
+    vec3 direction = views[at.z].tangent * d.x + views[at.z].bitangent * d.y +
+                     views[at.z].normal * d.z;
     float reach = seen.surface ? paraboloid_distance(at).x : 0.0;
-    seen.position = cluster_views[at.z].position + direction * reach;
+    seen.position = views[at.z].position + direction * reach;
 
     vec3 e = corner_position(b) - corner_position(a);
     vec3 f = corner_position(c) - corner_position(a);

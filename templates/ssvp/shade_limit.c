@@ -12,8 +12,8 @@ enum {
     TILE_X = SSVP_PARAM_TILE_X,
     TILE_Y = SSVP_PARAM_TILE_Y,
     MAP = SSVP_PARAM_PARABOLOID_SIZE,
-    FIRST_EYES = SSVP_CONSTANT_FIRST_EYES,
-    SECOND_EYES = SSVP_PARAM_SECOND_CLUSTERS > 0 ? SSVP_CONSTANT_SECOND_EYES : 0,
+    FIRST_EYES = SSVP_CONSTANT_FIRST_CLASS_EYES,
+    SECOND_EYES = SSVP_PARAM_SECOND_CLUSTERS > 0 ? SSVP_CONSTANT_SECOND_CLASS_EYES : 0,
     MANY_EYES = FIRST_EYES > 32 || SECOND_EYES > 32
 };
 
@@ -241,12 +241,12 @@ static struct class class_of(const struct dt_limit *limit, int class_x, int clas
 {
     const int c = class_x + TILE_X * class_y;
     const struct dt_bytes *in = limit->inputs;
-    const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_SHADING_FIRST].data;
-    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SHADING_SECOND].data;
-    const struct ssvp_Eye *eyes = (const void *)in[SSVP_RESOURCE_SHADING_FIRST_EYES].data;
-    const struct ssvp_Eye *others = (const void *)in[SSVP_RESOURCE_SHADING_SECOND_EYES].data;
-    return (struct class){.first = first + c * SSVP_CONSTANT_CLASS_FIRST,
-                          .second = second + c * SSVP_CONSTANT_CLASS_SECOND,
+    const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_FIRST_PACKED].data;
+    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SECOND_PACKED].data;
+    const struct ssvp_Eye *eyes = (const void *)in[SSVP_RESOURCE_FIRST_EYES].data;
+    const struct ssvp_Eye *others = (const void *)in[SSVP_RESOURCE_SECOND_EYES].data;
+    return (struct class){.first = first + c * SSVP_CONSTANT_FIRST_CLASS_POINTS,
+                          .second = second + c * SSVP_CONSTANT_SECOND_CLASS_POINTS,
                           .first_eyes = eyes + c * FIRST_EYES,
                           .second_eyes = others + c * SECOND_EYES,
                           .setting = set_up(limit, class_x, class_y)};
@@ -260,13 +260,13 @@ static inline struct vec3x8 shade(const struct class *class, struct vec3x8 x, st
     for (int k = 0; k < FIRST_EYES; k++)
         look(&lit, is_seen(x, n, &class->first_eyes[k], setting, setting->maps),
              &class->first_eyes[k]);
-    for (int k = 0; k < SSVP_CONSTANT_CLASS_FIRST; k++)
+    for (int k = 0; k < SSVP_CONSTANT_FIRST_CLASS_POINTS; k++)
         add(&sum, class->first[k].flux,
             where_lit(lit, &class->first[k], geometry_term(x, n, &class->first[k], setting)));
     for (int k = 0; k < SECOND_EYES; k++)
         look(&lit2, is_seen(x, n, &class->second_eyes[k], setting, setting->second_maps),
              &class->second_eyes[k]);
-    for (int k = 0; k < SSVP_CONSTANT_CLASS_SECOND; k++) {
+    for (int k = 0; k < SSVP_CONSTANT_SECOND_CLASS_POINTS; k++) {
         __m256 geometry = geometry_term(x, n, &class->second[k], setting);
         add(&sum, class->second[k].flux,
             SECOND_EYES ? where_lit(lit2, &class->second[k], geometry) : geometry);

@@ -1,5 +1,5 @@
 /* View of each cluster's paraboloid map, with flux and area of the cluster. The pass binds its
- * inputs as `points`, `point_labels` and `point_centres`, its output as `views`. A mean can float
+ * inputs as `points`, `labels` and `centres`, its output as `views`. A mean can float
  * in the air or lie inside geometry (the paper warns of it). So the eye is the member nearest to
  * the mean by the metric, lifted along that member's normal. The normal is also the map's axis: any
  * other hemisphere would look into the member's own surface. */
@@ -8,21 +8,21 @@
 void main()
 {
     int c = invocation().x;
-    if (c >= point_centres_count)
+    if (c >= centres_count)
         return;
-    vec3 position = point_centres[c].mean;
-    vec3 axis = point_centres[c].mean_normal;
+    vec3 position = centres[c].mean;
+    vec3 axis = centres[c].mean_normal;
     vec3 flux = vec3(0.0);
     float area = 0.0;
     float least = 0.0;
     int member = -1;
     for (int k = 0; k < points_count; k++) {
-        if (point_labels[k] != c)
+        if (labels[k] != c)
             continue;
         flux += points[k].flux;
         area += points[k].area;
-        float d = vpl_distance(points[k].position, points[k].normal, point_centres[c].mean,
-                               point_centres[c].mean_normal);
+        float d = vpl_distance(points[k].position, points[k].normal, centres[c].mean,
+                               centres[c].mean_normal);
         if (member < 0 || d < least) {
             least = d;
             member = k;

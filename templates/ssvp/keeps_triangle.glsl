@@ -1,25 +1,13 @@
-/* Decides which maps draw a triangle, and counts the triangles per chunk and map. A map omits
- * triangles that cannot be visible in it: those behind the plane through its eye, and those that
- * cover no texel centre, which are most others in finely meshed scenes (Wihlidal, GDC 2016).
+/* Which triangles a cluster's map draws: not those behind the plane through its eye, and not those
+ * that cover no texel centre, which are most others in finely meshed scenes (Wihlidal, GDC 2016).
  *
  * Corners are projected to texels as in paraboloid_map.glsl. Rasterizers snap corners to a grid, up
  * to 1/512 of a texel away with the usual 8 bits, and arithmetic rounds. So triangles closer than
  * SNAP to a centre stay. Triangles across the horizon stay, too: their projection has no bounds. No
- * branches: drivers that run on CPUs then keep all values in registers.
- *
- * A workgroup handles one chunk of consecutive triangles, an invocation one triangle. */
-
-shared uint masks[chunk_triangles]; /* per triangle: which of 32 maps draw it, one bit each */
-shared uint words[chunk_words * maps_limit];
+ * branches: drivers that run on CPUs then keep all values in registers. */
 
 const float SNAP = 1.0 / 256.0;
 const int ROWS = 4; /* a triangle across more rows nearly always covers a centre */
-
-vec3 corner(uint k)
-{
-    SceneVertex v = scene_vertices[scene_indices[k]];
-    return vec3(v.px, v.py, v.pz);
-}
 
 /* x, y: texels; z: height over the eye's plane. */
 vec3 place(vec3 d, vec3 tangent, vec3 bitangent, vec3 normal)
@@ -78,56 +66,10 @@ bool draws_triangle(vec3 a, vec3 b, vec3 c)
     return !behind && !(before && (between || beside));
 }
 
-/* Transposes bits: from one word of 32 maps per triangle to one word of 32 triangles per map. Few
- * invocations read each mask once: drivers that run on CPUs pay for a read of shared memory per
- * vector of invocations. */
-void turn_masks(int word, int from)
+bool keeps_triangle(vec3 a, vec3 b, vec3 c, ClusterView v)
 {
-    uint mask[32];
-    for (int k = 0; k < 32; k++)
-        mask[k] = masks[32 * word + k];
-    for (int map = from; map < min(from + 32, views_count); map++) {
-        uint bits = 0u;
-        for (int k = 0; k < 32; k++)
-            bits |= (mask[k] >> (map - from) & 1u) << k;
-        words[map * chunk_words + word] = bits;
-    }
-}
-
-void main()
-{
-    int lane = int(gl_LocalInvocationIndex);
-    uint triangle = gl_WorkGroupID.x * uint(chunk_triangles) + uint(lane);
-    bool real = triangle < frame.triangle_count;
-    uint first = 3u * min(triangle, frame.triangle_count - 1u);
-    vec3 a = corner(first);
-    vec3 b = corner(first + 1u);
-    vec3 c = corner(first + 2u);
-    uvec2 mask = uvec2(0u);
-    int map = 0;
-    for (ClusterView v : eyes) {
-        bool drawn = draws_triangle(place(a - v.position, v.tangent, v.bitangent, v.normal),
-                                    place(b - v.position, v.tangent, v.bitangent, v.normal),
-                                    place(c - v.position, v.tangent, v.bitangent, v.normal));
-        uint bit = real && drawn && v.member >= 0 ? 1u : 0u;
-        mask |= map < 32 ? uvec2(bit << map, 0u) : uvec2(0u, bit << (map - 32));
-        map++;
-    }
-    for (int from = 0; from < views_count; from += 32) {
-        barrier();
-        masks[lane] = from == 0 ? mask.x : mask.y;
-        barrier();
-        for (int word = lane; word < chunk_words; word += chunk_triangles)
-            turn_masks(word, from);
-    }
-    barrier();
-    int words_first = int(gl_WorkGroupID.x) * chunk_words * views_count;
-    for (int k = lane; k < chunk_words * views_count; k += chunk_triangles)
-        triangle_bits[words_first + k] = words[k];
-    for (int map = lane; map < views_count; map += chunk_triangles) {
-        uint count = 0u;
-        for (int k = 0; k < chunk_words; k++)
-            count += uint(bitCount(words[map * chunk_words + k]));
-        chunk_counts[int(gl_WorkGroupID.x) * views_count + map] = count;
-    }
+    bool drawn = draws_triangle(place(a - v.position, v.tangent, v.bitangent, v.normal),
+                                place(b - v.position, v.tangent, v.bitangent, v.normal),
+                                place(c - v.position, v.tangent, v.bitangent, v.normal));
+    return drawn && v.member >= 0;
 }

@@ -1,0 +1,129 @@
+/* `cull` of a scene draw, as a map: the draw becomes passes that list the triangles to keep, an
+ * indirect draw of the lists, and a draw of the whole scene for layers whose list has no room. The
+ * passes are a group in templates/cull/cull.yaml. Called by read_group.c. */
+#include <string.h>
+
+#include "read.h"
+
+bool is_culled(struct fy_node *item)
+{
+    struct fy_node *cull = fy_node_mapping_lookup_value_by_string(item, "cull", FY_NT);
+    return cull && fy_node_get_type(cull) == FYNT_MAPPING;
+}
+
+/* ---- Nodes ----------------------------------------------------------------------------------- */
+
+/* Appends KEY: VALUE; false: out of memory. */
+static bool add(struct fy_node *map, const char *key, struct fy_node *value)
+{
+    struct fy_document *yaml = fy_node_document(map);
+    struct fy_node *name = fy_node_create_scalar_copy(yaml, key, FY_NT);
+    return name && value && !fy_node_mapping_append(map, name, value);
+}
+
+static bool add_text(struct fy_node *map, const char *key, const char *text)
+{
+    return text && add(map, key, fy_node_create_scalar_copy(fy_node_document(map), text, FY_NT));
+}
+
+/* Adds the value of a key as the argument, else the fallback. */
+static bool add_argument(struct fy_node *with, const char *name, const struct fields *fields,
+                         const char *key, const char *fallback)
+{
+    struct fy_node *value = field_node(fields, key);
+    return value ? add(with, name, fy_node_copy(fy_node_document(with), value))
+                 : add_text(with, name, fallback);
+}
+
+/* ---- The documents --------------------------------------------------------------------------- */
+
+struct culled {
+    struct reader *reader;
+    struct fy_node *item;
+    struct fields cull;
+    const char *name; /* of the draw */
+};
+
+/* The use of the group. */
+static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml)
+{
+    struct fields pass = {.values = {{table_find(SECTION_PASS, "layers"), NULL, NULL},
+                                     {table_find(SECTION_PASS, "when"), NULL, NULL}},
+                          .count = 2};
+    struct fy_node *use = fy_node_create_mapping(yaml), *with = fy_node_create_mapping(yaml);
+    const char *keep = field_text(c->reader, &c->cull, "keep");
+    bool each = field_node(&c->cull, "each");
+    for (size_t i = 0; i < pass.count; i++)
+        pass.values[i].value =
+            fy_node_mapping_lookup_value_by_string(c->item, pass.values[i].key->name, FY_NT);
+    bool good = use && with && keep && add_text(use, "group", each ? "cull_each" : "cull") &&
+                add_text(use, "as", c->name) && add(use, "with", with) &&
+                (strcmp(keep, "frustum") ? add_argument(with, "keep", &c->cull, "keep", NULL)
+                                         : add_text(with, "keep", "cull/frustum.glsl")) &&
+                (!each || (add_argument(with, "each", &c->cull, "each", NULL) &&
+                           add_argument(with, "cull_layers", &pass, "layers", "1"))) &&
+                add_argument(with, "cull_room", &c->cull, "room", "1048576") &&
+                add_argument(with, "cull_most", &c->cull, "most", "1048576") &&
+                add_argument(with, "cull_when", &pass, "when", "1");
+    return good ? use : NULL;
+}
+
+/* The draw of the lists, or of the whole scene. */
+static struct fy_node *make_draw(const struct culled *c, struct fy_document *yaml, bool whole)
+{
+    struct fy_node *draw = fy_node_copy(yaml, c->item), *faces = field_node(&c->cull, "faces");
+    struct arena *arena = c->reader->model->arena;
+    if (!draw)
+        return NULL;
+    node_remove(draw, "cull");
+    bool good = !faces || add(draw, "cull", fy_node_copy(yaml, faces));
+    good &= add_text(draw, "indirect",
+                     arena_printf(arena, "%s.%s", c->name, whole ? "whole_draws" : "draws"));
+    if (!whole)
+        return good && add_text(draw, "indices", arena_printf(arena, "%s.indices", c->name)) ? draw
+                                                                                             : NULL;
+    /* It goes on where the draw of the lists ended. */
+    struct fy_node *writes = node_remove(draw, "writes"), *item;
+    struct fy_node *updates = fy_node_mapping_lookup_value_by_string(draw, "updates", FY_NT);
+    if (!updates)
+        return good && (!writes || add(draw, "updates", writes)) ? draw : NULL;
+    while (writes && (item = fy_node_sequence_get_by_index(writes, 0)))
+        good &= !fy_node_sequence_append(updates, fy_node_sequence_remove(writes, item));
+    return good ? draw : NULL;
+}
+
+/* Appends a document with these passes. */
+static struct scope *add_passes(struct use *use, struct fy_document *yaml, struct fy_node *first,
+                                struct fy_node *second, const char *label)
+{
+    struct fy_node *list = fy_node_create_sequence(yaml), *root = fy_node_create_mapping(yaml);
+    bool good = first && list && root && !fy_node_sequence_append(list, first) &&
+                (!second || !fy_node_sequence_append(list, second)) && add(root, "passes", list);
+    return add_instance(use, yaml, good ? root : NULL, use->item, label);
+}
+
+bool expand_cull(struct use *use)
+{
+    struct reader *reader = use->reader;
+    struct culled c = {.reader = reader, .item = use->item};
+    struct fy_node *cull = fy_node_mapping_lookup_value_by_string(use->item, "cull", FY_NT);
+    static const char *const excluded[] = {"indirect", "indices"};
+    c.name = element_name(reader, use->item);
+    if (!fields_read(reader, cull, SECTION_CULL, node_loc(reader, cull), &c.cull) || !c.name ||
+        !documents_add(reader, "cull/cull.yaml", node_loc(reader, cull)))
+        return true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(excluded); i++)
+        if (fy_node_mapping_lookup_value_by_string(use->item, excluded[i], FY_NT))
+            diag_error(reader->diag, node_loc(reader, cull),
+                       "`cull` makes the draw's buffers; leave out `%s`", excluded[i]);
+    struct fy_document *lists = fy_document_create(NULL), *whole = fy_document_create(NULL);
+    struct scope *scope =
+        lists ? add_passes(use, lists, make_use(&c, lists), make_draw(&c, lists, false), NULL)
+              : NULL;
+    struct scope *rest =
+        scope && whole ? add_passes(use, whole, make_draw(&c, whole, true), NULL, NULL) : NULL;
+    if (rest)
+        scope_hide(rest);
+    return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0") &&
+           scope_set(rest, scope, ".whole", "whole", "1");
+}
