@@ -29,6 +29,7 @@
     X("tests/specs/body.yaml", body)                                                               \
     X("tests/specs/outside.yaml", outside)                                                         \
     X("tests/specs/particles.yaml", particles)                                                     \
+    X("tests/specs/cull.yaml", cull)                                                               \
     X("tests/specs/formats.yaml", formats)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
