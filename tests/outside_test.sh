@@ -70,7 +70,7 @@ check "an unknown input" told 1 '--input phot=photo.png: outside has no such inp
     "${render[@]}" --input phot=photo.png
 check "an option that is no input" told 2 "--input photo: must be NAME=FILE, like photo=in.png" "${render[@]}" --input photo
 check "an input twice" told 1 "--input photo=small.png: photo has a file already" "${render[@]}" "${input[@]}" --input photo=small.png
-check "a file of the spec" told 1 "the spec has a file for it; use --set images.grade.file=photo.png" \
+check "a file of the spec" told 1 "the spec has a file for it; use --set images.grade.file=FILE, where" \
     "${render[@]}" --input grade=photo.png
 check "no file" told 1 "--input photo=nowhere.png: No such file or directory" \
     "${render[@]}" --input photo=nowhere.png --input weights=weights.npy
@@ -134,5 +134,24 @@ check "... but all of that" told 2 "cannot read the file" "$diptych" replay case
 # ---- Other verbs
 
 check "sweep hands inputs on" "$diptych" sweep --spec outside.yaml "${input[@]}" --grid images.blurred.format=rgba16f,rgba32f -o sweep
+cat >masked.yaml <<'END'
+pipeline: masked
+images:
+  mask: {input: true, format: rgba8, size: [8, 4]}
+  photo: {input: true, format: rgba8}
+  picture: {format: rgba8, size: frame}
+passes:
+  - {name: cover, dispatch: picture, reads: [mask, photo], writes: [picture], shader: masked.glsl}
+END
+cat >masked.glsl <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, picture_size())))
+        picture_store(p, mask(p % 4) * photo(p));
+}
+END
+check "... in the size of the picture that fills the frame" "$diptych" sweep --spec masked.yaml --input mask=small.png \
+    --input photo=photo.png --grid images.picture.format=rgba8 -o masked
 check "bench runs them" "$diptych" bench --spec outside.yaml "${input[@]}" --backend gl --frames 1 --warmup 1
 finish

@@ -187,6 +187,33 @@ open_window --backend gl --size 80x60 --frames 3 --screenshot all.png
 check "with all bounces, too" ends 0
 "$diptych" render "${small[@]}" --backend gl --size 80x60 --frames 3 -o rendered.png
 check "... it is what render makes" cmp all.png rendered.png
+# An input of half the frame's size keeps the frame as it is.
+python3 "$root/tests/outside.py" make .
+cat >enlarge.yaml <<'END'
+pipeline: enlarge
+images:
+  photo: {input: true, format: rgba8, size: ["ceil_div(frame.width, 2)", "ceil_div(frame.height, 2)"]}
+  picture: {format: rgba8, size: frame}
+passes:
+  - {name: enlarge, dispatch: picture, reads: [photo], writes: [picture], shader: enlarge.glsl}
+output: {display: picture}
+END
+cat >enlarge.glsl <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, picture_size())))
+        picture_store(p, photo(p / 2));
+}
+END
+"$diptych" view --spec enlarge.yaml --input photo=photo.png --backend gl --size 90x42 >view.out 2>view.err &
+window=$!
+check "a window with an input" see enlarged.ppm shown size=90x42
+xdotool search --name diptych windowsize --sync 180 84
+check "... takes another size" see large.ppm size=180x84 shown
+xdotool key Escape
+check "... and ends by Esc" ends 0
+
 LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x180 --set bounces=0 --frames 12 --screenshot lost.png
 check "surfaces that are lost, and swapchains out of date" ends 0
 check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]

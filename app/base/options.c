@@ -146,7 +146,7 @@ static const struct option_row rows[] = {
      "folder of the sweep; one that holds the same sweep is continued"},
     {"--scene", OPTION_TEXTS, AT(scene_list), VERB_SWEEP, 0, "FILE",
      "scene file; may be repeated: random runs alternate between scenes, a grid runs on each; "
-     "needed if the pipeline draws or reads the scene"},
+     "needed by --measure, and if the pipeline draws or reads the scene"},
     {"--random", OPTION_COUNT, AT(random), VERB_SWEEP, 0, "N",
      "run N random valid variations of the spec"},
     {"--seed", OPTION_COUNT, AT(seed), VERB_SWEEP, 0, "S",

@@ -198,7 +198,7 @@ static bool fits_image(const struct loading *loading, const struct picture_level
     resource_extent(loading->pipeline->info, loading->input->resource, loading->size, 0, extent);
     if (image->layered)
         return refuse(loading, "%s is an array image, and a picture has no layers", image->name);
-    if (format_number(image->format) >= NUMBER_UINT)
+    if (number_is_integer(format_number(image->format)))
         return refuse(loading, "%s is %s, and a picture has no integers", image->name,
                       format_name(image->format));
     return (level->width == extent[0] && level->height == extent[1]) ||
@@ -336,9 +336,10 @@ static bool check_options(const struct pipeline *pipeline, const struct options 
         if (!found)
             return refuse_option(log, info, option);
         if (found->file) {
-            report_error(log, "--input %s: the spec has a file for it; use --set %s.%s.file=%s",
-                         option, found->kind == DT_IMAGE ? "images" : "buffers", found->name,
-                         strchr(option, '=') + 1);
+            report_error(log,
+                         "--input %s: the spec has a file for it; use --set %s.%s.file=FILE, where "
+                         "FILE is absolute or relative to the spec's folder",
+                         option, found->kind == DT_IMAGE ? "images" : "buffers", found->name);
             return false;
         }
         for (uint32_t k = 0; k < i; k++)
@@ -350,31 +351,50 @@ static bool check_options(const struct pipeline *pipeline, const struct options 
     return true;
 }
 
-/* Whether the image has the size of every frame. */
-static bool fills_frame(const struct dt_pipeline *info, uint32_t resource)
+/* Whether the image has the size of every frame; *follows: whether its size, or the count of a
+ * buffer, depends on the frame's. */
+static bool fills_frame(const struct dt_pipeline *info, uint32_t resource, bool *follows)
 {
-    const uint32_t size[2] = {37, 41};
-    uint32_t extent[3];
-    resource_extent(info, resource, size, 0, extent);
-    return info->resources[resource].kind == DT_IMAGE && extent[0] == size[0] &&
-           extent[1] == size[1];
+    const uint32_t sizes[2][2] = {{1, 2}, {4099, 2053}};
+    uint32_t extents[2][3];
+    bool fills = info->resources[resource].kind == DT_IMAGE;
+    for (int i = 0; i < 2; i++) {
+        resource_extent(info, resource, sizes[i], 0, extents[i]);
+        fills &= memcmp(extents[i], sizes[i], sizeof sizes[i]) == 0;
+    }
+    *follows = memcmp(extents[0], extents[1], sizeof *extents) != 0;
+    return fills;
 }
 
-/* The frame gets the size of the first --input that fills it. A wrong file is reported later. */
+/* The frame gets the size of the first --input that fills it, and keeps its size where that of any
+ * --input follows it. A wrong file is reported later. */
 static void find_size(struct pipeline *pipeline, struct options *options)
 {
     const struct dt_pipeline *info = pipeline->info;
+    bool filled = !options->default_size, fixed = false, follows;
     for (uint32_t i = 0; i < options->inputs.count; i++)
         for (uint32_t k = 0; k < info->resource_count; k++) {
             const char *option = options->inputs.items[i], *reason;
             uint32_t size[2];
-            if (!names(option, info->resources[k].name) || !fills_frame(info, k))
+            if (!names(option, info->resources[k].name))
                 continue;
-            if (options->default_size && !pipeline->frame_size[0] &&
-                picture_size(strchr(option, '=') + 1, &size[0], &size[1], &reason))
-                memcpy(options->size, size, sizeof size);
-            memcpy(pipeline->frame_size, options->size, sizeof options->size);
+            if (fills_frame(info, k, &follows) && !filled) {
+                filled = true;
+                if (picture_size(strchr(option, '=') + 1, &size[0], &size[1], &reason))
+                    memcpy(options->size, size, sizeof size);
+            }
+            fixed |= follows;
         }
+    if (fixed)
+        memcpy(pipeline->frame_size, options->size, sizeof options->size);
+}
+
+bool inputs_find_size(struct pipeline *pipeline, struct options *options, const struct dt_log *log)
+{
+    bool good = check_options(pipeline, options, log);
+    if (good)
+        find_size(pipeline, options);
+    return good;
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */
@@ -423,9 +443,8 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
 bool inputs_load(struct pipeline *pipeline, struct console *console, struct options *options)
 {
     const struct dt_pipeline *info = pipeline->info;
-    if (!check_options(pipeline, options, &console->log))
+    if (!inputs_find_size(pipeline, options, &console->log))
         return false;
-    find_size(pipeline, options);
     pipeline->inputs = calloc(info->resource_count + 1, sizeof *pipeline->inputs);
     pipeline->input_hashes = calloc(info->resource_count + 1, sizeof *pipeline->input_hashes);
     bool good = pipeline->inputs && pipeline->input_hashes;

@@ -16,6 +16,9 @@ struct input {
  * as the frame sets options->size. False: an error names the option, or the line of the spec. */
 bool inputs_load(struct pipeline *pipeline, struct console *console, struct options *options);
 
+/* The part of inputs_load that sets options->size; reads no content. */
+bool inputs_find_size(struct pipeline *pipeline, struct options *options, const struct dt_log *log);
+
 /* Hands every input to a runtime, after its resize. For a pipeline without inputs_load, zeros: a
  * replay writes what its pass reads. */
 bool inputs_write(const struct pipeline *pipeline, const struct dt_runtime *runtime, void *handle,

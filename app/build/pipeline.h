@@ -18,7 +18,7 @@ struct pipeline {
     uint32_t input_count;
     struct input_hash *input_hashes; /* of those of --input, see identity.h; owned */
     uint32_t input_hash_count;
-    uint32_t frame_size[2]; /* that of an input which fills the frame; 0: any */
+    uint32_t frame_size[2]; /* the only one that --input fits; 0: any */
 };
 
 /* The real path of a spec, NULL: of the project's own; logged; free(). */

@@ -103,7 +103,7 @@ static cJSON *make_sweep(struct console *console, const struct options *options)
 {
     const struct dt_log *log = &console->log;
     bool good = false;
-    cJSON *wanted = sweep_options(options, log);
+    cJSON *wanted = sweep_options(console, options);
     cJSON *former = wanted ? read_sweep(options->output, false, &good, log) : NULL;
     if (former && good && is_same_sweep(former, wanted, options->output, log)) {
         cJSON_Delete(wanted);

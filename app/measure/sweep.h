@@ -22,10 +22,11 @@
 const char *sweep_text(const cJSON *object, const char *name);
 uint32_t sweep_number(const cJSON *object, const char *name);
 
-/* sweep_plan.c: the size of the first --input that is a picture, as the frame's default. */
-const char *sweep_default_size(const struct options *options, const char *otherwise, char text[32]);
+/* sweep_plan.c: the frame's size as compare takes it from --input, or `otherwise`. False, logged. */
+bool sweep_default_size(struct console *console, const struct options *options,
+                        const char *otherwise, char text[32]);
 /* sweep_plan.c: the member "options"; NULL, logged. */
-cJSON *sweep_options(const struct options *options, const struct dt_log *log);
+cJSON *sweep_options(struct console *console, const struct options *options);
 /* Adds "inputs", "runs" and "redrawn" to a sweep that has its options; logs the error. */
 bool sweep_plan(cJSON *sweep, struct console *console);
 

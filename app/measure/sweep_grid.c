@@ -228,7 +228,7 @@ static bool plan(struct measured_sweep *sweep)
     const struct options *options = steps->options;
     const struct dt_log *log = &steps->console->log;
     char text[32];
-    const char *default_size = sweep_default_size(options, "1920x1080", text);
+    const char *default_size = text;
     const struct text_list one = {&default_size, 1},
                            *sizes = options->size_list.count ? &options->size_list : &one;
     uint32_t here = 0, first = 0, size[2];
@@ -241,7 +241,8 @@ static bool plan(struct measured_sweep *sweep)
                                 .show = options->show};
     if (!(sweep->measures & (MEASURE_ERROR | MEASURE_OWN)))
         sweep->grid.pictured = 0;
-    bool good = grid_begin(&sweep->grid, steps, here * sizes->count * sweep->combinations);
+    bool good = sizes != &one || sweep_default_size(steps->console, options, "1920x1080", text);
+    good = good && grid_begin(&sweep->grid, steps, here * sizes->count * sweep->combinations);
     for (uint32_t i = 0; i < steps->scene_count && good; i++) {
         for (uint32_t j = 0; j < sizes->count && steps->scenes[i].mesh && good; j++) {
             good = option_size(sizes->items[j], size, log) &&

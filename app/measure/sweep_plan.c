@@ -7,9 +7,8 @@
 
 #include "base/files.h"
 #include "base/tool.h"
-#include "build/pipeline.h"
+#include "build/inputs.h"
 #include "measure/sweep.h"
-#include "scenes/picture_size.h"
 
 enum { MOST_RUNS = 100000, DEFAULT_MEMORY = 64 };
 
@@ -52,33 +51,42 @@ static bool add_path(cJSON *array, const char *path, const struct dt_log *log)
     return add_path_behind(array, path, 0, log);
 }
 
-const char *sweep_default_size(const struct options *options, const char *otherwise, char text[32])
+bool sweep_default_size(struct console *console, const struct options *options,
+                        const char *otherwise, char text[32])
 {
-    uint32_t width, height;
-    const char *reason;
+    struct options own = *options;
+    struct pipeline pipeline;
+    memset(own.size, 0, sizeof own.size);
+    own.default_size = true;
     snprintf(text, 32, "%s", otherwise);
-    for (uint32_t i = options->inputs.count; i-- > 0;)
-        if (picture_size(strchr(options->inputs.items[i], '=') + 1, &width, &height, &reason))
-            snprintf(text, 32, "%ux%u", width, height);
-    return text;
+    if (!options->inputs.count)
+        return true;
+    bool good =
+        pipeline_load(&pipeline, console, &own) && inputs_find_size(&pipeline, &own, &console->log);
+    if (good && own.size[0])
+        snprintf(text, 32, "%ux%u", own.size[0], own.size[1]);
+    pipeline_unload(&pipeline);
+    return good;
 }
 
-static void add_runs_wanted(cJSON *root, const struct options *options)
+static bool add_runs_wanted(cJSON *root, struct console *console, const struct options *options)
 {
-    char text[32];
-    const char *size = sweep_default_size(options, "64x64", text);
-    const struct text_list one_size = {&size, 1};
+    char text[32] = "";
+    const char *size = text;
     bool given = options->size_list.count;
+    if (!given && !sweep_default_size(console, options, options->random ? "" : "64x64", text))
+        return false;
+    const struct text_list one_size = {&size, *text != 0}; /* none: random */
     if (options->random) {
         cJSON_AddNumberToObject(root, "random", options->random);
         cJSON_AddNumberToObject(root, "seed", options->seed ? options->seed : 1);
         cJSON_AddNumberToObject(root, "memory", options->memory ? options->memory : DEFAULT_MEMORY);
-        add_texts(root, "size", given || !options->inputs.count ? &options->size_list : &one_size);
     } else {
         add_texts(root, "grid", &options->grid);
-        add_texts(root, "size", given ? &options->size_list : &one_size);
     }
+    add_texts(root, "size", given ? &options->size_list : &one_size);
     cJSON_AddNumberToObject(root, "frames", options->run_frames);
+    return true;
 }
 
 bool sweep_check_row(const char *row, const struct dt_log *log)
@@ -107,8 +115,9 @@ static bool check_wanted(const struct options *options, const struct dt_log *log
 }
 
 /* Options that change a run or its verdict, under the names of the command line. */
-cJSON *sweep_options(const struct options *options, const struct dt_log *log)
+cJSON *sweep_options(struct console *console, const struct options *options)
 {
+    const struct dt_log *log = &console->log;
     if (!check_wanted(options, log))
         return NULL;
     char *spec = pipeline_spec_path(options->spec, log);
@@ -130,7 +139,7 @@ cJSON *sweep_options(const struct options *options, const struct dt_log *log)
         good = false;
     }
     add_texts(root, "set", &(struct text_list){options->sets, options->set_count});
-    add_runs_wanted(root, options);
+    good = good && add_runs_wanted(root, console, options);
     add_text(root, "scenes", folder);
     add_text(root, "backend", options->backend);
     add_text(root, "device", options->device);
