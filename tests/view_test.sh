@@ -189,13 +189,15 @@ check "with all bounces, too" ends 0
 check "... it is what render makes" cmp all.png rendered.png
 # An input of half the frame's size keeps the frame as it is.
 python3 "$root/tests/outside.py" make .
+mv small.png TINT.PNG
 cat >enlarge.yaml <<'END'
 pipeline: enlarge
 images:
   photo: {input: true, format: rgba8, size: ["ceil_div(frame.width, 2)", "ceil_div(frame.height, 2)"]}
+  tint: {file: TINT.PNG, format: rgba8}
   picture: {format: rgba8, size: frame}
 passes:
-  - {name: enlarge, dispatch: picture, reads: [photo], writes: [picture], shader: enlarge.glsl}
+  - {name: enlarge, dispatch: picture, reads: [photo, tint], writes: [picture], shader: enlarge.glsl}
 output: {display: picture}
 END
 cat >enlarge.glsl <<'END'
@@ -203,12 +205,14 @@ void main()
 {
     ivec2 p = invocation().xy;
     if (all(lessThan(p, picture_size())))
-        picture_store(p, photo(p / 2));
+        picture_store(p, photo(p / 2) + tint(ivec2(0)));
 }
 END
 "$diptych" view --spec enlarge.yaml --input photo=photo.png --backend gl --size 90x42 >view.out 2>view.err &
 window=$!
 check "a window with an input" see enlarged.ppm shown size=90x42
+touch TINT.PNG
+check "a picture is watched, in any case of its ending" says "the pipeline is unchanged"
 xdotool search --name diptych windowsize --sync 180 84
 check "... takes another size" see large.ppm size=180x84 shown
 xdotool key Escape

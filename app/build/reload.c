@@ -9,6 +9,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <time.h>
 
@@ -68,7 +69,7 @@ static bool is_source(const char *name)
                                        ".jpg",  ".jpeg", ".exr",  ".hdr", ".npy"};
     const char *dot = strrchr(name, '.');
     for (size_t i = 0; dot && i < DT_ARRAY_COUNT(ends); i++)
-        if (strcmp(dot, ends[i]) == 0)
+        if (strcasecmp(dot, ends[i]) == 0)
             return name[0] != '.';
     return false;
 }
