@@ -176,37 +176,36 @@ static uint64_t count_numbers(const struct fault_run *run, const struct dt_resou
     return count * resource_elements(resource, extent);
 }
 
-/* place->number: index among all numbers that the pass writes; becomes the index in its mip. Past
- * the end, it becomes the distance from the end. */
-static bool find_place(const struct fault_run *run, const struct dt_pass *pass, struct place *place)
+/* Counts the numbers that the pass writes. The one with the index `wanted` among them all becomes
+ * *place. */
+static uint64_t count_written(const struct fault_run *run, const struct dt_pass *pass,
+                              uint64_t wanted, struct place *place)
 {
+    uint64_t total = 0;
     for (uint32_t i = 0; i < pass->write_count; i++) {
         uint32_t mips = pass->write_mips ? pass->write_mips[i] : 1;
         for (uint32_t mip = 0; mips >> mip; mip++) {
-            uint64_t numbers = count_numbers(run, &run->pipeline->resources[pass->writes[i]], mip);
             if (!(mips >> mip & 1))
                 continue;
-            place->resource = pass->writes[i];
-            place->mip = mip;
-            if (place->number < numbers)
-                return true;
-            place->number -= numbers;
+            uint64_t numbers = count_numbers(run, &run->pipeline->resources[pass->writes[i]], mip);
+            if (wanted >= total && wanted - total < numbers)
+                *place = (struct place){
+                    .resource = pass->writes[i], .mip = mip, .number = wanted - total};
+            total += numbers;
         }
     }
-    return false;
+    return total;
 }
 
 static bool choose_place(const struct fault_run *run, struct place *place)
 {
     const struct dt_pass *pass = &run->pipeline->passes[run->fault->pass];
-    *place = (struct place){.number = UINT64_MAX};
-    find_place(run, pass, place);
-    uint64_t total = UINT64_MAX - place->number;
-    *place = (struct place){.number = total ? mix(run->fault->seed) % total : 0};
-    if (find_place(run, pass, place))
-        return true;
-    report_error(run->log, "--fault: pass %s writes no number at this frame size", pass->name);
-    return false;
+    uint64_t total = count_written(run, pass, 0, place);
+    if (total)
+        count_written(run, pass, mix(run->fault->seed) % total, place);
+    else
+        report_error(run->log, "--fault: pass %s writes no number at this frame size", pass->name);
+    return total;
 }
 
 /* ---- The numbers ----------------------------------------------------------------------------- */
