@@ -117,18 +117,20 @@ check "a dump of another file of the spec" told 2 "holds another outside: outsid
 
 # ---- Evidence
 
-mkdir case_of
+mkdir case_of 'far #1'
 cp outside* photo.png weights.npy case_of/
+mv case_of/outside_kernel.npy 'far #1/'
 sed -i 's/    blurred_store/#ifdef VULKAN\n    sum.g += p == ivec2(3, 4) ? 0.5 : 0.0;\n#endif\n    blurred_store/' case_of/outside_blur.glsl
 (
     cd case_of || exit 1
-    "$diptych" compare --spec outside.yaml "${input[@]}" --bisect ../case >../bisect.txt 2>&1
+    "$diptych" compare --spec outside.yaml "${input[@]}" --set "buffers.kernel.file='$work/far #1/outside_kernel.npy'" \
+        --bisect ../case >../bisect.txt 2>&1
 )
-rm -rf case_of
+rm -rf case_of 'far #1'
 check "the guilty pass is found" grep "^guilty: pass blur" bisect.txt
 check "a replay needs nothing outside its folder" told 0 "as expected, what gl left" "$diptych" replay case --backend gl
 check "... and finds what the other side left" told 1 "all is bit for bit as vk had it" "$diptych" replay case --backend vk
-rm -f case/spec/outside_kernel.npy
+rm -f 'case/spec/far #1/outside_kernel.npy'
 check "... but all of that" told 2 "cannot read the file" "$diptych" replay case --backend gl
 
 # ---- Other verbs

@@ -408,6 +408,48 @@ static void add_region(const struct writing *writing)
     region_json(entry, region, axes);
 }
 
+/* `KEY.NAME.file="PATH"`: the copy of the resource's file, relative to that of the spec. */
+static char *copied_file(const struct writing *writing, const struct dt_resource *resource)
+{
+    char *path = copied_name(writing, resource->file);
+    for (const char *at = writing->spec_name; path && (at = strchr(at, '/')); at++) {
+        char *longer = format_string("../%s", path);
+        free(path);
+        path = longer;
+    }
+    cJSON *text = cJSON_CreateString(path);
+    char *quoted = text ? cJSON_PrintUnformatted(text) : NULL;
+    char *set =
+        quoted ? format_string("%s.%s.file=%s", resource->kind == DT_IMAGE ? "images" : "buffers",
+                               resource->name, quoted)
+               : NULL;
+    cJSON_free(quoted);
+    cJSON_Delete(text);
+    free(path);
+    return set;
+}
+
+/* Those of the command line, and one for each file with an absolute path. */
+static bool add_sets(const struct writing *writing)
+{
+    const struct options *options = writing->evidence->options;
+    const struct dt_pipeline *info = writing->evidence->pipeline->info;
+    cJSON *sets = cJSON_AddArrayToObject(writing->manifest, "set");
+    for (uint32_t i = 0; i < options->set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
+    for (uint32_t i = 0; i < info->resource_count; i++) {
+        const struct dt_resource *resource = &info->resources[i];
+        if (!resource->file || *resource->file != '/')
+            continue;
+        char *set = copied_file(writing, resource);
+        if (!set)
+            return out_of_memory(writing);
+        cJSON_AddItemToArray(sets, cJSON_CreateString(set));
+        free(set);
+    }
+    return true;
+}
+
 static bool write_manifest(const struct writing *writing)
 {
     static const char *const keys[] = {"expected", "actual"};
@@ -416,9 +458,6 @@ static bool write_manifest(const struct writing *writing)
     cJSON *manifest = writing->manifest;
     cJSON_AddStringToObject(manifest, "spec", writing->spec_name);
     cJSON_AddStringToObject(manifest, "templates", "templates");
-    cJSON *sets = cJSON_AddArrayToObject(manifest, "set");
-    for (uint32_t i = 0; i < options->set_count; i++)
-        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
     for (int side = 0; side < 2; side++) {
         cJSON *entry = cJSON_AddObjectToObject(manifest, keys[side]);
         cJSON_AddStringToObject(entry, "side", evidence->sides[side]->label);
@@ -427,7 +466,7 @@ static bool write_manifest(const struct writing *writing)
     if (options->fault)
         cJSON_AddStringToObject(manifest, "fault", options->fault);
     add_region(writing);
-    return folder_write_json(&writing->folder, "manifest.json", manifest);
+    return add_sets(writing) && folder_write_json(&writing->folder, "manifest.json", manifest);
 }
 
 static void begin_manifest(const struct writing *writing)
