@@ -29,8 +29,8 @@ static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const u
 {
     for (uint32_t mip = 0; mip < image->mips; mip++) {
         const VkBufferImageCopy region = vk_mip_region(image, mip);
-        size_t size = (size_t)region.imageExtent.width * region.imageExtent.height *
-                      image->layers * 4;
+        size_t size =
+            (size_t)region.imageExtent.width * region.imageExtent.height * image->layers * 4;
         void *staging = vk_staging(rt, size, image->name);
         if (!staging)
             return false;

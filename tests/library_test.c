@@ -739,7 +739,7 @@ static void vulkan_takes_inputs(void **state)
     assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk));
     const struct dt_vk_image image = {.image = (VkImage)&heard /* never used as one */};
     REFUSED(dt_vk_import_image(outside.rt, OUTSIDE_RESOURCE_PHOTO, &image),
-            "which the layout_before"); /* and is no import: the photo is written */
+            "which the layout_before");    /* and is no import: the photo is written */
     for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
         assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT));
         outside.commands = begin();
