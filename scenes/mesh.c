@@ -508,7 +508,8 @@ bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct 
     }
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
-    bool ok = import_materials(&import) && import_triangles(&import);
+    bool ok = import_materials(&import) && import_triangles(&import) &&
+              (mesh_views(mesh, source, path, scale) || out_of_memory(&import));
     aiReleaseImport(source);
     if (!ok)
         mesh_free(mesh);
@@ -526,6 +527,9 @@ void mesh_free(struct mesh *mesh)
         if (mesh->textures[i].fd >= 0)
             close(mesh->textures[i].fd);
     }
+    for (uint32_t i = 0; i < mesh->view_count; i++)
+        free(mesh->views[i].name);
+    free(mesh->views);
     free(mesh->textures);
     free(mesh->materials);
     free(mesh->vertices);

@@ -4,7 +4,9 @@
 #ifndef DIPTYCH_MESH_H
 #define DIPTYCH_MESH_H
 
-#include "diptych.h"
+#include "scene.h"
+
+struct aiScene;
 
 /* One layer of the texture array: colour, and an opacity map if the material names one (its red
  * replaces the alpha). The paths are owned. If the texture is embedded in the mesh file, `fd` holds
@@ -13,6 +15,15 @@ struct mesh_texture {
     char *color;
     char *opacity; /* or NULL */
     int fd;        /* or -1 */
+};
+
+/* A camera or light of the mesh file, in the scene's unit. */
+struct mesh_view {
+    char *name; /* of its node, owned */
+    bool is_light;
+    const char *trouble; /* why it cannot be used; NULL: it can */
+    struct scene_camera camera;
+    struct scene_light light;
 };
 
 struct mesh {
@@ -25,6 +36,8 @@ struct mesh {
     uint32_t material_count;
     struct mesh_texture *textures;
     uint32_t texture_count;
+    struct mesh_view *views;
+    uint32_t view_count;
     uint32_t source_triangles;
     uint32_t degenerate_triangles;
 };
@@ -34,6 +47,9 @@ struct mesh {
  * triangles are dropped and counted. On false the mesh is empty. */
 bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
 void mesh_free(struct mesh *mesh); /* takes a zeroed mesh */
+
+/* Fills the mesh's views. False when out of memory. */
+bool mesh_views(struct mesh *mesh, const struct aiScene *source, const char *path, float scale);
 
 /* Bounding box of the triangles, and a sphere about its centre that holds them all. */
 void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],

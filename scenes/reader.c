@@ -115,6 +115,9 @@ static void read_value(struct reader *reader, struct key *key)
         read_numbers(reader, key);
     else if (key->type == KEY_MAPPING && !fy_node_is_mapping(key->node))
         reader_report(reader, key->node, "`%s` takes a mapping", key->name);
+    else if (key->type == KEY_MAPPING_OR_TEXT && !fy_node_is_mapping(key->node) &&
+             (!fy_node_is_scalar(key->node) || !*fy_node_get_scalar0(key->node)))
+        reader_report(reader, key->node, "`%s` takes a mapping or a name", key->name);
     else if (key->type == KEY_TEXT &&
              (!fy_node_is_scalar(key->node) || !*fy_node_get_scalar0(key->node)))
         reader_report(reader, key->node, "`%s` takes a text", key->name);

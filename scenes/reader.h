@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-enum key_type { KEY_TEXT, KEY_NUMBERS, KEY_MAPPING, KEY_SEQUENCE };
+enum key_type { KEY_TEXT, KEY_NUMBERS, KEY_MAPPING, KEY_MAPPING_OR_TEXT, KEY_SEQUENCE };
 
 /* One key of a mapping: what it takes, and after reading, where it stands (NULL: nowhere). */
 struct key {

@@ -4,10 +4,12 @@
  *   mesh: cornell.obj         beside this file, else below the folder of --scenes or DIPTYCH_SCENES
  *   scale: 1                  multiplies the mesh; everything below is in the unit after that
  *   camera: {eye: [0, 1, 3], target: [0, 1, 0], up: [0, 1, 0], fov_y: 40}     up is optional
+ *   camera: Camera            the mesh file's, by its node's name; without the key its first
  *   light: {kind: spot, position: [0, 2, 0], target: [-1, 1, 0], cone: [25, 35],
  *           intensity: [10, 10, 10]}
  *   light: {kind: directional, direction: [0, -1, 0], irradiance: [8, 8, 8],
  *           opening_min: [-1, 3, -1], opening_max: [1, 3, 1]}
+ *   light: Sun                likewise
  *   subdivide: 0.0625         longest edge after it, in radii of the bounding sphere; 0: none
  *   texture_size: 512         of every layer, a power of two; else the largest's, up to 1024
  *
@@ -19,6 +21,7 @@
 #include "child.h"
 #include "mesh.h"
 #include "motion.h"
+#include "yaml.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -58,11 +61,19 @@ static void read_light(struct reader *reader, const struct key *self, struct sce
 
 /* ---- The file -------------------------------------------------------------------------------- */
 
-/* Settings of the file besides camera and light. */
+/* A camera or light that the mesh file brings. */
+struct wish {
+    bool open;               /* the scene file has none of its own */
+    char *name;              /* NULL: the first; owned */
+    struct yaml_place place; /* of the name, else of the mesh */
+};
+
+/* Settings of the file besides its own camera and light. */
 struct settings {
     struct scene *scene; /* to fill */
     const char *scenes_dir;
-    char *mesh_path;    /* where the mesh was found, owned */
+    char *mesh_path; /* where the mesh was found, owned */
+    struct wish camera, light;
     bool may_lack_mesh; /* a missing mesh is no error */
     float scale, subdivide;
     uint32_t texture_size;
@@ -102,6 +113,17 @@ static char *find_mesh(struct reader *reader, struct fy_node *node, const char *
     return found;
 }
 
+static void read_wish(struct reader *reader, const struct key *key, const struct key *mesh,
+                      struct wish *wish)
+{
+    wish->open = !key->node || fy_node_is_scalar(key->node);
+    if (!wish->open)
+        return;
+    wish->place = yaml_node_place(key->node ? key->node : mesh->node);
+    if (key->node && !(wish->name = strdup(fy_node_get_scalar0(key->node))))
+        reader_report(reader, key->node, "out of memory");
+}
+
 static void read_scene(struct reader *reader, struct fy_node *root, void *user)
 {
     struct settings *settings = user;
@@ -110,8 +132,8 @@ static void read_scene(struct reader *reader, struct fy_node *root, void *user)
     struct key keys[COUNT] = {
         [MESH] = {.name = "mesh", .type = KEY_TEXT, .required = true},
         [SCALE] = KEY_OF_NUMBERS("scale", false, 1, 1e-6, 1e6, 1),
-        [CAMERA] = {.name = "camera", .type = KEY_MAPPING, .required = true},
-        [LIGHT] = {.name = "light", .type = KEY_MAPPING, .required = true},
+        [CAMERA] = {.name = "camera", .type = KEY_MAPPING_OR_TEXT},
+        [LIGHT] = {.name = "light", .type = KEY_MAPPING_OR_TEXT},
         [SUBDIVIDE] = KEY_OF_NUMBERS("subdivide", false, 1, 0, 2, 1.0 / 16),
         [TEXTURE_SIZE] = KEY_OF_NUMBERS("texture_size", false, 1, 1, MAX_TEXTURE_SIZE, 0),
     };
@@ -121,6 +143,8 @@ static void read_scene(struct reader *reader, struct fy_node *root, void *user)
         read_camera(reader, &keys[CAMERA], &scene->camera);
     if (keys[LIGHT].node && fy_node_is_mapping(keys[LIGHT].node))
         read_light(reader, &keys[LIGHT], &scene->light);
+    read_wish(reader, &keys[CAMERA], &keys[MESH], &settings->camera);
+    read_wish(reader, &keys[LIGHT], &keys[MESH], &settings->light);
     double size = keys[TEXTURE_SIZE].number[0];
     if (size >= 1 && size <= MAX_TEXTURE_SIZE && exp2(floor(log2(size))) != size)
         reader_report(reader, keys[TEXTURE_SIZE].node, "`texture_size` must be a power of two");
@@ -135,6 +159,80 @@ static void read_scene(struct reader *reader, struct fy_node *root, void *user)
 static const struct file_kind scene_file = {
     .name = "scene", .keys = "`mesh`, `camera` and `light`", .read = read_scene};
 
+static void free_settings(struct settings *settings)
+{
+    free(settings->mesh_path);
+    free(settings->camera.name);
+    free(settings->light.name);
+}
+
+/* ---- Cameras and lights of the mesh file ----------------------------------------------------- */
+
+/* Names of the mesh file's cameras or lights; "none" without any. Owned by the caller. */
+static char *list_views(const struct mesh *mesh, bool is_light)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    for (uint32_t i = 0; out && i < mesh->view_count; i++)
+        if (mesh->views[i].is_light == is_light)
+            fprintf(out, "%s`%s`", ftell(out) ? ", " : "", mesh->views[i].name);
+    if (out && ftell(out) == 0)
+        fputs("none", out);
+    if (out)
+        fclose(out);
+    return text;
+}
+
+static const struct mesh_view *pick(const struct settings *settings, const struct mesh *mesh,
+                                    bool is_light, const struct dt_log *log)
+{
+    const struct wish *wish = is_light ? &settings->light : &settings->camera;
+    const char *what = is_light ? "light" : "camera", *path = settings->scene->path;
+    const struct mesh_view *found = NULL;
+    for (uint32_t i = 0; i < mesh->view_count && !found; i++) {
+        const struct mesh_view *view = &mesh->views[i];
+        if (view->is_light == is_light &&
+            (wish->name ? strcmp(view->name, wish->name) == 0 : !view->trouble))
+            found = view;
+    }
+    if (found && !found->trouble) {
+        log_message(log, DT_INFO, "%s: %s `%s` of the mesh file", path, what, found->name);
+        return found;
+    }
+    char *names = list_views(mesh, is_light);
+    char place[32];
+    snprintf(place, sizeof place, "%d:%d", wish->place.line, wish->place.column);
+    if (found)
+        log_message(log, DT_ERROR, "%s:%s: error: the %s `%s` of %s cannot be used: %s", path,
+                    place, what, found->name, settings->mesh_path, found->trouble);
+    else if (wish->name)
+        log_message(log, DT_ERROR, "%s:%s: error: no %s `%s` in %s; it has %s", path, place, what,
+                    wish->name, settings->mesh_path, names ? names : "?");
+    else
+        log_message(log, DT_ERROR,
+                    "%s:%s: error: the scene lacks the key `%s`, and no %s of %s can be used; it "
+                    "has %s",
+                    path, place, what, what, settings->mesh_path, names ? names : "?");
+    free(names);
+    return NULL;
+}
+
+static bool take_views(struct scene *scene, const struct settings *settings,
+                       const struct mesh *mesh, const struct dt_log *log)
+{
+    const struct mesh_view *camera =
+        settings->camera.open ? pick(settings, mesh, false, log) : NULL;
+    if (camera)
+        scene->camera = camera->camera;
+    if (settings->camera.open && !camera)
+        return false;
+    const struct mesh_view *light = settings->light.open ? pick(settings, mesh, true, log) : NULL;
+    if (light)
+        scene->light = light->light;
+    return light || !settings->light.open;
+}
+
 /* Mesh, bounds, subdivision and textures; the arrays move from the mesh into the scene. */
 static bool load_mesh(struct scene *scene, const struct settings *settings,
                       const struct dt_log *log)
@@ -144,8 +242,9 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
     if (!mesh_import(&mesh, settings->mesh_path, settings->scale, log))
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);
-    bool ok = settings->subdivide == 0 ||
-              mesh_subdivide(&mesh, settings->subdivide * scene->radius, TRIANGLE_LIMIT, log);
+    bool ok = take_views(scene, settings, &mesh, log);
+    ok = ok && (settings->subdivide == 0 ||
+                mesh_subdivide(&mesh, settings->subdivide * scene->radius, TRIANGLE_LIMIT, log));
     ok = ok && texture_array(&scene->data, &mesh, settings->texture_size, log);
     if (ok) {
         scene->source_triangles = mesh.source_triangles;
@@ -251,7 +350,7 @@ bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, b
     struct settings settings = {.scene = scene, .scenes_dir = scenes_dir};
     bool ok = copy_path(scene, path, log) && reader_file(path, &scene_file, &settings, log) &&
               (apart ? load_mesh_apart(scene, &settings, log) : load_mesh(scene, &settings, log));
-    free(settings.mesh_path);
+    free_settings(&settings);
     if (!ok)
         scene_free(scene);
     return ok;
@@ -306,9 +405,10 @@ bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
     struct settings settings = {.scene = &scene, .scenes_dir = scenes_dir, .may_lack_mesh = true};
     bool ok = copy_path(&scene, path, log) && reader_file(path, &scene_file, &settings, log);
     scene_free(&scene);
-    if (!ok)
-        free(settings.mesh_path);
     *mesh = ok ? settings.mesh_path : NULL;
+    if (ok)
+        settings.mesh_path = NULL;
+    free_settings(&settings);
     return ok;
 }
 

@@ -95,7 +95,7 @@ echo 'float wrong = sampels;' >>"$work/templates/rsm/gather.glsl"
 sed -i 's/rgba32g/rgba32f/' "$wrong"
 fails "wrong GLSL" 1 "errors[-1]['file'].endswith('rsm/gather.glsl') and 'sampels' in errors[-1]['message']" render "${scene[@]}" --spec "$wrong" --size 8x8 \
     --backend vk -o "$work/b.exr"
-printf 'mesh: cornell.obj\ncamra: {}\n' >"$work/scene.yaml"
+printf 'mesh: cornell.obj\ncamra: {}\nlight: [1]\n' >"$work/scene.yaml"
 fails "a wrong scene" 1 "[(error['line'], error['column']) for error in errors][:1] == [(2, 1)] and len(errors) >= 3" \
     reference --scene "$work/scene.yaml" -o "$work/b.exr"
 fails "no picture" 1 "'file' not in errors[0] and 'absent.exr' in errors[0]['message']" metrics --reference "$work/absent.exr" --test "$work/a.exr"

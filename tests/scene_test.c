@@ -246,14 +246,19 @@ static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
     scene_free(&scene);
 }
 
-static void gltf_nodes_are_flattened(void **state)
+static void put_triangle(const char *name)
 {
-    (void)state;
     const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-    FILE *file = fopen(at("t.bin"), "wb");
+    FILE *file = fopen(at(name), "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(positions, sizeof positions, 1, file), 1);
     assert_int_equal(fclose(file), 0);
+}
+
+static void gltf_nodes_are_flattened(void **state)
+{
+    (void)state;
+    put_triangle("t.bin");
     put("t.gltf",
         "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
         "\"nodes\":[{\"translation\":[10,0,0],\"children\":[1]},{\"scale\":[-2,3,1],\"mesh\":0}],"
@@ -273,6 +278,74 @@ static void gltf_nodes_are_flattened(void **state)
     assert_true(area_vector(&scene, 0).z > 0 && vertex_normal(&scene, 0).z > 0.999);
     const float *albedo = scene.data.materials[scene.data.vertices[0].material].albedo;
     assert_true(albedo[0] == 0.25f && albedo[1] == 0.5f && albedo[2] == 0.75f);
+    scene_free(&scene);
+}
+
+/* A camera below a moved node; a bulb, a lamp and a sun below one that turns z to x. */
+static const char viewed_gltf[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,2]}],"
+    "\"nodes\":[{\"mesh\":0,\"translation\":[10,0,0],\"children\":[1]},"
+    "{\"name\":\"eye\",\"camera\":0,\"translation\":[1,2,3]},"
+    "{\"rotation\":[0,0.7071068,0,0.7071068],\"children\":[3,4,5]},"
+    "{\"name\":\"bulb\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}},"
+    "{\"name\":\"lamp\",\"translation\":[0,0,1],"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"light\":1}}},"
+    "{\"name\":\"sun\",\"extensions\":{\"KHR_lights_punctual\":{\"light\":2}}}],"
+    "\"cameras\":[{\"type\":\"perspective\","
+    "\"perspective\":{\"yfov\":0.8,\"aspectRatio\":1.5,\"znear\":0.1}}],"
+    "\"extensionsUsed\":[\"KHR_lights_punctual\"],"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\"},"
+    "{\"type\":\"spot\",\"intensity\":683,\"color\":[1,0.5,0.25],"
+    "\"spot\":{\"innerConeAngle\":0.3,\"outerConeAngle\":0.6}},"
+    "{\"type\":\"directional\",\"intensity\":1366}]}},"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+    "\"buffers\":[{\"uri\":\"t.bin\",\"byteLength\":36}],"
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+    "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+    "\"min\":[0,0,0],\"max\":[1,1,0]}]}";
+
+static void assert_vector(const float v[3], double x, double y, double z)
+{
+    const double expected[3] = {x, y, z};
+    for (int i = 0; i < 3; i++)
+        if (fabs((double)v[i] - expected[i]) > 1e-5)
+            fail_msg("[%d] is %g, not %g", i, (double)v[i], expected[i]);
+}
+
+static void put_viewed_gltf(void)
+{
+    put_triangle("t.bin");
+    put("v.gltf", viewed_gltf);
+}
+
+static void gltf_brings_camera_and_light(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    put_viewed_gltf();
+    put("v.yaml", "mesh: v.gltf\nscale: 2\nsubdivide: 0\n");
+    load(&scene, at("v.yaml"), &heard);
+    assert_int_equal(heard.count[DT_INFO], 2); /* tells which */
+    assert_vector(scene.camera.eye, 22, 4, 6);
+    assert_vector(scene.camera.target, 22, 4, 5);
+    assert_vector(scene.camera.up, 0, 1, 0);
+    assert_true(fabs((double)scene.camera.fov_y - 0.8) < 1e-5);
+    assert_int_equal(scene.light.kind, DT_LIGHT_SPOT); /* the bulb is passed over */
+    assert_vector(scene.light.position, 2, 0, 0);
+    assert_vector(scene.light.direction, -1, 0, 0);
+    assert_vector(scene.light.color, 1, 0.5, 0.25); /* 683 lm/W */
+    assert_true(fabs((double)scene.light.cone[1] - 0.6) < 1e-5);
+    scene_free(&scene);
+    put("v.yaml", "mesh: v.gltf\nsubdivide: 0\nlight: sun\n" CAMERA);
+    load(&scene, at("v.yaml"), &heard);
+    assert_vector(scene.camera.eye, 0, 0, 5);
+    assert_int_equal(scene.light.kind, DT_LIGHT_DIRECTIONAL);
+    assert_vector(scene.light.direction, -1, 0, 0);
+    assert_vector(scene.light.color, 2, 2, 2);
+    struct dt_frame frame;
+    scene_frame(&scene, 64, 64, &frame); /* its view covers the scene */
+    assert_true(frame.light.area > 0 && frame.light.area < 1);
     scene_free(&scene);
 }
 
@@ -688,9 +761,9 @@ static void wrong_scene_files_are_told_in_one_run(void **state)
                    "light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1],\n"
                    "  opening_min: [0, 2, 0], opening_max: [1, 1, 1]}\n",
                    upside_down, 1);
-    static const char *const missing[] = {"1:1: error: the scene lacks the key `mesh`",
-                                          "1:1: error: the scene lacks the key `light`"};
-    assert_refused(CAMERA, missing, 2);
+    assert_refused(CAMERA, (const char *const[]){"1:1: error: the scene lacks the key `mesh`"}, 1);
+    assert_refused("mesh: box.obj\nlight: [1]\n" CAMERA,
+                   (const char *const[]){"2:9: error: `light` takes a mapping or a name"}, 1);
     static const char *const twice[] = {"2:1: error: the key `mesh` stands twice",
                                         "1:1: note: first here"};
     assert_refused("mesh: box.obj\nmesh: box.obj\n" CAMERA SUN, twice, 2);
@@ -703,6 +776,20 @@ static void wrong_scene_files_are_told_in_one_run(void **state)
                    (const char *const[]){"1:7: error: the byte 0xff is no UTF-8 text\n"}, 1);
     assert_refused("a: &a [*a]\n", (const char *const[]){"1:8: error: aliases add more than"}, 1);
     assert_refused("", (const char *const[]){"1:1: error: YAML: the file has no content"}, 1);
+}
+
+static void wrong_choices_of_cameras_and_lights_are_told(void **state)
+{
+    (void)state;
+    put("box.obj", box_obj);
+    put_viewed_gltf();
+    assert_refused(
+        "mesh: box.obj\n" CAMERA,
+        (const char *const[]){"1:7: error: the scene lacks the key `light`, and no light"}, 1);
+    assert_refused("mesh: v.gltf\ncamera: ey\n",
+                   (const char *const[]){"2:9: error: no camera `ey` in "}, 1);
+    assert_refused("mesh: v.gltf\nlight: bulb\n",
+                   (const char *const[]){"2:8: error: the light `bulb` of "}, 1);
 }
 
 static void missing_mesh_says_where_it_looked(void **state)
@@ -964,6 +1051,7 @@ int main(void)
         cmocka_unit_test(subdivision_stops_at_its_limit_and_says_so),
         cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
         cmocka_unit_test(gltf_nodes_are_flattened),
+        cmocka_unit_test(gltf_brings_camera_and_light),
         cmocka_unit_test(textures_fill_the_array),
         cmocka_unit_test(opacity_map_becomes_alpha),
         cmocka_unit_test(untextured_scene_has_one_white_texel),
@@ -977,6 +1065,7 @@ int main(void)
         cmocka_unit_test(same_picture_is_the_same_file),
         cmocka_unit_test(image_errors_name_the_file),
         cmocka_unit_test(wrong_scene_files_are_told_in_one_run),
+        cmocka_unit_test(wrong_choices_of_cameras_and_lights_are_told),
         cmocka_unit_test(missing_mesh_says_where_it_looked),
         cmocka_unit_test(mesh_is_found_below_the_scenes_folder),
         cmocka_unit_test(splines_are_those_of_the_paper),
