@@ -49,6 +49,7 @@ static const char *const taken_words =
     " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
     "scene_textures"
     " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material "
+    "vertex_object scene_objects SceneObject "
     "dispatch_size invocation fullscreen_position"
     " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL "
     "VULKAN View Light Frame Live"
@@ -461,8 +462,8 @@ void check_names(struct checker *c)
 
 /* ---- References ------------------------------------------------------------------------------ */
 
-static const char *const builtin_names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices",
-                                                         "scene_materials", "scene_textures"};
+static const char *const builtin_names[BUILTIN_COUNT] = {
+    "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
 
 static void report_unknown_resource(struct checker *c, struct loc loc, const char *what,
                                     const char *name, int kind)

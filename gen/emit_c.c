@@ -69,9 +69,9 @@ void c_float(struct text *out, double value)
 
 void c_resource(const struct c_output *c, uint32_t resource)
 {
-    static const char *const builtins[] = {"DT_FRAME",           "DT_LIVE",
-                                           "DT_SCENE_VERTICES",  "DT_SCENE_INDICES",
-                                           "DT_SCENE_MATERIALS", "DT_SCENE_TEXTURES"};
+    static const char *const builtins[] = {
+        "DT_FRAME",           "DT_LIVE",          "DT_SCENE_VERTICES", "DT_SCENE_INDICES",
+        "DT_SCENE_MATERIALS", "DT_SCENE_OBJECTS", "DT_SCENE_TEXTURES"};
     if (resource >= DT_FRAME)
         text_add(c->out, "%s", builtins[resource - DT_FRAME]);
     else

@@ -467,8 +467,9 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
     static const char *const inputs[][2] = {{"vec3", "vertex_position"},
                                             {"vec3", "vertex_normal"},
                                             {"vec2", "vertex_uv"},
-                                            {"uint", "vertex_material"}};
-    for (int i = 0; i < 4 && glsl->pass->kind == PASS_SCENE; i++)
+                                            {"uint", "vertex_material"},
+                                            {"uint", "vertex_object"}};
+    for (int i = 0; i < 5 && glsl->pass->kind == PASS_SCENE; i++)
         if (glsl_uses(glsl, "%s", inputs[i][1]))
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)

@@ -261,10 +261,10 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
 
 static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text *out)
 {
-    static const char *const names[BUILTIN_COUNT] = {"scene_vertices", "scene_indices",
-                                                     "scene_materials", "scene_textures"};
+    static const char *const names[BUILTIN_COUNT] = {
+        "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
     static const char *const elements[BUILTIN_COUNT] = {"SceneVertex", "uint", "SceneMaterial",
-                                                        NULL};
+                                                        "SceneObject", NULL};
     if (binding < 0 || !glsl_uses(glsl, "%s", names[builtin]))
         return;
     bool uniform = builtin == BUILTIN_MATERIALS && glsl->pass->uniform_materials;

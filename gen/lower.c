@@ -228,9 +228,8 @@ static bool is_image(const struct access *access)
 static uint16_t object_of(const struct access *access)
 {
     static const uint16_t builtins[BUILTIN_COUNT] = {
-        [BUILTIN_VERTICES] = DT_SCENE_VERTICES,
-        [BUILTIN_INDICES] = DT_SCENE_INDICES,
-        [BUILTIN_MATERIALS] = DT_SCENE_MATERIALS,
+        [BUILTIN_VERTICES] = DT_SCENE_VERTICES,   [BUILTIN_INDICES] = DT_SCENE_INDICES,
+        [BUILTIN_MATERIALS] = DT_SCENE_MATERIALS, [BUILTIN_OBJECTS] = DT_SCENE_OBJECTS,
         [BUILTIN_TEXTURES] = DT_SCENE_TEXTURES,
     };
     return access->resource ? (uint16_t)access->resource->index : builtins[access->builtin];

@@ -199,10 +199,11 @@ enum builtin {
     BUILTIN_VERTICES,
     BUILTIN_INDICES,
     BUILTIN_MATERIALS,
+    BUILTIN_OBJECTS,
     BUILTIN_TEXTURES,
     BUILTIN_COUNT
 };
-/* names in specs: scene_vertices scene_indices scene_materials scene_textures */
+/* names in specs: scene_vertices scene_indices scene_materials scene_objects scene_textures */
 
 /* STORAGE_AUTO, where the plan leaves it: read in place, as the kind of the access says. */
 enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };

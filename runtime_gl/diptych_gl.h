@@ -86,6 +86,7 @@ struct dt_gl_scene {
     uint32_t index_count;
     /* struct dt_material[DT_MAX_MATERIALS]; unused elements may have any content */
     struct dt_gl_range materials;
+    struct dt_gl_range objects; /* struct dt_object[]; buffer 0: no pass reads scene_objects */
     /* Array of all textures: GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full
      * chain of mips. 0: no material has a texture. */
     unsigned textures;

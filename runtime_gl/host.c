@@ -113,6 +113,8 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
                          (uint64_t)scene->index_count * sizeof(uint32_t)) &&
            import_buffer(rt, &builtin->materials, "scene materials", &materials,
                          DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
+           (!scene->objects.buffer || import_buffer(rt, &builtin->objects, "scene objects",
+                                                    &scene->objects, sizeof(struct dt_object))) &&
            import_textures(rt, scene->textures) && gl_scene_describe(rt);
 }
 
@@ -126,6 +128,7 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
     if (!good)
         gl_scene_destroy(rt);
     rt->core.has_scene = good;
+    rt->core.has_objects = good && scene->objects.buffer;
     return leave(rt, good);
 }
 

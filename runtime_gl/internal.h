@@ -59,7 +59,7 @@ struct gl_program {
 
 /* Objects that every pipeline may bind besides its resources: enum dt_builtin. */
 struct gl_builtin {
-    struct gl_buffer frame, live, vertices, indices, materials;
+    struct gl_buffer frame, live, vertices, indices, materials, objects;
     struct gl_image textures;
     GLuint texture_sampler;
 };

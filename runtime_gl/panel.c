@@ -50,6 +50,8 @@ const struct gl_buffer *gl_buffer_of(const struct gl_runtime *rt, uint32_t resou
         return &rt->builtin.indices;
     case DT_SCENE_MATERIALS:
         return &rt->builtin.materials;
+    case DT_SCENE_OBJECTS:
+        return &rt->builtin.objects;
     default:
         return &resource_of(rt, resource)->buffer;
     }

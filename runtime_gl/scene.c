@@ -12,11 +12,15 @@ static bool upload_buffers(struct gl_runtime *rt, const struct dt_scene *scene)
         .name = "scene indices", .size = (GLsizeiptr)sizeof *scene->indices * scene->index_count};
     b->materials = (struct gl_buffer){
         .name = "scene materials", .size = (GLsizeiptr)sizeof *scene->materials * DT_MAX_MATERIALS};
+    b->objects = (struct gl_buffer){.name = "scene objects",
+                                    .size = (GLsizeiptr)sizeof *scene->objects *
+                                            (scene->object_count ? scene->object_count : 1)};
     return gl_buffer_create(rt, &b->vertices, scene->vertices) &&
            gl_buffer_create(rt, &b->indices, scene->indices) &&
            gl_buffer_create(rt, &b->materials, NULL) &&
            gl_buffer_write(rt, &b->materials, scene->materials,
-                           scene->material_count * sizeof *scene->materials);
+                           scene->material_count * sizeof *scene->materials) &&
+           gl_buffer_create(rt, &b->objects, scene->object_count ? scene->objects : NULL);
 }
 
 static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)
@@ -56,7 +60,9 @@ bool gl_scene_describe(struct gl_runtime *rt)
         rt->gl.VertexArrayAttribFormat(input, i, components[i], GL_FLOAT, GL_FALSE, offsets[i]);
     rt->gl.VertexArrayAttribIFormat(input, 3, 1, GL_UNSIGNED_INT,
                                     offsetof(struct dt_vertex, material));
-    for (GLuint i = 0; i < 4; i++) {
+    rt->gl.VertexArrayAttribIFormat(input, 4, 1, GL_UNSIGNED_INT,
+                                    offsetof(struct dt_vertex, object));
+    for (GLuint i = 0; i < 5; i++) {
         rt->gl.VertexArrayAttribBinding(input, i, 0);
         rt->gl.EnableVertexArrayAttrib(input, i);
     }
@@ -72,15 +78,17 @@ bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
     rt->index_count = scene->index_count;
     core->has_scene =
         upload_buffers(rt, scene) && upload_textures(rt, scene) && gl_scene_describe(rt);
+    core->has_objects = core->has_scene;
     return core->has_scene;
 }
 
 void gl_scene_destroy(struct gl_runtime *rt)
 {
-    rt->core.has_scene = false;
+    rt->core.has_scene = rt->core.has_objects = false;
     gl_buffer_destroy(rt, &rt->builtin.vertices);
     gl_buffer_destroy(rt, &rt->builtin.indices);
     gl_buffer_destroy(rt, &rt->builtin.materials);
+    gl_buffer_destroy(rt, &rt->builtin.objects);
     gl_image_destroy(rt, &rt->builtin.textures);
     if (rt->scene_input)
         rt->gl.DeleteVertexArrays(1, &rt->scene_input);

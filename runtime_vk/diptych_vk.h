@@ -107,6 +107,8 @@ struct dt_vk_scene {
     /* struct dt_material[DT_MAX_MATERIALS]; unused elements may have any content; STORAGE_BUFFER,
      * UNIFORM_BUFFER */
     struct dt_vk_range materials;
+    /* struct dt_object[]; STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads scene_objects */
+    struct dt_vk_range objects;
     /* Array of all textures: VK_IMAGE_VIEW_TYPE_2D_ARRAY, sRGB colour, linear alpha, a full chain
      * of mips; usage SAMPLED; in SHADER_READ_ONLY_OPTIMAL during every frame. VK_NULL_HANDLE: no
      * material has a texture. */

@@ -104,8 +104,9 @@ static void release_scene(struct vk_runtime *rt)
     if (builtin->textures.imported)
         builtin->textures = (struct vk_image){0};
     vk_image_destroy(rt, &builtin->textures);
-    builtin->vertices = builtin->indices = builtin->materials = (struct vk_buffer){0};
-    rt->core.has_scene = false;
+    builtin->vertices = builtin->indices = (struct vk_buffer){0};
+    builtin->materials = builtin->objects = (struct vk_buffer){0};
+    rt->core.has_scene = rt->core.has_objects = false;
     rt->index_count = 0;
 }
 
@@ -172,7 +173,9 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
         !import_buffer(rt, &builtin->indices, "scene_indices", &scene->indices,
                        (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
         !import_buffer(rt, &builtin->materials, "scene_materials", &scene->materials,
-                       DT_MAX_MATERIALS * sizeof(struct dt_material)))
+                       DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
+        (scene->objects.buffer && !import_buffer(rt, &builtin->objects, "scene_objects",
+                                                 &scene->objects, sizeof(struct dt_object))))
         return false;
     builtin->materials.size =
         DT_MAX_MATERIALS * sizeof(struct dt_material); /* size of the uniform block */
@@ -183,6 +186,7 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
         return false;
     rt->index_count = scene->index_count;
     rt->core.has_scene = true;
+    rt->core.has_objects = scene->objects.buffer;
     return true;
 }
 

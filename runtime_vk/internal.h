@@ -54,7 +54,7 @@ struct vk_program {
 /* Objects that the runtime provides to every pipeline. */
 struct vk_builtin {
     struct vk_buffer frame, live; /* uniform blocks */
-    struct vk_buffer vertices, indices, materials;
+    struct vk_buffer vertices, indices, materials, objects;
     struct vk_image textures;
     VkSampler texture_sampler; /* trilinear, repeat */
     VkSampler texel_sampler;   /* for texelFetch, without filtering */

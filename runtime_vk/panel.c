@@ -284,6 +284,8 @@ static const struct vk_buffer *find_buffer(const struct vk_runtime *rt, uint16_t
         return &rt->builtin.indices;
     case DT_SCENE_MATERIALS:
         return &rt->builtin.materials;
+    case DT_SCENE_OBJECTS:
+        return &rt->builtin.objects;
     default:
         return &vk_resource_at(rt, resource)->buffer;
     }

@@ -143,6 +143,7 @@ static const VkVertexInputAttributeDescription vertex_attributes[] = {
     {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(struct dt_vertex, normal)},
     {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(struct dt_vertex, uv)},
     {3, 0, VK_FORMAT_R32_UINT, offsetof(struct dt_vertex, material)},
+    {4, 0, VK_FORMAT_R32_UINT, offsetof(struct dt_vertex, object)},
 };
 
 /* Those that the vertex shader reads: the validation layer names every other. */

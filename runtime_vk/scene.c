@@ -86,13 +86,22 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
         .size = (VkDeviceSize)DT_MAX_MATERIALS * sizeof *scene->materials,
         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT,
     };
+    struct vk_buffer_info objects = {
+        .name = "scene_objects",
+        .size =
+            (VkDeviceSize)(scene->object_count ? scene->object_count : 1) * sizeof *scene->objects,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT,
+    };
     vk_scene_destroy(rt);
     core->has_scene =
         upload_buffer(rt, &builtin->vertices, &vertices, scene->vertices, vertices.size) &&
         upload_buffer(rt, &builtin->indices, &indices, scene->indices, indices.size) &&
         upload_buffer(rt, &builtin->materials, &materials, scene->materials,
                       scene->material_count * sizeof *scene->materials) &&
+        upload_buffer(rt, &builtin->objects, &objects, scene->objects,
+                      scene->object_count * sizeof *scene->objects) &&
         upload_textures(rt, scene);
+    core->has_objects = core->has_scene;
     rt->index_count = scene->index_count;
     vk_buffer_destroy(rt, &rt->staging); /* as large as the scene: free it */
     return core->has_scene;
@@ -103,7 +112,8 @@ void vk_scene_destroy(struct vk_runtime *rt)
     vk_buffer_destroy(rt, &rt->builtin.vertices);
     vk_buffer_destroy(rt, &rt->builtin.indices);
     vk_buffer_destroy(rt, &rt->builtin.materials);
+    vk_buffer_destroy(rt, &rt->builtin.objects);
     vk_image_destroy(rt, &rt->builtin.textures);
-    rt->core.has_scene = false;
+    rt->core.has_scene = rt->core.has_objects = false;
     rt->index_count = 0;
 }

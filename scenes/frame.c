@@ -1,6 +1,7 @@
 /* Camera and light matrices of a scene: everything in struct dt_frame that depends on the scene
  * and the aspect ratio. Called by the app once per frame. Right-handed, clip space with y up and
  * depth 0..1. */
+#include "mesh.h"
 #include "scene.h"
 
 #define CGLM_FORCE_DEPTH_ZERO_TO_ONE
@@ -45,9 +46,8 @@ static void depth_range(const struct scene *scene, vec3 box[2], float *near, flo
     *far = fmaxf(-box[0][2] * 1.001f, *near * 2);
 }
 
-/* Gauss-Jordan with pivots, in double: the float inverse of cglm loses digits that position
- * reconstruction needs. */
-static void inverse(const double m[4][4], float out[4][4])
+/* Gauss-Jordan with pivots. */
+void invert(const double m[4][4], float out[4][4])
 {
     double a[4][8] = {{0}};
     for (int row = 0; row < 4; row++) {
@@ -90,7 +90,7 @@ static void complete_view(struct dt_view *out, mat4 view, mat4 projection)
                 product[column][row] += (double)projection[k][row] * view[column][k];
             out->view_projection[column][row] = (float)product[column][row];
         }
-    inverse(product, out->inverse_view_projection);
+    invert(product, out->inverse_view_projection);
     memcpy(out->view, view, sizeof out->view);
     memcpy(out->projection, projection, sizeof out->projection);
 }

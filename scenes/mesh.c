@@ -275,6 +275,30 @@ static void import_corner(const struct import *import, const struct aiMesh *part
     }
     vertex->material =
         part->mMaterialIndex < import->mesh->material_count ? part->mMaterialIndex : 0;
+    vertex->object = import->mesh->object_count;
+}
+
+/* Adds an object, without bounds and triangles. */
+static void import_object(struct import *import, uint32_t index, const struct aiMatrix4x4 *m)
+{
+    struct mesh *mesh = import->mesh;
+    const struct aiMesh *part = import->source->mMeshes[index];
+    struct dt_object *object = &mesh->objects[mesh->object_count];
+    const double scale = import->scale;
+    const double columns[4][4] = {{m->a1 * scale, m->b1 * scale, m->c1 * scale, 0},
+                                  {m->a2 * scale, m->b2 * scale, m->c2 * scale, 0},
+                                  {m->a3 * scale, m->b3 * scale, m->c3 * scale, 0},
+                                  {m->a4 * scale, m->b4 * scale, m->c4 * scale, 1}};
+    bool finite = true;
+    invert(columns, object->inverse);
+    for (int i = 0; i < 16; i++) {
+        object->transform[i / 4][i % 4] = (float)columns[i / 4][i % 4];
+        finite = finite && isfinite(object->inverse[i / 4][i % 4]);
+    }
+    if (!finite)
+        memset(object->inverse, 0, sizeof object->inverse);
+    object->mesh = index;
+    object->material = part->mMaterialIndex < mesh->material_count ? part->mMaterialIndex : 0;
 }
 
 static bool import_part(struct import *import, const struct aiMesh *part,
@@ -314,7 +338,7 @@ static struct aiMatrix4x4 multiply(const struct aiMatrix4x4 *a, const struct aiM
     return product;
 }
 
-/* Counts with vertices == NULL, then fills. */
+/* Counts with vertices == NULL, then fills. An object is a mesh of a node. */
 static void walk(struct import *import, const struct aiNode *node, const struct aiMatrix4x4 *parent,
                  uint64_t *corners)
 {
@@ -322,8 +346,11 @@ static void walk(struct import *import, const struct aiNode *node, const struct 
     for (uint32_t i = 0; i < node->mNumMeshes; i++) {
         const struct aiMesh *part = import->source->mMeshes[node->mMeshes[i]];
         *corners += 3ull * part->mNumFaces;
-        if (import->mesh->vertices)
+        if (import->mesh->vertices) {
+            import_object(import, node->mMeshes[i], &matrix);
             import_part(import, part, &matrix);
+        }
+        import->mesh->object_count++;
     }
     for (uint32_t i = 0; i < node->mNumChildren; i++)
         walk(import, node->mChildren[i], &matrix, corners);
@@ -477,9 +504,10 @@ static bool import_triangles(struct import *import)
         return false;
     }
     mesh->vertices = calloc(corners ? corners : 1, sizeof *mesh->vertices);
-    if (!mesh->vertices)
+    mesh->objects = calloc(mesh->object_count + 1, sizeof *mesh->objects);
+    if (!mesh->vertices || !mesh->objects)
         return out_of_memory(import);
-    corners = 0;
+    corners = mesh->object_count = 0;
     walk(import, import->source->mRootNode, &identity, &corners);
     if (mesh->vertex_count == 0) {
         log_message(import->log, DT_ERROR, "%s: no triangle in this mesh (%u degenerate)",
@@ -530,6 +558,7 @@ void mesh_free(struct mesh *mesh)
     for (uint32_t i = 0; i < mesh->view_count; i++)
         free(mesh->views[i].name);
     free(mesh->views);
+    free(mesh->objects);
     free(mesh->textures);
     free(mesh->materials);
     free(mesh->vertices);
@@ -537,25 +566,48 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){0};
 }
 
-void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
-                 float *radius)
+/* Bounds of the triangles of `count` indices. */
+static void bound(const struct mesh *mesh, const uint32_t *indices, uint32_t count, float low[3],
+                  float high[3], float center[3], float *radius)
 {
     for (int i = 0; i < 3; i++) {
-        low[i] = high[i] = mesh->vertices[0].position[i];
-        for (uint32_t v = 1; v < mesh->vertex_count; v++) {
-            low[i] = fminf(low[i], mesh->vertices[v].position[i]);
-            high[i] = fmaxf(high[i], mesh->vertices[v].position[i]);
+        low[i] = high[i] = mesh->vertices[indices[0]].position[i];
+        for (uint32_t k = 1; k < count; k++) {
+            low[i] = fminf(low[i], mesh->vertices[indices[k]].position[i]);
+            high[i] = fmaxf(high[i], mesh->vertices[indices[k]].position[i]);
         }
         center[i] = 0.5f * low[i] + 0.5f * high[i];
     }
     double largest = 0;
-    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+    for (uint32_t k = 0; k < count; k++) {
         double square = 0;
         for (int i = 0; i < 3; i++) {
-            double offset = (double)mesh->vertices[v].position[i] - center[i];
+            double offset = (double)mesh->vertices[indices[k]].position[i] - center[i];
             square += offset * offset;
         }
         largest = square > largest ? square : largest;
     }
     *radius = nextafterf((float)sqrt(largest), INFINITY);
+}
+
+void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
+                 float *radius)
+{
+    bound(mesh, mesh->indices, mesh->index_count, low, high, center, radius);
+}
+
+/* Triangles keep the order of import, object by object; two objects share no vertex. */
+void mesh_bound_objects(struct mesh *mesh)
+{
+    for (uint32_t first = 0, end; first < mesh->index_count; first = end) {
+        uint32_t number = mesh->vertices[mesh->indices[first]].object;
+        struct dt_object *object = &mesh->objects[number];
+        float low[3], high[3];
+        end = first;
+        while (end < mesh->index_count && mesh->vertices[mesh->indices[end]].object == number)
+            end += 3;
+        object->first_index = first;
+        object->index_count = end - first;
+        bound(mesh, &mesh->indices[first], end - first, low, high, object->center, &object->radius);
+    }
 }

@@ -36,6 +36,8 @@ struct mesh {
     uint32_t material_count;
     struct mesh_texture *textures;
     uint32_t texture_count;
+    struct dt_object *objects; /* bounds and triangles: mesh_bound_objects */
+    uint32_t object_count;
     struct mesh_view *views;
     uint32_t view_count;
     uint32_t source_triangles;
@@ -55,6 +57,9 @@ bool mesh_views(struct mesh *mesh, const struct aiScene *source, const char *pat
 void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
                  float *radius);
 
+/* Completes the objects, when the triangles are final. */
+void mesh_bound_objects(struct mesh *mesh);
+
 /* Splits every edge longer than `longest_edge` in the middle, until none is left or the next round
  * would exceed `triangle_limit` triangles (a DT_WARNING reports the edge length reached). The split
  * of an edge depends only on its two end points, so neighbours agree and no cracks open. False only
@@ -72,5 +77,9 @@ bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
 /* Logs one message, formatted like printf. */
 void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* In double: the float inverse of cglm loses digits that position reconstruction needs. A singular
+ * matrix yields infinities or NaN. */
+void invert(const double m[4][4], float out[4][4]);
 
 #endif

@@ -247,6 +247,7 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
                 mesh_subdivide(&mesh, settings->subdivide * scene->radius, TRIANGLE_LIMIT, log));
     ok = ok && texture_array(&scene->data, &mesh, settings->texture_size, log);
     if (ok) {
+        mesh_bound_objects(&mesh);
         scene->source_triangles = mesh.source_triangles;
         scene->degenerate_triangles = mesh.degenerate_triangles;
         scene->data.vertices = mesh.vertices;
@@ -255,9 +256,12 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
         scene->data.index_count = mesh.index_count;
         scene->data.materials = mesh.materials;
         scene->data.material_count = mesh.material_count;
+        scene->data.objects = mesh.objects;
+        scene->data.object_count = mesh.object_count;
         mesh.vertices = NULL;
         mesh.indices = NULL;
         mesh.materials = NULL;
+        mesh.objects = NULL;
     }
     mesh_free(&mesh);
     return ok;
@@ -270,7 +274,7 @@ struct array {
     const void **data;
     size_t bytes;
 };
-enum { ARRAYS = 4 };
+enum { ARRAYS = 5 };
 
 static void arrays_of(struct scene *scene, struct array arrays[ARRAYS])
 {
@@ -279,6 +283,7 @@ static void arrays_of(struct scene *scene, struct array arrays[ARRAYS])
         {(const void **)&d->vertices, d->vertex_count * sizeof *d->vertices},
         {(const void **)&d->indices, d->index_count * sizeof *d->indices},
         {(const void **)&d->materials, d->material_count * sizeof *d->materials},
+        {(const void **)&d->objects, d->object_count * sizeof *d->objects},
         {(const void **)&d->texels, scene_texel_bytes(d)},
     };
     memcpy(arrays, all, sizeof all);
@@ -309,6 +314,7 @@ static bool read_mesh(struct scene *scene, FILE *result, const struct dt_log *lo
         from.data.vertices = NULL;
         from.data.indices = NULL;
         from.data.materials = NULL;
+        from.data.objects = NULL;
         from.data.texels = NULL;
         *scene = from;
         arrays_of(scene, arrays);
@@ -361,6 +367,7 @@ bool scene_none(struct scene *scene, const struct dt_log *log)
     struct dt_vertex *vertices = calloc(1, sizeof *vertices);
     uint32_t *indices = calloc(3, sizeof *indices);
     struct dt_material *materials = calloc(1, sizeof *materials);
+    struct dt_object *objects = calloc(1, sizeof *objects);
     uint8_t *texels = calloc(4, 1);
     *scene = (struct scene){
         .data = {.vertices = vertices,
@@ -369,6 +376,8 @@ bool scene_none(struct scene *scene, const struct dt_log *log)
                  .index_count = 3,
                  .materials = materials,
                  .material_count = 1,
+                 .objects = objects,
+                 .object_count = 1,
                  .texels = texels,
                  .texture_width = 1,
                  .texture_height = 1,
@@ -384,7 +393,7 @@ bool scene_none(struct scene *scene, const struct dt_log *log)
         .bounds_max = {1, 1, 1},
         .radius = 1.7320508f,
     };
-    if (vertices && indices && materials && texels)
+    if (vertices && indices && materials && objects && texels)
         return true;
     log_message(log, DT_ERROR, "out of memory");
     scene_free(scene);
@@ -417,6 +426,7 @@ void scene_free(struct scene *scene)
     free((void *)scene->data.vertices);
     free((void *)scene->data.indices);
     free((void *)scene->data.materials);
+    free((void *)scene->data.objects);
     free((void *)scene->data.texels);
     free(scene->path);
     motion_free(scene->motion);

@@ -164,6 +164,7 @@ static void name_resources(void)
     tape_name((uint64_t)builtin->vertices.handle, "scene_vertices");
     tape_name((uint64_t)builtin->indices.handle, "scene_indices");
     tape_name((uint64_t)builtin->materials.handle, "scene_materials");
+    tape_name((uint64_t)builtin->objects.handle, "scene_objects");
     tape_name((uint64_t)builtin->textures.handle, "scene_textures");
     tape_name((uint64_t)builtin->frame.handle, "frame");
     tape_name((uint64_t)builtin->live.handle, "live");

@@ -84,6 +84,56 @@ check_status 1 "... or are refused by an assertion there" appended 1 --set third
 check "... also with OpenGL" "$diptych" compare --scene "$scene" --spec "$specs/parts.yaml" --size 4x4 --backend gl,vk,gl+glsl
 check "the files are known to a dump" grep -q '"parts/third.yaml"' "$work/parts/manifest.json"
 
+# Three instances of a triangle: two side by side, one behind the camera.
+/usr/bin/python3 - "$work" <<'PYTHON'
+import json, struct, sys
+with open(f"{sys.argv[1]}/triangle.bin", "wb") as file:
+    file.write(struct.pack("9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))
+nodes = [{"mesh": 0, "translation": [-2, 0, 0]}, {"mesh": 0, "translation": [1, -1, 0], "scale": [1, 2, 1]},
+         {"mesh": 0, "translation": [0, 0, 20]}]
+with open(f"{sys.argv[1]}/instances.gltf", "w") as file:
+    json.dump({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}], "nodes": nodes,
+               "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+               "buffers": [{"uri": "triangle.bin", "byteLength": 36}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+               "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                              "min": [0, 0, 0], "max": [1, 1, 0]}]}, file)
+PYTHON
+cat >"$work/instances.yaml" <<'SCENE'
+mesh: instances.gltf
+camera: {eye: [0, 0, 5], target: [0, 0, 0], fov_y: 60}
+light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}
+SCENE
+objects=(--scene "$work/instances.yaml" --spec "$specs/objects.yaml" --size 160x120)
+check "objects are the same on both backends" "$diptych" compare "${objects[@]}" --backend gl,vk,gl+glsl --debug
+# shellcheck disable=SC2317
+instances() {
+    "$diptych" render "${objects[@]}" --backend vk --dump "$work/objects" || return
+    /usr/bin/python3 - "$work/objects" <<'PYTHON'
+import array, struct, sys
+read = lambda name: open(f"{sys.argv[1]}/{name}.raw", "rb").read()
+draws = [struct.unpack_from("5I", read("00.cull.draws"), 20 * i) for i in range(4)]
+count, *meshes, triangles = struct.unpack("5I", read("00.cull.told"))
+print(draws, count, meshes, triangles)
+assert count == 3 and meshes == [0, 0, 0]
+(first, second, behind, none), drawn = draws, sum(draw[0] for draw in draws)
+assert first[2] == 0 and second[2] == first[0] > 3 and behind[0] == none[0] == 0 and drawn < 3 * triangles
+labels, local = array.array("I", read("01.see.label")), array.array("f", read("01.see.local"))
+seen = [0, 0]
+for i, label in enumerate(labels):
+    if label == 99:
+        continue
+    seen[label] += 1
+    x, y, z, w = local[4 * i:4 * i + 4]
+    assert (i % 160 >= 80) == (label == 1), i
+    assert w == 1 and abs(z) < 1e-5 and min(x, y, 1 - x - y) > -1e-5, (x, y, z)
+print(seen)
+# 120 texels are 2 * 5 * tan(30 degrees) high; the second is twice the first
+area = 0.5 * (120 / 5.7735) ** 2
+assert abs(seen[0] - area) < 0.1 * area and abs(seen[1] - 2 * area) < 0.1 * area
+PYTHON
+}
+check "... each with its triangles, its place and its mesh" instances
+
 # A fault in a texel of a mip above 0 that no later pass reads. (bisect_test.sh has faults in buffers, images and layers.)
 mkdir -p "$work/mip"
 cp "$specs"/mips* "$work/mip/"

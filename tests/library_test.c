@@ -184,7 +184,8 @@ static void make_geometry(void)
         .vertices = {vk.geometry, 0, 3 * sizeof *vertices},
         .indices = {vk.geometry, 4096, 3 * sizeof *indices},
         .index_count = 3,
-        .materials = {vk.geometry, 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)}};
+        .materials = {vk.geometry, 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)},
+        .objects = {vk.geometry, 81920, sizeof(struct dt_object)}};
 }
 
 static int open_vulkan(void **state)
@@ -441,8 +442,12 @@ static void vulkan_tells_wrong_calls(void **state)
     scene = vk.scene;
     scene.materials.size = 32;
     REFUSED(dt_vk_import_scene(rt, &scene), "scene_materials");
-    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    scene = vk.scene;
+    scene.objects.buffer = VK_NULL_HANDLE;
+    assert_true(dt_vk_import_scene(rt, &scene));
     assert_true(dt_vk_create(rt, &features_vk));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
+    assert_true(dt_vk_import_scene(rt, &vk.scene));
     REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "call resize first");
     REFUSED(dt_vk_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_vk_resize(rt, 0, HEIGHT), "frame of 0x16");
@@ -1037,7 +1042,8 @@ static struct dt_gl_scene gl_scene(void)
         .vertices = {buffers[0], 0, 3 * sizeof(struct dt_vertex)},
         .indices = {buffers[1], 0, 12},
         .index_count = 3,
-        .materials = {buffers[0], 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)}};
+        .materials = {buffers[0], 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)},
+        .objects = {buffers[0], 81920, sizeof(struct dt_object)}};
 }
 
 static GLuint texture_of(GLenum format, GLsizei width)
@@ -1072,8 +1078,12 @@ static void opengl_tells_wrong_calls(void **state)
     scene = right;
     scene.materials.size = 32;
     REFUSED(dt_gl_import_scene(rt, &scene), "scene materials");
-    assert_true(dt_gl_import_scene(rt, &right));
+    scene = right;
+    scene.objects.buffer = 0;
+    assert_true(dt_gl_import_scene(rt, &scene));
     assert_true(dt_gl_create(rt, &features_gl));
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
+    assert_true(dt_gl_import_scene(rt, &right));
     REFUSED(dt_gl_record(rt, &frame, NULL), "call resize first");
     REFUSED(dt_gl_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_MEMORY, 1), "no image");

@@ -246,6 +246,14 @@ static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
     scene_free(&scene);
 }
 
+static void assert_vector(const float v[3], double x, double y, double z)
+{
+    const double expected[3] = {x, y, z};
+    for (int i = 0; i < 3; i++)
+        if (fabs((double)v[i] - expected[i]) > 1e-5)
+            fail_msg("[%d] is %g, not %g", i, (double)v[i], expected[i]);
+}
+
 static void put_triangle(const char *name)
 {
     const float positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -276,7 +284,15 @@ static void gltf_nodes_are_flattened(void **state)
     assert_true(scene.bounds_min[0] == 8 && scene.bounds_max[0] == 10 && scene.bounds_max[1] == 3);
     /* A mirror turns the winding; the front must stay +z. */
     assert_true(area_vector(&scene, 0).z > 0 && vertex_normal(&scene, 0).z > 0.999);
-    const float *albedo = scene.data.materials[scene.data.vertices[0].material].albedo;
+    assert_int_equal(scene.data.object_count, 1);
+    const struct dt_object *object = &scene.data.objects[0];
+    assert_vector(object->transform[0], -2, 0, 0);
+    assert_vector(object->transform[3], 10, 0, 0);
+    assert_vector(object->inverse[3], 5, 0, 0);
+    assert_vector(object->center, 9, 1.5, 0);
+    assert_true(fabs((double)object->radius - sqrt(1 + 1.5 * 1.5)) < 1e-5);
+    assert_true(object->first_index == 0 && object->index_count == 3 && object->mesh == 0);
+    const float *albedo = scene.data.materials[object->material].albedo;
     assert_true(albedo[0] == 0.25f && albedo[1] == 0.5f && albedo[2] == 0.75f);
     scene_free(&scene);
 }
@@ -303,14 +319,6 @@ static const char viewed_gltf[] =
     "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
     "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
     "\"min\":[0,0,0],\"max\":[1,1,0]}]}";
-
-static void assert_vector(const float v[3], double x, double y, double z)
-{
-    const double expected[3] = {x, y, z};
-    for (int i = 0; i < 3; i++)
-        if (fabs((double)v[i] - expected[i]) > 1e-5)
-            fail_msg("[%d] is %g, not %g", i, (double)v[i], expected[i]);
-}
 
 static void put_viewed_gltf(void)
 {

@@ -228,6 +228,7 @@ void hash_scene(uint64_t *hash, const struct dt_scene *scene)
     hash_bytes(hash, scene->vertices, scene->vertex_count * sizeof *scene->vertices);
     hash_bytes(hash, scene->indices, scene->index_count * sizeof *scene->indices);
     hash_bytes(hash, scene->materials, scene->material_count * sizeof *scene->materials);
+    hash_bytes(hash, scene->objects, scene->object_count * sizeof *scene->objects);
     hash_bytes(hash, scene->texels, scene_texel_bytes(scene));
 }
 

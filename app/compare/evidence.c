@@ -249,6 +249,7 @@ static bool write_scene(const struct writing *writing)
     cJSON_AddNumberToObject(entry, "vertices", scene->vertex_count);
     cJSON_AddNumberToObject(entry, "indices", scene->index_count);
     cJSON_AddNumberToObject(entry, "materials", scene->material_count);
+    cJSON_AddNumberToObject(entry, "objects", scene->object_count);
     cJSON_AddNumberToObject(entry, "texture_width", scene->texture_width);
     cJSON_AddNumberToObject(entry, "texture_height", scene->texture_height);
     cJSON_AddNumberToObject(entry, "texture_layers", scene->texture_layers);
@@ -260,6 +261,8 @@ static bool write_scene(const struct writing *writing)
                         scene->index_count * sizeof *scene->indices) &&
            folder_write(folder, "scene/materials.raw", scene->materials,
                         scene->material_count * sizeof *scene->materials) &&
+           folder_write(folder, "scene/objects.raw", scene->objects,
+                        scene->object_count * sizeof *scene->objects) &&
            folder_write(folder, "scene/texels.raw", scene->texels, scene_texel_bytes(scene));
 }
 

@@ -235,13 +235,18 @@ static bool check_scene(const struct evidence_case *evidence)
     for (uint32_t i = 0; good && i < scene->index_count; i++)
         good = scene->indices[i] < scene->vertex_count;
     for (uint32_t i = 0; good && i < scene->vertex_count; i++)
-        good = scene->vertices[i].material < scene->material_count;
+        good = scene->vertices[i].material < scene->material_count &&
+               scene->vertices[i].object < scene->object_count;
+    for (uint32_t i = 0; good && i < scene->object_count; i++)
+        good = scene->objects[i].material < scene->material_count &&
+               (uint64_t)scene->objects[i].first_index + scene->objects[i].index_count <=
+                   scene->index_count;
     for (uint32_t i = 0; good && i < scene->material_count; i++)
         good = scene->materials[i].texture < (int32_t)scene->texture_layers;
     if (!good)
         report_error(log_of(evidence),
-                     "%s: its scene names vertices, materials or textures that it "
-                     "does not have: the folder is damaged",
+                     "%s: its scene names vertices, materials, objects or textures that "
+                     "it does not have: the folder is damaged",
                      evidence->folder);
     return good;
 }
@@ -266,6 +271,7 @@ static bool read_scene(struct evidence_case *evidence)
     if (!read_number(evidence, entry, "vertices", &scene->vertex_count) ||
         !read_number(evidence, entry, "indices", &scene->index_count) ||
         !read_number(evidence, entry, "materials", &scene->material_count) ||
+        !read_number(evidence, entry, "objects", &scene->object_count) ||
         !read_number(evidence, entry, "texture_width", &scene->texture_width) ||
         !read_number(evidence, entry, "texture_height", &scene->texture_height) ||
         !read_number(evidence, entry, "texture_layers", &scene->texture_layers) ||
@@ -281,7 +287,10 @@ static bool read_scene(struct evidence_case *evidence)
                            ? read_exactly(evidence, "scene/materials.raw",
                                           scene->material_count * sizeof *scene->materials)
                            : NULL;
-    scene->texels = scene->materials
+    scene->objects = scene->materials ? read_exactly(evidence, "scene/objects.raw",
+                                                     scene->object_count * sizeof *scene->objects)
+                                      : NULL;
+    scene->texels = scene->objects
                         ? read_exactly(evidence, "scene/texels.raw", scene_texel_bytes(scene))
                         : NULL;
     return scene->texels && check_scene(evidence);

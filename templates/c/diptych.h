@@ -229,13 +229,14 @@ struct dt_stages {
 
 /* ---- Scene ----------------------------------------------------------------------------------- */
 
-struct dt_vertex { /* GLSL: SceneVertex in std430, nine scalars; attributes at locations 0 to 3 */
+struct dt_vertex { /* GLSL: SceneVertex in std430, ten scalars; attributes at locations 0 to 4 */
     float position[3];
     float normal[3]; /* unit */
     float uv[2];
     uint32_t material;
+    uint32_t object;
 };
-static_assert(sizeof(struct dt_vertex) == 36, "nine scalars, no padding");
+static_assert(sizeof(struct dt_vertex) == 40, "ten scalars, no padding");
 
 struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float albedo[3];    /* linear, 0..1; multiplies the texture */
@@ -244,6 +245,18 @@ struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
 };
 static_assert(sizeof(struct dt_material) == 32, "two vec4");
+
+/* A mesh of one material in one place. Shipped pipelines do not use it. */
+struct dt_object {         /* GLSL: SceneObject in std430 */
+    float transform[4][4]; /* of the mesh's own space to the scene, where the vertices are */
+    float inverse[4][4];   /* zero if there is none */
+    float center[3];       /* of the box around its vertices */
+    float radius;          /* of a sphere about the center that holds them */
+    uint32_t first_index, index_count; /* its triangles */
+    uint32_t material;
+    uint32_t mesh; /* the same number: instances of one mesh */
+};
+static_assert(sizeof(struct dt_object) == 160, "std430");
 
 /* Per scene: 64 KiB, the uniform block size that desktop devices support. */
 enum { DT_MAX_MATERIALS = 2048 };
@@ -307,6 +320,8 @@ struct dt_scene {
     uint32_t index_count;
     const struct dt_material *materials;
     uint32_t material_count;
+    const struct dt_object *objects; /* by `object` of the vertices */
+    uint32_t object_count;           /* 0 if no pass reads them */
     const uint8_t *texels; /* at least one layer of 1x1, also for a scene without textures */
     uint32_t texture_width, texture_height, texture_layers, texture_mips;
 };

@@ -392,12 +392,29 @@ static bool lacks_scene(const struct dt_core *core)
     return false;
 }
 
+/* Only a host's scene may be without objects. */
+static bool check_objects(const struct dt_core *core)
+{
+    for (uint32_t i = 0; i < core->pipeline->pass_count && !core->has_objects; i++) {
+        const struct dt_program *program = &core->panel->programs[i];
+        for (uint32_t b = 0; b < program->binding_count; b++)
+            if (program->bindings[b].resource == DT_SCENE_OBJECTS)
+                return dt_error(core,
+                                "resize: the pass %s reads scene_objects; give `objects` to "
+                                "import_scene",
+                                pass_name(core, i));
+    }
+    return true;
+}
+
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
 {
     uint32_t limit = core->limits.image_size;
     if (!core->panel || lacks_scene(core))
         return dt_error(core, "resize: no pipeline or no scene yet; create and %s come first",
                         core->hosted ? "import_scene" : "set_scene");
+    if (!check_objects(core))
+        return false;
     if (width < 1 || height < 1 || width > limit || height > limit)
         return dt_error(core, "frame of %ux%u: %s takes 1x1 to %ux%u; choose another size", width,
                         height, core->device_name, limit, limit);
@@ -828,6 +845,8 @@ static bool check_scene(const struct dt_core *core, const struct dt_scene *scene
                         core->device_name, layers, side, side);
     return check_scene_buffer(core, "scene vertices",
                               (uint64_t)scene->vertex_count * sizeof *scene->vertices) &&
+           check_scene_buffer(core, "scene objects",
+                              (uint64_t)scene->object_count * sizeof *scene->objects) &&
            check_scene_buffer(core, "scene indices",
                               (uint64_t)scene->index_count * sizeof *scene->indices);
 }

@@ -31,7 +31,7 @@ struct dt_core {
     int poison;        /* see struct dt_runtime_options */
     uint32_t messages; /* of validation or KHR_debug so far */
     bool lost;         /* a call reported a lost device */
-    bool has_scene;
+    bool has_scene, has_objects;
 
     /* The pipeline; NULL before create. */
     const struct dt_shaders *shaders;

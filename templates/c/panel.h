@@ -97,6 +97,7 @@ enum dt_builtin {
     DT_SCENE_VERTICES,  /* struct dt_vertex[] */
     DT_SCENE_INDICES,   /* uint32_t[] */
     DT_SCENE_MATERIALS, /* struct dt_material[DT_MAX_MATERIALS] */
+    DT_SCENE_OBJECTS,   /* struct dt_object[] */
     DT_SCENE_TEXTURES,  /* array texture, with a trilinear, repeating sampler */
 };
 

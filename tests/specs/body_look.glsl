@@ -18,6 +18,9 @@ void main()
     points[i].position = vec3(v.px, v.py, v.pz);
     points[i].normal = vec3(v.nx, v.ny, v.nz);
     Point p = points[i];
+    SceneObject o = scene_objects[v.object];
+    p.position += (o.transform * o.inverse * vec4(o.center, o.radius)).xyz;
+    p.normal *= float(o.first_index + o.index_count + o.material + o.mesh + uint(scene_objects.length()));
     vec4 texel = textureLod(scene_textures, vec3(v.u, v.v, 0.0), 0.0) * scene_materials[v.material].alpha_cutoff;
     float apart = near(p, p) + near(p.position, p.normal, vec3(0.0), vec3(1.0, 0.0, 0.0));
     apart += metric_dot(p.position, p.normal, vec3(0.0), vec3(1.0), 0.5, 0.5, 1.0);

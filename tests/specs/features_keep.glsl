@@ -13,6 +13,6 @@ void main()
     draw_arguments[0].index_count = uint(3 * triangles);
     draw_arguments[0].instance_count = 1u;
     draw_arguments[0].first_index = 0u;
-    draw_arguments[0].vertex_offset = 0;
+    draw_arguments[0].vertex_offset = int(scene_objects[0].first_index); /* 0 */
     draw_arguments[0].first_instance = 1u;
 }
