@@ -78,11 +78,23 @@ struct dt_gl_range {
     uint64_t offset, size;
 };
 
+/* One attribute of the vertices: a float vector or uint as in struct dt_vertex, every `stride` bytes
+ * from `offset` on. Both are multiples of 4; a stride is at most 2048. */
+struct dt_gl_attribute {
+    unsigned buffer;
+    uint64_t offset;
+    uint32_t stride;
+};
+
 /* The scene that passes draw and read. The host owns the buffers; they must live until the next
  * import or close. The host may write them between frames; the next frame uses the new content. */
 struct dt_gl_scene {
-    struct dt_gl_range vertices; /* struct dt_vertex[] */
-    struct dt_gl_range indices;  /* uint32_t[], three per triangle; offset 0 */
+    /* struct dt_vertex[]; buffer 0: no pass reads scene_vertices, and `attributes` has all that
+     * draws read */
+    struct dt_gl_range vertices;
+    /* of a layout of the host's own, in place of a field of `vertices`; buffer 0: none */
+    struct dt_gl_attribute attributes[DT_ATTRIBUTES];
+    struct dt_gl_range indices; /* uint32_t[], three per triangle; offset 0 */
     uint32_t index_count;
     /* struct dt_material[DT_MAX_MATERIALS]; unused elements may have any content */
     struct dt_gl_range materials;

@@ -107,15 +107,16 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
     struct dt_gl_range materials = scene->materials;
     if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* the uniform block */
         materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
-    return import_buffer(rt, &builtin->vertices, "scene vertices", &scene->vertices,
-                         sizeof(struct dt_vertex)) &&
+    return ((!scene->vertices.buffer && scene->attributes[DT_POSITION].buffer) ||
+            import_buffer(rt, &builtin->vertices, "scene vertices", &scene->vertices,
+                          sizeof(struct dt_vertex))) &&
            import_buffer(rt, &builtin->indices, "scene indices", &scene->indices,
                          (uint64_t)scene->index_count * sizeof(uint32_t)) &&
            import_buffer(rt, &builtin->materials, "scene materials", &materials,
                          DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
            (!scene->objects.buffer || import_buffer(rt, &builtin->objects, "scene objects",
                                                     &scene->objects, sizeof(struct dt_object))) &&
-           import_textures(rt, scene->textures) && gl_scene_describe(rt);
+           import_textures(rt, scene->textures) && gl_scene_describe(rt, scene->attributes);
 }
 
 bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)

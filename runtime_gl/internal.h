@@ -217,7 +217,8 @@ bool gl_resume(struct dt_core *core);
 /* ---- scene.c --------------------------------------------------------------------------------- */
 
 bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene); /* replaces the old one */
-bool gl_scene_describe(struct gl_runtime *rt);                            /* creates scene_input */
+bool gl_scene_describe(struct gl_runtime *rt,
+                       const struct dt_gl_attribute given[DT_ATTRIBUTES]); /* creates scene_input */
 void gl_scene_destroy(struct gl_runtime *rt);
 
 /* ---- present.c: the verbs of a window; readback.c -------------------------------------------- */

@@ -47,28 +47,37 @@ static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)
     return true;
 }
 
-bool gl_scene_describe(struct gl_runtime *rt)
+/* Every attribute has a binding of its own. */
+bool gl_scene_describe(struct gl_runtime *rt, const struct dt_gl_attribute given[DT_ATTRIBUTES])
 {
-    const char *name = "scene vertices";
-    if (!GL(rt, name, CreateVertexArrays(1, &rt->scene_input)))
+    static const GLint components[DT_ATTRIBUTES] = {3, 3, 2, 1, 1};
+    const struct gl_buffer *vertices = &rt->builtin.vertices;
+    rt->core.has_vertices = vertices->handle;
+    rt->core.attributes = 0;
+    if (!GL(rt, "scene vertices", CreateVertexArrays(1, &rt->scene_input)))
         return false;
     GLuint input = rt->scene_input;
-    const GLint components[] = {3, 3, 2};
-    const GLuint offsets[] = {offsetof(struct dt_vertex, position),
-                              offsetof(struct dt_vertex, normal), offsetof(struct dt_vertex, uv)};
-    for (GLuint i = 0; i < DT_ARRAY_COUNT(components); i++)
-        rt->gl.VertexArrayAttribFormat(input, i, components[i], GL_FLOAT, GL_FALSE, offsets[i]);
-    rt->gl.VertexArrayAttribIFormat(input, 3, 1, GL_UNSIGNED_INT,
-                                    offsetof(struct dt_vertex, material));
-    rt->gl.VertexArrayAttribIFormat(input, 4, 1, GL_UNSIGNED_INT,
-                                    offsetof(struct dt_vertex, object));
-    for (GLuint i = 0; i < 5; i++) {
-        rt->gl.VertexArrayAttribBinding(input, i, 0);
+    for (GLuint i = 0; i < DT_ATTRIBUTES; i++) {
+        const struct dt_gl_attribute own = {vertices->handle,
+                                            (uint64_t)vertices->offset + dt_attributes[i].offset,
+                                            sizeof(struct dt_vertex)};
+        const struct dt_gl_attribute *from = given[i].buffer ? &given[i] : &own;
+        if (!from->buffer)
+            continue;
+        if (!dt_front_attribute(&rt->core, (int)i, from->offset, from->stride))
+            return false;
+        if (i < DT_MATERIAL)
+            rt->gl.VertexArrayAttribFormat(input, i, components[i], GL_FLOAT, GL_FALSE, 0);
+        else
+            rt->gl.VertexArrayAttribIFormat(input, i, components[i], GL_UNSIGNED_INT, 0);
+        rt->gl.VertexArrayAttribBinding(input, i, i);
         rt->gl.EnableVertexArrayAttrib(input, i);
+        if (!GL(rt, dt_attributes[i].name,
+                VertexArrayVertexBuffer(input, i, from->buffer, (GLintptr)from->offset,
+                                        (GLsizei)from->stride)))
+            return false;
     }
-    return GL(rt, name,
-              VertexArrayVertexBuffer(input, 0, rt->builtin.vertices.handle,
-                                      rt->builtin.vertices.offset, sizeof(struct dt_vertex)));
+    return true;
 }
 
 bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
@@ -76,8 +85,8 @@ bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
     struct gl_runtime *rt = (struct gl_runtime *)core;
     gl_scene_destroy(rt);
     rt->index_count = scene->index_count;
-    core->has_scene =
-        upload_buffers(rt, scene) && upload_textures(rt, scene) && gl_scene_describe(rt);
+    core->has_scene = upload_buffers(rt, scene) && upload_textures(rt, scene) &&
+                      gl_scene_describe(rt, (const struct dt_gl_attribute[DT_ATTRIBUTES]){0});
     core->has_objects = core->has_scene;
     return core->has_scene;
 }

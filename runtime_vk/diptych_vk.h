@@ -97,10 +97,22 @@ struct dt_vk_range {
     VkDeviceSize offset, size;
 };
 
+/* One attribute of the vertices: a float vector or uint as in struct dt_vertex, every `stride` bytes
+ * from `offset` on. Both are multiples of 4; a stride is at most 2048. Usage VERTEX_BUFFER. */
+struct dt_vk_attribute {
+    VkBuffer buffer;
+    VkDeviceSize offset;
+    uint32_t stride;
+};
+
 /* The scene that passes draw and read. The host owns the buffers; they must live until the next
  * import or close. The host may write them between frames; the next frame uses the new content. */
 struct dt_vk_scene {
-    struct dt_vk_range vertices; /* struct dt_vertex[]; usage VERTEX_BUFFER and STORAGE_BUFFER */
+    /* struct dt_vertex[]; usage VERTEX_BUFFER and STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads
+     * scene_vertices, and `attributes` has all that draws read */
+    struct dt_vk_range vertices;
+    /* of a layout of the host's own, in place of a field of `vertices`; VK_NULL_HANDLE: none */
+    struct dt_vk_attribute attributes[DT_ATTRIBUTES];
     /* uint32_t[], three per triangle; usage INDEX_BUFFER and STORAGE_BUFFER; lavapipe: offset 0 */
     struct dt_vk_range indices;
     uint32_t index_count;

@@ -25,7 +25,7 @@
     X(CmdBindDescriptorSets)                                                                       \
     X(CmdBindIndexBuffer)                                                                          \
     X(CmdBindPipeline)                                                                             \
-    X(CmdBindVertexBuffers)                                                                        \
+    X(CmdBindVertexBuffers2)                                                                       \
     X(CmdClearColorImage)                                                                          \
     X(CmdClearDepthStencilImage)                                                                   \
     X(CmdCopyBuffer)                                                                               \

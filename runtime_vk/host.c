@@ -168,8 +168,10 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
     struct vk_builtin *builtin = &rt->builtin;
     release_scene(rt);
     if (!dt_front_import_scene(&rt->core, scene->index_count) ||
-        !import_buffer(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
-                       sizeof(struct dt_vertex)) ||
+        ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
+         !import_buffer(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
+                        sizeof(struct dt_vertex))) ||
+        !vk_scene_attributes(rt, scene->attributes) ||
         !import_buffer(rt, &builtin->indices, "scene_indices", &scene->indices,
                        (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
         !import_buffer(rt, &builtin->materials, "scene_materials", &scene->materials,

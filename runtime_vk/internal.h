@@ -55,6 +55,7 @@ struct vk_program {
 struct vk_builtin {
     struct vk_buffer frame, live; /* uniform blocks */
     struct vk_buffer vertices, indices, materials, objects;
+    struct dt_vk_attribute attributes[DT_ATTRIBUTES]; /* those that the scene lacks: any other */
     struct vk_image textures;
     VkSampler texture_sampler; /* trilinear, repeat */
     VkSampler texel_sampler;   /* for texelFetch, without filtering */
@@ -288,6 +289,8 @@ void vk_builtin_destroy(struct vk_runtime *rt);
 /* Functions of struct dt_backend. */
 bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
+/* Where the scene's attributes stand: as given, else in the vertices. False after an error. */
+bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute given[DT_ATTRIBUTES]);
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene);
 bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
 bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,

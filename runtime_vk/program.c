@@ -136,23 +136,26 @@ static bool create_compute(struct vk_runtime *rt, struct vk_program *program,
     return ok;
 }
 
-static const VkVertexInputBindingDescription vertex_binding = {0, sizeof(struct dt_vertex),
-                                                               VK_VERTEX_INPUT_RATE_VERTEX};
-static const VkVertexInputAttributeDescription vertex_attributes[] = {
-    {0, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(struct dt_vertex, position)},
-    {1, 0, VK_FORMAT_R32G32B32_SFLOAT, offsetof(struct dt_vertex, normal)},
-    {2, 0, VK_FORMAT_R32G32_SFLOAT, offsetof(struct dt_vertex, uv)},
-    {3, 0, VK_FORMAT_R32_UINT, offsetof(struct dt_vertex, material)},
-    {4, 0, VK_FORMAT_R32_UINT, offsetof(struct dt_vertex, object)},
+/* Every attribute has a binding of its own, whose stride comes with the scene. */
+static const VkVertexInputAttributeDescription vertex_attributes[DT_ATTRIBUTES] = {
+    {DT_POSITION, DT_POSITION, VK_FORMAT_R32G32B32_SFLOAT, 0},
+    {DT_NORMAL, DT_NORMAL, VK_FORMAT_R32G32B32_SFLOAT, 0},
+    {DT_UV, DT_UV, VK_FORMAT_R32G32_SFLOAT, 0},
+    {DT_MATERIAL, DT_MATERIAL, VK_FORMAT_R32_UINT, 0},
+    {DT_OBJECT, DT_OBJECT, VK_FORMAT_R32_UINT, 0},
 };
 
 /* Those that the vertex shader reads: the validation layer names every other. */
-static uint32_t read_attributes(VkVertexInputAttributeDescription *attributes, uint8_t read)
+static uint32_t read_attributes(VkVertexInputAttributeDescription *attributes,
+                                VkVertexInputBindingDescription *bindings, uint8_t read)
 {
     uint32_t count = 0;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(vertex_attributes); i++)
-        if (read >> vertex_attributes[i].location & 1)
-            attributes[count++] = vertex_attributes[i];
+    for (uint32_t i = 0; i < DT_ATTRIBUTES; i++) {
+        if (!(read >> i & 1))
+            continue;
+        bindings[count] = (VkVertexInputBindingDescription){i, 0, VK_VERTEX_INPUT_RATE_VERTEX};
+        attributes[count++] = vertex_attributes[i];
+    }
     return count;
 }
 
@@ -182,13 +185,9 @@ static const VkPipelineMultisampleStateCreateInfo one_sample = {
     .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
     .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT,
 };
-static const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT,
-                                                VK_DYNAMIC_STATE_SCISSOR};
-static const VkPipelineDynamicStateCreateInfo dynamic_state = {
-    .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-    .dynamicStateCount = DT_ARRAY_COUNT(dynamic_states),
-    .pDynamicStates = dynamic_states,
-};
+/* The last one only with attributes. */
+static const VkDynamicState dynamic_states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                                VK_DYNAMIC_STATE_VERTEX_INPUT_BINDING_STRIDE};
 
 static VkPipelineColorBlendAttachmentState blend_state(const struct dt_target *target)
 {
@@ -228,13 +227,20 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
                                      const VkPipelineShaderStageCreateInfo stages[2])
 {
     const struct dt_program *state = info->state;
-    VkVertexInputAttributeDescription attributes[DT_ARRAY_COUNT(vertex_attributes)];
+    VkVertexInputAttributeDescription attributes[DT_ATTRIBUTES];
+    VkVertexInputBindingDescription bindings[DT_ATTRIBUTES];
+    uint32_t attribute_count = read_attributes(attributes, bindings, state->attributes);
     VkPipelineVertexInputStateCreateInfo vertex_input = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
-        .vertexBindingDescriptionCount = state->attributes != 0,
-        .pVertexBindingDescriptions = &vertex_binding,
-        .vertexAttributeDescriptionCount = read_attributes(attributes, state->attributes),
+        .vertexBindingDescriptionCount = attribute_count,
+        .pVertexBindingDescriptions = bindings,
+        .vertexAttributeDescriptionCount = attribute_count,
         .pVertexAttributeDescriptions = attributes,
+    };
+    VkPipelineDynamicStateCreateInfo dynamic_state = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+        .dynamicStateCount = DT_ARRAY_COUNT(dynamic_states) - !attribute_count,
+        .pDynamicStates = dynamic_states,
     };
     VkPipelineInputAssemblyStateCreateInfo assembly = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,

@@ -100,7 +100,8 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
                       scene->material_count * sizeof *scene->materials) &&
         upload_buffer(rt, &builtin->objects, &objects, scene->objects,
                       scene->object_count * sizeof *scene->objects) &&
-        upload_textures(rt, scene);
+        upload_textures(rt, scene) &&
+        vk_scene_attributes(rt, (const struct dt_vk_attribute[DT_ATTRIBUTES]){0});
     core->has_objects = core->has_scene;
     rt->index_count = scene->index_count;
     vk_buffer_destroy(rt, &rt->staging); /* as large as the scene: free it */

@@ -288,10 +288,42 @@ static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t
     rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
 }
 
-static void bind_scene(const struct vk_runtime *rt, const struct vk_buffer *indices)
+bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute given[DT_ATTRIBUTES])
 {
     const struct vk_buffer *vertices = &rt->builtin.vertices;
-    rt->vk.CmdBindVertexBuffers(rt->frame_commands, 0, 1, &vertices->handle, &vertices->offset);
+    struct dt_vk_attribute *attributes = rt->builtin.attributes, any = {0};
+    rt->core.has_vertices = vertices->handle;
+    rt->core.attributes = 0;
+    for (int i = 0; i < DT_ATTRIBUTES; i++) {
+        attributes[i] = given[i].buffer
+                            ? given[i]
+                            : (struct dt_vk_attribute){vertices->handle,
+                                                       vertices->offset + dt_attributes[i].offset,
+                                                       sizeof(struct dt_vertex)};
+        if (!attributes[i].buffer)
+            continue;
+        if (!dt_front_attribute(&rt->core, i, attributes[i].offset, attributes[i].stride))
+            return false;
+        any = attributes[i];
+    }
+    for (int i = 0; i < DT_ATTRIBUTES; i++)
+        if (!attributes[i].buffer)
+            attributes[i] = any;
+    return true;
+}
+
+/* One binding for each attribute. */
+static void bind_scene(const struct vk_runtime *rt, const struct vk_buffer *indices)
+{
+    VkBuffer buffers[DT_ATTRIBUTES];
+    VkDeviceSize offsets[DT_ATTRIBUTES], strides[DT_ATTRIBUTES];
+    for (int i = 0; i < DT_ATTRIBUTES; i++) {
+        buffers[i] = rt->builtin.attributes[i].buffer;
+        offsets[i] = rt->builtin.attributes[i].offset;
+        strides[i] = rt->builtin.attributes[i].stride;
+    }
+    rt->vk.CmdBindVertexBuffers2(rt->frame_commands, 0, DT_ATTRIBUTES, buffers, offsets, NULL,
+                                 strides);
     rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, indices->offset,
                               VK_INDEX_TYPE_UINT32);
 }

@@ -496,6 +496,64 @@ static void vulkan_forgets_what_was_not_submitted(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+/* ---- Vertices of another layout -------------------------------------------------------------- */
+
+enum { OWN_POSITIONS = 98304, OWN_REST = OWN_POSITIONS + 256, OWN_BYTES = 24 };
+static const uint32_t own_places[] = {[DT_NORMAL] = 0, [DT_UV] = 12, [DT_MATERIAL] = 20};
+
+/* The triangle once more: positions 16 bytes apart; normal, uv and material in 24 bytes. */
+static void lay_out(float normal_x)
+{
+    const struct dt_vertex *vertices = vk.bytes;
+    char *bytes = vk.bytes;
+    for (uint32_t i = 0; i < 3; i++) {
+        char *rest = bytes + OWN_REST + i * (size_t)OWN_BYTES;
+        memcpy(bytes + OWN_POSITIONS + 16 * i, vertices[i].position, 12);
+        memcpy(rest, vertices[i].normal, 12);
+        memcpy(rest, &normal_x, 4);
+        memcpy(rest + 12, vertices[i].uv, 8);
+        memcpy(rest + 20, &vertices[i].material, 4);
+    }
+}
+
+static void vulkan_draw(const struct dt_vk_scene *scene, uint8_t trail[TRAIL_BYTES])
+{
+    struct dt_vk_host host = vk_host();
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, &features_vk) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, trail);
+    dt_vk_close(rt);
+}
+
+static void vulkan_draws_vertices_of_another_layout(void **state)
+{
+    (void)state;
+    static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
+    struct dt_vk_scene scene = vk.scene;
+    scene.vertices = (struct dt_vk_range){VK_NULL_HANDLE, 0, 0};
+    scene.attributes[DT_POSITION] = (struct dt_vk_attribute){vk.geometry, OWN_POSITIONS, 16};
+    for (int i = DT_NORMAL; i <= DT_MATERIAL; i++)
+        scene.attributes[i] =
+            (struct dt_vk_attribute){vk.geometry, OWN_REST + own_places[i], OWN_BYTES};
+    vulkan_draw(&vk.scene, wanted);
+    lay_out(0);
+    vulkan_draw(&scene, found);
+    assert_memory_equal(wanted, found, TRAIL_BYTES);
+    lay_out(1); /* other normals */
+    vulkan_draw(&scene, found);
+    assert_memory_not_equal(wanted, found, TRAIL_BYTES);
+    assert_int_equal(heard.validation, 0);
+
+    struct vk_runtime *rt = open_features();
+    scene.attributes[DT_NORMAL].buffer = VK_NULL_HANDLE;
+    assert_true(dt_vk_import_scene(rt, &scene));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "the pass scene reads vertex_normal");
+    scene.attributes[DT_UV].stride = 6;
+    REFUSED(dt_vk_import_scene(rt, &scene), "vertex_uv: offset 98572 and stride 6");
+    dt_vk_close(rt);
+}
+
 /* An indirect draw with the scene's own indices, which `features` has none of. */
 static bool record_scene_indirect(const struct dt_recording *r)
 {
@@ -1129,6 +1187,40 @@ static void opengl_needs_no_scene_that_nobody_sees(void **state)
     dt_gl_close(rt);
 }
 
+static void opengl_draw(const struct dt_gl_scene *scene, uint8_t trail[TRAIL_BYTES])
+{
+    PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
+    struct dt_frame frame = frame_of(0);
+    struct dt_gl_resource resource = {0};
+    struct gl_runtime *rt =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_true(rt && dt_gl_import_scene(rt, scene) && dt_gl_create(rt, &features_gl) &&
+                dt_gl_resize(rt, WIDTH, HEIGHT) && dt_gl_record(rt, &frame, NULL) &&
+                dt_gl_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+    get(resource.texture, 0, GL_RGBA, GL_FLOAT, TRAIL_BYTES, trail);
+    dt_gl_close(rt);
+}
+
+static void opengl_draws_vertices_of_another_layout(void **state)
+{
+    (void)state;
+    static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
+    for (int turned = 0; turned < 2; turned++) {
+        lay_out((float)turned);
+        struct dt_gl_scene scene = gl_scene();
+        unsigned buffer = scene.vertices.buffer;
+        opengl_draw(&scene, wanted);
+        scene.vertices.buffer = 0;
+        scene.attributes[DT_POSITION] = (struct dt_gl_attribute){buffer, OWN_POSITIONS, 16};
+        for (int i = DT_NORMAL; i <= DT_MATERIAL; i++)
+            scene.attributes[i] =
+                (struct dt_gl_attribute){buffer, OWN_REST + own_places[i], OWN_BYTES};
+        opengl_draw(&scene, found);
+        assert_int_equal(memcmp(wanted, found, TRAIL_BYTES) != 0, turned);
+    }
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
 static struct gl_runtime *outside_gl_runtime;
 
 static bool opengl_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
@@ -1255,6 +1347,7 @@ int main(void)
         cmocka_unit_test(vulkan_tells_wrong_hosts),
         cmocka_unit_test(vulkan_tells_wrong_calls),
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
+        cmocka_unit_test(vulkan_draws_vertices_of_another_layout),
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
         cmocka_unit_test(vulkan_takes_times),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
@@ -1263,6 +1356,7 @@ int main(void)
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
         cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
+        cmocka_unit_test(opengl_draws_vertices_of_another_layout),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_takes_inputs),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),

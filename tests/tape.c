@@ -571,15 +571,17 @@ void vkCmdBindIndexBuffer(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSiz
     real(commands, buffer, offset, type);
 }
 
-void vkCmdBindVertexBuffers(VkCommandBuffer commands, uint32_t first, uint32_t count,
-                            const VkBuffer *buffers, const VkDeviceSize *offsets)
+void vkCmdBindVertexBuffers2(VkCommandBuffer commands, uint32_t first, uint32_t count,
+                             const VkBuffer *buffers, const VkDeviceSize *offsets,
+                             const VkDeviceSize *sizes, const VkDeviceSize *strides)
 {
-    REAL(vkCmdBindVertexBuffers);
+    REAL(vkCmdBindVertexBuffers2);
 
     tape.vertex_buffer = resource_of((uint64_t)buffers[0]);
-    if (first != 0 || count != 1)
-        tape.problem = "a second vertex buffer";
-    real(commands, first, count, buffers, offsets);
+    for (uint32_t i = 0; i < count; i++)
+        if (first != 0 || buffers[i] != buffers[0])
+            tape.problem = "a second vertex buffer";
+    real(commands, first, count, buffers, offsets, sizes, strides);
 }
 
 /* ---- Work ------------------------------------------------------------------------------------ */

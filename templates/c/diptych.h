@@ -238,6 +238,9 @@ struct dt_vertex { /* GLSL: SceneVertex in std430, ten scalars; attributes at lo
 };
 static_assert(sizeof(struct dt_vertex) == 40, "ten scalars, no padding");
 
+/* Its fields, in the order of their locations. */
+enum dt_attribute { DT_POSITION, DT_NORMAL, DT_UV, DT_MATERIAL, DT_OBJECT, DT_ATTRIBUTES };
+
 struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float albedo[3];    /* linear, 0..1; multiplies the texture */
     int32_t texture;    /* layer of scene_textures, or -1 */

@@ -392,18 +392,43 @@ static bool lacks_scene(const struct dt_core *core)
     return false;
 }
 
-/* Only a host's scene may be without objects. */
-static bool check_objects(const struct dt_core *core)
+const struct dt_field_place dt_attributes[DT_ATTRIBUTES] = {
+    [DT_POSITION] = {"vertex_position", offsetof(struct dt_vertex, position), 12},
+    [DT_NORMAL] = {"vertex_normal", offsetof(struct dt_vertex, normal), 12},
+    [DT_UV] = {"vertex_uv", offsetof(struct dt_vertex, uv), 8},
+    [DT_MATERIAL] = {"vertex_material", offsetof(struct dt_vertex, material), 4},
+    [DT_OBJECT] = {"vertex_object", offsetof(struct dt_vertex, object), 4},
+};
+
+bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride)
 {
-    for (uint32_t i = 0; i < core->pipeline->pass_count && !core->has_objects; i++) {
-        const struct dt_program *program = &core->panel->programs[i];
-        for (uint32_t b = 0; b < program->binding_count; b++)
-            if (program->bindings[b].resource == DT_SCENE_OBJECTS)
-                return dt_error(core,
-                                "resize: the pass %s reads scene_objects; give `objects` to "
-                                "import_scene",
-                                pass_name(core, i));
+    enum { MOST_STRIDE = 2048 }; /* of every OpenGL 4.6 and Vulkan 1.3 */
+    const struct dt_field_place *place = &dt_attributes[attribute];
+    core->attributes |= (uint8_t)(1u << attribute);
+    return (offset % 4 == 0 && stride % 4 == 0 && stride >= place->size && stride <= MOST_STRIDE) ||
+           dt_error(core,
+                    "%s: offset %llu and stride %u given; both are multiples of 4, the stride %u "
+                    "to %d",
+                    place->name, (unsigned long long)offset, stride, place->size, MOST_STRIDE);
+}
+
+/* A host's scene may be without objects and, as struct dt_vertex, without vertices. */
+static bool check_geometry(const struct dt_core *core, uint32_t pass)
+{
+    const struct dt_program *program = &core->panel->programs[pass];
+    for (uint32_t b = 0; b < program->binding_count; b++) {
+        uint16_t resource = program->bindings[b].resource;
+        bool objects = resource == DT_SCENE_OBJECTS;
+        if ((objects && !core->has_objects) ||
+            (resource == DT_SCENE_VERTICES && !core->has_vertices))
+            return dt_error(core, "resize: the pass %s reads scene_%s; give `%s` to import_scene",
+                            pass_name(core, pass), objects ? "objects" : "vertices",
+                            objects ? "objects" : "vertices");
     }
+    for (int i = 0; i < DT_ATTRIBUTES; i++)
+        if ((program->attributes & ~core->attributes) >> i & 1)
+            return dt_error(core, "resize: the pass %s reads %s; give it to import_scene",
+                            pass_name(core, pass), dt_attributes[i].name);
     return true;
 }
 
@@ -413,8 +438,9 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
     if (!core->panel || lacks_scene(core))
         return dt_error(core, "resize: no pipeline or no scene yet; create and %s come first",
                         core->hosted ? "import_scene" : "set_scene");
-    if (!check_objects(core))
-        return false;
+    for (uint32_t i = 0; i < core->pipeline->pass_count; i++)
+        if (!check_geometry(core, i))
+            return false;
     if (width < 1 || height < 1 || width > limit || height > limit)
         return dt_error(core, "frame of %ux%u: %s takes 1x1 to %ux%u; choose another size", width,
                         height, core->device_name, limit, limit);

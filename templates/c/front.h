@@ -28,10 +28,11 @@ struct dt_core {
     char device_name[256];
     bool hosted; /* the host owns device or context */
     bool timing, window;
-    int poison;        /* see struct dt_runtime_options */
-    uint32_t messages; /* of validation or KHR_debug so far */
-    bool lost;         /* a call reported a lost device */
-    bool has_scene, has_objects;
+    int poison;                                /* see struct dt_runtime_options */
+    uint32_t messages;                         /* of validation or KHR_debug so far */
+    bool lost;                                 /* a call reported a lost device */
+    bool has_scene, has_objects, has_vertices; /* vertices: as struct dt_vertex[] */
+    uint8_t attributes;                        /* mask by enum dt_attribute */
 
     /* The pipeline; NULL before create. */
     const struct dt_shaders *shaders;
@@ -148,6 +149,14 @@ bool dt_front_import(struct dt_core *core, uint32_t resource, bool given);
 /* Whether these bytes may replace the mip's content. */
 bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
                    const struct dt_bytes *bytes);
+/* Where an attribute stands in struct dt_vertex, and its bytes. */
+struct dt_field_place {
+    const char *name;
+    uint32_t offset, size;
+};
+extern const struct dt_field_place dt_attributes[DT_ATTRIBUTES];
+/* Whether elements of a host's buffer can be this attribute. */
+bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride);
 /* Checks that index_count fits triangles. A resize must follow. */
 bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
 bool dt_front_timings(struct dt_core *core, double *pass_ms);
