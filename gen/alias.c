@@ -18,10 +18,11 @@ static uint64_t image_bytes(const struct resource *image, uint32_t frame_width,
 
     for (uint32_t mip = 0; mip < mips && mip < 32; mip++) {
         uint64_t w = width >> mip ? width >> mip : 1, h = height >> mip ? height >> mip : 1;
+        uint32_t depth = image->shape == DT_SHAPE_3D ? layers >> mip : layers;
 
-        texels += w * h;
+        texels += w * h * (depth ? depth : 1);
     }
-    return texels * layers * format_info(image->format)->bytes;
+    return texels * format_info(image->format)->bytes;
 }
 
 uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height)
@@ -177,7 +178,7 @@ bool resource_covers(const struct resource *a, const struct resource *b)
 static bool same_texture(const struct resource *a, const struct resource *b)
 {
     return a->kind == DT_IMAGE && b->kind == DT_IMAGE && a->format == b->format &&
-           !a->layers == !b->layers && same_extent(a->width, b->width, 0) &&
+           a->shape == b->shape && !a->layers == !b->layers && same_extent(a->width, b->width, 0) &&
            same_extent(a->height, b->height, 0) && same_extent(a->layers, b->layers, 1) &&
            same_extent(a->mips, b->mips, 1);
 }

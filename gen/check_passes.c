@@ -61,7 +61,7 @@ static void check_layer(struct checker *c, const struct pass *pass, struct acces
     struct limits limits = {"the layer", access->name, EXPR_BAKED, 0, 2047};
     if (!access->layer || !access->resource)
         return;
-    if (!access->resource->layers) {
+    if (!access->resource->layers || access->resource->shape == DT_SHAPE_3D) {
         diag_error(c->diag, expr_loc(access->layer), "`%s` is no array and has no layers",
                    access->name);
         note_declared(c, access->resource);
@@ -260,9 +260,15 @@ static void check_target_layers(struct checker *c, const struct pass *pass,
                                 const struct access *target)
 {
     const struct resource *image = target->resource;
+    if (image->shape == DT_SHAPE_3D) {
+        diag_error(c->diag, target->loc,
+                   "`%s` is a 3D image, which a draw cannot write; use a dispatch, or `layers`",
+                   target->name);
+        return;
+    }
     if (!pass->layers && image->layers && !target->layer)
-        diag_error(c->diag, target->loc, "`%s` is an array, but the pass `%s` has no `layers`",
-                   target->name, pass->name);
+        diag_error(c->diag, target->loc, "`%s` is %s, but the pass `%s` has no `layers`",
+                   target->name, image->shape == DT_SHAPE_CUBE ? "a cube" : "an array", pass->name);
     else if (pass->layers && !image->layers)
         diag_error(c->diag, target->loc, "the pass `%s` is layered, but `%s` is no array",
                    pass->name, target->name);

@@ -248,7 +248,7 @@ bool image_extent(const struct resource *image, uint32_t mip, const int frame[2]
         expr_eval(image->height, frame[0], frame[1], &extent[1]) != EXPR_OK ||
         (image->layers && expr_eval(image->layers, frame[0], frame[1], &extent[2]) != EXPR_OK))
         return false;
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < (image->shape == DT_SHAPE_3D ? 3 : 2); i++)
         extent[i] = extent[i] >> mip > 1 ? extent[i] >> mip : 1;
     return true;
 }
@@ -265,7 +265,10 @@ static void check_mips(struct checker *c, const struct resource *image)
         if (expr_eval(image->mips, frame[0], frame[1], &mips) != EXPR_OK ||
             !image_extent(image, 0, frame, extent))
             return;
-        if ((extent[0] > extent[1] ? extent[0] : extent[1]) >> (mips - 1) > 0)
+        int64_t side = extent[0] > extent[1] ? extent[0] : extent[1];
+        if (image->shape == DT_SHAPE_3D && extent[2] > side)
+            side = extent[2];
+        if (side >> (mips - 1) > 0)
             continue;
         diag_error(c->diag, expr_loc(image->mips),
                    "`%s` has %d mips, more than its size of %dx%d allows at a frame of %dx%d",
@@ -274,17 +277,43 @@ static void check_mips(struct checker *c, const struct resource *image)
     }
 }
 
+/* A cube has six square faces. */
+static void check_faces(struct checker *c, const struct resource *image)
+{
+    int64_t extent[3];
+    for (int i = 0; i < FRAME_SIZES; i++) {
+        const int *frame = frame_sizes[i];
+        if (!image_extent(image, 0, frame, extent))
+            return;
+        if (extent[0] == extent[1] && extent[2] % 6 == 0)
+            continue;
+        diag_error(c->diag, extent[2] % 6 ? expr_loc(image->layers) : expr_loc(image->width),
+                   "the cube `%s` has %dx%d texels and %d layers at a frame of %dx%d; faces are "
+                   "square, and each cube has 6",
+                   image->name, (int)extent[0], (int)extent[1], (int)extent[2], frame[0], frame[1]);
+        return;
+    }
+}
+
 static void check_image(struct checker *c, struct resource *image)
 {
-    struct limits width = {"the width", image->name, EXPR_FRAME, 1, LARGEST_SIDE};
-    struct limits height = {"the height", image->name, EXPR_FRAME, 1, LARGEST_SIDE};
-    struct limits layers = {"the number of layers", image->name, EXPR_FRAME, 1, MOST_LAYERS};
+    bool volume = image->shape == DT_SHAPE_3D;
+    int64_t side = volume ? MOST_LAYERS : LARGEST_SIDE;
+    struct limits width = {"the width", image->name, EXPR_FRAME, 1, side};
+    struct limits height = {"the height", image->name, EXPR_FRAME, 1, side};
+    struct limits layers = {volume ? "the depth" : "the number of layers", image->name, EXPR_FRAME,
+                            1, MOST_LAYERS};
     bool good = check_expr(c, image->width, &width);
     good &= check_expr(c, image->height, &height);
     if (image->layers)
         good &= check_expr(c, image->layers, &layers);
     if (!good)
         image->width = image->height = NULL;
+    else if (image->shape == DT_SHAPE_CUBE || image->shape == DT_SHAPE_CUBE_ARRAY)
+        check_faces(c, image);
+    if (volume && image->format == DT_FORMAT_D32F)
+        diag_error(c->diag, image->loc, "`%s` is a 3D image, which cannot have the format d32f",
+                   image->name);
     check_mips(c, image);
 }
 

@@ -226,6 +226,12 @@ static void emit_fields(const struct c_output *c, const struct resource *resourc
 
 static void emit_resource(const struct c_output *c, uint32_t index)
 {
+    static const char *const shapes[] = {
+        [DT_SHAPE_2D] = "",
+        [DT_SHAPE_3D] = ", .shape = DT_SHAPE_3D",
+        [DT_SHAPE_CUBE] = ", .shape = DT_SHAPE_CUBE",
+        [DT_SHAPE_CUBE_ARRAY] = ", .shape = DT_SHAPE_CUBE_ARRAY",
+    };
     const struct dt_resource *resource = &c->tables->pipeline.resources[index];
     text_add(c->out, "    [");
     c_resource(c, index);
@@ -242,8 +248,9 @@ static void emit_resource(const struct c_output *c, uint32_t index)
     if (resource->kind == DT_BUFFER)
         emit_fields(c, &c->pipeline->resources[index], resource);
     else
-        text_add(c->out, ", .format = %s%s, .mips = %" PRIu32, format_info(resource->format)->dt,
-                 resource->layered ? ", .layered = true" : "", resource->mips);
+        text_add(c->out, ", .format = %s%s%s, .mips = %" PRIu32, format_info(resource->format)->dt,
+                 shapes[resource->shape], resource->layered ? ", .layered = true" : "",
+                 resource->mips);
     text_add(c->out, ",\n    },\n");
 }
 

@@ -39,9 +39,34 @@ static bool same_word(const struct access *a, const struct access *b)
     return a->resource == b->resource && !strcmp(access_word(a), access_word(b));
 }
 
-static bool is_array(const struct access *access)
+/* Whether texels have a third coordinate. */
+static bool is_layered(const struct access *access)
 {
     return access->resource->layers && !access->layer;
+}
+
+/* What GLSL calls it, between sampler or image and its ending. No texelFetch has a form for cubes:
+ * reads by texel see an array of faces. */
+static const char *dimension(const struct access *access)
+{
+    enum dt_shape shape = access->resource->shape;
+    bool faces = !is_storage(access) && !access->filter;
+    if (!is_layered(access))
+        return "2D";
+    if (shape == DT_SHAPE_2D || (shape != DT_SHAPE_3D && faces))
+        return "2DArray";
+    return shape == DT_SHAPE_3D ? "3D" : shape == DT_SHAPE_CUBE ? "Cube" : "CubeArray";
+}
+
+static bool is(const struct access *access, const char *name)
+{
+    return strcmp(dimension(access), name) == 0;
+}
+
+/* Where a sampler reads. */
+static const char *place(const struct access *access)
+{
+    return is(access, "2D") ? "vec2" : is(access, "CubeArray") ? "vec4" : "vec3";
 }
 
 /* Number of earlier accesses of this name with a binding; keeps variable names different. */
@@ -74,7 +99,7 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
     const struct resource *image = access->resource;
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
-    const char *position = is_array(access) ? "ivec3" : "ivec2";
+    const char *position = is_layered(access) ? "ivec3" : "ivec2";
     bool depth = image->format == DT_FORMAT_D32F;
     if (is_storage(access))
         text_add(out, "%svec4 %s(%s p)\n{\n    return imageLoad(%s, p);\n}\n\n", prefix,
@@ -87,14 +112,11 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
 {
-    const char *variable = variable_name(glsl, access);
-    const char *swizzle = is_array(access) ? ".xy" : "";
-    if (is_storage(access))
-        text_add(out, "ivec2 %s_size()\n{\n    return imageSize(%s)%s;\n}\n\n", access_word(access),
-                 variable, swizzle);
-    else
-        text_add(out, "ivec2 %s_size()\n{\n    return textureSize(%s, 0)%s;\n}\n\n",
-                 access_word(access), variable, swizzle);
+    const char *call = is_storage(access) ? "imageSize(" : "textureSize(";
+    const char *mip = is_storage(access) ? "" : ", 0";
+    const char *swizzle = is(access, "2DArray") || is(access, "CubeArray") ? ".xy" : "";
+    text_add(out, "ivec%d %s_size()\n{\n    return %s%s%s)%s;\n}\n\n", is(access, "3D") ? 3 : 2,
+             access_word(access), call, variable_name(glsl, access), mip, swizzle);
 }
 
 static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -102,7 +124,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     const struct resource *image = access->resource;
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
-    const char *uv = is_array(access) ? "vec3" : "vec2";
+    const char *uv = place(access);
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
@@ -120,29 +142,35 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
         text_add(out, "    return textureLod(%s, uv, 0.0)%s;\n}\n\n", variable, tail);
 }
 
-/* textureLod has no form for array shadow samplers; textureGrad with zero gradients reads the first
- * mip. */
+/* textureLod has no form for shadow samplers of arrays and cubes; textureGrad with zero gradients
+ * reads the first mip. Arrays of cubes have texture alone. */
 static void add_compare(const struct glsl *glsl, const struct access *access, struct text *out)
 {
-    const char *variable = variable_name(glsl, access);
-    if (is_array(access))
-        text_add(out,
-                 "float %s_compare(vec3 uv, float reference)\n{\n"
-                 "    return textureGrad(%s, vec4(uv, reference), vec2(0.0), vec2(0.0));\n}\n\n",
-                 access_word(access), variable);
-    else
-        text_add(out,
-                 "float %s_compare(vec2 uv, float reference)\n{\n"
-                 "    return textureLod(%s, vec3(uv, reference), 0.0);\n}\n\n",
-                 access_word(access), variable);
+    const char *call = is(access, "2D")     ? "textureLod(%s, vec3(uv, reference), 0.0)"
+                       : is(access, "Cube") ? "textureGrad(%s, vec4(uv, reference), vec3(0.0), "
+                                              "vec3(0.0))"
+                       : is(access, "CubeArray")
+                           ? "texture(%s, uv, reference)"
+                           : "textureGrad(%s, vec4(uv, reference), vec2(0.0), "
+                             "vec2(0.0))";
+    text_add(out, "float %s_compare(%s uv, float reference)\n{\n    return ", access_word(access),
+             place(access));
+    text_add(out, call, variable_name(glsl, access));
+    text_add(out, ";\n}\n\n");
 }
 
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
     text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, value);\n}\n\n",
-             access_word(access), is_array(access) ? "ivec3" : "ivec2",
+             access_word(access), is_layered(access) ? "ivec3" : "ivec2",
              format_names(image->format).prefix, variable_name(glsl, access));
+}
+
+/* Its texels have no address. */
+static bool samples_cube(const struct access *access)
+{
+    return access->filter && (is(access, "Cube") || is(access, "CubeArray"));
 }
 
 /* Whether this access defines the texel read `image(p)`. Of two accesses of this name, the one
@@ -177,7 +205,7 @@ void glsl_accessors(struct glsl *glsl)
             continue;
         if (glsl_uses(glsl, "%s_size", access_word(access)) && !earlier(glsl, access))
             add_size(glsl, access, out);
-        if (access->mode != MODE_WRITE && !is_compare(access) &&
+        if (access->mode != MODE_WRITE && !is_compare(access) && !samples_cube(access) &&
             glsl_uses(glsl, "%s", access_word(access)) && gives_texels(glsl, access) &&
             !names_target(glsl, access))
             add_texel(glsl, access, out);
@@ -197,22 +225,22 @@ static void add_image(struct glsl *glsl, const struct access *access, struct tex
 {
     const struct resource *image = access->resource;
     const struct format_names names = format_names(image->format);
-    const char *array = is_array(access) ? "Array" : "", *variable = variable_name(glsl, access);
+    const char *variable = variable_name(glsl, access);
     if (!glsl_uses(glsl, "%s", variable))
         return;
     text_add(out, "layout(");
     glsl_binding(glsl, access->binding, out);
     if (!is_storage(access)) {
-        text_add(out, ") uniform %ssampler2D%s%s %s;\n", names.prefix, array,
+        text_add(out, ") uniform %ssampler%s%s %s;\n", names.prefix, dimension(access),
                  is_compare(access) ? "Shadow" : "", variable);
         return;
     }
     bool reads = access->kind & ACCESS_STORAGE_READ, writes = access->kind & ACCESS_STORAGE_WRITE;
-    text_add(out, ", %s) %suniform %simage2D%s %s;\n", names.layout,
+    text_add(out, ", %s) %suniform %simage%s %s;\n", names.layout,
              !writes                                ? "readonly "
              : !reads || access->mode == MODE_WRITE ? "writeonly "
                                                     : "",
-             names.prefix, array, variable);
+             names.prefix, dimension(access), variable);
 }
 
 static void add_buffer(struct glsl *glsl, const struct access *access, struct text *out)

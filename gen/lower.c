@@ -386,6 +386,8 @@ static const struct {
 } capabilities[] = {
     {SpvCapabilityGeometry, "geometryShader"}, /* gl_PrimitiveID in a fragment shader */
     {SpvCapabilityFloat64, "shaderFloat64"},
+    {SpvCapabilitySampledCubeArray, "imageCubeArray"},
+    {SpvCapabilityImageCubeArray, "imageCubeArray"},
     {SpvCapabilityImageGatherExtended, "shaderImageGatherExtended"},
     {SpvCapabilityStorageImageExtendedFormats, "shaderStorageImageExtendedFormats"},
     {SpvCapabilityClipDistance, "shaderClipDistance"},
@@ -578,6 +580,7 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
             continue;
         }
         resources[i].format = from->format;
+        resources[i].shape = from->shape;
         resources[i].layered = from->layers;
         resources[i].mips = expr_value(from->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
     }

@@ -110,9 +110,12 @@ struct resource {
     uint32_t block;          /* plan: declared bytes of its uniform blocks; 0: count * stride */
     /* images */
     enum dt_format format;
-    struct expr *width, *height, *layers, *mips; /* layers NULL: not layered; mips NULL: 1 */
-    double clear[4];                             /* `clear`, default 0; depth: 1 */
-    bool srgb; /* `encoding: srgb`: pictures from outside hold sRGB codes */
+    enum dt_shape shape;
+    /* layers: also the depth of a 3D image and the faces of a cube; NULL: a single 2D image. mips
+     * NULL: 1 */
+    struct expr *width, *height, *layers, *mips;
+    double clear[4]; /* `clear`, default 0; depth: 1 */
+    bool srgb;       /* `encoding: srgb`: pictures from outside hold sRGB codes */
     struct loc encoding_loc;
     /* plan */
     uint32_t index;            /* in pipeline->resources */

@@ -367,7 +367,7 @@ static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch 
 
 bool access_sees_one_mip(const struct access *access)
 {
-    return access->resource && access->resource->mips &&
+    return access->resource && (access->resource->mips || access->resource->shape) &&
            access->kind & (ACCESS_FETCH | ACCESS_SAMPLED) &&
            (access->mip || access->layer || access->kind & ACCESS_FETCH);
 }

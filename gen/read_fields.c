@@ -93,7 +93,7 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     case KEY_EXPRS:
         return scalar || is_scalar_list(node, 1, 3);
     case KEY_SIZE:
-        return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 2);
+        return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 3);
     case KEY_RECT:
         return is_scalar_list(node, 4, 4);
     case KEY_VALUE:

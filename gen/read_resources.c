@@ -123,6 +123,30 @@ static void read_clear(struct reader *reader, struct fy_node *node, struct resou
     }
 }
 
+/* `layers`, `cube` and the third part of `size`. */
+static void read_shape(struct reader *reader, const struct fields *fields, struct fy_node *size,
+                       struct resource *image)
+{
+    bool cube = field_bool(reader, fields, "cube", false);
+    bool volume =
+        size && fy_node_get_type(size) == FYNT_SEQUENCE && fy_node_sequence_item_count(size) == 3;
+    image->layers = field_expr(reader, fields, "layers");
+    if (volume && (cube || image->layers))
+        diag_error(reader->diag, field_loc(reader, fields, "size"),
+                   "`%s` has a depth, so it cannot have `%s`", image->name,
+                   cube ? "cube" : "layers");
+    if (volume) {
+        image->shape = DT_SHAPE_3D;
+        image->layers = node_expr(reader, fy_node_sequence_get_by_index(size, 2));
+    } else if (cube && image->layers) {
+        image->shape = DT_SHAPE_CUBE_ARRAY;
+    } else if (cube) {
+        image->shape = DT_SHAPE_CUBE;
+        image->layers =
+            expr_parse(reader->model, "6", field_loc(reader, fields, "cube"), NULL, reader->diag);
+    }
+}
+
 static void read_image(struct reader *reader, const struct named *named, struct resource *image)
 {
     struct fields fields;
@@ -142,7 +166,7 @@ static void read_image(struct reader *reader, const struct named *named, struct 
         image->width = expr_parse(reader->model, "frame.width", loc, NULL, reader->diag);
         image->height = expr_parse(reader->model, "frame.height", loc, NULL, reader->diag);
     }
-    image->layers = field_expr(reader, &fields, "layers");
+    read_shape(reader, &fields, size, image);
     image->mips = field_expr(reader, &fields, "mips");
     image->history = field_bool(reader, &fields, "history", false);
     image->srgb = field_choice(reader, &fields, "encoding", 0) == 1;

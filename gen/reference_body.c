@@ -128,14 +128,18 @@ static const struct body_name resource_names[] = {
     {"NAME[i]", "buffer", "Element `i`. A buffer of a struct has its fields: `vpls[i].flux`."},
     {"NAME_count", "buffer, point set", "Elements of a buffer, points of a point set; int."},
     {"NAME(p)", "image in `reads` or `updates`",
-     "Texel at `ivec2 p`, or `ivec3` with the layer behind; vec4, uvec4 or ivec4 by the format, "
-     "float for depth. Beyond the edge it is undefined."},
-    {"ivec2 NAME_size()", "image", "Width and height of the mip that `NAME(p)` reads."},
+     "Texel at `ivec2 p`, or `ivec3` with the layer behind, or in a 3D image; vec4, uvec4 or ivec4 "
+     "by the format, float for depth. Beyond the edge it is undefined. A cube read by texel and by "
+     "direction needs two accesses, one without `sampler`."},
+    {"ivec2 NAME_size()", "image",
+     "Width and height of the mip that `NAME(p)` reads; ivec3 of a 3D image."},
     {"NAME_store(p, value)", "compute, image in `writes` or `updates`", "Writes a texel."},
     {"NAME", "fragment, image in `writes`",
      "The target, to assign; depth targets are written by the rasterizer alone."},
     {"NAME_sample(uv)", "image in `reads` with a `sampler`",
-     "Filtered at `vec2 uv`, or `vec3` with the layer behind."},
+     "Filtered at `vec2 uv`, or `vec3` with the layer behind, or in a 3D image. A cube takes a "
+     "`vec3` direction, an array of cubes a `vec4` with the cube's index behind; filtering crosses "
+     "the edges of faces."},
     {"NAME_sample_lod(uv, lod)", "the same without `mip`", "Filtered at a mip level."},
     {"NAME_compare(uv, reference)", "depth image with a `compare` sampler",
      "Share of texels that pass the comparison, 0 to 1."},
@@ -229,7 +233,9 @@ void emit_body_reference(struct text *out)
              "derivatives in fragment stages and reads mip 0 in others. Several "
              "mips or layers of an image that a pass reads alike need a name each, by `as`, and "
              "have their own size and functions. A pass may read one mip and write "
-             "another, also by a draw. An access with a `layer` sees a plain image.\n");
+             "another, also by a draw. An access with a `layer` sees a plain image. Layers of a "
+             "cube are "
+             "its faces; column and row of a face are those of OpenGL and Vulkan.\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(groups); i++) {
         text_add(out, "\n### %s\n\n%s%s| name | where | meaning |\n|---|---|---|\n",
                  groups[i].title, groups[i].doc, *groups[i].doc ? "\n\n" : "");

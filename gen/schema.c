@@ -75,7 +75,7 @@ static void add_scalar_type(struct text *out, const struct key *key)
                       "\"#/$defs/EXPR\"}, \"minItems\": 1, \"maxItems\": 3}]}",
         [KEY_SIZE] = "{\"anyOf\": [{\"const\": \"frame\"}, {\"type\": \"array\", \"items\": "
                      "{\"$ref\": \"#/$defs/EXPR\"}, "
-                     "\"minItems\": 2, \"maxItems\": 2}]}",
+                     "\"minItems\": 2, \"maxItems\": 3}]}",
         [KEY_RECT] = "{\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/EXPR\"}, "
                      "\"minItems\": 4, \"maxItems\": 4}",
         [KEY_VALUE] = "{\"anyOf\": [{\"type\": [\"number\", \"boolean\"]}, {\"type\": \"array\", "

@@ -62,8 +62,8 @@ const struct section_info table_sections[SECTION_COUNT] = {
                         "{of: Vpl, count: 512}"},
     [SECTION_IMAGES] =
         {"`images`", "images", "images",
-         "Two-dimensional images and arrays of them. A pass body sees `NAME(p)`, `NAME_size()`, "
-         "`NAME_store(p, v)`, `NAME_sample(uv)`, or assigns to `NAME` as a target.",
+         "Images of two or three dimensions, cube maps, and arrays. A pass body sees `NAME(p)`, "
+         "`NAME_size()`, `NAME_store(p, v)`, `NAME_sample(uv)`, or assigns to `NAME` as a target.",
          "gbuffer_normal: {format: rgba16f, size: frame}"},
     [SECTION_IMAGE] = {"an image", "images.NAME", "image", "One image.",
                        "{format: d32f, size: [256, 256], layers: clusters}"},
@@ -354,9 +354,16 @@ const struct key table_keys[] = {
      "rgba16f"},
     {SECTION_IMAGE, "size", KEY_SIZE, SECTION_NONE, NULL, OPTIONAL,
      "required without `file`; frame for an input",
-     "`frame`, or width and height as integer expressions, 1 to 16384.", "[frame.width / 2, 256]"},
+     "`frame`, or width and height as integer expressions, 1 to 16384; or width, height and depth, "
+     "1 to 2048, of a 3D image, which a dispatch writes.",
+     "[frame.width / 2, 256]"},
     {SECTION_IMAGE, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "no array",
-     "Layers, 1 to 2048; makes the image an array, also with one layer.", "clusters"},
+     "Layers, 1 to 2048; makes the image an array, also with one layer. Of cubes: six for each.",
+     "clusters"},
+    {SECTION_IMAGE, "cube", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: a cube map, or with `layers` an array of them. `NAME_sample` takes a direction. Other "
+     "accesses see layers: +x, -x, +y, -y, +z, -z of the first cube, and so on.",
+     "true"},
     {SECTION_IMAGE, "mips", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1",
      "Mip levels; does not depend on the frame.", "4"},
     {SECTION_IMAGE, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
@@ -715,7 +722,7 @@ const char *table_type_text(enum key_type type)
         [KEY_INTEGER] = "an integer, 0 or more",
         [KEY_EXPR] = "an integer expression",
         [KEY_EXPRS] = "an integer expression or a list of 1 to 3",
-        [KEY_SIZE] = "`frame` or a list of 2 integer expressions",
+        [KEY_SIZE] = "`frame` or a list of 2 or 3 integer expressions",
         [KEY_RECT] = "a list of 4 integer expressions: x, y, width, height",
         [KEY_VALUE] = "a number, a bool or a list of 2 to 4 numbers",
         [KEY_NUMBERS] = "a number or a list of 1 to 4",

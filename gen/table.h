@@ -64,7 +64,7 @@ enum key_type {
     KEY_INTEGER,   /* 0, 1, 2... */
     KEY_EXPR,      /* integer expression */
     KEY_EXPRS,     /* integer expression, or a list of 1 to 3 */
-    KEY_SIZE,      /* `frame`, or a list of 2 expressions */
+    KEY_SIZE,      /* `frame`, or a list of 2 or 3 expressions */
     KEY_RECT,      /* list of 4 expressions */
     KEY_VALUE,     /* number, bool, or a list of 2 to 4 numbers */
     KEY_NUMBERS,   /* number, or a list of 1 to 4 */

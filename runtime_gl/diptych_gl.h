@@ -114,8 +114,8 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
 bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
 
 /* Uses a texture of the host for a resource of the pipeline. The texture is immutable
- * (glTextureStorage2D, 3D for an array), with the format, size, layers and mips of the resource;
- * resize checks this. Row 0 in memory is NDC y = -1, the bottom of the picture, as usual in OpenGL.
+ * (glTextureStorage2D, 3D for arrays and 3D images), with the format, size, layers or depth, and mips
+ * of the resource; resize checks this. Row 0 in memory is NDC y = -1, the bottom of the picture, as usual in OpenGL.
  * A frame may lose the old content. The texture must live until the next import of the resource,
  * create or close. `resource` is NAME_RESOURCE_...; call after create, before resize. Texture 0
  * cancels the import. */

@@ -39,7 +39,8 @@ struct gl_image {
     GLuint handle;
     enum dt_format format;
     uint32_t width, height, layers, mips;
-    bool layered;  /* an array texture */
+    enum dt_shape shape;
+    bool layered;  /* texels have a third coordinate */
     bool borrowed; /* the texture is another resource's */
     bool imported; /* the texture is a host's */
 };

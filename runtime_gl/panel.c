@@ -252,7 +252,8 @@ static bool can_share(const struct gl_image *image, const struct gl_image *owner
 {
     return !owner->imported && image->format == owner->format && image->width == owner->width &&
            image->height == owner->height && image->layers == owner->layers &&
-           image->mips == owner->mips && image->layered == owner->layered;
+           image->mips == owner->mips && image->shape == owner->shape &&
+           image->layered == owner->layered;
 }
 
 static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t extent[3])
@@ -266,6 +267,7 @@ static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t e
                                .height = extent[1],
                                .layers = extent[2],
                                .mips = info->mips,
+                               .shape = info->shape,
                                .layered = info->layered};
     if (rt->imports[index])
         return gl_image_import(rt, image, rt->imports[index]);

@@ -36,7 +36,7 @@ static bool read_image(struct gl_runtime *rt, const struct gl_image *image, uint
                        struct dt_bytes *out)
 {
     const struct gl_format *f = gl_format(image->format);
-    size_t layer_size = out->size / image->layers;
+    size_t layer_size = out->size / out->extent[2];
     if (layer_size > INT32_MAX) /* OpenGL counts the bytes of a layer in an int */
         return keep(out, dt_error(&rt->core,
                                   "image %s: a layer of %zu bytes is too large to read back; "
@@ -45,7 +45,7 @@ static bool read_image(struct gl_runtime *rt, const struct gl_image *image, uint
     if (!GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)) ||
         !allocate(rt, image->name, out))
         return keep(out, false);
-    for (uint32_t layer = 0; layer < image->layers; layer++)
+    for (uint32_t layer = 0; layer < out->extent[2]; layer++)
         if (!GL(rt, image->name,
                 GetTextureSubImage(image->handle, (GLint)mip, 0, 0, (GLint)layer,
                                    (GLsizei)out->extent[0], (GLsizei)out->extent[1], 1, f->format,

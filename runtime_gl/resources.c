@@ -50,6 +50,16 @@ const struct gl_format *gl_format(enum dt_format format)
 
 GLenum gl_target(const struct gl_image *image)
 {
+    switch (image->shape) {
+    case DT_SHAPE_3D:
+        return GL_TEXTURE_3D;
+    case DT_SHAPE_CUBE:
+        return GL_TEXTURE_CUBE_MAP;
+    case DT_SHAPE_CUBE_ARRAY:
+        return GL_TEXTURE_CUBE_MAP_ARRAY;
+    case DT_SHAPE_2D:
+        break;
+    }
     return image->layered ? GL_TEXTURE_2D_ARRAY : GL_TEXTURE_2D;
 }
 
@@ -103,7 +113,7 @@ bool gl_image_create(struct gl_runtime *rt, struct gl_image *image)
     const char *name = image->name;
     if (!GL(rt, name, CreateTextures(gl_target(image), 1, &image->handle)))
         return false;
-    if (image->layered)
+    if (image->layered && image->shape != DT_SHAPE_CUBE)
         return GL(rt, name, TextureStorage3D(image->handle, mips, format, width, height, layers));
     return GL(rt, name, TextureStorage2D(image->handle, mips, format, width, height));
 }
@@ -122,6 +132,8 @@ bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint textu
         return false;
     image->handle = texture;
     image->imported = true;
+    if (image->shape == DT_SHAPE_CUBE) /* OpenGL says 1 */
+        depth = 6;
     return ((GLenum)target == own_target && (GLenum)format == own_format &&
             (uint32_t)width == image->width && (uint32_t)height == image->height &&
             (uint32_t)depth == image->layers && (uint32_t)levels == image->mips) ||
@@ -155,15 +167,18 @@ bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_
     return GL(rt, image->name, ClearTexImage(image->handle, (GLint)mip, format, type, value));
 }
 
+/* A cube without a sampler is read as an array. */
 bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view)
 {
+    bool one = binding->one_layer, volume = image->shape == DT_SHAPE_3D;
+    bool faces = !volume && image->layered && binding->sampler < 0;
+    GLenum target = one ? GL_TEXTURE_2D : faces ? GL_TEXTURE_2D_ARRAY : gl_target(image);
     rt->gl.GenTextures(1, view);
     return GL(rt, image->name,
-              TextureView(*view, binding->one_layer ? GL_TEXTURE_2D : gl_target(image),
-                          image->handle, gl_format(image->format)->internal, binding->mip, 1,
-                          binding->one_layer ? binding->layer : 0,
-                          binding->one_layer ? 1 : image->layers));
+              TextureView(*view, target, image->handle, gl_format(image->format)->internal,
+                          binding->mip, 1, one ? binding->layer : 0,
+                          one || volume ? 1 : image->layers));
 }
 
 void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
@@ -196,7 +211,9 @@ static bool fill_mip(struct gl_runtime *rt, const struct gl_image *image, GLint 
         return GL(
             rt, image->name,
             TextureSubImage2D(image->handle, mip, 0, 0, width, height, f->format, f->type, texels));
-    for (GLint layer = 0; layer < (GLint)image->layers; layer++)
+    GLsizei layers = image->shape == DT_SHAPE_3D ? gl_mip_size(image->layers, (uint32_t)mip)
+                                                 : (GLsizei)image->layers;
+    for (GLint layer = 0; layer < layers; layer++)
         if (!GL(rt, image->name,
                 TextureSubImage3D(image->handle, mip, 0, 0, layer, width, height, 1, f->format,
                                   f->type, texels)))

@@ -59,6 +59,8 @@ static void read_limits(struct gl_runtime *rt)
     *l = (struct dt_limits){
         .image_size = integer(rt, GL_MAX_TEXTURE_SIZE),
         .image_layers = integer(rt, GL_MAX_ARRAY_TEXTURE_LAYERS),
+        .volume_size = integer(rt, GL_MAX_3D_TEXTURE_SIZE),
+        .cube_size = integer(rt, GL_MAX_CUBE_MAP_TEXTURE_SIZE),
         .target_size = {(uint32_t)viewport[0], (uint32_t)viewport[1]},
         .color_targets = attachments < buffers ? attachments : buffers,
         .bindings = {[DT_BIND_UNIFORM] = integer(rt, GL_MAX_UNIFORM_BUFFER_BINDINGS),
@@ -162,10 +164,21 @@ static const struct {
     {GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER},
 };
 
+static const struct {
+    GLenum binding, target;
+} textures[] = {
+    {GL_TEXTURE_BINDING_2D, GL_TEXTURE_2D},
+    {GL_TEXTURE_BINDING_2D_ARRAY, GL_TEXTURE_2D_ARRAY},
+    {GL_TEXTURE_BINDING_3D, GL_TEXTURE_3D},
+    {GL_TEXTURE_BINDING_CUBE_MAP, GL_TEXTURE_CUBE_MAP},
+    {GL_TEXTURE_BINDING_CUBE_MAP_ARRAY, GL_TEXTURE_CUBE_MAP_ARRAY},
+};
+
 enum {
     SWITCHES = DT_ARRAY_COUNT(switches),
     STORES = DT_ARRAY_COUNT(stores),
     BUFFERS = DT_ARRAY_COUNT(buffers),
+    TEXTURES = DT_ARRAY_COUNT(textures),
     MAX_BINDINGS = 64,  /* of each kind that a pass may have */
     MAX_VIEWPORTS = 16, /* this and the next two suffice for all known drivers */
     MAX_DRAW_BUFFERS = 8,
@@ -178,7 +191,7 @@ struct kept_range {
 };
 
 struct kept_texture {
-    GLint plane, array, sampler;
+    GLint bound[TEXTURES], sampler;
 };
 
 struct kept_image {
@@ -403,8 +416,8 @@ static void give_range(const struct gl_runtime *rt, const struct kept_range *ran
 static void keep_texture(const struct gl_runtime *rt, struct kept_texture *texture, GLuint unit)
 {
     rt->gl.ActiveTexture(GL_TEXTURE0 + unit);
-    rt->gl.GetIntegerv(GL_TEXTURE_BINDING_2D, &texture->plane);
-    rt->gl.GetIntegerv(GL_TEXTURE_BINDING_2D_ARRAY, &texture->array);
+    for (int i = 0; i < TEXTURES; i++)
+        rt->gl.GetIntegerv(textures[i].binding, &texture->bound[i]);
     rt->gl.GetIntegerv(GL_SAMPLER_BINDING, &texture->sampler);
 }
 
@@ -412,8 +425,8 @@ static void give_texture(const struct gl_runtime *rt, const struct kept_texture 
                          GLuint unit)
 {
     rt->gl.ActiveTexture(GL_TEXTURE0 + unit);
-    rt->gl.BindTexture(GL_TEXTURE_2D, (GLuint)texture->plane);
-    rt->gl.BindTexture(GL_TEXTURE_2D_ARRAY, (GLuint)texture->array);
+    for (int i = 0; i < TEXTURES; i++)
+        rt->gl.BindTexture(textures[i].target, (GLuint)texture->bound[i]);
     rt->gl.BindSampler(unit, (GLuint)texture->sampler);
 }
 

@@ -28,6 +28,7 @@ static const struct {
     {FEATURE(core.features, fragmentStoresAndAtomics), false},
     {FEATURE(core.features, geometryShader), false},
     {FEATURE(core.features, sampleRateShading), false},
+    {FEATURE(core.features, imageCubeArray), false},
     {FEATURE(core.features, shaderImageGatherExtended), false},
     {FEATURE(core.features, shaderStorageImageExtendedFormats), false},
     {FEATURE(core.features, shaderClipDistance), false},
@@ -176,6 +177,8 @@ static struct dt_limits limits_of(const VkPhysicalDeviceLimits *can)
     return (struct dt_limits){
         .image_size = can->maxImageDimension2D,
         .image_layers = can->maxImageArrayLayers,
+        .volume_size = can->maxImageDimension3D,
+        .cube_size = can->maxImageDimensionCube,
         .target_size = {can->maxFramebufferWidth, can->maxFramebufferHeight},
         .color_targets = can->maxColorAttachments,
         .bindings = {[DT_BIND_UNIFORM] = can->maxPerStageDescriptorUniformBuffers,

@@ -136,8 +136,9 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene);
  * reuses its unchanged programs. The shaders must live until the next create or close. */
 bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders);
 
-/* An image of the host, used for a resource of the pipeline: single-sampled, 2D, optimal tiling,
- * with the format, size, layers and mips of the resource. Row 0 in memory is NDC y = -1, the bottom
+/* An image of the host, used for a resource of the pipeline: single-sampled, optimal tiling, with
+ * the format, size, layers and mips of the resource; 2D, or 3D with the depth in `layers`; for a
+ * cube created with CUBE_COMPATIBLE. Row 0 in memory is NDC y = -1, the bottom
  * of the picture: flip the image when presenting, for example with vkCmdBlitImage into a swapchain
  * image. Swapchain images themselves are seldom fit for an import. diptych writes the image only in
  * record. */
@@ -188,8 +189,8 @@ struct dt_vk_resource {
     VkImageView view; /* all mips and layers */
     VkFormat format;
     VkImageUsageFlags usage; /* SAMPLED, TRANSFER_SRC and more; of an import: as the host said */
-    uint32_t width, height, layers, mips;
-    VkImageLayout layout; /* after the commands recorded last */
+    uint32_t width, height, layers, mips; /* layers: also the depth of a 3D image */
+    VkImageLayout layout;                 /* after the commands recorded last */
 };
 bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
 

@@ -406,7 +406,7 @@ bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resou
                                    .usage = found->image.usage,
                                    .width = found->image.width,
                                    .height = found->image.height,
-                                   .layers = found->image.layers,
+                                   .layers = found->image.layers * found->image.depth,
                                    .mips = found->image.mips,
                                    .layout = found->image.layout};
     return true;

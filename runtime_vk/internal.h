@@ -25,15 +25,17 @@ struct vk_image {
     VkFormat format;
     enum dt_format texel;
     VkImageAspectFlags aspect;
-    VkImageUsageFlags usage; /* as created */
-    uint32_t width, height, layers, mips;
+    VkImageUsageFlags usage;                     /* as created */
+    uint32_t width, height, depth, layers, mips; /* depth: 1 except of a 3D image */
+    enum dt_shape shape;
     bool layered;
-    bool by_layer;                      /* bound by single layers, too */
-    bool imported;                      /* the host owns handle and memory */
-    VkDeviceMemory memory;              /* owned; null: a slot's or a host's */
-    VkImageLayout layout;               /* as of the commands recorded so far */
-    VkImageView view;                   /* all mips, all layers */
-    VkImageView mip_views[DT_MAX_MIPS]; /* one mip, all layers */
+    bool by_layer;                       /* bound by single layers, too */
+    bool imported;                       /* the host owns handle and memory */
+    VkDeviceMemory memory;               /* owned; null: a slot's or a host's */
+    VkImageLayout layout;                /* as of the commands recorded so far */
+    VkImageView view;                    /* all mips, all layers */
+    VkImageView mip_views[DT_MAX_MIPS];  /* one mip, all layers; of a cube as an array */
+    VkImageView cube_views[DT_MAX_MIPS]; /* one mip as cubes */
     VkImageView *layer_views; /* one mip, one layer: [mip * layers + layer]; NULL: not by_layer */
 };
 
@@ -195,7 +197,9 @@ struct vk_image_info {
     const char *name;
     enum dt_format format;
     VkImageUsageFlags usage; /* of an import all that it needs; else see vk_image_create */
-    uint32_t width, height, layers, mips;
+    uint32_t width, height, mips;
+    uint32_t layers; /* or depth */
+    enum dt_shape shape;
     bool layered;
     bool by_layer;                    /* makes views of single layers */
     const struct dt_vk_image *import; /* the host's image to use instead; NULL: none */
@@ -203,7 +207,8 @@ struct vk_image_info {
 /* Without memory and views. Adds usage SAMPLED, TRANSFER_SRC and TRANSFER_DST. */
 bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info);
-/* The view of a mip and of one or all of its layers. */
+bool vk_is_cube(enum dt_shape shape); /* also an array of cubes */
+/* The view of a mip and of one or all of its layers; a cube is an array. */
 VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_layer,
                           uint32_t layer);
 /* All layers of a mip, tightly packed from the first byte of a buffer. */

@@ -185,6 +185,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
         .height = extent[1],
         .layers = extent[2],
         .mips = resource->mips,
+        .shape = resource->shape,
         .layered = resource->layered,
         .by_layer = storage->by_layer,
         .import = rt->imports[index].image ? &rt->imports[index] : NULL,
@@ -306,9 +307,12 @@ static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
     bool scene = binding->resource == DT_SCENE_TEXTURES;
     const struct vk_image *image =
         scene ? &rt->builtin.textures : &vk_resource_at(rt, binding->resource)->image;
+    bool cube = vk_is_cube(image->shape) && !binding->one_layer &&
+                (binding->kind == DT_BIND_IMAGE || binding->sampler >= 0);
     VkDescriptorImageInfo info = {
-        .imageView = binding->mip == DT_ALL_MIPS
-                         ? image->view
+        .imageView = binding->mip == DT_ALL_MIPS ? image->view
+                     : cube
+                         ? image->cube_views[binding->mip]
                          : vk_image_view(image, binding->mip, binding->one_layer, binding->layer),
         .imageLayout = vk_layout(binding->layout),
     };

@@ -189,7 +189,8 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
 {
     VkImageFormatProperties can;
     VkResult result = rt->vk.GetPhysicalDeviceImageFormatProperties(
-        rt->physical, create->format, create->imageType, create->tiling, create->usage, 0, &can);
+        rt->physical, create->format, create->imageType, create->tiling, create->usage,
+        create->flags, &can);
     if (result == VK_ERROR_FORMAT_NOT_SUPPORTED)
         return dt_error(&rt->core,
                         "image %s: the device does not support VkFormat %d with usage 0x%x; use "
@@ -200,13 +201,15 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
     uint32_t mips = can.maxMipLevels < DT_MAX_MIPS ? can.maxMipLevels : DT_MAX_MIPS;
     return (create->extent.width <= can.maxExtent.width &&
             create->extent.height <= can.maxExtent.height &&
+            create->extent.depth <= can.maxExtent.depth &&
             create->arrayLayers <= can.maxArrayLayers && create->mipLevels <= mips) ||
            dt_error(&rt->core,
-                    "image %s: %ux%u texels, %u layers, %u mips, but %s allows %ux%u, %u, %u; use "
-                    "a smaller one",
-                    name, create->extent.width, create->extent.height, create->arrayLayers,
-                    create->mipLevels, rt->core.device_name, can.maxExtent.width,
-                    can.maxExtent.height, can.maxArrayLayers, mips);
+                    "image %s: %ux%ux%u texels, %u layers, %u mips, but %s allows %ux%ux%u, %u, "
+                    "%u; use a smaller one",
+                    name, create->extent.width, create->extent.height, create->extent.depth,
+                    create->arrayLayers, create->mipLevels, rt->core.device_name,
+                    can.maxExtent.width, can.maxExtent.height, can.maxExtent.depth,
+                    can.maxArrayLayers, mips);
 }
 
 /* Uses a host's image instead of creating one; checks that it matches. */
@@ -215,16 +218,17 @@ static bool adopt_image(struct vk_runtime *rt, const struct dt_vk_image *given,
 {
     const VkImageUsageFlags own = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     VkImageUsageFlags needed = wanted->usage & ~own;
+    uint32_t layers = wanted->arrayLayers * wanted->extent.depth;
     if (given->format != wanted->format || given->width != wanted->extent.width ||
-        given->height != wanted->extent.height || given->layers != wanted->arrayLayers ||
+        given->height != wanted->extent.height || given->layers != layers ||
         given->mips != wanted->mipLevels)
         return dt_error(
             &rt->core,
             "image %s: imported with VkFormat %d, %ux%u texels, %u layers, %u mips, but "
             "the pipeline has VkFormat %d, %ux%u, %u, %u; import one like that",
             image->name, (int)given->format, given->width, given->height, given->layers,
-            given->mips, (int)wanted->format, wanted->extent.width, wanted->extent.height,
-            wanted->arrayLayers, wanted->mipLevels);
+            given->mips, (int)wanted->format, wanted->extent.width, wanted->extent.height, layers,
+            wanted->mipLevels);
     if ((given->usage & needed) != needed)
         return dt_error(
             &rt->core,
@@ -235,16 +239,23 @@ static bool adopt_image(struct vk_runtime *rt, const struct dt_vk_image *given,
     return true;
 }
 
+bool vk_is_cube(enum dt_shape shape)
+{
+    return shape == DT_SHAPE_CUBE || shape == DT_SHAPE_CUBE_ARRAY;
+}
+
 bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info)
 {
+    bool volume = info->shape == DT_SHAPE_3D;
     VkImageCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-        .imageType = VK_IMAGE_TYPE_2D,
+        .flags = vk_is_cube(info->shape) ? VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT : 0,
+        .imageType = volume ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D,
         .format = vk_format(info->format),
-        .extent = {info->width, info->height, 1},
+        .extent = {info->width, info->height, volume ? info->layers : 1},
         .mipLevels = info->mips,
-        .arrayLayers = info->layers,
+        .arrayLayers = volume ? 1 : info->layers,
         .samples = VK_SAMPLE_COUNT_1_BIT,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
         .usage = info->usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
@@ -258,8 +269,10 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
             info->format == DT_FORMAT_D32F ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT,
         .width = info->width,
         .height = info->height,
-        .layers = info->layers,
+        .depth = create.extent.depth,
+        .layers = create.arrayLayers,
         .mips = info->mips,
+        .shape = info->shape,
         .layered = info->layered,
         .by_layer = info->by_layer,
         .layout = VK_IMAGE_LAYOUT_UNDEFINED,
@@ -276,13 +289,13 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
     return true;
 }
 
-static bool create_view(struct vk_runtime *rt, const struct vk_image *image, bool array,
+static bool create_view(struct vk_runtime *rt, const struct vk_image *image, VkImageViewType type,
                         VkImageSubresourceRange range, VkImageView *view)
 {
     VkImageViewCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = image->handle,
-        .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+        .viewType = type,
         .format = image->format,
         .subresourceRange = range,
     };
@@ -299,7 +312,7 @@ static bool create_layer_views(struct vk_runtime *rt, struct vk_image *image)
     if (!image->layer_views)
         return dt_error(&rt->core, "image %s: out of memory", image->name);
     for (uint32_t i = 0; i < count; i++)
-        if (!create_view(rt, image, false,
+        if (!create_view(rt, image, VK_IMAGE_VIEW_TYPE_2D,
                          (VkImageSubresourceRange){image->aspect, i / image->layers, 1,
                                                    i % image->layers, 1},
                          &image->layer_views[i]))
@@ -316,25 +329,36 @@ VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_l
 VkBufferImageCopy vk_mip_region(const struct vk_image *image, uint32_t mip)
 {
     uint32_t width = image->width >> mip, height = image->height >> mip;
+    uint32_t depth = image->depth >> mip;
     return (VkBufferImageCopy){
         .imageSubresource = {image->aspect, mip, 0, image->layers},
-        .imageExtent = {width ? width : 1, height ? height : 1, 1},
+        .imageExtent = {width ? width : 1, height ? height : 1, depth ? depth : 1},
     };
 }
 
 bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory)
 {
+    const VkImageViewType types[] = {
+        [DT_SHAPE_2D] = image->layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+        [DT_SHAPE_3D] = VK_IMAGE_VIEW_TYPE_3D,
+        [DT_SHAPE_CUBE] = VK_IMAGE_VIEW_TYPE_CUBE,
+        [DT_SHAPE_CUBE_ARRAY] = VK_IMAGE_VIEW_TYPE_CUBE_ARRAY,
+    };
+    VkImageViewType type = types[image->shape];
+    bool cube = vk_is_cube(image->shape);
     if ((!image->imported &&
          !VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory, 0), image->name)) ||
-        !create_view(rt, image, image->layered,
+        !create_view(rt, image, type,
                      (VkImageSubresourceRange){image->aspect, 0, image->mips, 0, image->layers},
                      &image->view))
         return false;
-    for (uint32_t mip = 0; mip < image->mips; mip++)
-        if (!create_view(rt, image, image->layered,
-                         (VkImageSubresourceRange){image->aspect, mip, 1, 0, image->layers},
-                         &image->mip_views[mip]))
+    for (uint32_t mip = 0; mip < image->mips; mip++) {
+        VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
+        if (!create_view(rt, image, cube ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : type, range,
+                         &image->mip_views[mip]) ||
+            (cube && !create_view(rt, image, type, range, &image->cube_views[mip])))
             return false;
+    }
     return !image->by_layer || create_layer_views(rt, image);
 }
 
@@ -351,8 +375,10 @@ bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
 
 void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
 {
-    for (uint32_t mip = 0; mip < image->mips; mip++)
+    for (uint32_t mip = 0; mip < image->mips; mip++) {
         rt->vk.DestroyImageView(rt->device, image->mip_views[mip], NULL);
+        rt->vk.DestroyImageView(rt->device, image->cube_views[mip], NULL);
+    }
     for (uint32_t i = 0; image->layer_views && i < image->mips * image->layers; i++)
         rt->vk.DestroyImageView(rt->device, image->layer_views[i], NULL);
     free(image->layer_views);
@@ -379,7 +405,7 @@ bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int b
 bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte)
 {
     enum { TEXEL = 16 }; /* bytes of the largest format */
-    VkDeviceSize size = (VkDeviceSize)image->width * image->height * TEXEL;
+    VkDeviceSize size = (VkDeviceSize)image->width * image->height * image->depth * TEXEL;
     void *bytes = vk_staging(rt, size, image->name);
     if (!bytes)
         return false;

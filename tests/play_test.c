@@ -30,7 +30,8 @@
     X("tests/specs/outside.yaml", outside)                                                         \
     X("tests/specs/particles.yaml", particles)                                                     \
     X("tests/specs/cull.yaml", cull)                                                               \
-    X("tests/specs/formats.yaml", formats)
+    X("tests/specs/formats.yaml", formats)                                                         \
+    X("tests/specs/shapes.yaml", shapes)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
 EACH_SPEC(DECLARE)
@@ -123,6 +124,7 @@ static void same_resources(const struct dt_pipeline *a, const struct dt_pipeline
             assert_int_equal(r->contract.margin_field, s->contract.margin_field);
         }
         assert_int_equal(r->format, s->format);
+        assert_int_equal(r->shape, s->shape);
         assert_int_equal(r->layered, s->layered);
         assert_int_equal(r->mips, s->mips);
         same_fields(r, s);

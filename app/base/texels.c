@@ -244,8 +244,10 @@ uint32_t resource_stride(const struct dt_resource *resource)
 void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, const uint32_t size[2],
                      uint32_t mip, uint32_t extent[3])
 {
+    const struct dt_resource *what = &pipeline->resources[resource];
+    int halved = what->kind == DT_BUFFER ? 0 : what->shape == DT_SHAPE_3D ? 3 : 2;
     pipeline->extent(pipeline, resource, size[0], size[1], extent);
-    for (int axis = 0; axis < 2 && pipeline->resources[resource].kind == DT_IMAGE; axis++)
+    for (int axis = 0; axis < halved; axis++)
         extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
 }
 

@@ -47,7 +47,7 @@ struct component {
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
 
 /* Extent of one mip in a frame of that size, as a runtime's read gives it: elements of a buffer, or
- * width, height and layers; and how many elements or texels that is. */
+ * width, height and layers or depth; and how many elements or texels that is. */
 void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, const uint32_t size[2],
                      uint32_t mip, uint32_t extent[3]);
 uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3]);

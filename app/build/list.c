@@ -124,6 +124,10 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
     printf("\n%u resources, at %ux%u\n", info->resource_count, size[0], size[1]);
     for (uint32_t i = 0; i < info->resource_count; i++) {
         const struct dt_resource *resource = &info->resources[i];
+        static const char *const shapes[] = {[DT_SHAPE_2D] = "image",
+                                             [DT_SHAPE_3D] = "3D",
+                                             [DT_SHAPE_CUBE] = "cube",
+                                             [DT_SHAPE_CUBE_ARRAY] = "cubes"};
         bool buffer = resource->kind == DT_BUFFER;
         const char *type = !buffer                       ? format_name(resource->format)
                            : resource->fields[0].name[0] ? "struct"
@@ -138,7 +142,7 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
         if (resource->mips > 1)
             snprintf(shape + used, sizeof shape - (size_t)used, ", %u mips", resource->mips);
         print_line("  %-*s  %-6s  %-10s  %-14s  %-7s  %s", width, resource->name,
-                   buffer ? "buffer" : "image", type, shape,
+                   buffer ? "buffer" : shapes[resource->shape], type, shape,
                    resource->input     ? "input"
                    : resource->history ? "history"
                                        : "",

@@ -94,6 +94,14 @@ enum dt_format {
 
 enum dt_kind { DT_BUFFER, DT_IMAGE };
 
+/* What a sampler sees in an image. */
+enum dt_shape {
+    DT_SHAPE_2D,        /* one image, or an array of them */
+    DT_SHAPE_3D,        /* extent[2] is its depth, halved from mip to mip */
+    DT_SHAPE_CUBE,      /* six layers: +x, -x, +y, -y, +z, -z */
+    DT_SHAPE_CUBE_ARRAY /* six layers for each cube */
+};
+
 struct dt_field {
     const char *name;
     enum dt_type type;
@@ -142,7 +150,8 @@ struct dt_resource {
     bool controls_work;
     /* images */
     enum dt_format format;
-    bool layered; /* an array image, even with one layer */
+    enum dt_shape shape;
+    bool layered; /* texels have a third coordinate: not a single 2D image */
     uint32_t mips;
 };
 
@@ -200,7 +209,7 @@ struct dt_pipeline {
     int linear_output;         /* resource shown as linear HDR, for EXR; -1: none */
     int display_output;        /* resource with 8 bit sRGB codes, for PNG; -1: none */
     /* Size of a resource at a frame of width x height. Buffers: extent[0] elements. Images: width,
-     * height, layers. */
+     * height, layers or depth. */
     void (*extent)(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
                    uint32_t height, uint32_t extent[3]);
     /* Dispatch: shader invocations of the pass for this frame size and live block. Draw: instances.

@@ -104,10 +104,13 @@ static bool check_sampler(const struct dt_core *core, const struct dt_sampler *s
                     (double)core->limits.anisotropy);
 }
 
-static uint32_t full_mips(const uint32_t extent[3])
+static uint32_t full_mips(const struct dt_resource *image, const uint32_t extent[3])
 {
     uint32_t mips = 1;
-    for (uint32_t size = extent[0] > extent[1] ? extent[0] : extent[1]; size > 1; size /= 2)
+    uint32_t size = extent[0] > extent[1] ? extent[0] : extent[1];
+    if (image->shape == DT_SHAPE_3D && extent[2] > size)
+        size = extent[2];
+    for (; size > 1; size /= 2)
         mips++;
     return mips;
 }
@@ -117,7 +120,11 @@ static bool check_image(const struct dt_core *core, const struct dt_resource *im
 {
     const struct dt_limits *limits = &core->limits;
     const uint32_t *target = limits->target_size;
-    uint32_t side = limits->image_size, layers = image->layered ? limits->image_layers : 1;
+    bool volume = image->shape == DT_SHAPE_3D;
+    uint32_t side = volume                        ? limits->volume_size
+                    : image->shape != DT_SHAPE_2D ? limits->cube_size
+                                                  : limits->image_size;
+    uint32_t layers = volume ? side : image->layered ? limits->image_layers : 1;
     if (extent[0] > side || extent[1] > side)
         return dt_error(core,
                         "image %s: %ux%u texels, but %s allows 1x1 to %ux%u; choose another size",
@@ -125,9 +132,9 @@ static bool check_image(const struct dt_core *core, const struct dt_resource *im
     if (extent[2] > layers)
         return dt_error(core, "image %s: %u layers, but %s allows 1 to %u; choose another number",
                         image->name, extent[2], core->device_name, layers);
-    if (image->mips < 1 || image->mips > full_mips(extent))
+    if (image->mips < 1 || image->mips > full_mips(image, extent))
         return dt_error(core, "image %s: %u mips, but %ux%u texels have 1 to %u", image->name,
-                        image->mips, extent[0], extent[1], full_mips(extent));
+                        image->mips, extent[0], extent[1], full_mips(image, extent));
     if (usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH) &&
         (extent[0] > target[0] || extent[1] > target[1]))
         return dt_error(core,
@@ -518,8 +525,8 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
         return dt_error(core, "%s %s: mip %u, and it has %u", verb, what->name, mip, mips);
     extent_of(core, resource, extent);
     if (image) {
-        extent[0] = extent[0] >> mip ? extent[0] >> mip : 1;
-        extent[1] = extent[1] >> mip ? extent[1] >> mip : 1;
+        for (int axis = 0; axis < (what->shape == DT_SHAPE_3D ? 3 : 2); axis++)
+            extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
         shape->size = (size_t)extent[0] * extent[1] * extent[2] * texel_size(what->format);
     } else {
         shape->size = (size_t)extent[0] * what->stride;

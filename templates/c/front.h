@@ -10,6 +10,7 @@
 /* Limits of the device; filled by open. */
 struct dt_limits {
     uint32_t image_size, image_layers; /* texels along a side; layers of an array */
+    uint32_t volume_size, cube_size;   /* texels along a side of a 3D image, of a cube */
     uint32_t target_size[2];           /* width and height of a render target */
     uint32_t color_targets;
     uint32_t bindings

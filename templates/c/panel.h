@@ -117,7 +117,8 @@ struct dt_binding {
     uint16_t layer;
     uint8_t layout;  /* images and textures: enum dt_layout during the pass */
     uint16_t access; /* images: DT_READ_STORAGE, DT_WRITE_STORAGE or both */
-    /* textures: index into the samplers; -1: nearest and clamped, for texelFetch */
+    /* textures: index into the samplers; -1: nearest and clamped, for texelFetch, a cube as an array
+     * of faces */
     int16_t sampler;
 };
 
