@@ -106,6 +106,10 @@ static void check_filter(struct checker *c, const struct access *access)
         diag_error(c->diag, access->sampler_loc,
                    "`%s` filters linearly, but `%s` has an integer format", filter->name,
                    access->name);
+    else if (is_integer(image->format) && filter->wrap == WRAP_BORDER)
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` wraps to a border, but `%s` has an integer format", filter->name,
+                   access->name);
 }
 
 static void check_storage(struct checker *c, const struct pass *pass, const struct access *access)

@@ -63,16 +63,21 @@ static void emit_samplers(const struct c_output *c)
 {
     static const char *const wraps[] = {[DT_WRAP_CLAMP] = "DT_WRAP_CLAMP",
                                         [DT_WRAP_REPEAT] = "DT_WRAP_REPEAT",
-                                        [DT_WRAP_MIRROR] = "DT_WRAP_MIRROR"};
+                                        [DT_WRAP_MIRROR] = "DT_WRAP_MIRROR",
+                                        [DT_WRAP_BORDER] = "DT_WRAP_BORDER"};
+    static const char *const borders[] = {
+        [DT_BORDER_TRANSPARENT_BLACK] = "",
+        [DT_BORDER_OPAQUE_BLACK] = ", .border = DT_BORDER_OPAQUE_BLACK",
+        [DT_BORDER_OPAQUE_WHITE] = ", .border = DT_BORDER_OPAQUE_WHITE"};
     if (!c->tables->panel.sampler_count)
         return;
     text_add(c->out, "static const struct dt_sampler samplers[] = {\n");
     for (uint32_t i = 0; i < c->tables->panel.sampler_count; i++) {
         const struct dt_sampler *sampler = &c->tables->panel.samplers[i];
-        text_add(c->out, "    {.name = \"%s\"%s%s, .wrap = %s%s, .anisotropy = ", sampler->name,
+        text_add(c->out, "    {.name = \"%s\"%s%s, .wrap = %s%s%s, .anisotropy = ", sampler->name,
                  sampler->linear ? ", .linear = true" : "",
                  sampler->linear_mip ? ", .linear_mip = true" : "", wraps[sampler->wrap],
-                 sampler->compare ? ", .compare = true" : "");
+                 borders[sampler->border], sampler->compare ? ", .compare = true" : "");
         c_float(c->out, (double)sampler->anisotropy);
         text_add(c->out, "},\n");
     }

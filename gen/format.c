@@ -50,6 +50,10 @@ static const struct format_info formats[DT_FORMAT_COUNT] = {
     [DT_FORMAT_RG32I] = {"rg32i", "DT_FORMAT_RG32I", "VK_FORMAT_R32G32_SINT", 8, true, true},
     [DT_FORMAT_RGBA32I] = {"rgba32i", "DT_FORMAT_RGBA32I", "VK_FORMAT_R32G32B32A32_SINT", 16, true,
                            true},
+    [DT_FORMAT_R11G11B10F] = {"r11g11b10f", "DT_FORMAT_R11G11B10F",
+                              "VK_FORMAT_B10G11R11_UFLOAT_PACK32", 4, true, false},
+    [DT_FORMAT_RGB10A2] = {"rgb10a2", "DT_FORMAT_RGB10A2", "VK_FORMAT_A2B10G10R10_UNORM_PACK32", 4,
+                           true, false},
 };
 
 const struct format_info *format_info(enum dt_format format)

@@ -15,7 +15,10 @@ static struct format_names format_names(enum dt_format format)
 {
     const struct format_info *info = format_info(format);
     const char *prefix = !info->integer ? "" : strstr(info->name, "ui") ? "u" : "i";
-    return (struct format_names){info->storage ? info->name : NULL, prefix};
+    const char *layout = format == DT_FORMAT_R11G11B10F ? "r11f_g11f_b10f"
+                         : format == DT_FORMAT_RGB10A2  ? "rgb10_a2"
+                                                        : info->name;
+    return (struct format_names){info->storage ? layout : NULL, prefix};
 }
 
 static bool is_image(const struct access *access)

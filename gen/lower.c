@@ -190,7 +190,8 @@ static void lower_samplers(struct lowering *l, struct dt_panel *panel)
 {
     static const enum dt_wrap wraps[] = {[WRAP_CLAMP] = DT_WRAP_CLAMP,
                                          [WRAP_REPEAT] = DT_WRAP_REPEAT,
-                                         [WRAP_MIRROR] = DT_WRAP_MIRROR};
+                                         [WRAP_MIRROR] = DT_WRAP_MIRROR,
+                                         [WRAP_BORDER] = DT_WRAP_BORDER};
     struct dt_sampler *samplers = table(l, l->from->sampler_count, sizeof *samplers);
     for (uint32_t i = 0; i < l->from->sampler_count && !l->failed; i++) {
         const struct sampler *sampler = &l->from->samplers[i];
@@ -200,6 +201,7 @@ static void lower_samplers(struct lowering *l, struct dt_panel *panel)
                 .linear = sampler->linear,
                 .linear_mip = sampler->linear_mip,
                 .wrap = wraps[sampler->wrap],
+                .border = sampler->border,
                 .compare = sampler->compare,
                 .anisotropy = (float)sampler->anisotropy,
             };

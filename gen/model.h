@@ -128,7 +128,7 @@ struct resource {
 
 enum sampler_kind { SAMPLER_HAMMERSLEY, SAMPLER_FILTER };
 enum sampler_map { MAP_SQUARE, MAP_POLAR_DISK, MAP_CONCENTRIC_DISK };
-enum sampler_wrap { WRAP_CLAMP, WRAP_REPEAT, WRAP_MIRROR };
+enum sampler_wrap { WRAP_CLAMP, WRAP_REPEAT, WRAP_MIRROR, WRAP_BORDER };
 struct sampler {
     const char *name, *doc;
     struct loc loc;
@@ -137,7 +137,8 @@ struct sampler {
     enum sampler_map map;
     bool linear, linear_mip, compare; /* filter */
     enum sampler_wrap wrap;
-    double anisotropy; /* 1 */
+    enum dt_border border; /* WRAP_BORDER */
+    double anisotropy;     /* 1 */
 };
 
 enum normal_term {

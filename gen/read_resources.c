@@ -209,7 +209,7 @@ static void refuse_keys(struct reader *reader, const struct fields *fields, cons
 static void read_sampler(struct reader *reader, const struct named *named, struct sampler *sampler)
 {
     static const char *const points[] = {"count", "map", NULL};
-    static const char *const filters[] = {"filter",  "mip_filter", "wrap",
+    static const char *const filters[] = {"filter",  "mip_filter", "wrap", "border",
                                           "compare", "anisotropy", NULL};
     struct fields fields;
     *sampler = (struct sampler){.name = named->name, .loc = named->loc, .anisotropy = 1};
@@ -232,6 +232,10 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
     sampler->linear = field_choice(reader, &fields, "filter", 0) == 1;
     sampler->linear_mip = field_choice(reader, &fields, "mip_filter", 0) == 1;
     sampler->wrap = (enum sampler_wrap)field_choice(reader, &fields, "wrap", WRAP_CLAMP);
+    sampler->border = (enum dt_border)field_choice(reader, &fields, "border", 0);
+    if (field_given(&fields, "border") && sampler->wrap != WRAP_BORDER)
+        diag_error(reader->diag, field_loc(reader, &fields, "border"),
+                   "`%s` has a border colour, but not `wrap: border`", sampler->name);
     sampler->compare = field_bool(reader, &fields, "compare", false);
     sampler->anisotropy = field_number(reader, &fields, "anisotropy", 1);
     if (sampler->anisotropy < 1 || sampler->anisotropy > 16)

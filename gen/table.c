@@ -12,7 +12,8 @@
     "d32f|"                                                                                        \
     "r16|rg16|rgba16|r16_snorm|rg16_snorm|rgba16_snorm|"                                           \
     "r8ui|rg8ui|rgba8ui|r16ui|rg16ui|rgba16ui|"                                                    \
-    "r8i|rg8i|rgba8i|r16i|rg16i|rgba16i|rg32i|rgba32i"
+    "r8i|rg8i|rgba8i|r16i|rg16i|rgba16i|rg32i|rgba32i|"                                            \
+    "r11g11b10f|rgb10a2"
 
 #define BLENDS "off|add|over|premultiplied|min|max|multiply"
 #define FACTORS                                                                                    \
@@ -347,10 +348,10 @@ const struct key table_keys[] = {
     {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, FORMATS, REQUIRED, NULL,
      "Format of a texel. Without ending, numbers from 0 to 1 in integer steps; `_snorm`: from -1 "
      "to "
-     "1; `f`: floats; `ui` and `i`: unsigned and signed integers. A dispatch that uses one of "
-     "those "
-     "that Vulkan calls extended, such as r16ui, needs shaderStorageImageExtendedFormats; a device "
-     "that cannot draw into, filter or blend a format names it.",
+     "1; `f`: floats; `ui` and `i`: unsigned and signed integers. r11g11b10f has floats without a "
+     "sign, of 11, 11 and 10 bits. A dispatch that uses one of those that Vulkan calls extended, "
+     "such as r16ui and the packed ones, needs shaderStorageImageExtendedFormats; a device that "
+     "cannot draw into, filter or blend a format names it.",
      "rgba16f"},
     {SECTION_IMAGE, "size", KEY_SIZE, SECTION_NONE, NULL, OPTIONAL,
      "required without `file`; frame for an input",
@@ -400,8 +401,14 @@ const struct key table_keys[] = {
      "filter: between texels.", "linear"},
     {SECTION_SAMPLER, "mip_filter", KEY_CHOICE, SECTION_NONE, "nearest|linear", OPTIONAL, "nearest",
      "filter: between mip levels.", "linear"},
-    {SECTION_SAMPLER, "wrap", KEY_CHOICE, SECTION_NONE, "clamp|repeat|mirror", OPTIONAL, "clamp",
-     "filter: beyond the edge.", "repeat"},
+    {SECTION_SAMPLER, "wrap", KEY_CHOICE, SECTION_NONE, "clamp|repeat|mirror|border", OPTIONAL,
+     "clamp", "filter: beyond the edge. `border`: the colour of the key `border`.", "repeat"},
+    {SECTION_SAMPLER, "border", KEY_CHOICE, SECTION_NONE,
+     "transparent_black|opaque_black|opaque_white", OPTIONAL, "transparent_black",
+     "wrap: border: the colour beyond the edge, as far as the format has its channels; a depth is "
+     "0, "
+     "or 1 for opaque_white. Not for integer formats. Cubes have no edge.",
+     "opaque_white"},
     {SECTION_SAMPLER, "compare", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "filter: true for a depth comparison, `NAME_compare(uv, reference)`.", "true"},
     {SECTION_SAMPLER, "anisotropy", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, "1",

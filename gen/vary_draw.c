@@ -195,7 +195,8 @@ static bool may_replace(const struct resource *image, const struct format_info *
     const double largest_half = 65504;
     size_t channels = channel_count(own->name);
     bool half = other->bytes == 2 * channels;
-    if (own == other || own->integer || !strchr(other->name, 'f') || !own->storage ||
+    bool packed = !strcmp(other->name, "r11g11b10f");
+    if (own == other || packed || own->integer || !strchr(other->name, 'f') || !own->storage ||
         !other->storage || channels != channel_count(other->name) ||
         strncmp(own->name, other->name, channels) != 0)
         return false;
@@ -228,7 +229,8 @@ static void draw_sampler(struct draws *draws, const struct sampler *sampler)
     if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->map != MAP_SQUARE && one_in(draws, 2))
         add_set(draws, path_of(draws, "samplers", sampler->name, "map"),
                 sampler->map == MAP_POLAR_DISK ? "concentric_disk" : "polar_disk");
-    for (size_t i = 0; sampler->kind == SAMPLER_FILTER && i < 3; i++)
+    size_t count = sampler->wrap == WRAP_BORDER ? 2 : 3; /* its colour needs the wrap */
+    for (size_t i = 0; sampler->kind == SAMPLER_FILTER && i < count; i++)
         if (one_in(draws, 2))
             set_choice(draws, path_of(draws, "samplers", sampler->name, filter_keys[i]),
                        SECTION_SAMPLER, filter_keys[i]);

@@ -41,6 +41,8 @@ static const struct gl_format formats[DT_FORMAT_COUNT] = {
     [DT_FORMAT_RGBA16I] = {GL_RGBA16I, GL_RGBA_INTEGER, GL_SHORT, 8},
     [DT_FORMAT_RG32I] = {GL_RG32I, GL_RG_INTEGER, GL_INT, 8},
     [DT_FORMAT_RGBA32I] = {GL_RGBA32I, GL_RGBA_INTEGER, GL_INT, 16},
+    [DT_FORMAT_R11G11B10F] = {GL_R11F_G11F_B10F, GL_RGB, GL_UNSIGNED_INT_10F_11F_11F_REV, 4},
+    [DT_FORMAT_RGB10A2] = {GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV, 4},
 };
 
 const struct gl_format *gl_format(enum dt_format format)
@@ -242,7 +244,11 @@ bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_s
 {
     static const GLint wraps[] = {[DT_WRAP_CLAMP] = GL_CLAMP_TO_EDGE,
                                   [DT_WRAP_REPEAT] = GL_REPEAT,
-                                  [DT_WRAP_MIRROR] = GL_MIRRORED_REPEAT};
+                                  [DT_WRAP_MIRROR] = GL_MIRRORED_REPEAT,
+                                  [DT_WRAP_BORDER] = GL_CLAMP_TO_BORDER};
+    static const GLfloat borders[][4] = {[DT_BORDER_TRANSPARENT_BLACK] = {0, 0, 0, 0},
+                                         [DT_BORDER_OPAQUE_BLACK] = {0, 0, 0, 1},
+                                         [DT_BORDER_OPAQUE_WHITE] = {1, 1, 1, 1}};
     const char *name = info->name;
     GLint magnify = info->linear ? GL_LINEAR : GL_NEAREST, wrap = wraps[info->wrap];
     GLint minify = info->linear
@@ -253,7 +259,8 @@ bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_s
         !GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_MIN_FILTER, minify)) ||
         !GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_WRAP_S, wrap)) ||
         !GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_WRAP_T, wrap)) ||
-        !GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_WRAP_R, wrap)))
+        !GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_WRAP_R, wrap)) ||
+        !GL(rt, name, SamplerParameterfv(*sampler, GL_TEXTURE_BORDER_COLOR, borders[info->border])))
         return false;
     if (info->anisotropy > 1.0f &&
         !GL(rt, name, SamplerParameterf(*sampler, GL_TEXTURE_MAX_ANISOTROPY, info->anisotropy)))

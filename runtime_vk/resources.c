@@ -168,6 +168,8 @@ VkFormat vk_format(enum dt_format format)
         [DT_FORMAT_RGBA16I] = VK_FORMAT_R16G16B16A16_SINT,
         [DT_FORMAT_RG32I] = VK_FORMAT_R32G32_SINT,
         [DT_FORMAT_RGBA32I] = VK_FORMAT_R32G32B32A32_SINT,
+        [DT_FORMAT_R11G11B10F] = VK_FORMAT_B10G11R11_UFLOAT_PACK32,
+        [DT_FORMAT_RGB10A2] = VK_FORMAT_A2B10G10R10_UNORM_PACK32,
     };
     return formats[format];
 }
@@ -433,6 +435,12 @@ bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct d
         [DT_WRAP_CLAMP] = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
         [DT_WRAP_REPEAT] = VK_SAMPLER_ADDRESS_MODE_REPEAT,
         [DT_WRAP_MIRROR] = VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT,
+        [DT_WRAP_BORDER] = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER,
+    };
+    static const VkBorderColor borders[] = {
+        [DT_BORDER_TRANSPARENT_BLACK] = VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK,
+        [DT_BORDER_OPAQUE_BLACK] = VK_BORDER_COLOR_FLOAT_OPAQUE_BLACK,
+        [DT_BORDER_OPAQUE_WHITE] = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE,
     };
     VkFilter filter = info->linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
     VkSamplerCreateInfo create = {
@@ -449,6 +457,7 @@ bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct d
         .compareEnable = info->compare,
         .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL,
         .maxLod = VK_LOD_CLAMP_NONE,
+        .borderColor = borders[info->border],
     };
     if (!VK(rt, rt->vk.CreateSampler(rt->device, &create, NULL, sampler), info->name))
         return false;

@@ -338,6 +338,26 @@ static void halves_are_ieee(void **state)
         assert_int_equal(stored, codes[i].bits);
         assert_false(number_store(codes[i].kind, 65536, (uint8_t *)&stored));
     }
+    const struct {
+        enum number_kind kind;
+        uint32_t texel; /* with other channels beside */
+        double value, beyond;
+    } packed[] = {{NUMBER_R11F, 0xfffffbc0, 1, 65280},
+                  {NUMBER_G11F, 0xffc007ff, 0, -1},
+                  {NUMBER_G11F, 0xffc00fff, 0x1p-20, 65536},
+                  {NUMBER_B10F, 0xf7ffffff, 64512, 65024},
+                  {NUMBER_R10, 0xffffffff, 1, 1.01},
+                  {NUMBER_G10, 0xfff033ff, 12 / 1023.0, -1},
+                  {NUMBER_B10, 0xc00fffff, 0, 2},
+                  {NUMBER_A2, 0x7fffffff, 1 / 3.0, 2}};
+    for (size_t i = 0; i < sizeof packed / sizeof *packed; i++) {
+        uint32_t stored = packed[i].texel;
+        assert_true(number_value(packed[i].kind, (uint8_t *)&stored) == packed[i].value);
+        assert_false(number_store(packed[i].kind, packed[i].beyond, (uint8_t *)&stored));
+        number_set_bits(packed[i].kind, 1, (uint8_t *)&stored);
+        assert_true(number_store(packed[i].kind, packed[i].value, (uint8_t *)&stored));
+        assert_int_equal(stored, packed[i].texel);
+    }
     const uint16_t least = 0x8000; /* snorm has two codes of -1 */
     assert_true(number_value(NUMBER_SNORM16, (const uint8_t *)&least) == -1);
     assert_true(isnan(number_value(NUMBER_HALF, (const uint8_t *)&nan)));

@@ -107,7 +107,23 @@ def drawn(ending): # 2.0 is clamped to 1.0
             else [first[ending], 1, 2, 3] if ending.endswith("ui") else [first[ending], -1, -2, 3])
 count = 0
 for pass_name, in_draw in ("store", False), ("draw", True):
+    for name, widths in ("r11g11b10f", (11, 11, 10)), ("rgb10a2", (10, 10, 10, 2)):
+        data = open(glob.glob(f"{sys.argv[1]}/*.{pass_name}_*.of_{name}.raw")[0], "rb").read()
+        for i, (word,) in enumerate(struct.iter_unpack("<I", data)):
+            x, y = i % 20, i // 20
+            n = x + 3 * y
+            inside = in_draw and 2 <= x < 7 and 1 <= y < 7
+            if name == "rgb10a2":
+                want = [409, 0, 1023, 3] if inside else [10 * n, n, 1023 - n, n % 4]
+            else: # the upper bits of a half, without its sign
+                want = [struct.unpack("<H", struct.pack("<e", value))[0] >> 15 - width
+                        for value, width in zip([0.25, 0, 1.5] if inside else [n, n / 2, n % 32], widths)]
+            found = [word >> sum(widths[:c]) & (1 << width) - 1 for c, width in enumerate(widths)]
+            assert found == want, (name, x, y, found, want)
+        count += 1
     for file in glob.glob(f"{sys.argv[1]}/*.{pass_name}_*.of_*.raw"):
+        if "of_r11g" in file or "of_rgb1" in file:
+            continue
         channels, ending = re.search(r"\.of_(r|rg|rgba)(?:16)?(|_snorm|8ui|16ui|8i|16i|32i|ui|i)\.raw$", file).groups()
         ending = "16" + ending if ending in ("ui", "i") else ending
         data = open(file, "rb").read()
@@ -118,7 +134,7 @@ for pass_name, in_draw in ("store", False), ("draw", True):
             want = drawn(ending) if inside else stored(ending, x + 3 * y)
             assert list(found[i * size : (i + 1) * size]) == want[:size], (file, x, y, found[i * size : (i + 1) * size], want)
         count += 1
-assert count == 40, count
+assert count == 44, count
 PYTHON
 }
 for backend in gl vk; do

@@ -697,7 +697,7 @@ static void wrong_bytes(struct transcript *transcript, const struct bench *bench
     WRONG(runtime->write(rt, FORMATS_ODD, 0, &bytes),
           "write odd: 72 bytes of 3x6x2 given, but the resource has 156 bytes of 13x1x1");
     WRONG(runtime->write(rt, FORMATS_RESOURCES, 0, &bytes),
-          "write: the pipeline has no resource 72");
+          "write: the pipeline has no resource 76");
     memcpy(depth.data, (const float[]){0.0f, 1.0f, 1.0000001f}, 12);
     WRONG(runtime->write(rt, FORMATS_PLAIN + DT_FORMAT_D32F, 2, &depth),
           "write plain_14: texel 2 is 1.00000012, but a depth is 0 to 1");

@@ -59,6 +59,10 @@ assert sizes[:4] == [(8, 6, 5, 0), (8, 8, 8, 8), (4, 4, 0, 0), (6, 12, 10, 16)],
 near(sizes[4], (87, 83, 80, 0), 1)
 # On an edge +x and +z count alike: (0 + 4) / 16, and texels 0 and 7 of their rows, rows 3 and 4.
 near(sizes[5], (250, 437.5, 437.5, 1000), 4)
+# Beyond the edge lies the border, on the edge half of it; a format has its own channels alone.
+edges = [texel for _, texel in sorted(load("cross_edges.edges", "f", (6, 1, 1), 4).items())]
+near(edges[3], (0.5, 0.5, 0.5, 0.5), 0.002)
+assert edges[:3] + edges[4:] == [(0, 0, 0, 0), (0, 0, 0, 1), (1, 1, 1, 1), (1, 0, 0, 1), (1, 0, 0, 0)], edges
 PYTHON
 }
 for backend in gl vk; do

@@ -26,7 +26,7 @@ static const struct {
 static const struct {
     const char *name;
     uint32_t channels;
-    enum number_kind kind;
+    enum number_kind kind; /* of the first channel; those of a packed texel follow */
 } formats[DT_FORMAT_COUNT] = {
     [DT_FORMAT_R8] = {"r8", 1, NUMBER_UNORM8},
     [DT_FORMAT_RG8] = {"rg8", 2, NUMBER_UNORM8},
@@ -63,6 +63,8 @@ static const struct {
     [DT_FORMAT_RGBA16I] = {"rgba16i", 4, NUMBER_INT16},
     [DT_FORMAT_RG32I] = {"rg32i", 2, NUMBER_INT},
     [DT_FORMAT_RGBA32I] = {"rgba32i", 4, NUMBER_INT},
+    [DT_FORMAT_R11G11B10F] = {"r11g11b10f", 3, NUMBER_R11F},
+    [DT_FORMAT_RGB10A2] = {"rgb10a2", 4, NUMBER_R10},
 };
 
 const char *type_name(enum dt_type type)
@@ -95,30 +97,61 @@ enum number_kind format_number(enum dt_format format)
     return formats[format].kind;
 }
 
+static bool is_packed(enum number_kind kind)
+{
+    return kind >= NUMBER_R11F && kind <= NUMBER_A2;
+}
+
 uint32_t format_size(enum dt_format format)
 {
-    return formats[format].channels * number_size(formats[format].kind);
+    enum number_kind kind = formats[format].kind;
+    return is_packed(kind) ? number_size(kind) : formats[format].channels * number_size(kind);
 }
+
+struct component format_component(enum dt_format format, uint32_t channel)
+{
+    enum number_kind kind = formats[format].kind;
+    struct component component = {.kind = kind, .offset = channel * number_size(kind)};
+    if (is_packed(kind))
+        component = (struct component){.kind = (enum number_kind)(kind + channel)};
+    component.name[0] = format == DT_FORMAT_D32F ? 'd' : "rgba"[channel];
+    return component;
+}
+
+/* ---- Numbers --------------------------------------------------------------------------------- */
+
+static const struct {
+    uint8_t bytes, shift, width; /* the number: `width` bits from `shift` on */
+    double least, most;
+} numbers[] = {
+    [NUMBER_UNORM8] = {1, 0, 8, 0, 1},
+    [NUMBER_UNORM16] = {2, 0, 16, 0, 1},
+    [NUMBER_SNORM16] = {2, 0, 16, -1, 1},
+    [NUMBER_HALF] = {2, 0, 16, -65519.99, 65519.99},
+    [NUMBER_FLOAT] = {4, 0, 32, -FLT_MAX, FLT_MAX},
+    [NUMBER_R11F] = {4, 0, 11, 0, 65279.99},
+    [NUMBER_G11F] = {4, 11, 11, 0, 65279.99},
+    [NUMBER_B10F] = {4, 22, 10, 0, 65023.99},
+    [NUMBER_R10] = {4, 0, 10, 0, 1},
+    [NUMBER_G10] = {4, 10, 10, 0, 1},
+    [NUMBER_B10] = {4, 20, 10, 0, 1},
+    [NUMBER_A2] = {4, 30, 2, 0, 1},
+    [NUMBER_UINT] = {4, 0, 32, 0, UINT32_MAX},
+    [NUMBER_INT] = {4, 0, 32, INT32_MIN, INT32_MAX},
+    [NUMBER_UINT8] = {1, 0, 8, 0, UINT8_MAX},
+    [NUMBER_INT8] = {1, 0, 8, INT8_MIN, INT8_MAX},
+    [NUMBER_UINT16] = {2, 0, 16, 0, UINT16_MAX},
+    [NUMBER_INT16] = {2, 0, 16, INT16_MIN, INT16_MAX},
+};
 
 uint32_t number_size(enum number_kind kind)
 {
-    switch (kind) {
-    case NUMBER_UNORM8:
-    case NUMBER_UINT8:
-    case NUMBER_INT8:
-        return 1;
-    case NUMBER_UNORM16:
-    case NUMBER_SNORM16:
-    case NUMBER_HALF:
-    case NUMBER_UINT16:
-    case NUMBER_INT16:
-        return 2;
-    case NUMBER_FLOAT:
-    case NUMBER_UINT:
-    case NUMBER_INT:
-        break;
-    }
-    return 4;
+    return numbers[kind].bytes;
+}
+
+uint32_t number_width(enum number_kind kind)
+{
+    return numbers[kind].width;
 }
 
 bool number_is_integer(enum number_kind kind)
@@ -126,19 +159,38 @@ bool number_is_integer(enum number_kind kind)
     return kind >= NUMBER_UINT;
 }
 
+bool number_is_float(enum number_kind kind)
+{
+    return kind >= NUMBER_HALF && kind <= NUMBER_B10F;
+}
+
 uint32_t number_one(enum number_kind kind)
 {
-    return kind == NUMBER_UNORM8    ? UINT8_MAX
-           : kind == NUMBER_UNORM16 ? UINT16_MAX
-           : kind == NUMBER_SNORM16 ? INT16_MAX
-                                    : 0;
+    if (kind == NUMBER_SNORM16)
+        return INT16_MAX;
+    bool unorm = kind <= NUMBER_UNORM16 || (kind >= NUMBER_R10 && kind <= NUMBER_A2);
+    return unorm ? (1u << numbers[kind].width) - 1 : 0;
+}
+
+static uint32_t mask_of(enum number_kind kind)
+{
+    return UINT32_MAX >> (32 - numbers[kind].width);
 }
 
 uint32_t number_bits(enum number_kind kind, const uint8_t *place)
 {
     uint32_t bits = 0;
     memcpy(&bits, place, number_size(kind)); /* little-endian, as all of diptych's machines are */
-    return bits;
+    return bits >> numbers[kind].shift & mask_of(kind);
+}
+
+void number_set_bits(enum number_kind kind, uint32_t bits, uint8_t *place)
+{
+    uint32_t all = 0;
+    memcpy(&all, place, number_size(kind));
+    all &= ~(mask_of(kind) << numbers[kind].shift);
+    all |= bits << numbers[kind].shift;
+    memcpy(place, &all, number_size(kind));
 }
 
 static double half_value(uint32_t bits)
@@ -152,19 +204,26 @@ static double half_value(uint32_t bits)
     return bits & 0x8000 ? -size : size;
 }
 
-double number_value(enum number_kind kind, const uint8_t *place)
+double number_of_bits(enum number_kind kind, uint32_t bits)
 {
-    uint32_t bits = number_bits(kind, place);
     float number;
     memcpy(&number, &bits, sizeof number);
     switch (kind) {
     case NUMBER_UNORM8:
     case NUMBER_UNORM16:
+    case NUMBER_R10:
+    case NUMBER_G10:
+    case NUMBER_B10:
+    case NUMBER_A2:
         return (double)bits / number_one(kind);
     case NUMBER_SNORM16: /* -32768 is -1, too */
         return fmax((double)(int16_t)bits / INT16_MAX, -1);
     case NUMBER_HALF:
         return half_value(bits);
+    case NUMBER_R11F: /* halves without a sign, and with a shorter fraction */
+    case NUMBER_G11F:
+    case NUMBER_B10F:
+        return half_value(bits << (15 - numbers[kind].width));
     case NUMBER_FLOAT:
         return (double)number;
     case NUMBER_UINT:
@@ -181,44 +240,49 @@ double number_value(enum number_kind kind, const uint8_t *place)
     return 0;
 }
 
-/* Ties go to the even one; from 65520 on it is infinity. */
-static uint32_t half_bits(double value)
+double number_value(enum number_kind kind, const uint8_t *place)
+{
+    return number_of_bits(kind, number_bits(kind, place));
+}
+
+/* Of a fraction of so many bits. Ties go to the even one; from 65520 on a half is infinity. */
+static uint32_t half_bits(double value, int fraction)
 {
     double size = fabs(value);
     int exponent;
     uint32_t bits;
     frexp(size, &exponent); /* size is 0.5 to 1 times 2 to the exponent */
     if (size < 0x1p-14)
-        bits = (uint32_t)lrint(ldexp(size, 24));
+        bits = (uint32_t)lrint(ldexp(size, 14 + fraction));
     else
-        bits = (uint32_t)(exponent + 13) * 1024 + (uint32_t)lrint(ldexp(size, 11 - exponent));
-    return bits | (signbit(value) ? 0x8000 : 0);
+        bits = ((uint32_t)(exponent + 13) << fraction) +
+               (uint32_t)lrint(ldexp(size, fraction + 1 - exponent));
+    return bits | (signbit(value) && fraction == 10 ? 0x8000 : 0);
 }
 
 bool number_store(enum number_kind kind, double value, uint8_t *place)
 {
-    static const double least[] = {
-        [NUMBER_UNORM8] = 0,        [NUMBER_UNORM16] = 0,      [NUMBER_SNORM16] = -1,
-        [NUMBER_UINT8] = 0,         [NUMBER_INT8] = INT8_MIN,  [NUMBER_UINT16] = 0,
-        [NUMBER_INT16] = INT16_MIN, [NUMBER_HALF] = -65519.99, [NUMBER_FLOAT] = -FLT_MAX,
-        [NUMBER_UINT] = 0,          [NUMBER_INT] = INT32_MIN};
-    static const double most[] = {
-        [NUMBER_UNORM8] = 1,        [NUMBER_UNORM16] = 1,     [NUMBER_SNORM16] = 1,
-        [NUMBER_UINT8] = UINT8_MAX, [NUMBER_INT8] = INT8_MAX, [NUMBER_UINT16] = UINT16_MAX,
-        [NUMBER_INT16] = INT16_MAX, [NUMBER_HALF] = 65519.99, [NUMBER_FLOAT] = FLT_MAX,
-        [NUMBER_UINT] = UINT32_MAX, [NUMBER_INT] = INT32_MAX};
     float number = (float)value;
     uint32_t bits = 0;
-    if (!(value >= least[kind] && value <= most[kind]))
+    if (!(value >= numbers[kind].least && value <= numbers[kind].most))
         return false;
     switch (kind) {
     case NUMBER_UNORM8:
     case NUMBER_UNORM16:
     case NUMBER_SNORM16:
+    case NUMBER_R10:
+    case NUMBER_G10:
+    case NUMBER_B10:
+    case NUMBER_A2:
         bits = (uint32_t)lrint(number_one(kind) * value);
         break;
     case NUMBER_HALF:
-        bits = half_bits(value);
+        bits = half_bits(value, 10);
+        break;
+    case NUMBER_R11F:
+    case NUMBER_G11F:
+    case NUMBER_B10F:
+        bits = half_bits(value, (int)numbers[kind].width - 5);
         break;
     case NUMBER_FLOAT:
         memcpy(&bits, &number, sizeof bits);
@@ -232,7 +296,7 @@ bool number_store(enum number_kind kind, double value, uint8_t *place)
         bits = (uint32_t)llrint(value);
         break;
     }
-    memcpy(place, &bits, number_size(kind));
+    number_set_bits(kind, bits & mask_of(kind), place);
     return true;
 }
 
@@ -304,11 +368,8 @@ static uint32_t buffer_components(const struct dt_resource *resource, struct com
 static uint32_t image_components(const struct dt_resource *resource, struct component *list)
 {
     uint32_t channels = format_channels(resource->format);
-    enum number_kind kind = format_number(resource->format);
-    for (uint32_t i = 0; list && i < channels; i++) {
-        list[i] = (struct component){.kind = kind, .offset = i * number_size(kind)};
-        list[i].name[0] = resource->format == DT_FORMAT_D32F ? 'd' : "rgba"[i];
-    }
+    for (uint32_t i = 0; list && i < channels; i++)
+        list[i] = format_component(resource->format, i);
     return channels;
 }
 

@@ -9,15 +9,22 @@ const char *type_name(enum dt_type type);        /* as in the spec: "vec3" */
 uint32_t type_components(enum dt_type type);     /* 1 to 4; 16 for mat4 */
 enum dt_type type_scalar(enum dt_type type);     /* DT_TYPE_FLOAT, _INT, _UINT or _BOOL */
 const char *format_name(enum dt_format format);  /* as in the spec: "rgba16f" */
-uint32_t format_channels(enum dt_format format); /* 1, 2 or 4 */
+uint32_t format_channels(enum dt_format format); /* 1 to 4 */
 uint32_t format_size(enum dt_format format);     /* bytes per texel */
 
 enum number_kind {
     NUMBER_UNORM8,
     NUMBER_UNORM16,
     NUMBER_SNORM16,
-    NUMBER_HALF,
+    NUMBER_HALF, /* floats from here */
     NUMBER_FLOAT,
+    NUMBER_R11F, /* packed into 32 bits from here: floats without a sign, */
+    NUMBER_G11F,
+    NUMBER_B10F, /* the last float */
+    NUMBER_R10,  /* and unorm */
+    NUMBER_G10,
+    NUMBER_B10,
+    NUMBER_A2,
     NUMBER_UINT, /* integers from here on; of 32 bits without a number */
     NUMBER_INT,
     NUMBER_UINT8,
@@ -25,13 +32,17 @@ enum number_kind {
     NUMBER_UINT16,
     NUMBER_INT16
 };
-enum number_kind format_number(enum dt_format format);
+enum number_kind format_number(enum dt_format format); /* of the first channel */
 bool number_is_integer(enum number_kind kind);
+bool number_is_float(enum number_kind kind);
 uint32_t number_one(enum number_kind kind); /* code of 1.0 of unorm and snorm; others: 0 */
 
-uint32_t number_size(enum number_kind kind);                       /* bytes */
+uint32_t number_size(enum number_kind kind);  /* bytes to read: 4 of a packed number */
+uint32_t number_width(enum number_kind kind); /* bits */
 uint32_t number_bits(enum number_kind kind, const uint8_t *place); /* as they lie */
-double number_value(enum number_kind kind, const uint8_t *place);  /* exact; unorm8: code / 255 */
+void number_set_bits(enum number_kind kind, uint32_t bits, uint8_t *place);
+double number_value(enum number_kind kind, const uint8_t *place); /* exact; unorm8: code / 255 */
+double number_of_bits(enum number_kind kind, uint32_t bits);
 
 /* Stores the nearest number of that kind. False, and nothing stored: it is not finite, or beyond the
  * kind's range, which for unorm is 0 to 1, for snorm -1 to 1. */
@@ -44,6 +55,7 @@ struct component {
     uint32_t offset; /* bytes from the start of the element */
 };
 
+struct component format_component(enum dt_format format, uint32_t channel);
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
 
 /* Extent of one mip in a frame of that size, as a runtime's read gives it: elements of a buffer, or

@@ -165,23 +165,22 @@ static bool shrink(const struct picture_level *from, struct picture_level *to)
 static bool encode(const struct loading *loading, const struct picture_level *level, uint32_t mip)
 {
     enum dt_format format = loading->resource->format;
-    enum number_kind kind = format_number(format);
-    uint32_t channels = format_channels(format), size = number_size(kind);
+    uint32_t channels = format_channels(format), size = format_size(format);
     size_t count = (size_t)level->width * level->height;
     struct dt_bytes *bytes = &loading->input->mip[mip];
-    *bytes = (struct dt_bytes){.size = count * format_size(format),
-                               .extent = {level->width, level->height, 1}};
-    bytes->data = malloc(bytes->size);
+    *bytes = (struct dt_bytes){.size = count * size, .extent = {level->width, level->height, 1}};
+    bytes->data = calloc(count, size);
     if (!bytes->data)
         return refuse(loading, "out of memory");
     for (size_t i = 0; i < count; i++)
         for (uint32_t c = 0; c < channels; c++) {
+            struct component channel = format_component(format, c);
             float value = level->texels[CHANNELS * i + c];
             if (format == DT_FORMAT_RGBA8_SRGB && c < 3)
                 value = srgb_encode(value);
             bool depth = format == DT_FORMAT_D32F && !(value >= 0 && value <= 1);
             if (depth ||
-                !number_store(kind, (double)value, bytes->data + (i * channels + c) * size))
+                !number_store(channel.kind, (double)value, bytes->data + i * size + channel.offset))
                 return refuse(loading,
                               "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
                               "of %s",

@@ -27,17 +27,13 @@ static bool numbers_of(struct numbers *numbers, const struct dt_resource *resour
     return true;
 }
 
-static bool is_float(enum number_kind kind)
-{
-    return kind == NUMBER_FLOAT || kind == NUMBER_HALF;
-}
-
 /* NaN or Inf: all bits of the exponent. */
 static bool not_finite(enum number_kind kind, uint32_t bits)
 {
-    if (kind == NUMBER_FLOAT)
-        return (bits & 0x7f800000) == 0x7f800000;
-    return kind == NUMBER_HALF && (bits & 0x7c00) == 0x7c00;
+    uint32_t exponent = kind == NUMBER_FLOAT  ? 0x7f800000
+                        : kind == NUMBER_HALF ? 0x7c00
+                                              : 0x1fu << (number_width(kind) - 5);
+    return number_is_float(kind) && (bits & exponent) == exponent;
 }
 
 /* Whether any of the numbers is NaN or Inf, 8 bytes at a time: the exponent plus one in its last
@@ -49,7 +45,7 @@ static bool any_not_finite(enum number_kind kind, const uint8_t *data, size_t si
     const uint64_t one = half ? UINT64_C(0x0400040004000400) : UINT64_C(0x0080000000800000);
     const uint64_t carry = half ? UINT64_C(0x8000800080008000) : UINT64_C(0x8000000080000000);
     uint64_t found = 0, word = 0;
-    if (!is_float(kind))
+    if (!number_is_float(kind))
         return false;
     for (; size >= sizeof word; size -= sizeof word, data += sizeof word) {
         memcpy(&word, data, sizeof word);
@@ -85,7 +81,7 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
         apart = codes / number_one(kind);
     switch (contract) {
     case DT_CONTRACT_ULP:
-        if (is_float(kind))
+        if (number_is_float(kind))
             return fabs(ordered(kind, bits[0]) - ordered(kind, bits[1]));
         return number_one(kind) ? codes : apart;
     case DT_CONTRACT_REL:

@@ -14,8 +14,8 @@ enum { NUMBER_TEXT = 48 /* the largest float has 39 digits */ };
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* Whether reading the decimal gives the same number of that kind. A half reads back from anything
- * nearer to it than halfway to its neighbour. */
+/* Whether reading the decimal gives the same number of that kind. A half, or a shorter float, reads
+ * back from anything nearer to it than halfway to its neighbour. */
 static bool reads_back(enum number_kind kind, uint32_t bits, double value, const char *text)
 {
     double read = strtod(text, NULL);
@@ -26,10 +26,8 @@ static bool reads_back(enum number_kind kind, uint32_t bits, double value, const
     bool outward = fabs(read) > fabs(value);
     if (!outward && !(bits & 0x7fff))
         return read == 0;
-    uint16_t near = (uint16_t)(outward ? bits + 1 : bits - 1);
-    double neighbour = (bits & 0x7fff) == 0x7bff && outward
-                           ? copysign(65536, value)
-                           : number_value(NUMBER_HALF, (const uint8_t *)&near);
+    double neighbour = number_of_bits(kind, outward ? bits + 1 : bits - 1);
+    neighbour = isinf(neighbour) ? copysign(65536, value) : neighbour;
     return fabs(read - value) < fabs(neighbour - value) / 2;
 }
 
@@ -60,8 +58,8 @@ static const char *write_number(char text[2 * NUMBER_TEXT], enum number_kind kin
         snprintf(decimal, sizeof decimal, "%s", isnan(value) ? "NaN" : value < 0 ? "-Inf" : "Inf");
     else
         write_decimal(decimal, kind, bits, value);
-    snprintf(text, 2 * NUMBER_TEXT, "%s (0x%0*" PRIx32 ")", decimal, 2 * (int)number_size(kind),
-             bits);
+    snprintf(text, 2 * NUMBER_TEXT, "%s (0x%0*" PRIx32 ")", decimal,
+             (int)(number_width(kind) + 3) / 4, bits);
     return text;
 }
 
@@ -186,7 +184,7 @@ static void add_number(cJSON *root, const char *label, enum number_kind kind, ui
 {
     char text[16];
     cJSON *number = cJSON_AddObjectToObject(root, label);
-    snprintf(text, sizeof text, "0x%0*" PRIx32, 2 * (int)number_size(kind), bits);
+    snprintf(text, sizeof text, "0x%0*" PRIx32, (int)(number_width(kind) + 3) / 4, bits);
     cJSON_AddNumberToObject(number, "value", value);
     cJSON_AddStringToObject(number, "bits", text);
 }

@@ -44,10 +44,11 @@ static bool check_image(const struct dt_resource *resource, const struct dt_byte
 /* One texel as three numbers; one channel is grey, two leave blue at zero. */
 static void fetch(const struct dt_resource *resource, const uint8_t *texel, float color[3])
 {
-    enum number_kind kind = format_number(resource->format);
     uint32_t channels = format_channels(resource->format);
-    for (uint32_t c = 0; c < 3; c++)
-        color[c] = c < channels ? (float)number_value(kind, texel + c * number_size(kind)) : 0;
+    for (uint32_t c = 0; c < 3; c++) {
+        struct component from = format_component(resource->format, c);
+        color[c] = c < channels ? (float)number_value(from.kind, texel + from.offset) : 0;
+    }
     if (channels == 1)
         color[1] = color[2] = color[0];
 }
@@ -105,7 +106,7 @@ static struct range find_range(const float *numbers, size_t count, bool depth)
 static float map_number(const struct dt_resource *resource, struct range range, float value)
 {
     enum number_kind kind = format_number(resource->format);
-    if (kind == NUMBER_UNORM8 || kind == NUMBER_UNORM16)
+    if (number_one(kind) && kind != NUMBER_SNORM16)
         return value;
     if (resource->format == DT_FORMAT_D32F)
         return range.most > range.least ? (value - range.least) / (range.most - range.least)

@@ -39,10 +39,10 @@ static bool is_label(const struct dt_resource *resource)
 static double channel_difference(const struct dt_resource *resource, const uint8_t *const texels[2],
                                  uint32_t c)
 {
-    enum number_kind kind = format_number(resource->format);
+    struct component channel = format_component(resource->format, c);
     double values[2];
     for (int i = 0; i < 2; i++)
-        values[i] = number_value(kind, texels[i] + (size_t)c * number_size(kind));
+        values[i] = number_value(channel.kind, texels[i] + channel.offset);
     return isfinite(values[0]) && isfinite(values[1]) ? fabs(values[0] - values[1]) : NAN;
 }
 

@@ -221,30 +221,20 @@ static uint32_t one_in(enum number_kind kind)
 {
     if (number_one(kind))
         return number_one(kind);
-    return kind == NUMBER_HALF ? 0x3c00 : kind == NUMBER_FLOAT ? float_bits(1.0f) : 1;
+    if (!number_is_float(kind))
+        return 1;
+    return kind == NUMBER_FLOAT  ? float_bits(1.0f)
+           : kind == NUMBER_HALF ? 0x3c00
+                                 : 0xfu << (number_width(kind) - 5);
 }
 
 static uint32_t with_other_sign(enum number_kind kind, uint32_t bits)
 {
-    const uint32_t all = UINT32_MAX >> (32 - 8 * number_size(kind));
-    switch (kind) {
-    case NUMBER_UNORM8:
-    case NUMBER_UNORM16:
+    if (number_is_integer(kind)) /* -v - 1: also 0 changes */
+        return ~bits & UINT32_MAX >> (32 - number_width(kind));
+    if (number_one(kind) && kind != NUMBER_SNORM16)
         return number_one(kind) - bits;
-    case NUMBER_SNORM16: /* code 0 becomes -1.0 */
-    case NUMBER_HALF:
-        return bits ^ 0x8000;
-    case NUMBER_FLOAT:
-        return bits ^ 0x80000000;
-    case NUMBER_UINT:
-    case NUMBER_INT:
-    case NUMBER_UINT8:
-    case NUMBER_INT8:
-    case NUMBER_UINT16:
-    case NUMBER_INT16:
-        break;
-    }
-    return ~bits & all; /* -v - 1: also 0 changes */
+    return bits ^ 1u << (number_width(kind) - 1); /* of snorm, code 0 becomes -1.0 */
 }
 
 /* Depth stays between 0 and 1: the APIs reject other values. */
@@ -286,8 +276,8 @@ static bool spoil_bytes(const struct fault_run *run, const struct dt_resource *r
             continue;
         uint32_t before = number_bits(kind, at);
         uint32_t after = spoil(resource, run->fault->kind, kind, at);
-        memcpy(at, &after, number_size(kind));
-        int digits = 2 * (int)number_size(kind);
+        number_set_bits(kind, after, at);
+        int digits = (int)(number_width(kind) + 3) / 4;
         char *longer =
             format_string("%s %s%s0x%0*x -> 0x%0*x", *change, components[i].name,
                           components[i].name[0] ? " " : "", digits, before, digits, after);

@@ -89,6 +89,8 @@ enum dt_format {
     DT_FORMAT_RGBA16I,
     DT_FORMAT_RG32I,
     DT_FORMAT_RGBA32I,
+    DT_FORMAT_R11G11B10F, /* packed into 32 bits, red in the lowest, as is the next */
+    DT_FORMAT_RGB10A2,
     DT_FORMAT_COUNT
 };
 

@@ -498,7 +498,8 @@ static uint32_t texel_size(enum dt_format format)
         [DT_FORMAT_R16UI] = 2,      [DT_FORMAT_RG16UI] = 4,     [DT_FORMAT_RGBA16UI] = 8,
         [DT_FORMAT_R8I] = 1,        [DT_FORMAT_RG8I] = 2,       [DT_FORMAT_RGBA8I] = 4,
         [DT_FORMAT_R16I] = 2,       [DT_FORMAT_RG16I] = 4,      [DT_FORMAT_RGBA16I] = 8,
-        [DT_FORMAT_RG32I] = 8,      [DT_FORMAT_RGBA32I] = 16,
+        [DT_FORMAT_RG32I] = 8,      [DT_FORMAT_RGBA32I] = 16,   [DT_FORMAT_R11G11B10F] = 4,
+        [DT_FORMAT_RGB10A2] = 4,
     };
     return sizes[format];
 }
@@ -508,7 +509,8 @@ enum dt_type dt_front_scalar(enum dt_format format)
     if ((format >= DT_FORMAT_R32UI && format <= DT_FORMAT_RGBA32UI) ||
         (format >= DT_FORMAT_R8UI && format <= DT_FORMAT_RGBA16UI))
         return DT_TYPE_UINT;
-    return format == DT_FORMAT_R32I || format >= DT_FORMAT_R8I ? DT_TYPE_INT : DT_TYPE_FLOAT;
+    bool integer = format >= DT_FORMAT_R8I && format <= DT_FORMAT_RGBA32I;
+    return format == DT_FORMAT_R32I || integer ? DT_TYPE_INT : DT_TYPE_FLOAT;
 }
 
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,

@@ -78,14 +78,20 @@ struct dt_storage { /* of one resource */
     float clear[4]; /* clear value of a target or of a skipped pass; depth: clear[0] */
 };
 
-enum dt_wrap { DT_WRAP_CLAMP, DT_WRAP_REPEAT, DT_WRAP_MIRROR };
+enum dt_wrap { DT_WRAP_CLAMP, DT_WRAP_REPEAT, DT_WRAP_MIRROR, DT_WRAP_BORDER };
+enum dt_border {
+    DT_BORDER_TRANSPARENT_BLACK, /* all zero */
+    DT_BORDER_OPAQUE_BLACK,
+    DT_BORDER_OPAQUE_WHITE
+};
 
 struct dt_sampler {
     const char *name;
     bool linear, linear_mip; /* filtering within and between mips; else nearest */
     enum dt_wrap wrap;
-    bool compare;     /* a shadow sampler: less or equal */
-    float anisotropy; /* 1: off */
+    enum dt_border border; /* DT_WRAP_BORDER: the colour beyond the edge */
+    bool compare;          /* a shadow sampler: less or equal */
+    float anisotropy;      /* 1: off */
 };
 
 /* ---- Programs: one per pass ------------------------------------------------------------------ */
