@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "plan.h"
 
 enum { DEEPEST_INCLUDE = 16 };
 
@@ -198,6 +199,18 @@ static bool declares(const struct body *body, const char *name)
     return false;
 }
 
+/* Whether it is the name with one of the endings. */
+static bool is_derived(const struct token *token, const char *name, const char *const *suffixes)
+{
+    size_t length = strlen(name);
+    bool starts = (size_t)token->length > length && !memcmp(token->text, name, length);
+    for (; starts && *suffixes; suffixes++)
+        if ((size_t)token->length == length + strlen(*suffixes) &&
+            !memcmp(token->text + length, *suffixes, strlen(*suffixes)))
+            return true;
+    return false;
+}
+
 /* The first place where the body uses a name, or one of the words made from it; NULL: none.
  * `suffixes` ends with NULL. */
 static const struct token *find_use(const struct body *body, const char *name,
@@ -215,10 +228,8 @@ static const struct token *find_use(const struct body *body, const char *name,
                 return token;
             continue;
         }
-        for (const char *const *suffix = suffixes; *suffix; suffix++)
-            if ((size_t)token->length == length + strlen(*suffix) &&
-                !memcmp(token->text + length, *suffix, strlen(*suffix)))
-                return token;
+        if (is_derived(token, name, suffixes))
+            return token;
     }
     return NULL;
 }
@@ -235,8 +246,12 @@ static bool mentions(const struct body *body, const char *name)
 /* ---- Names against lists --------------------------------------------------------------------- */
 
 static const char *const buffer_words[] = {"_count", NULL};
-static const char *const image_words[] = {"_size",    "_store",   "_sample", "_sample_lod",
-                                          "_compare", "_texture", NULL};
+static const char *const image_words[] = {
+    "_size", "_store", "_sample", "_sample_lod", "_compare", "_texture",
+    /* of atomic_words */
+    "_atomicAdd", "_atomicMin", "_atomicMax", "_atomicAnd", "_atomicOr", "_atomicXor",
+    "_atomicExchange", "_atomicCompSwap", NULL};
+static const char *const *const atomic_words = image_words + 6;
 static const char *const interleave_words[] = {"_tile",   "_classes",    "_class", "_split",
                                                "_gather", "_class_size", NULL};
 static const char *const no_words[] = {NULL};
@@ -270,7 +285,6 @@ static const struct access *find_word_access(const struct pass *pass, const char
 static void check_foreign_word(struct checker *c, const struct pass *pass, const struct body *body,
                                const struct resource *resource, const struct access *access)
 {
-    bool image = resource->kind == DT_IMAGE;
     const struct token *token = declares(body, resource->name)
                                     ? NULL
                                     : find_use(body, resource->name, resource_words(resource));
@@ -281,11 +295,13 @@ static void check_foreign_word(struct checker *c, const struct pass *pass, const
                    pass->name, resource->name, access->as, access->as);
         return;
     }
-    bool stores = (size_t)token->length == strlen(resource->name) + 6 &&
-                  token->text[token->length - 1] == 'e' && image &&
-                  strncmp(token->text + token->length - 6, "_store", 6) == 0;
+    static const char *const store[] = {"_store", NULL};
+    bool image = resource->kind == DT_IMAGE;
     diag_error(c->diag, token->loc, "the pass `%s` uses `%s` but does not list it in %s",
-               pass->name, resource->name, stores ? "writes" : "reads");
+               pass->name, resource->name,
+               image && is_derived(token, resource->name, store)          ? "writes"
+               : image && is_derived(token, resource->name, atomic_words) ? "updates"
+                                                                          : "reads");
 }
 
 /* The place where the body declares a function of this name; NULL: it does not. */
@@ -296,6 +312,30 @@ static const struct token *function_of(const struct body *body, const char *name
             token_is(&body->tokens[i], name) && !is_keyword(&body->tokens[i - 1]))
             return &body->tokens[i];
     return NULL;
+}
+
+/* Atomic functions need an update of a format that both APIs have them for. */
+static void check_atomics(struct checker *c, const struct pass *pass, const struct body *body,
+                          const struct access *access)
+{
+    enum dt_format format = access->resource->format;
+    const char *name = access_word(access);
+    const struct token *token = NULL;
+    bool updates = false;
+    for (size_t i = 0; !token && i < body->count; i++)
+        token = is_derived(&body->tokens[i], name, atomic_words) ? &body->tokens[i] : NULL;
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        updates |=
+            pass->accesses[i].mode == MODE_UPDATE && !strcmp(access_word(&pass->accesses[i]), name);
+    if (token && (!updates || pass->kind != PASS_DISPATCH))
+        diag_error(c->diag, token->loc,
+                   "the pass `%s` changes `%s` atomically; make it a dispatch that lists it in "
+                   "updates",
+                   pass->name, name);
+    else if (token && format != DT_FORMAT_R32UI && format != DT_FORMAT_R32I)
+        diag_error(c->diag, token->loc,
+                   "`%s` has the format %s; atomic functions need r32ui or r32i", name,
+                   format_info(format)->name);
 }
 
 static void check_access_use(struct checker *c, const struct pass *pass, const struct body *body,
@@ -314,6 +354,8 @@ static void check_access_use(struct checker *c, const struct pass *pass, const s
             name, resource->kind == DT_IMAGE ? "an image" : "a buffer", pass->name);
         return;
     }
+    if (resource->kind == DT_IMAGE)
+        check_atomics(c, pass, body, access);
     if (resource->kind != DT_IMAGE || find_word_access(pass, name, true))
         return;
     const char *word = arena_printf(c->model->arena, "%s_store", name);

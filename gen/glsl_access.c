@@ -170,6 +170,25 @@ static void add_store(const struct glsl *glsl, const struct access *access, stru
              format_names(image->format).prefix, variable_name(glsl, access));
 }
 
+/* The names are those of GLSL's functions for elements of buffers, which also give the former value. */
+static void add_atomics(const struct glsl *glsl, const struct access *access, struct text *out)
+{
+    static const char *const names[] = {"Add", "Min", "Max",      "And",
+                                        "Or",  "Xor", "Exchange", "CompSwap"};
+    const char *type = access->resource->format == DT_FORMAT_R32I ? "int" : "uint";
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
+        const char *name =
+            arena_printf(glsl->model->arena, "%s_atomic%s", access_word(access), names[i]);
+        bool swap = i == DT_ARRAY_COUNT(names) - 1;
+        if (!name || !glsl_uses(glsl, "%s", name))
+            continue;
+        text_add(out, "%s %s(%s p, ", type, name, is_layered(access) ? "ivec3" : "ivec2");
+        text_add(out, swap ? "%s expected, %s value)\n" : "%s value)\n", type, type);
+        text_add(out, "{\n    return imageAtomic%s(%s, p, %svalue);\n}\n\n", names[i],
+                 variable_name(glsl, access), swap ? "expected, " : "");
+    }
+}
+
 /* Its texels have no address. */
 static bool samples_cube(const struct access *access)
 {
@@ -214,6 +233,8 @@ void glsl_accessors(struct glsl *glsl)
             add_texel(glsl, access, out);
         if (access->mode != MODE_READ && glsl_uses(glsl, "%s_store", access_word(access)))
             add_store(glsl, access, out);
+        if (access->mode == MODE_UPDATE && is_storage(access))
+            add_atomics(glsl, access, out);
         if (access->filter && access->filter->compare &&
             glsl_uses(glsl, "%s_compare", access_word(access)))
             add_compare(glsl, access, out);

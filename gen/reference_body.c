@@ -134,6 +134,13 @@ static const struct body_name resource_names[] = {
     {"ivec2 NAME_size()", "image",
      "Width and height of the mip that `NAME(p)` reads; ivec3 of a 3D image."},
     {"NAME_store(p, value)", "compute, image in `writes` or `updates`", "Writes a texel."},
+    {"NAME_atomicAdd(p, value)", "compute, image in `updates` of format r32ui or r32i",
+     "Adds to a texel, uint or int, and gives the former value; also `atomicMin`, `atomicMax`, "
+     "`atomicAnd`, `atomicOr`, `atomicXor`, `atomicExchange`. Elements of buffers have GLSL's: "
+     "`atomicAdd(NAME[i], value)`. What these leave of integers does not depend on the order of "
+     "the invocations, except for exchanges. The former values do, and floats."},
+    {"NAME_atomicCompSwap(p, expected, value)", "the same",
+     "Stores the value if the texel is as expected; depends on the order."},
     {"NAME", "fragment, image in `writes`",
      "The target, to assign; depth targets are written by the rasterizer alone."},
     {"NAME_sample(uv)", "image in `reads` with a `sampler`",

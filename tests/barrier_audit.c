@@ -28,7 +28,7 @@ enum change {
 /* Why the layers may be silent about a hazard; bits. */
 enum silence {
     UNEXPLAINED = 1,
-    STORES = 2,      /* they leave out a store of a shader after another one */
+    STORES = 2, /* they leave out a store of a shader after another one, even if it reads, too */
     ATTACHMENTS = 4, /* they do not follow what a dynamic rendering does to its attachments */
     ALIASES = 8,     /* they do not know that an image shares its memory with something else */
     LAYOUTS = 16,    /* a change of layout may follow another one */
@@ -427,6 +427,20 @@ static bool is_store(const struct tape_entry *entry)
     return !entry->is_barrier && entry->access.access == VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
 }
 
+/* Whether the shader that reads here also stores to the same image: the layers see the store alone. */
+static bool is_update(const struct tape *tape, const struct tape_entry *entry)
+{
+    bool update = false;
+
+    if (entry->is_barrier || !tape->resources[entry->access.resource].image)
+        return false;
+    for (uint32_t i = 0; i < tape->entry_count; i++)
+        update |= is_store(&tape->entries[i]) &&
+                  tape->entries[i].access.command == entry->access.command &&
+                  tape->entries[i].access.resource == entry->access.resource;
+    return update;
+}
+
 static uint32_t entry_resource(const struct tape_entry *entry)
 {
     return entry->is_barrier ? entry->barrier.resource : entry->access.resource;
@@ -441,7 +455,8 @@ static enum silence silence_about(const struct tape *tape, const struct hazard *
     earlier = &tape->entries[hazard->earlier];
     if (is_attachment(earlier) || is_attachment(later))
         return ATTACHMENTS;
-    if (is_store(earlier) && is_store(later))
+    if ((is_store(earlier) && is_store(later)) ||
+        ((is_store(earlier) || earlier->is_barrier) && is_update(tape, later)))
         return STORES;
     if (entry_resource(earlier) != entry_resource(later) &&
         (tape->resources[entry_resource(earlier)].image ||

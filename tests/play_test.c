@@ -31,7 +31,8 @@
     X("tests/specs/particles.yaml", particles)                                                     \
     X("tests/specs/cull.yaml", cull)                                                               \
     X("tests/specs/formats.yaml", formats)                                                         \
-    X("tests/specs/shapes.yaml", shapes)
+    X("tests/specs/shapes.yaml", shapes)                                                           \
+    X("tests/specs/atomics.yaml", atomics)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
 EACH_SPEC(DECLARE)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # 3D images and cube maps, tests/specs/shapes.yaml: the backends agree, every texel is what its formula says, and a guilty
-# pass over them is replayed. TAP.
+# pass over them is replayed. And atomic functions of images, tests/specs/atomics.yaml: all agree with counting. TAP.
 . "$(dirname "$0")/tap.sh"
 spec=$root/tests/specs/shapes.yaml
 
@@ -73,5 +73,34 @@ for fault in halve_fog fill_probes; do
     check_status 1 "a fault in $fault is found" "$diptych" compare --spec "$spec" --size 64x48 --fault vk:$fault:texel:1 \
         --bisect "$work/$fault"
     check "... and replayed" "$diptych" replay "$work/$fault" --backend gl
+done
+
+spec=$root/tests/specs/atomics.yaml
+# shellcheck disable=SC2317 # called through check
+counted() { # backend
+    rm -rf "$work/dump"
+    "$diptych" render --spec "$spec" --size 8x6 --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
+        python3 - "$work/dump" <<'PYTHON'
+import functools, glob, operator, struct, sys
+
+def load(name, code):
+    return [n for n, in struct.iter_unpack(f"<{code}", open(glob.glob(f"{sys.argv[1]}/??.count.{name}.raw")[0], "rb").read())]
+
+tally, ends = load("tally", "I"), load("ends", "i")
+for column in range(8):
+    mine = range(column, 1000, 8)
+    bits = [1 << (i >> 3 & 31) for i in mine if i < 100]
+    wanted = [len(mine), min(mine), max(mine), 0xffffffff & ~functools.reduce(operator.or_, bits),
+              functools.reduce(operator.or_, bits), functools.reduce(operator.xor, [(i << (i >> 3 & 31)) & 0xffffffff for i in mine])]
+    assert tally[column::8] == wanted + [column * (column < 4)], (column, tally[column::8], wanted)
+assert load("cells", "I") == [sum(range(i, 1000, 8)) for i in range(8)] + [0, 1, 2, 3]
+assert ends[::4] == [-max(range(i, 1000, 6)) if i < 3 else max(range(i, 1000, 6)) for i in range(6)], ends
+assert load("once", "I") == [7, 5, 9, 5 + 5 + 5 + 5, 3]
+PYTHON
+}
+check "atomic functions of images agree, validation silent" \
+    "$diptych" compare --spec "$spec" --size 8x6 --debug --backend gl,vk,gl+glsl
+for backend in gl vk; do
+    check "... and with counting, $backend" counted $backend
 done
 finish

@@ -14,6 +14,8 @@ void main()
     int i = invocation().x;
     if (i >= points_count || i >= dispatch_size().x)
         return;
+    tallies_atomicAdd(ivec2(0), 1u);
+    tallies_atomicCompSwap(ivec2(1, 0), 0u, 1u);
     SceneVertex v = scene_vertices[scene_indices[i % 3]];
     points[i].position = vec3(v.px, v.py, v.pz);
     points[i].normal = vec3(v.nx, v.ny, v.nz);
