@@ -488,6 +488,9 @@ static void add_head(struct glsl *glsl)
 {
     static const char *const stages[] = {"COMPUTE", "VERTEX", "FRAGMENT"};
     static const char *const stage_names[] = {"compute", "vertex", "fragment"};
+    static const char *const subgroups[] = {"basic",     "vote",    "arithmetic",
+                                            "ballot",    "shuffle", "shuffle_relative",
+                                            "clustered", "quad"};
     struct text *out = &glsl->parts[PART_HEAD];
     const struct pass *pass = glsl->pass;
     text_add(
@@ -497,6 +500,8 @@ static void add_head(struct glsl *glsl)
         glsl->backend == BACKEND_GL ? "OpenGL" : "Vulkan");
     if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "gl_Layer"))
         text_add(out, "#extension GL_ARB_shader_viewport_layer_array : require\n");
+    for (size_t i = 0; glsl->subgroups && i < DT_ARRAY_COUNT(subgroups); i++)
+        text_add(out, "#extension GL_KHR_shader_subgroup_%s : enable\n", subgroups[i]);
     text_add(out, "#define %s\n%s%s", stages[glsl->stage],
              glsl->backend == BACKEND_GL ? "#define OPENGL\n"
                                          : "", /* compilers for Vulkan define VULKAN */

@@ -33,6 +33,7 @@ struct glsl {
     enum backend backend;
     enum stage stage;
     struct diag *diag;
+    bool subgroups; /* glsl_body: the body has subgroup operations */
     struct text parts[PART_COUNT];
 };
 

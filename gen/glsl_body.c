@@ -276,9 +276,42 @@ static void rename_for_exactness(struct text *text)
         rename_words(text, &renamings[i], true);
 }
 
+static bool is_subgroup(struct token token)
+{
+    static const char *const starts[] = {"gl_Subgroup", "gl_NumSubgroups", "subgroup"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(starts); i++) {
+        size_t length = strlen(starts[i]);
+        if (token.length >= length && !memcmp(token.text, starts[i], length))
+            return i < 2 || (token.length > length && isupper((unsigned char)token.text[length]));
+    }
+    return false;
+}
+
+/* Notes subgroup operations, and reports them where they cannot be. */
+static bool find_subgroups(struct glsl *glsl)
+{
+    const char *body = glsl->parts[PART_BODY].data, *cursor = body;
+    if (!body)
+        return true;
+    struct token token = token_next(&cursor);
+    while (token.length && !is_subgroup(token))
+        token = token_next(&cursor);
+    glsl->subgroups = token.length > 0;
+    if (!glsl->subgroups || (glsl->pipeline->fast && glsl->pass->kind == PASS_DISPATCH))
+        return true;
+    diag_error(
+        glsl->diag, glsl_body_loc(glsl, body, (size_t)(token.text - body), token.length),
+        glsl->pipeline->fast
+            ? "`%.*s` in a draw: only a dispatch can have subgroup operations"
+            : "`%.*s` needs `exactness: fast`: the size of subgroups, and the order in which "
+              "they reduce, differ from device to device; use shared memory",
+        (int)token.length, token.text);
+    return false;
+}
+
 bool glsl_body(struct glsl *glsl)
 {
-    if (!body_file(glsl, glsl->pass->body, 0))
+    if (!body_file(glsl, glsl->pass->body, 0) || !find_subgroups(glsl))
         return false;
     if (!glsl->pipeline->fast)
         rename_for_exactness(&glsl->parts[PART_BODY]);

@@ -397,6 +397,15 @@ static const struct {
     {SpvCapabilitySampleRateShading, "sampleRateShading"},
     {SpvCapabilityDrawParameters, "shaderDrawParameters"},
     {SpvCapabilityShaderLayer, "shaderOutputLayer"},
+    /* not features, but VkSubgroupFeatureFlagBits */
+    {SpvCapabilityGroupNonUniform, "VK_SUBGROUP_FEATURE_BASIC_BIT"},
+    {SpvCapabilityGroupNonUniformVote, "VK_SUBGROUP_FEATURE_VOTE_BIT"},
+    {SpvCapabilityGroupNonUniformArithmetic, "VK_SUBGROUP_FEATURE_ARITHMETIC_BIT"},
+    {SpvCapabilityGroupNonUniformBallot, "VK_SUBGROUP_FEATURE_BALLOT_BIT"},
+    {SpvCapabilityGroupNonUniformShuffle, "VK_SUBGROUP_FEATURE_SHUFFLE_BIT"},
+    {SpvCapabilityGroupNonUniformShuffleRelative, "VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT"},
+    {SpvCapabilityGroupNonUniformClustered, "VK_SUBGROUP_FEATURE_CLUSTERED_BIT"},
+    {SpvCapabilityGroupNonUniformQuad, "VK_SUBGROUP_FEATURE_QUAD_BIT"},
 };
 
 static bool has_capability(const struct pass_shaders *shaders, SpvCapability capability)

@@ -77,7 +77,8 @@ void emit_reference(struct text *out)
         "`--set PATH=VALUE` overrides a value: the path is dotted "
         "(`metrics.vpl_distance.position`, elements of lists "
         "by their `name` or number: `passes.shade.local`), a bare name is a parameter.\n\n"
-        "What GLSL may name is [at the end](#body).\n");
+        "What GLSL may name is [at the end](#body). The language has no stencil, multisampling, "
+        "tessellation, mesh or ray stages.\n");
     for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++)
         add_section(out, section);
     emit_body_reference(out);

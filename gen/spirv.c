@@ -26,16 +26,24 @@ static glslang_stage_t stage_of(enum stage stage)
     return stages[stage];
 }
 
+/* Subgroup operations came with SPIR-V 1.3; GL_KHR_shader_subgroup takes them. */
+static bool has_subgroups(const char *code)
+{
+    return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") != NULL;
+}
+
 static glslang_input_t input_of(enum backend backend, enum stage stage, const char *code)
 {
     bool vulkan = backend == BACKEND_VK;
+    glslang_target_language_version_t opengl =
+        has_subgroups(code) ? GLSLANG_TARGET_SPV_1_3 : GLSLANG_TARGET_SPV_1_0;
     return (glslang_input_t){
         .language = GLSLANG_SOURCE_GLSL,
         .stage = stage_of(stage),
         .client = vulkan ? GLSLANG_CLIENT_VULKAN : GLSLANG_CLIENT_OPENGL,
         .client_version = vulkan ? GLSLANG_TARGET_VULKAN_1_3 : GLSLANG_TARGET_OPENGL_450,
         .target_language = GLSLANG_TARGET_SPV,
-        .target_language_version = vulkan ? GLSLANG_TARGET_SPV_1_5 : GLSLANG_TARGET_SPV_1_0,
+        .target_language_version = vulkan ? GLSLANG_TARGET_SPV_1_5 : opengl,
         .code = code,
         .default_version = 460,
         .default_profile = GLSLANG_CORE_PROFILE,
@@ -477,8 +485,9 @@ static bool take_words(const struct model *model, const struct pass *pass,
 static bool validate(const struct pass *pass, enum backend backend, const struct shader *shader,
                      struct diag *diag)
 {
-    spv_context context =
-        spvContextCreate(backend == BACKEND_GL ? SPV_ENV_OPENGL_4_5 : SPV_ENV_VULKAN_1_3);
+    spv_target_env opengl =
+        has_subgroups(shader->glsl.data) ? SPV_ENV_UNIVERSAL_1_3 : SPV_ENV_OPENGL_4_5;
+    spv_context context = spvContextCreate(backend == BACKEND_GL ? opengl : SPV_ENV_VULKAN_1_3);
     spv_validator_options options = spvValidatorOptionsCreate();
     spvValidatorOptionsSetFriendlyNames(options, false);
     spv_const_binary_t binary = {shader->words, shader->word_count};

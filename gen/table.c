@@ -240,7 +240,9 @@ const struct key table_keys[] = {
      "Files with sections of this spec. Each is read once; its passes come first.",
      "[shared/gbuffer.yaml]"},
     {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|fast", OPTIONAL, "exact",
-     "`exact`: the same bits from both backends; `fast`: the shader compiler is left free.",
+     "`exact`: the same bits from both backends; `fast`: the shader compiler is left free, and "
+     "dispatches may use subgroup operations, if the device has them (OpenGL: "
+     "GL_KHR_shader_subgroup). In which order these reduce is the device's.",
      "exact"},
     {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "software|gpu", OPTIONAL, "software",
      "The kind of device that storage classes and loop shapes are chosen for.", "gpu"},

@@ -65,6 +65,23 @@ const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resourc
 
 /* ---- The panel ------------------------------------------------------------------------------- */
 
+/* Most needs are part of OpenGL 4.6; subgroups are not. */
+static bool has_needs(struct gl_runtime *rt)
+{
+    static const char *const extension[] = {"GL_KHR_shader_subgroup"};
+    const struct dt_panel *panel = rt->core.panel;
+    char missing[64];
+    for (uint32_t i = 0; i < panel->need_count; i++)
+        if (strncmp(panel->needs[i].feature, "VK_SUBGROUP_", 12) == 0 &&
+            !gl_has_all(rt, extension, 1, missing, sizeof missing))
+            return dt_error(&rt->core,
+                            "pass %s: needs %s for its subgroup operations, which %s does not "
+                            "have; use Vulkan",
+                            panel->pipeline->passes[panel->needs[i].pass].name, missing,
+                            rt->core.device_name);
+    return true;
+}
+
 static bool begin_panel(struct dt_core *core)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
@@ -75,7 +92,7 @@ static bool begin_panel(struct dt_core *core)
     if (!rt->imports || (queries && !rt->queries))
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
     rt->builtin.live = (struct gl_buffer){.name = "live parameters", .size = pipeline->block_size};
-    return gl_buffer_create(rt, &rt->builtin.live, pipeline->live_defaults) &&
+    return has_needs(rt) && gl_buffer_create(rt, &rt->builtin.live, pipeline->live_defaults) &&
            (!queries ||
             GL(rt, "timestamps", CreateQueries(GL_TIMESTAMP, (GLsizei)queries, rt->queries)));
 }

@@ -99,8 +99,26 @@ void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatu
     *vulkan13 = features.vulkan13;
 }
 
-static bool has_feature(struct vk_features *features, const char *name)
+static const struct {
+    const char *name;
+    VkSubgroupFeatureFlags bit;
+} subgroup_features[] = {
+#define BIT(name)                                                                                  \
+    {                                                                                              \
+#name, name                                                                                \
+    }
+    BIT(VK_SUBGROUP_FEATURE_BASIC_BIT),      BIT(VK_SUBGROUP_FEATURE_VOTE_BIT),
+    BIT(VK_SUBGROUP_FEATURE_ARITHMETIC_BIT), BIT(VK_SUBGROUP_FEATURE_BALLOT_BIT),
+    BIT(VK_SUBGROUP_FEATURE_SHUFFLE_BIT),    BIT(VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT),
+    BIT(VK_SUBGROUP_FEATURE_CLUSTERED_BIT),  BIT(VK_SUBGROUP_FEATURE_QUAD_BIT),
+#undef BIT
+};
+
+static bool has_feature(const struct vk_runtime *rt, struct vk_features *features, const char *name)
 {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(subgroup_features); i++)
+        if (strcmp(subgroup_features[i].name, name) == 0)
+            return rt->subgroups & subgroup_features[i].bit;
     for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
         if (strcmp(known_features[i].name, name) == 0)
             return *feature(features, i);
@@ -113,7 +131,7 @@ bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *p
     find_features(rt, rt->physical, &features);
     for (uint32_t i = 0; i < panel->need_count; i++) {
         const struct dt_need *need = &panel->needs[i];
-        if (!has_feature(&features, need->feature))
+        if (!has_feature(rt, &features, need->feature))
             return dt_error(&rt->core, "pass %s: needs %s, which %s does not have; use another %s",
                             panel->pipeline->passes[need->pass].name, need->feature,
                             rt->core.device_name, rt->core.hosted ? "device" : "--device");
@@ -200,9 +218,13 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
     VkPhysicalDeviceMaintenance3Properties maintenance3 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
     };
+    VkPhysicalDeviceSubgroupProperties subgroups = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+        .pNext = &maintenance3,
+    };
     VkPhysicalDeviceProperties2 properties = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-        .pNext = &maintenance3,
+        .pNext = &subgroups,
     };
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
@@ -210,5 +232,7 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
     rt->core.limits = limits_of(&rt->properties.limits);
     snprintf(rt->core.device_name, sizeof rt->core.device_name, "%s", rt->properties.deviceName);
     rt->max_allocation = maintenance3.maxMemoryAllocationSize;
+    rt->subgroups =
+        subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT ? subgroups.supportedOperations : 0;
     rt->vk.GetPhysicalDeviceMemoryProperties(physical, &rt->memory);
 }

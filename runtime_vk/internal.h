@@ -97,7 +97,8 @@ struct vk_runtime {
     VkPhysicalDevice physical;
     VkPhysicalDeviceProperties properties;
     VkPhysicalDeviceMemoryProperties memory;
-    VkDeviceSize max_allocation; /* bytes in one vkAllocateMemory */
+    VkDeviceSize max_allocation;      /* bytes in one vkAllocateMemory */
+    VkSubgroupFeatureFlags subgroups; /* operations in compute shaders */
     VkDevice device;
     uint32_t queue_family, timestamp_bits;
     VkQueue queue;

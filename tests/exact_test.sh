@@ -47,4 +47,17 @@ done
 check_status 1 "fast mode differs" dumps --set exactness=fast
 check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"
 check "... and not in its inputs" [ "$(grep -c draw_inputs "$work/table")" = 0 ]
+
+# Subgroup operations: with exactness: fast, from devices that have them.
+# shellcheck disable=SC2317 # called through check
+reduces() { # backend
+    rm -rf "$work/subgroups"
+    "$diptych" render --spec "$specs/subgroups.yaml" --size 16x16 --backend "$1" --dump "$work/subgroups" >"$work/told" 2>&1 ||
+        grep -E 'pass reduce: needs (GL_KHR_shader_subgroup|VK_SUBGROUP_FEATURE_[A-Z]*_BIT)' "$work/told" || return
+    [ ! -e "$work/subgroups" ] || [ "$(od -An -v -tu4 -w4 "$work"/subgroups/00.reduce.sums.raw | awk '{ sum += $1 } END { print sum }')" = 32640 ]
+}
+for backend in gl vk; do
+    check "subgroups reduce, or $backend tells what it lacks" reduces $backend
+done
+check "exact, the body takes the other way" "$diptych" compare --spec "$specs/subgroups.yaml" --size 16x16 --set exactness=exact
 finish

@@ -192,7 +192,9 @@ struct dt_program {
 /* A device feature that a pass needs in addition to those that every pipeline needs. */
 struct dt_need {
     uint32_t pass;
-    const char *feature; /* of VkPhysicalDeviceFeatures or VkPhysicalDeviceVulkan1?Features */
+    /* of VkPhysicalDeviceFeatures or VkPhysicalDeviceVulkan1?Features, or a bit of
+     * VkSubgroupFeatureFlagBits, by their names in Vulkan */
+    const char *feature;
 };
 
 /* ---- Recording ------------------------------------------------------------------------------- */

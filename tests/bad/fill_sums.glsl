@@ -1,0 +1,4 @@
+void main()
+{
+    sums[invocation().x] = 1u;
+}

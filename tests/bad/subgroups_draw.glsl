@@ -1,0 +1,4 @@
+void main()
+{
+    picture = vec4(float(sums[0] + gl_NumSubgroups));
+}
