@@ -20,18 +20,31 @@ static struct dt_storage storage[FORMATS_RESOURCES] = {
     [FORMATS_ODD] = {.usage = DT_READ_STORAGE, .slot = FORMATS_ODD, .share = -1},
 };
 
+static const struct {
+    const char *name;
+    uint32_t size[3];
+    enum dt_shape shape;
+} kinds[] = {{"plain", {13, 7, 1}, DT_SHAPE_2D},
+             {"layered", {13, 7, 2}, DT_SHAPE_2D},
+             {"volume", {13, 7, 5}, DT_SHAPE_3D},
+             {"cube", {7, 7, 6}, DT_SHAPE_CUBE},
+             {"cubes", {7, 7, 12}, DT_SHAPE_CUBE_ARRAY}};
+
 void formats_prepare(void)
 {
     static char names[FORMATS_SMALL][16];
     for (uint32_t i = 0; i < FORMATS_SMALL; i++) {
-        bool layered = i >= FORMATS_LAYERED;
-        snprintf(names[i], sizeof names[i], "%s_%u", layered ? "layered" : "plain",
-                 i % DT_FORMAT_COUNT);
+        uint32_t kind = i / DT_FORMAT_COUNT;
+        enum dt_format format = (enum dt_format)(i % DT_FORMAT_COUNT);
+        if (kinds[kind].shape == DT_SHAPE_3D && format == DT_FORMAT_D32F)
+            format = DT_FORMAT_R32F;
+        snprintf(names[i], sizeof names[i], "%s_%u", kinds[kind].name, i % DT_FORMAT_COUNT);
         resources[i] = (struct dt_resource){.name = names[i],
                                             .kind = DT_IMAGE,
-                                            .format = (enum dt_format)(i % DT_FORMAT_COUNT),
+                                            .format = format,
                                             .mips = FORMATS_MIPS,
-                                            .layered = layered};
+                                            .shape = kinds[kind].shape,
+                                            .layered = kind > 0};
         storage[i] =
             (struct dt_storage){.usage = DT_READ_TEXTURE, .slot = (uint16_t)i, .share = -1};
     }
@@ -46,8 +59,9 @@ static void extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32
                    uint32_t height, uint32_t size[3])
 {
     (void)pipeline, (void)width, (void)height;
-    dt_set_extent(size, resource == FORMATS_SMALL ? 1 : 13, resource >= FORMATS_SMALL ? 1 : 7,
-                  resource >= FORMATS_LAYERED && resource < FORMATS_SMALL ? 2 : 1);
+    dt_set_extent(size, resource == FORMATS_SMALL ? 1 : 13, 1, 1);
+    if (resource < FORMATS_SMALL)
+        memcpy(size, kinds[resource / DT_FORMAT_COUNT].size, sizeof kinds->size);
 }
 
 static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t width,

@@ -1,4 +1,4 @@
-/* A pipeline with an image of every format, plain and layered, and two buffers; its only pass does
+/* A pipeline with an image of every format and shape, and two buffers; its only pass does
  * nothing. Written content must be read back bit for bit, in every format and mip, and no other
  * content may change. For tests of the runtimes. */
 #ifndef FORMATS_H
@@ -8,10 +8,13 @@
 
 enum {
     FORMATS_MIPS = 3,
-    FORMATS_PLAIN = 0,                 /* by enum dt_format from here on: 13 x 7 */
-    FORMATS_LAYERED = DT_FORMAT_COUNT, /* 13 x 7 x 2 */
+    FORMATS_PLAIN = 0,                    /* by enum dt_format from here on: 13 x 7 */
+    FORMATS_LAYERED = DT_FORMAT_COUNT,    /* 13 x 7 x 2 */
+    FORMATS_VOLUME = 2 * DT_FORMAT_COUNT, /* 13 x 7 x 5; r32f in place of d32f */
+    FORMATS_CUBE = 3 * DT_FORMAT_COUNT,   /* 7 x 7 x 6 */
+    FORMATS_CUBES = 4 * DT_FORMAT_COUNT,  /* 7 x 7 x 12 */
     FORMATS_SMALL =
-        2 * DT_FORMAT_COUNT, /* a buffer of 4 bytes, smaller than any that the runtimes make */
+        5 * DT_FORMAT_COUNT, /* a buffer of 4 bytes, smaller than any that the runtimes make */
     FORMATS_ODD,             /* one of 13 x 12 bytes */
     FORMATS_RESOURCES
 };

@@ -693,11 +693,15 @@ static void wrong_bytes(struct transcript *transcript, const struct bench *bench
     WRONG(runtime->write(rt, rg, 1, &bytes),
           "write layered_1: 72 bytes of 3x6x2 given, but the resource has 72 bytes of 6x3x2");
     WRONG(runtime->write(rt, rg, 3, &bytes), "write layered_1: mip 3, and it has 3");
+    WRONG(runtime->write(rt, FORMATS_VOLUME, 2, &bytes),
+          "write volume_0: 72 bytes of 3x6x2 given, but the resource has 3 bytes of 3x1x1");
+    WRONG(runtime->write(rt, FORMATS_CUBE, 2, &bytes),
+          "write cube_0: 72 bytes of 3x6x2 given, but the resource has 6 bytes of 1x1x6");
     WRONG(runtime->write(rt, FORMATS_ODD, 1, &bytes), "write odd: mip 1, and it has 1");
     WRONG(runtime->write(rt, FORMATS_ODD, 0, &bytes),
           "write odd: 72 bytes of 3x6x2 given, but the resource has 156 bytes of 13x1x1");
     WRONG(runtime->write(rt, FORMATS_RESOURCES, 0, &bytes),
-          "write: the pipeline has no resource 76");
+          "write: the pipeline has no resource 187");
     memcpy(depth.data, (const float[]){0.0f, 1.0f, 1.0000001f}, 12);
     WRONG(runtime->write(rt, FORMATS_PLAIN + DT_FORMAT_D32F, 2, &depth),
           "write plain_14: texel 2 is 1.00000012, but a depth is 0 to 1");
@@ -799,6 +803,15 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     limits->storage_bytes = 31;
     WRONG(runtime->resize(rt, 7, 7), "buffer frames: 32 bytes, but ");
     *limits = own;
+    formats_prepare();
+    assert_true(runtime->create(rt, bench->formats));
+    limits->volume_size = 12;
+    WRONG(runtime->resize(rt, 8, 8), "image volume_0: 13x7 texels, but ");
+    *limits = own;
+    limits->cube_size = 6;
+    WRONG(runtime->resize(rt, 8, 8), "image cube_0: 7x7 texels, but ");
+    *limits = own;
+    assert_true(runtime->create(rt, &v->shaders));
     v->resources[PROBE_LEVELS].mips = 6;
     WRONG(runtime->resize(rt, 8, 8), "image levels: 6 mips, but 16x8 texels have 1 to 5");
     v->resources[PROBE_LEVELS].mips = PROBE_MIPS;
