@@ -21,6 +21,7 @@
 #include "layouts.h"
 #include "outside.h"
 #include "panel.h"
+#include "shapes.h"
 #include "runtime_gl/diptych_gl.h"
 #include "runtime_vk/diptych_vk.h"
 #include "scenes/diptych_scene.h"
@@ -140,6 +141,7 @@ static void open_device(void)
     assert_true(vkEnumeratePhysicalDevices(vk.instance, &count, &vk.physical) >= 0 && count);
     vkGetPhysicalDeviceMemoryProperties(vk.physical, &vk.memory);
     dt_vk_need_features(&features_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    dt_vk_need_features(&shapes_vk, &core, &vulkan11, &vulkan12, &vulkan13);
     const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                            .queueCount = 1,
                                            .pQueuePriorities = &(float){1}};
@@ -628,6 +630,18 @@ struct own_image {
     VkImageView view; /* as an array */
 };
 
+/* Without a view. */
+static struct own_image create_image(const VkImageCreateInfo *info)
+{
+    struct own_image own = {0};
+    VkMemoryRequirements needs;
+    assert_int_equal(vkCreateImage(vk.device, info, NULL, &own.image), VK_SUCCESS);
+    vkGetImageMemoryRequirements(vk.device, own.image, &needs);
+    own.memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    assert_int_equal(vkBindImageMemory(vk.device, own.image, own.memory, 0), VK_SUCCESS);
+    return own;
+}
+
 static struct own_image make_image(VkFormat format, VkExtent3D extent, uint32_t layers,
                                    VkImageUsageFlags usage)
 {
@@ -639,12 +653,7 @@ static struct own_image make_image(VkFormat format, VkExtent3D extent, uint32_t 
                                     .arrayLayers = layers,
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
                                     .usage = usage};
-    struct own_image own;
-    VkMemoryRequirements needs;
-    assert_int_equal(vkCreateImage(vk.device, &info, NULL, &own.image), VK_SUCCESS);
-    vkGetImageMemoryRequirements(vk.device, own.image, &needs);
-    own.memory = allocate(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-    assert_int_equal(vkBindImageMemory(vk.device, own.image, own.memory, 0), VK_SUCCESS);
+    struct own_image own = create_image(&info);
     const VkImageViewCreateInfo view = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = own.image,
@@ -761,6 +770,70 @@ static void vulkan_draws_the_hosts_textures(void **state)
     destroy_image(&textures); /* which the runtime has left alone */
     destroy_image(&color);
     memset(material, 0, sizeof *material);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* The last texel of the fog of tests/specs/shapes.yaml: (7/8, 5/6, 4/5, 7 ^ 5 ^ 4 & 1), as halves. */
+static void is_last_fog(const uint16_t texel[4])
+{
+    const uint16_t wanted[4] = {0x3b00, 0x3aaa, 0x3a66, 0};
+    for (int i = 0; i < 4; i++)
+        assert_in_range(texel[i] + 1, wanted[i], wanted[i] + 2);
+}
+
+/* A 3D image and a cube of the host's. */
+static void vulkan_takes_3d_images_and_cubes(void **state)
+{
+    (void)state;
+    VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                              .imageType = VK_IMAGE_TYPE_3D,
+                              .format = VK_FORMAT_R16G16B16A16_SFLOAT,
+                              .extent = {8, 6, 5},
+                              .mipLevels = 3,
+                              .arrayLayers = 1,
+                              .samples = VK_SAMPLE_COUNT_1_BIT,
+                              .usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                       VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+    struct own_image fog = create_image(&info);
+    info.flags = VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT;
+    info.imageType = VK_IMAGE_TYPE_2D;
+    info.extent = (VkExtent3D){8, 8, 1};
+    info.mipLevels = 2;
+    info.arrayLayers = 6;
+    struct own_image sky = create_image(&info);
+    struct dt_vk_image given = {.image = fog.image,
+                                .format = info.format,
+                                .usage = info.usage,
+                                .width = 8,
+                                .height = 6,
+                                .layers = 1,
+                                .mips = 3,
+                                .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    struct dt_vk_host host = vk_host();
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_create(rt, &shapes_vk));
+    assert_true(dt_vk_import_image(rt, SHAPES_RESOURCE_FOG, &given));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "8x6 texels, 1 layers, 3 mips, but the pipeline");
+    given.layers = 5;
+    assert_true(dt_vk_import_image(rt, SHAPES_RESOURCE_FOG, &given));
+    given.image = sky.image, given.height = 8, given.layers = 6, given.mips = 2;
+    assert_true(dt_vk_import_image(rt, SHAPES_RESOURCE_SKY, &given));
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {8, 6, 5}};
+    struct dt_frame frame = frame_of(0);
+    VkCommandBuffer commands = begin();
+    assert_true(dt_vk_record(rt, commands, &frame, NULL));
+    vkCmdCopyImageToBuffer(commands, fog.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, vk.geometry,
+                           1, &region);
+    submit(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    is_last_fog((const uint16_t *)((char *)vk.bytes + region.bufferOffset) + 4 * (8 * 6 * 5 - 1));
+    dt_vk_close(rt);
+    destroy_image(&fog);
+    destroy_image(&sky);
     assert_int_equal(heard.validation, 0);
 }
 
@@ -1274,6 +1347,37 @@ static void opengl_takes_inputs(void **state)
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
+static void opengl_takes_3d_images_and_cubes(void **state)
+{
+    (void)state;
+    PFNGLTEXTURESTORAGE3DPROC storage =
+        (PFNGLTEXTURESTORAGE3DPROC)eglGetProcAddress("glTextureStorage3D");
+    PFNGLGETTEXTURESUBIMAGEPROC get =
+        (PFNGLGETTEXTURESUBIMAGEPROC)eglGetProcAddress("glGetTextureSubImage");
+    struct dt_frame frame = frame_of(0);
+    uint16_t texel[4];
+    GLuint fog, sky, probes, flat = texture_of(GL_RGBA16F, 8);
+    create_textures(GL_TEXTURE_3D, 1, &fog);
+    storage(fog, 3, GL_RGBA16F, 8, 6, 5);
+    create_textures(GL_TEXTURE_CUBE_MAP, 1, &sky);
+    texture_storage(sky, 2, GL_RGBA16F, 8, 8);
+    create_textures(GL_TEXTURE_CUBE_MAP_ARRAY, 1, &probes);
+    storage(probes, 1, GL_RGBA8, 4, 4, 12);
+    struct gl_runtime *rt =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_true(rt && dt_gl_create(rt, &shapes_gl));
+    assert_true(dt_gl_import_image(rt, SHAPES_RESOURCE_FOG, flat));
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "image fog: imported");
+    assert_true(dt_gl_import_image(rt, SHAPES_RESOURCE_FOG, fog) &&
+                dt_gl_import_image(rt, SHAPES_RESOURCE_SKY, sky) &&
+                dt_gl_import_image(rt, SHAPES_RESOURCE_PROBES, probes) &&
+                dt_gl_resize(rt, WIDTH, HEIGHT) && dt_gl_record(rt, &frame, NULL));
+    get(fog, 0, 7, 5, 4, 1, 1, 1, GL_RGBA, GL_HALF_FLOAT, sizeof texel, texel);
+    is_last_fog(texel);
+    dt_gl_close(rt);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
 /* A query buffer of the host would take the times. */
 static void opengl_takes_times_beside_a_query_buffer(void **state)
 {
@@ -1353,12 +1457,14 @@ int main(void)
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
         cmocka_unit_test(vulkan_takes_inputs),
+        cmocka_unit_test(vulkan_takes_3d_images_and_cubes),
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
         cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(opengl_draws_vertices_of_another_layout),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_takes_inputs),
+        cmocka_unit_test(opengl_takes_3d_images_and_cubes),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),
     };
     const struct CMUnitTest flight[] = {
