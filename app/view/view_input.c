@@ -35,6 +35,8 @@ static void change_mip(struct view *view, int way)
 {
     uint32_t mips = view_mips(view);
     view->mip = (view->mip + mips + (uint32_t)way) % mips;
+    if (view->layer >= (int)view_layers(view)) /* mips of a 3D image have fewer */
+        view->layer = -1;
 }
 
 /* Sets the outline's live parameter, if the number is valid for it. */

@@ -50,7 +50,7 @@ uint32_t view_mips(const struct view *view)
 uint32_t view_layers(const struct view *view)
 {
     uint32_t extent[3];
-    resource_extent(view->pipeline.info, view->resource, view->size, 0, extent);
+    resource_extent(view->pipeline.info, view->resource, view->size, view->mip, extent);
     return extent[2];
 }
 

@@ -73,8 +73,8 @@ static bool keep_shown(struct view *view, const char *name)
         if (strcmp(info->resources[i].name, name) != 0 || !view_can_show(info, i))
             continue;
         view_show(view, i);
-        view->layer = layer < (int)view_layers(view) ? layer : -1;
         view->mip = mip < view_mips(view) ? mip : 0;
+        view->layer = layer < (int)view_layers(view) ? layer : -1;
     }
     return true;
 }
