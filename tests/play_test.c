@@ -20,6 +20,7 @@
     X("templates/rsm.yaml", rsm)                                                                   \
     X("templates/instant_radiosity.yaml", instant_radiosity)                                       \
     X("templates/ssdo.yaml", ssdo)                                                                 \
+    X("templates/deep.yaml", deep)                                                                 \
     X("templates/post.yaml", post)                                                                 \
     X("templates/machine.yaml", machine)                                                           \
     X("tests/specs/features.yaml", features)                                                       \

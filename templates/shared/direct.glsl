@@ -1,4 +1,5 @@
-/* Radiance that surfaces send of the light itself, with its shadow. */
+/* Radiance that surfaces send of the light itself, with its shadow. The pass binds the surfaces as
+ * `position`, `normal` and `albedo`, the result as `sent`. */
 #define WITH_SHADOW
 #include "space.glsl"
 #include "lighting.glsl"
@@ -6,13 +7,12 @@
 void main()
 {
     ivec2 p = invocation().xy;
-    if (any(greaterThanEqual(p, direct_size())))
+    if (any(greaterThanEqual(p, sent_size())))
         return;
-    vec4 x = gbuffer_position(p);
-    vec3 n = gbuffer_normal(p).xyz;
+    vec4 x = position(p);
+    vec3 n = normal(p).xyz;
     vec3 irradiance = unshadowed_irradiance(x.xyz, n) * light_visibility(x.xyz, n);
     float surface = x.w > 0.0 ? 1.0 : 0.0;
-    /* Half floats end at 65504. */
-    vec3 sent = min(gbuffer_albedo(p).rgb * irradiance * (surface / PI), 60000.0);
-    direct_store(p, vec4(sent, surface));
+    vec3 radiance = albedo(p).rgb * irradiance * (surface / PI);
+    sent_store(p, vec4(min(radiance, 60000.0), surface)); /* half floats end at 65504 */
 }
