@@ -55,7 +55,7 @@ check "... and then there is nothing to do" nothing_to_do
 for file in glsl yaml; do
     touch templates/shared/gbuffer.$file
     check "a touched gbuffer.$file concerns the pipelines that include it" \
-        edges 5 5 'GENERATE templates/(rsm|ssvp|instant_radiosity|ssdo|deep)\.yaml' ninja
+        edges 6 6 'GENERATE templates/(rsm|ssvp|instant_radiosity|ssdo|deep|clustered)\.yaml' ninja
 done
 
 sed -i 's/\(gather_radius: .*value: 0\.\)5/\125/' templates/rsm.yaml

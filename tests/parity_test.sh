@@ -16,7 +16,7 @@ for frame in "$cornell 64x32" "$cornell 37x23" "$cornell 1x1" "$atrium 37x23"; d
         check "ssvp agrees on $name at $size with $clusters clusters" \
             "$diptych" compare --scene "$scene" --spec "$ssvp" --size "$size" --set "clusters=$clusters" --debug
     done
-    for pipeline in rsm ssdo deep; do
+    for pipeline in rsm ssdo deep clustered; do
         check "$pipeline agrees on $name at $size" \
             "$diptych" compare --scene "$scene" --spec "$root/templates/$pipeline.yaml" --size "$size" --debug
     done

@@ -21,6 +21,7 @@
     X("templates/instant_radiosity.yaml", instant_radiosity)                                       \
     X("templates/ssdo.yaml", ssdo)                                                                 \
     X("templates/deep.yaml", deep)                                                                 \
+    X("templates/clustered.yaml", clustered)                                                       \
     X("templates/post.yaml", post)                                                                 \
     X("templates/machine.yaml", machine)                                                           \
     X("tests/specs/features.yaml", features)                                                       \

@@ -1,7 +1,8 @@
 /* Radiosity and ambient occlusion in screen space, from two layers (Mara et al. 2016). Samples lie
- * on a spiral around the pixel; a pixel of a tile turns the spiral and shifts the samples along it. */
+ * on a spiral around the pixel. Each pixel of a tile turns the spiral and shifts the samples along
+ * it. */
 
-/* Radiance that a surface sends to x, times the cosine there; w: 1 if the surfaces face each other. */
+/* Radiance that a surface sends to x, times the cosine there; w: 1 if they face each other. */
 vec4 sent(vec3 x, vec3 n, vec4 y, vec3 m, vec3 light)
 {
     vec3 d = y.xyz - x;

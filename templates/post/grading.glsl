@@ -1,5 +1,5 @@
-/* Adds the bloom, then looks codes up in the table: filtered within two slices of blue, mixed between
- * them. */
+/* Adds the bloom, then looks codes up in the table: filtered within two slices of blue, mixed
+ * between them. */
 #include "../shared/srgb.glsl"
 
 vec3 looked_up(vec3 codes)

@@ -6,8 +6,8 @@ float luma(ivec2 p)
     return dot(graded(clamp(p, ivec2(0), graded_size() - 1)).rgb, vec3(0.299, 0.587, 0.114));
 }
 
-/* Pixels to the end of the run, at most edge_steps, in the direction `along`. The run ends where the
- * mean of both sides differs from `middle` by more than `limit`; `change` is that difference. */
+/* Pixels to the end of the run, at most edge_steps, in the direction `along`. The run ends where
+ * the mean of both sides differs from `middle` by at least `limit`; `change` is that difference. */
 int run_end(ivec2 p, ivec2 side, ivec2 along, float middle, float limit, out float change)
 {
     int i = 0;

@@ -1,5 +1,5 @@
-/* Directional occlusion and one bounce (Ritschel et al. 2009). Directions are as dense as their cosine,
- * so that each one brings the same share of the sky. */
+/* Directional occlusion and one bounce (Ritschel et al. 2009). Directions are as dense as their
+ * cosine, so that each one brings the same share of the sky. */
 #include "../shared/space.glsl"
 
 void main()
