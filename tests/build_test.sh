@@ -55,7 +55,7 @@ check "... and then there is nothing to do" nothing_to_do
 for file in glsl yaml; do
     touch templates/shared/gbuffer.$file
     check "a touched gbuffer.$file concerns the pipelines that include it" \
-        edges 6 6 'GENERATE templates/(rsm|ssvp|instant_radiosity|ssdo|deep|clustered)\.yaml' ninja
+        edges 7 7 'GENERATE templates/(rsm|ssvp|instant_radiosity|ssdo|deep|clustered|taa)\.yaml' ninja
 done
 
 sed -i 's/\(gather_radius: .*value: 0\.\)5/\125/' templates/rsm.yaml
@@ -68,10 +68,10 @@ check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
 echo 'int extra(void);' >gen/extra.c
 # shellcheck disable=SC2016 # the variable is ninja's
 echo 'build $obj/gen/extra.o: cc gen/extra.c' >>gen/build.ninja
-check "a new source file is one line" edges 4 15 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
+check "a new source file is one line" edges 4 16 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
 check "... and is linked" bash -c 'ar t build/obj/gen.a | grep -Fx extra.o'
 sed -i '/extra[.]o/d' gen/build.ninja
-check "without it ..." edges 3 14 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
+check "without it ..." edges 3 15 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
 check "... it is not linked" bash -c '! ar t build/obj/gen.a | grep -Fx extra.o'
 touch gen/plan.h
 check "a touched header concerns those that include it" \

@@ -20,6 +20,7 @@ SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", 
                 "--set", "second_clusters=2", "--set", "map_triangles=300"]
 FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
 RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]
+TAA = SMALL + ["--spec", f"{ROOT}/templates/taa.yaml", "--frames", "2"]
 POST = ["--spec", f"{ROOT}/templates/post.yaml", "--input", f"photo={ROOT}/templates/post/table.png"]
 CLUSTERED = SMALL + ["--spec", f"{ROOT}/templates/clustered.yaml", "--set", "first_vpls=16", "--set", "clusters=2",
                      "--set", "tile=[2,2]", "--set", "paraboloid_size=16"]
@@ -95,7 +96,7 @@ def main():
     faults = Faults()
     seen = set()
     for title, options in (("ssvp", SSVP), ("ssvp split", [*SSVP, "--set", "split=1"]), ("rsm", RSM), ("ssdo", SSDO),
-                           ("deep", DEEP), ("clustered", CLUSTERED), ("post", POST)):
+                           ("deep", DEEP), ("clustered", CLUSTERED), ("taa", TAA), ("post", POST)):
         names, why = passes_of(options)
         report(bool(names), f"{title} agrees without a fault", [why] if why else [])
         for name in names:

@@ -129,5 +129,31 @@ falls() {
 }
 check "instant radiosity, traced and rendered" prepare
 check "instant radiosity: the error falls with the number of VPLs" falls
+
+# Pipelines of one bounce: what each adds to its simpler form brings the picture nearer.
+adds() { # pipeline setting set...: near with the sets, far with the setting
+    local pipeline=$1 simpler=$2
+    shift 2
+    ours "$pipeline.near.exr" cornell --spec "$root/templates/$pipeline.yaml" "$@" &&
+        ours "$pipeline.far.exr" cornell --spec "$root/templates/$pipeline.yaml" "$@" --set "$simpler" &&
+        nearer first.truth.exr "$pipeline.near.exr" "$pipeline.far.exr"
+}
+check "ssdo: the bounce" adds ssdo bleeding=0 --set 'sky=[0,0,0]'
+check "deep: the second layer" adds deep layers=1 --set 'ambient=[0,0,0]'
+check "clustered: more clusters" adds clustered clusters=4
+
+# Sixteen frames of jitter against pixels that are averaged over their area.
+antialiases() {
+    local frames one many
+    "$diptych" reference --scene "$root/scenes/cornell.yaml" --size "$size" --bounces 0 --filter box --spp "$samples" \
+        -o "$work/box.truth.exr" || return
+    for frames in 1 16; do
+        "$diptych" render --scene "$root/scenes/cornell.yaml" --spec "$root/templates/taa.yaml" --size "$size" --backend vk \
+            --frames "$frames" --set 'ambient=[0,0,0]' -o "$work/taa$frames.exr" || return
+    done
+    one=$(measured box.truth.exr taa1.exr relative_mse) && many=$(measured box.truth.exr taa16.exr relative_mse) &&
+        is "$many < $one / 3"
+}
+check "taa: the error falls with the number of frames" antialiases
 cat "$commented"
 finish

@@ -37,6 +37,8 @@ check "ssvp agrees split and gathered" \
 check "instant radiosity agrees" \
     "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 --set first_vpls=24 --debug
 
+check "taa agrees while the camera moves" "$diptych" compare --scene "$cornell" --motion "$root/scenes/cornell_walk.yaml" \
+    --spec "$root/templates/taa.yaml" --size 37x23 --frames 4 --debug
 for picture in templates/pictures/ssdo.png templates/post/table.png; do
     check "post agrees on $picture" \
         "$diptych" compare --spec "$root/templates/post.yaml" --input "photo=$root/$picture" --debug

@@ -22,6 +22,7 @@
     X("templates/ssdo.yaml", ssdo)                                                                 \
     X("templates/deep.yaml", deep)                                                                 \
     X("templates/clustered.yaml", clustered)                                                       \
+    X("templates/taa.yaml", taa)                                                                   \
     X("templates/post.yaml", post)                                                                 \
     X("templates/machine.yaml", machine)                                                           \
     X("tests/specs/features.yaml", features)                                                       \

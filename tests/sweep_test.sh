@@ -43,6 +43,7 @@ else
     agree ssdo 3 1 12
     agree deep 3 1 12
     agree clustered 3 1 12
+    agree taa 3 1 12
     check "variations of post agree" "$diptych" sweep --random 4 --seed 1 --memory 12 --spec "$root/templates/post.yaml" \
         --input photo="$root/templates/post/table.png" -o "$work/post"
 fi
