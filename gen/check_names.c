@@ -357,9 +357,8 @@ static void check_defines(struct checker *c, const struct pass *pass, struct dec
             check_derived(c, &macro, 1, &list[k]);
             if (strcmp(list[k].name, macro.name))
                 continue;
-            diag_error(c->diag, macro.loc,
-                       "`%s` is already a %s; choose an unused name for the macro", macro.name,
-                       list[k].kind);
+            diag_error(c->diag, macro.loc, "`%s` is already a %s; choose an unused name",
+                       macro.name, list[k].kind);
             diag_note(c->diag, list[k].loc, "declared here");
         }
         for (uint32_t k = 0; k < pass->range_count; k++)

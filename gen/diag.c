@@ -24,17 +24,22 @@ struct message {
     unsigned file;      /* number of the source in order of first appearance */
     unsigned head;      /* index of the message that a note belongs to; else its own */
     unsigned order;
+    unsigned again; /* times that it was reported again */
 };
 
-enum { MOST_MESSAGES = 1000 }; /* of one severity; a reader needs no more */
+enum {
+    MOST_MESSAGES = 1000, /* of one severity; a reader needs no more */
+    MOST_USES = 4         /* of a group or repeat, in the notes of one message */
+};
 
 struct diag {
     struct message *messages;
     unsigned count, capacity, errors;
     unsigned seen[3]; /* by enum severity; those beyond MOST_MESSAGES are not kept */
     bool failed;      /* out of memory: some message is lost */
-    bool hidden;      /* the last error or warning is not kept, nor are its notes */
+    bool hidden;      /* notes of the last error or warning are not kept */
     bool repeats;     /* the last error or warning is a duplicate; its notes may be, too */
+    unsigned head;    /* index of the message that the next notes belong to */
 };
 
 /* ---- Sources --------------------------------------------------------------------------------- */
@@ -185,17 +190,20 @@ static bool are_instances(struct loc a, struct loc b)
     return a.source && b.source && a.source != b.source && a.source->use && b.source->use;
 }
 
-static bool is_duplicate(const struct diag *diag, const struct message *message)
+/* Of a note: among those of the same message. */
+static struct message *find_duplicate(const struct diag *diag, const struct message *message)
 {
     for (unsigned i = 0; i < diag->count; i++) {
-        const struct message *other = &diag->messages[i];
+        struct message *other = &diag->messages[i];
+        if (message->severity == SEVERITY_NOTE && other->head != diag->head)
+            continue;
         if (other->severity == message->severity && other->file == message->file &&
             other->loc.line == message->loc.line && other->loc.column == message->loc.column &&
             (!strcmp(other->text, message->text) ||
              (other->format == message->format && are_instances(other->loc, message->loc))))
-            return true;
+            return other;
     }
-    return false;
+    return NULL;
 }
 
 static void add_message(struct diag *diag, enum severity severity, struct loc loc,
@@ -224,15 +232,18 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
         diag->failed = true;
         return;
     }
-    bool duplicate = (!note || diag->repeats) && is_duplicate(diag, &message);
-    diag->repeats = note ? diag->repeats : duplicate;
-    if (duplicate) {
+    struct message *same = !note || diag->repeats ? find_duplicate(diag, &message) : NULL;
+    if (!note) {
+        diag->repeats = same;
+        diag->head = same ? same->order : diag->count;
+    }
+    if (same) {
+        diag->hidden = !note && ++same->again >= MOST_USES;
         free(message.text);
         return;
     }
     message.order = diag->count;
-    message.head = severity == SEVERITY_NOTE && diag->count ? diag->messages[diag->count - 1].head
-                                                            : diag->count;
+    message.head = diag->head;
     diag->messages[diag->count++] = message;
 }
 

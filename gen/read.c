@@ -122,5 +122,5 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
             fy_node_free(reader.overrides[i].node);
     free(reader.overrides);
     documents_free(&reader);
-    return loaded && !reader.out_of_memory;
+    return loaded && !reader.unfilled && !reader.out_of_memory;
 }

@@ -51,6 +51,7 @@ struct reader {
     struct diag *diag;
     struct document spec; /* and, by `next`, the files that it includes, and instances */
     uint32_t instance_count;
+    bool unfilled; /* filled_text reported an error */
     /* read_group.c: parameters and constants for repeats; `values`: those that fold; NULL: not read */
     struct pipeline *all, *values;
     struct override *overrides;
@@ -76,16 +77,17 @@ bool documents_add(struct reader *reader, const char *name, struct loc loc);
 void documents_free(struct reader *reader);
 const struct source *node_source(const struct reader *reader, struct fy_node *node);
 /* The document whose section has the entry that `path` begins with, the one with the longest name;
- * else the spec. Returns its root. path[ends[0] .. ends[1]) is the entry's own name, and path[ends[2]]
- * follows; ends must be 0. */
+ * else the first that has the section, or the spec. Returns its root. path[ends[0] .. ends[1]) is the
+ * entry's own name, and path[ends[2]] follows; ends must be 0. */
 struct fy_node *root_with(struct reader *reader, const char *section, const char *path,
                           size_t ends[3]);
 /* The top level of all files, checked. */
 const struct fields *documents_fields(struct reader *reader);
 /* The passes of all files: those of `include` first, the others in their place. */
 struct fy_node **documents_passes(struct reader *reader, uint32_t *count);
+bool is_include(struct fy_node *item);
 
-/* read_group.c: adds a document for each instance; false after an error that makes too many. */
+/* read_group.c: adds a document for each instance; false after an error. */
 bool documents_expand(struct reader *reader);
 bool is_use(struct fy_node *item); /* of a group, or repeated */
 /* The name that an entry gets, such as `second.views`; `node`: any of the entry. */
@@ -96,9 +98,9 @@ const char *referred_name(struct reader *reader, struct fy_node *node);
  * unless a scalar. */
 const char *argument_text(struct reader *reader, struct fy_node *node, struct loc *loc);
 struct expr_names node_names(const struct reader *reader, struct fy_node *node);
-/* Visits arguments, constants and numbers of the instances around the node. */
+/* Visits arguments, constants and numbers of the instances around the node; at: declares one. */
 void each_word(struct reader *reader, struct fy_node *node,
-               void (*visit)(void *user, const char *word), void *user);
+               void (*visit)(void *user, const char *word, struct fy_node *at), void *user);
 /* In an instance: the text with `{EXPR}` replaced. NULL: out of memory. */
 const char *filled_text(struct reader *reader, struct fy_node *node, const char *text);
 
@@ -114,9 +116,9 @@ const struct scope *node_scope(const struct reader *reader, struct fy_node *node
  * none. NULL: out of memory. */
 struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_node *root,
                            struct fy_node *of, const char *label);
-/* Names end in `suffix`; `name` stands for the number. False: out of memory. */
+/* Names end in `suffix`; `name`, declared at `at`, stands for the number. False: out of memory. */
 bool scope_set(struct scope *scope, const struct scope *outer, const char *suffix, const char *name,
-               const char *number);
+               const char *number, struct fy_node *at);
 void scope_hide(struct scope *scope); /* others cannot refer to the names that it declares */
 struct fy_node *node_remove(struct fy_node *map, const char *key); /* its value; NULL: none */
 /* read_cull.c: false: out of memory. */

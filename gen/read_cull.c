@@ -124,6 +124,6 @@ bool expand_cull(struct use *use)
         scope && whole ? add_passes(use, whole, make_draw(&c, whole, true), NULL, NULL) : NULL;
     if (rest)
         scope_hide(rest);
-    return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0") &&
-           scope_set(rest, scope, ".whole", "whole", "1");
+    return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0", cull) &&
+           scope_set(rest, scope, ".whole", "whole", "1", cull);
 }

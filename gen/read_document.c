@@ -277,6 +277,12 @@ static void report_path(struct reader *reader, const struct setting *setting, co
                         const char *const *names, size_t count)
 {
     const char *nearest = nearest_name(setting->segment, names, count);
+    for (const char *end = setting->path; !nearest && *end != '='; end += *end == '.') {
+        end += strcspn(end, ".="); /* names of instances have dots */
+        const char *longer = arena_printf(reader->model->arena, "%s.%.*s", setting->segment,
+                                          (int)(end - setting->path), setting->path);
+        nearest = longer ? nearest_name(longer, names, count) : NULL;
+    }
     struct loc loc = setting_loc(setting, setting->column, strlen(setting->segment));
     if (nearest)
         diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s; did you mean `%s`?",
@@ -293,7 +299,7 @@ static size_t add_keys(struct reader *reader, struct fy_node *map, const char **
     if (!map || fy_node_get_type(map) != FYNT_MAPPING)
         return count;
     while (count < MOST_NAMES && (pair = fy_node_mapping_iterate(map, &iterator)))
-        names[count++] = node_text(reader, fy_node_pair_key(pair));
+        names[count++] = declared_name(reader, map, node_text(reader, fy_node_pair_key(pair)));
     return count;
 }
 
@@ -327,8 +333,15 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
     struct fy_node *item;
     char *end;
     long number = strtol(setting->segment, &end, 10);
-    if (!*end && number >= 0 && number < fy_node_sequence_item_count(list))
-        return fy_node_sequence_get_by_index(list, (int)number);
+    if (!*end && number >= 0 && number < fy_node_sequence_item_count(list)) {
+        item = fy_node_sequence_get_by_index(list, (int)number);
+        if (!is_use(item))
+            return item;
+        diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
+                   "`--set %s`: element %ld is a use or a repeat; name one of its passes",
+                   setting->source->text, number);
+        return NULL;
+    }
     while ((item = fy_node_sequence_iterate(list, &iterator))) {
         const char *text = is_use(item) ? NULL : element_name(reader, item);
         if (text && !strcmp(text, setting->segment))

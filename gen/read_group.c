@@ -14,6 +14,7 @@ struct binding {
     const char *name, *text;
     const struct scope *scope; /* names of `text` */
     struct loc loc;            /* of `text` */
+    struct fy_node *at;        /* declares it */
 };
 
 struct scope {
@@ -163,17 +164,17 @@ struct expr_names node_names(const struct reader *reader, struct fy_node *node)
 }
 
 void each_word(struct reader *reader, struct fy_node *node,
-               void (*visit)(void *user, const char *word), void *user)
+               void (*visit)(void *user, const char *word, struct fy_node *at), void *user)
 {
     for (const struct scope *scope = node_scope(reader, node); scope; scope = scope->outer) {
         struct fy_node *constants = scope->root ? value_of(scope->root, "constants") : NULL;
         struct fy_node_pair *pair;
         void *iterator = NULL;
         for (uint32_t i = 0; i < scope->binding_count; i++)
-            visit(user, scope->bindings[i].name);
+            visit(user, scope->bindings[i].name, scope->bindings[i].at);
         while (constants && (pair = fy_node_mapping_iterate(constants, &iterator)))
             if (key_text(reader, fy_node_pair_key(pair)))
-                visit(user, key_text(reader, fy_node_pair_key(pair)));
+                visit(user, key_text(reader, fy_node_pair_key(pair)), fy_node_pair_key(pair));
     }
 }
 
@@ -226,6 +227,18 @@ static bool read_values(struct reader *reader)
     return good;
 }
 
+/* The place of a part of a scalar. */
+static struct loc part_loc(const struct reader *reader, struct fy_node *node, size_t begin,
+                           size_t length)
+{
+    struct loc loc = node_loc(reader, node);
+    if ((size_t)loc.length < begin + length) /* in several lines */
+        return loc;
+    loc.column += (int)begin;
+    loc.length = length ? (int)length : 1;
+    return loc;
+}
+
 /* False after an error at `loc`. */
 static bool evaluate(struct reader *reader, const struct scope *scope, const char *text,
                      struct loc loc, int64_t *value)
@@ -250,6 +263,7 @@ static bool evaluate(struct reader *reader, const struct scope *scope, const cha
 const char *filled_text(struct reader *reader, struct fy_node *node, const char *text)
 {
     const struct scope *scope = text && strchr(text, '{') ? node_scope(reader, node) : NULL;
+    const char *start = text;
     struct text out = {0};
     if (!scope)
         return text;
@@ -260,13 +274,18 @@ const char *filled_text(struct reader *reader, struct fy_node *node, const char 
         end = text[plain] ? strchr(text + plain, '}') : text + plain;
         if (!text[plain])
             continue;
-        const char *inner = end ? arena_strndup(reader->model->arena, text + plain + 1,
-                                                (size_t)(end - text) - plain - 1)
-                                : NULL;
+        size_t begin = (size_t)(text - start) + plain;
+        size_t length = end ? (size_t)(end - start) - begin - 1 : 0;
+        const char *inner =
+            end ? arena_strndup(reader->model->arena, start + begin + 1, length) : NULL;
         if (!end)
-            diag_error(reader->diag, node_loc(reader, node), "`{` without `}`");
-        if (!inner || !evaluate(reader, scope, inner, node_loc(reader, node), &value))
-            break;
+            diag_error(reader->diag, part_loc(reader, node, begin, 1), "`{` without `}`");
+        if (!inner ||
+            !evaluate(reader, scope, inner, part_loc(reader, node, begin + 1, length), &value)) {
+            text_free(&out);
+            reader->unfilled = true;
+            return "_"; /* valid as a name and as an expression, so that no other error follows */
+        }
         text_add(&out, "%lld", (long long)value);
         end++;
     }
@@ -326,7 +345,7 @@ void scope_hide(struct scope *scope)
 }
 
 bool scope_set(struct scope *scope, const struct scope *outer, const char *suffix, const char *name,
-               const char *number)
+               const char *number, struct fy_node *at)
 {
     struct reader *reader = scope->reader;
     struct binding *binding = reader_alloc(reader, 1, sizeof *binding);
@@ -335,7 +354,7 @@ bool scope_set(struct scope *scope, const struct scope *outer, const char *suffi
     scope->suffix = arena_printf(reader->model->arena, "%s%s", outer ? outer->suffix : "", suffix);
     if (!binding || !scope->suffix || !number)
         return false;
-    *binding = (struct binding){.name = name, .text = number};
+    *binding = (struct binding){.name = name, .text = number, .at = at};
     scope->bindings = binding;
     scope->binding_count = 1;
     return true;
@@ -384,8 +403,16 @@ static bool read_span(struct reader *reader, struct fy_node *item, const char **
         end--;
     const char *first = arena_strndup(arena, begin, (size_t)(end - begin));
     const char *last = dots + 2 + strspn(dots + 2, " ");
-    return first && evaluate(reader, scope, first, loc, &span[0]) &&
-           evaluate(reader, scope, last, loc, &span[1]);
+    struct loc first_loc = part_loc(reader, node, length + 4, (size_t)(end - begin));
+    if (!first || !evaluate(reader, scope, first, first_loc, &span[0]) ||
+        !evaluate(reader, scope, last, part_loc(reader, node, (size_t)(last - text), strlen(last)),
+                  &span[1]))
+        return false;
+    if (span[0] >= 0 && span[0] <= INT32_MAX)
+        return true;
+    diag_error(reader->diag, first_loc, "the first number is %lld; at least 0, at most %d",
+               (long long)span[0], INT32_MAX);
+    return false;
 }
 
 static bool expand_repeat(struct use *use)
@@ -395,12 +422,15 @@ static bool expand_repeat(struct use *use)
     const struct scope *outer = node_scope(reader, use->item);
     const char *name = NULL;
     int64_t span[2];
+    struct loc loc = node_loc(reader, use->item);
     if (value_of(use->item, "passes") &&
-        !fields_read(reader, use->item, SECTION_REPEAT, node_loc(reader, use->item), &use->fields))
+        !fields_read(reader, use->item, SECTION_REPEAT, loc, &use->fields))
         return true;
+    if (!value_of(use->item, "passes") && fy_node_mapping_item_count(use->item) == 1)
+        diag_error(reader->diag, loc, "a repeat needs the key `passes`");
     if (!read_span(reader, use->item, &name, span))
         return true;
-    if (span[1] - span[0] >= MOST_INSTANCES)
+    if (span[1] > span[0] && span[1] - span[0] >= MOST_INSTANCES)
         span[1] = span[0] + MOST_INSTANCES;
     for (int64_t k = span[0]; k <= span[1]; k++) {
         struct fy_document *yaml = fy_document_create(NULL);
@@ -408,7 +438,8 @@ static bool expand_repeat(struct use *use)
             add_instance(use, yaml, yaml ? copy_repeated(yaml, use->item) : NULL, use->item,
                          arena_printf(arena, "here with %s = %lld", name, (long long)k));
         const char *suffix = arena_printf(arena, ".%lld", (long long)k);
-        if (!scope || !suffix || !scope_set(scope, outer, suffix, name, suffix + 1))
+        if (!scope || !suffix ||
+            !scope_set(scope, outer, suffix, name, suffix + 1, value_of(use->item, "repeat")))
             return false;
     }
     return true;
@@ -444,35 +475,74 @@ static struct fy_node *find_group(struct use *use)
     return NULL;
 }
 
+static void report_unknown_arguments(struct use *use, const struct scope *scope,
+                                     struct fy_node *with)
+{
+    struct reader *reader = use->reader;
+    const char *names[64];
+    size_t count = 0;
+    struct fy_node_pair *pair;
+    void *iterator = NULL;
+    while (count < DT_ARRAY_COUNT(names) && count < scope->binding_count) {
+        names[count] = scope->bindings[count].name;
+        count++;
+    }
+    while (with && (pair = fy_node_mapping_iterate(with, &iterator))) {
+        const char *name = key_text(reader, fy_node_pair_key(pair));
+        if (!name || find_binding(scope, name, strlen(name)))
+            continue;
+        const char *nearest = nearest_name(name, names, count);
+        diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
+                   nearest ? "the group has no argument `%s`; did you mean `%s`?"
+                           : "the group has no argument `%s`",
+                   name, nearest);
+    }
+}
+
 /* Gives the group's arguments their texts. */
 static void bind_arguments(struct use *use, struct scope *scope, struct fy_node *args)
 {
     struct reader *reader = use->reader;
     struct fy_node *with = field_node(&use->fields, "with"), *item;
-    struct fy_node_pair *pair;
     void *iterator = NULL;
     size_t count = args ? (size_t)fy_node_sequence_item_count(args) : 0;
     scope->bindings = reader_alloc(reader, count, sizeof *scope->bindings);
     while (scope->bindings && args && (item = fy_node_sequence_iterate(args, &iterator))) {
-        const char *name = node_text(reader, item);
-        struct fy_node *value = with && name ? value_of(with, name) : NULL;
+        const char *name = key_text(reader, item);
+        if (!name || !is_identifier(name)) {
+            diag_error(reader->diag, node_loc(reader, item), "an argument must be a name");
+            continue;
+        }
+        struct fy_node *value = with ? value_of(with, name) : NULL;
         const char *text = node_text(reader, value);
-        if (name && text)
-            scope->bindings[scope->binding_count++] = (struct binding){
-                name, text, node_scope(reader, use->item), node_loc(reader, value)};
-        else if (name)
-            diag_error(reader->diag, node_loc(reader, value ? value : use->item),
-                       value ? "the argument `%s` must be a name or an expression"
-                             : "the group needs the argument `%s`",
-                       name);
+        if (value && (!text || !*text))
+            diag_error(reader->diag,
+                       node_loc(reader, node_loc(reader, value).line ? value : use->item),
+                       "the argument `%s` must be a name or an expression", name);
+        else if (!value && (with || !field_given(&use->fields, "with")))
+            diag_error(reader->diag, node_loc(reader, use->item),
+                       "the group needs the argument `%s`", name);
+        scope->bindings[scope->binding_count++] = (struct binding){
+            name, text, node_scope(reader, use->item), node_loc(reader, value), item};
     }
-    iterator = NULL;
-    while (with && (pair = fy_node_mapping_iterate(with, &iterator))) {
-        const char *name = key_text(reader, fy_node_pair_key(pair));
-        if (name && !find_binding(scope, name, strlen(name)))
-            diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
-                       "the group has no argument `%s`", name);
+    report_unknown_arguments(use, scope, with);
+}
+
+/* Whether another use has this name, which it reports. */
+static bool is_used_twice(struct use *use, const char *name)
+{
+    struct reader *reader = use->reader;
+    size_t length = strlen(name);
+    for (const struct document *at = reader->spec.next; at; at = at->next) {
+        if (!at->scope || *at->scope->suffix || strncmp(at->scope->prefix, name, length) ||
+            strcmp(at->scope->prefix + length, "."))
+            continue;
+        diag_error(reader->diag, node_loc(reader, use->item),
+                   "two uses are named `%s`; give one another name with `as`", name);
+        diag_note(reader->diag, at->source->included, "first here");
+        return true;
     }
+    return false;
 }
 
 static bool expand_group(struct use *use)
@@ -489,20 +559,23 @@ static bool expand_group(struct use *use)
         return true;
     for (const struct document *at = use->from; at; at = at->parent)
         if (at->group == group) {
-            diag_error(reader->diag, loc, "the group uses itself");
+            diag_error(reader->diag, loc, "the group `%s` uses itself",
+                       field_text(reader, &use->fields, "group"));
             return true;
         }
     const char *as =
         field_text(reader, &use->fields, field_node(&use->fields, "as") ? "as" : "group");
     const char *name = as ? full_name(outer, as) : NULL;
+    if (!name || is_used_twice(use, name))
+        return name || !as;
     struct fy_document *yaml = fy_document_create(NULL);
     struct scope *scope = add_instance(use, yaml, yaml ? fy_node_copy(yaml, group) : NULL, group,
-                                       arena_printf(arena, "here as `%s`", name ? name : "?"));
+                                       arena_printf(arena, "here as `%s`", name));
     if (!scope)
         return false;
     fy_node_free(node_remove(scope->root, "args"));
     fy_node_free(node_remove(scope->root, "doc"));
-    scope->prefix = arena_printf(arena, "%s.", name ? name : "?");
+    scope->prefix = arena_printf(arena, "%s.", name);
     bind_arguments(use, scope, field_node(&sections, "args"));
     return scope->prefix;
 }
@@ -513,8 +586,27 @@ bool is_use(struct fy_node *item)
            (value_of(item, "repeat") || value_of(item, "group") || is_culled(item));
 }
 
+/* Errors in an unused group go unnoticed. Those of included files may be meant for other specs. */
+static void warn_of_unused_groups(struct reader *reader)
+{
+    struct fy_node *groups = value_of(fy_document_root(reader->spec.yaml), "groups");
+    struct fy_node_pair *pair;
+    void *iterator = NULL;
+    if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
+        return;
+    while ((pair = fy_node_mapping_iterate(groups, &iterator))) {
+        const struct document *at = &reader->spec;
+        while (at && at->group != fy_node_pair_value(pair))
+            at = at->next;
+        if (!at && key_text(reader, fy_node_pair_key(pair)))
+            diag_warning(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
+                         "the group `%s` is not used", key_text(reader, fy_node_pair_key(pair)));
+    }
+}
+
 bool documents_expand(struct reader *reader)
 {
+    unsigned errors = diag_error_count(reader->diag);
     for (struct document *at = &reader->spec; at; at = at->next) {
         struct fy_node *passes = value_of(fy_document_root(at->yaml), "passes"), *item;
         void *iterator = NULL;
@@ -526,7 +618,13 @@ bool documents_expand(struct reader *reader)
                                   : value_of(item, "group") ? expand_group(&use)
                                                             : expand_cull(&use)))
                 return false;
+            if (at->scope && is_include(item))
+                diag_error(reader->diag, node_loc(reader, item),
+                           "`include` cannot stand in a group or repeat");
         }
     }
+    if (diag_error_count(reader->diag) > errors)
+        return false;
+    warn_of_unused_groups(reader);
     return true;
 }

@@ -35,13 +35,15 @@ static bool begins(struct reader *reader, struct fy_node *node, const char *name
 struct fy_node *root_with(struct reader *reader, const char *section, const char *path,
                           size_t ends[3])
 {
-    struct fy_node *found = fy_document_root(reader->spec.yaml);
+    struct fy_node *found = NULL, *first = NULL;
     const struct document *at = &reader->spec;
     do {
         struct fy_node *root = fy_document_root(at->yaml), *item;
         struct fy_node *value = fy_node_mapping_lookup_value_by_string(root, section, FY_NT);
         struct fy_node_pair *pair;
         void *iterator = NULL;
+        if (value && !first)
+            first = root;
         if (value && fy_node_get_type(value) == FYNT_MAPPING)
             while ((pair = fy_node_mapping_iterate(value, &iterator)))
                 if (begins(reader, root, key_text(reader, fy_node_pair_key(pair)), path, ends))
@@ -51,7 +53,7 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
                 if (!is_use(item) && begins(reader, root, element_name(reader, item), path, ends))
                     found = root;
     } while ((at = at->next));
-    return found;
+    return found ? found : first ? first : fy_document_root(reader->spec.yaml);
 }
 
 /* ---- Parsing --------------------------------------------------------------------------------- */
@@ -164,7 +166,7 @@ static bool include(struct reader *reader, struct document *from, const char *na
     return false;
 }
 
-static bool is_include(struct fy_node *item)
+bool is_include(struct fy_node *item)
 {
     return fy_node_get_type(item) == FYNT_MAPPING &&
            fy_node_mapping_lookup_pair_by_string(item, "include", FY_NT);

@@ -165,15 +165,15 @@ struct words {
     uint32_t count;
 };
 
-static void count_word(void *user, const char *word)
+static void count_word(void *user, const char *word, struct fy_node *at)
 {
     struct words *words = user;
     words->count++;
-    (void)word;
+    (void)word, (void)at;
 }
 
 /* Not the name of a resource or of a file, which bodies cannot use as a value. */
-static void add_word(void *user, const char *word)
+static void add_word(void *user, const char *word, struct fy_node *at)
 {
     struct words *words = user;
     struct reader *reader = words->reader;
@@ -182,7 +182,7 @@ static void add_word(void *user, const char *word)
             return;
     struct expr_names names = node_names(reader, words->node);
     struct diag *silent = diag_create();
-    struct loc loc = node_loc(reader, words->node);
+    struct loc loc = node_loc(reader, at);
     struct expr *value = silent ? expr_parse(reader->model, word, loc, &names, silent) : NULL;
     bool known = value && expr_resolve(value, &reader->model->pipeline, silent);
     diag_free(silent);

@@ -1,0 +1,4 @@
+void main()
+{
+    views[invocation().x] = count;
+}
