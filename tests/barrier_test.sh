@@ -26,6 +26,7 @@ pipelines() { # size
     audit "culled draws at $1" "$specs/cull.yaml" --set room=400 --size "$1"
     audit "shapes at $1" "$specs/shapes.yaml" --size "$1"
     audit "atomics at $1" "$specs/atomics.yaml" --size "$1"
+    audit "groups at $1" "$specs/groups.yaml" --size "$1"
     audit "layout at $1" "$specs/layouts.yaml" --size "$1"
     audit "kinds at $1" "$specs/kinds.yaml" --size "$1"
     audit "memory at $1" "$specs/memory.yaml" --size "$1"

@@ -35,7 +35,8 @@
     X("tests/specs/cull.yaml", cull)                                                               \
     X("tests/specs/formats.yaml", formats)                                                         \
     X("tests/specs/shapes.yaml", shapes)                                                           \
-    X("tests/specs/atomics.yaml", atomics)
+    X("tests/specs/atomics.yaml", atomics)                                                         \
+    X("tests/specs/groups.yaml", groups)
 
 #define DECLARE(spec, name) extern const struct dt_shaders name##_gl, name##_vk;
 EACH_SPEC(DECLARE)

@@ -1,0 +1,5 @@
+void main()
+{
+    int i = invocation().x;
+    to[places[i]] = from[i];
+}
