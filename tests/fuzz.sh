@@ -17,7 +17,7 @@ export ASAN_OPTIONS=abort_on_error=1:detect_leaks=0:symbolize=0:allocator_may_re
 seeds() { # kind
     local seeds=$build/seeds/$1
     rm -rf "$seeds"
-    mkdir -p "$seeds"
+    mkdir -p "$seeds" "tests/fuzz/$1"
     find "tests/fuzz/$1" -type f ! -name 'fail-*' -exec cp -t "$seeds" {} +
     case $1 in
     spec) cp tests/specs/*.yaml tests/bad/*.yaml "$seeds" ;;
