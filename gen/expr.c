@@ -20,6 +20,8 @@ enum operation {
     OP_REMAINDER,
     OP_ADD,
     OP_SUBTRACT,
+    OP_SHIFT_LEFT,
+    OP_SHIFT_RIGHT,
     OP_LESS,
     OP_LESS_EQUAL,
     OP_GREATER,
@@ -301,13 +303,13 @@ struct binary {
     int level;
 };
 static const struct binary binaries[] = {
-    {"||", OP_OR, 0},        {"&&", OP_AND, 1},        {"==", OP_EQUAL, 2},
-    {"!=", OP_NOT_EQUAL, 2}, {"<=", OP_LESS_EQUAL, 3}, {">=", OP_GREATER_EQUAL, 3},
-    {"<", OP_LESS, 3},       {">", OP_GREATER, 3},     {"+", OP_ADD, 4},
-    {"-", OP_SUBTRACT, 4},   {"*", OP_MULTIPLY, 5},    {"/", OP_DIVIDE, 5},
-    {"%", OP_REMAINDER, 5},
+    {"||", OP_OR, 0},          {"&&", OP_AND, 1},        {"==", OP_EQUAL, 2},
+    {"!=", OP_NOT_EQUAL, 2},   {"<=", OP_LESS_EQUAL, 3}, {">=", OP_GREATER_EQUAL, 3},
+    {"<", OP_LESS, 3},         {">", OP_GREATER, 3},     {"<<", OP_SHIFT_LEFT, 4},
+    {">>", OP_SHIFT_RIGHT, 4}, {"+", OP_ADD, 5},         {"-", OP_SUBTRACT, 5},
+    {"*", OP_MULTIPLY, 6},     {"/", OP_DIVIDE, 6},      {"%", OP_REMAINDER, 6},
 };
-enum { BINARY_LEVELS = 6, BINARY_COUNT = sizeof binaries / sizeof *binaries };
+enum { BINARY_LEVELS = 7, BINARY_COUNT = sizeof binaries / sizeof *binaries };
 
 static struct expr *parse_binary(struct parser *p, int level)
 {
@@ -626,6 +628,18 @@ static enum expr_result divide(const struct expr *expr, struct evaluation *e, in
     return EXPR_OK;
 }
 
+/* By 0 to 31, as GLSL defines it for int. */
+static enum expr_result shift(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b,
+                              int64_t *value)
+{
+    if (b < 0 || b > 31 ||
+        (expr->operation == OP_SHIFT_LEFT && __builtin_mul_overflow(a, INT64_C(1) << b, value)))
+        return fault(expr, e, EXPR_OVERFLOWS);
+    if (expr->operation == OP_SHIFT_RIGHT)
+        *value = a >> b;
+    return EXPR_OK;
+}
+
 static enum expr_result combine(const struct expr *expr, struct evaluation *e, int64_t a, int64_t b,
                                 int64_t *value)
 {
@@ -644,6 +658,9 @@ static enum expr_result combine(const struct expr *expr, struct evaluation *e, i
     case OP_REMAINDER:
     case OP_CEIL_DIV:
         return divide(expr, e, a, b, value);
+    case OP_SHIFT_LEFT:
+    case OP_SHIFT_RIGHT:
+        return shift(expr, e, a, b, value);
     case OP_LESS:
         *value = a < b;
         break;

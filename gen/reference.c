@@ -66,7 +66,7 @@ void emit_reference(struct text *out)
         "one YAML 1.2 document; "
         "`diptych-gen --schema` prints a JSON Schema of it for editors.\n\n"
         "Integer expressions stand wherever a count or a size does: `+ - * / %%`, "
-        "comparisons, `&& || !`, "
+        "`<< >>` by 0 to 31, comparisons, `&& || !`, "
         "`a ? b : c`, `min(a, b)`, `max(a, b)`, `ceil_div(a, b)` with a positive divisor, "
         "parentheses, integers, "
         "`true` and `false`, names of parameters and constants, a vector's component "

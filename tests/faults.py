@@ -57,7 +57,7 @@ def is_named(fault, options):
     side, name, kind = re.split("[:@]", fault)[:3]
     frame = fault.split("@")[1] if "@" in fault else "0"
     run = compare([*options, "--fault", fault])
-    told = re.search(rf"^diptych: {side}: fault in pass {re.escape(name)}, frame {frame}: (\w+)", run.stderr, re.M)
+    told = re.search(rf"^diptych: {side}: fault in pass {re.escape(name)}, frame {frame}: ([\w.]+)", run.stderr, re.M)
     last = run.stdout.rstrip("\n").rsplit("\n", 1)[-1]
     named = re.fullmatch(r"guilty: pass ([\w.]+) \(shader [\w/]+\.glsl\): resource ([\w.]+)(?: mip \d+)?, in frame (\d+)", last)
     good = (run.returncode == 1 and told and named and named[1] == name and named[3] == frame

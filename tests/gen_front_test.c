@@ -71,6 +71,8 @@ static void values(void **state)
     assert_int_equal(value_of(f, "20 - 5 - 3"), 12);
     assert_int_equal(value_of(f, "-7 / 2"), -3);
     assert_int_equal(value_of(f, "7 % 4"), 3);
+    assert_int_equal(value_of(f, "-7 >> 1"), -4);
+    assert_int_equal(value_of(f, "1 << 1 + 2 < 9 && 40 >> 1 >> 2 == 5"), 1);
     assert_int_equal(value_of(f, "n / tile.y + tile.x"), 6);
     assert_int_equal(value_of(f, "frame.width * frame.height"), 1920 * 1080);
     assert_int_equal(value_of(f, "ceil_div(frame.width, 7)"), 275);
@@ -96,6 +98,9 @@ static void faults(void **state)
         {"9223372036854775807 + 1", EXPR_OVERFLOWS},
         {"-9223372036854775807 - 2", EXPR_OVERFLOWS},
         {"4294967296 * 4294967296", EXPR_OVERFLOWS},
+        {"4294967296 << 31", EXPR_OVERFLOWS},
+        {"1 << 32", EXPR_OVERFLOWS},
+        {"1 >> -1", EXPR_OVERFLOWS},
         {"-(-9223372036854775807 - 1)", EXPR_OVERFLOWS},
         {"(-9223372036854775807 - 1) / -1", EXPR_OVERFLOWS},
     };
