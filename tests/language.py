@@ -1,7 +1,7 @@
 """Checks for tests/language_test.sh: `files FILE...`: each names its schema as yaml-language-server reads it, and is valid by it;
 `misspelled FILE...`: and would not be with any one of its keys misspelled; `reference SCHEMA FILE` holds the reference's tables against the schema: the
 same keys in every section, and examples that the schema accepts; `keys SCHEMA... -- SOURCE...`: the schemas have the keys
-that the reader's tables in C have; `body REFERENCE SPEC`: the bodies beside the spec use every name that the reference's chapter on
+that the reader's tables in C have; `used SCHEMA FILE...`: the specs use every key of the schema; `body REFERENCE SPEC`: the bodies beside the spec use every name that the reference's chapter on
 bodies lists, and the chapter lists every name that the generator's C and templates/glsl supply."""
 import copy
 import glob
@@ -159,6 +159,39 @@ def properties(schema):
     return found
 
 
+def used_keys(value, part, definitions):
+    """(section, key) of every map in the value, which is valid by this part of the schema."""
+    for inner in part.get("allOf", []) + part.get("anyOf", []):
+        yield from used_keys(value, inner, definitions)
+    for item in value if isinstance(value, list) else []:
+        yield from used_keys(item, part.get("items", {}), definitions)
+    section = part.get("$ref", "").rsplit("/", 1)[-1]
+    definition = definitions.get(section, {})
+    if not isinstance(value, dict) or "properties" not in definition:
+        return
+    if not jsonschema.Draft202012Validator({"$defs": definitions, **part}).is_valid(value):
+        return   # of another kind of element
+    for key, item in value.items():
+        known = key in definition["properties"]
+        yield section, key if known else "NAME"
+        yield from used_keys(item, definition["properties"][key] if known else definition["additionalProperties"], definitions)
+
+
+def check_used(schema_path, paths):
+    schema = load(schema_path)
+    definitions = schema["$defs"]
+    unused = {(section, key) for section, definition in definitions.items() if "properties" in definition
+              for key in [*definition["properties"], *["NAME"] * bool(definition["additionalProperties"])]}
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            value = yaml.safe_load(file)
+        if "pipeline" not in value:   # a file to include
+            value = {"pipeline": "included", "passes": [], **value}
+        unused -= set(used_keys(value, {"$ref": schema["$ref"]}, definitions))
+    if unused:
+        sys.exit("no spec uses " + ", ".join(f"{section}.{key}" for section, key in sorted(unused)))
+
+
 def check_keys(schemas, sources):
     known = set().union(*(properties(load(path)) for path in schemas))
     read = set()
@@ -177,6 +210,8 @@ def main():
     elif sys.argv[1] == "misspelled":
         for path in arguments:
             check_misspelled(path)
+    elif sys.argv[1] == "used":
+        check_used(arguments[0], arguments[1:])
     elif sys.argv[1] == "keys":
         check_keys(arguments[:arguments.index("--")], arguments[arguments.index("--") + 1:])
     elif sys.argv[1] == "body":

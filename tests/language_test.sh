@@ -24,6 +24,8 @@ if $python -c 'import jsonschema, yaml' 2>/dev/null; then
         templates/*.yaml templates/*/{report,view}.yaml tests/specs/*.yaml tests/specs/grey/report.yaml scenes/*.yaml
     check "... and not with a misspelled key" $python tests/language.py misspelled \
         templates/rsm.yaml templates/*/{report,view}.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
+    check "specs use every key of the language" $python tests/language.py used "$work/schema.json" \
+        templates/*.yaml templates/shared/*.yaml tests/specs/*.yaml tests/specs/parts/*.yaml
     check "schemas of scenes and motions have the reader's keys" $python tests/language.py keys \
         scenes/{scene,motion}.schema.json -- scenes/{scene,motion,camera_light}.c
     for outline in report view; do

@@ -3,7 +3,7 @@ void main()
     ivec2 p = interleave_pixel(), size = color_size();
     float sum = 0.0;
     for (Point v : some) {
-        sum += v.position.x;
+        sum += v.place.x;
     }
     bool same = lace_gather(lace_split(p, size), size) == p && lace_class(p) == interleave_class();
     same = same && tile_gather(tile_split(p, size, lace_tile), size, lace_tile) == p;
