@@ -525,9 +525,15 @@ static bool in_bodies(const struct checker *c, const char *name)
 {
     const char *dot = strrchr(name, '.'); /* bodies of an instance use the last part */
     name = dot ? dot + 1 : name;
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct pass *pass = &c->pipeline->passes[i];
+        for (uint32_t k = 0; k < pass->define_count; k++)
+            if (pass->defines[k].param && !strcmp(pass->defines[k].param, name) &&
+                mentions(&c->bodies[i], pass->defines[k].name))
+                return true;
         if (mentions(&c->bodies[i], name))
             return true;
+    }
     return false;
 }
 

@@ -529,7 +529,13 @@ static void add_defines(struct glsl *glsl)
         int64_t value = 0;
         if (define->word && !glsl_uses(glsl, "%s", define->name))
             continue;
-        if (define->word && !expr_is_literal(define->value)) {
+        for (uint32_t k = 0; define->param && k < glsl->pipeline->param_count; k++)
+            if (!strcmp(glsl->pipeline->params[k].name, define->param))
+                text_add(&macros, "%s %s = %s;\n", glsl_type(glsl->pipeline->params[k].type),
+                         define->name, define->param);
+        if (define->param) {
+            continue;
+        } else if (define->word && !expr_is_literal(define->value)) {
             text_add(&macros, "int %s = ", define->name);
             expr_emit_glsl(define->value, &macros);
             text_add(&macros, ";\n");

@@ -234,6 +234,7 @@ struct define { /* a macro of the body */
     struct loc loc;
     struct expr *value; /* baked, unless `word` */
     bool word;          /* a name of the instance; emitted only if the body uses it */
+    const char *param;  /* of an argument: the parameter of any type that it is; then no value */
 };
 
 enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_VERTICES, PASS_DISPATCH };

@@ -94,6 +94,8 @@ bool is_use(struct fy_node *item); /* of a group, or repeated */
 const char *declared_name(struct reader *reader, struct fy_node *node, const char *name);
 /* The name that a scalar means where it stands; NULL unless a scalar. */
 const char *referred_name(struct reader *reader, struct fy_node *node);
+/* The same of a word beside the node. */
+const char *node_word(struct reader *reader, struct fy_node *node, const char *word);
 /* The text of a scalar; of an argument, if it is the name of one. loc, if not NULL: its place. NULL
  * unless a scalar. */
 const char *argument_text(struct reader *reader, struct fy_node *node, struct loc *loc);

@@ -139,7 +139,12 @@ static const char *global_name(const struct scope *scope, const char *name)
 const char *referred_name(struct reader *reader, struct fy_node *node)
 {
     const char *text = node_text(reader, node);
-    return text ? global_name(node_scope(reader, node), text) : NULL;
+    return text ? node_word(reader, node, text) : NULL;
+}
+
+const char *node_word(struct reader *reader, struct fy_node *node, const char *word)
+{
+    return global_name(node_scope(reader, node), word);
 }
 
 const char *argument_text(struct reader *reader, struct fy_node *node, struct loc *loc)

@@ -172,6 +172,14 @@ static void count_word(void *user, const char *word, struct fy_node *at)
     (void)word, (void)at;
 }
 
+static const char *find_param(const struct pipeline *pipeline, const char *name)
+{
+    for (uint32_t i = 0; i < pipeline->param_count; i++)
+        if (!strcmp(pipeline->params[i].name, name))
+            return pipeline->params[i].name;
+    return NULL;
+}
+
 /* Not the name of a resource or of a file, which bodies cannot use as a value. */
 static void add_word(void *user, const char *word, struct fy_node *at)
 {
@@ -186,9 +194,11 @@ static void add_word(void *user, const char *word, struct fy_node *at)
     struct expr *value = silent ? expr_parse(reader->model, word, loc, &names, silent) : NULL;
     bool known = value && expr_resolve(value, &reader->model->pipeline, silent);
     diag_free(silent);
-    if (known)
-        words->pass->defines[words->pass->define_count++] =
-            (struct define){.name = word, .loc = loc, .value = value, .word = true};
+    struct define define = {.name = word, .loc = loc, .value = known ? value : NULL, .word = true};
+    if (!known)
+        define.param = find_param(&reader->model->pipeline, node_word(reader, words->node, word));
+    if (known || define.param)
+        words->pass->defines[words->pass->define_count++] = define;
 }
 
 /* The macros of the body, and in an instance its arguments, constants and number. */

@@ -119,27 +119,31 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "fill.glsl}]}"},
     [SECTION_GROUP] =
         {"a group", "groups.NAME", "group",
-         "One group. Inside, the names of its arguments, constants, buffers, images and passes "
-         "come "
-         "first; then those of the whole spec. Bodies of its passes use these names, too.",
+         "One group. Inside, a name means an argument, constant, buffer, image or pass of the "
+         "group, "
+         "else one of the whole spec. Bodies of its passes use the names that the spec uses there; "
+         "only point sets, metrics and interleaves keep their own names in bodies. Parameters, "
+         "structs, samplers, metrics, interleaves, contracts and includes stand outside of groups, "
+         "since all instances share them: a group names them, or gets them as arguments.",
          "{args: [source, radius], images: {half: {format: rgba16f, size: frame}}, passes: []}"},
     [SECTION_USE] =
         {"a use of a group", "passes[].group", "use",
          "In place of a pass: the passes of a group in this place. What the group declares has the "
-         "name INSTANCE.NAME: `second.views` in the spec, in messages and in paths of `--set`, "
-         "`second_views` in C and in bodies outside of the group.",
+         "name INSTANCE.NAME: `second.views` in the spec, in messages and in paths of `--set` "
+         "(`passes.second.place.local`), `second_views` in C and in bodies outside of the group.",
          "{group: maps, as: second, with: {points: second_vpls, count: 2 * clusters}}"},
     [SECTION_WITH] = {"`with`", "passes[].with", "with",
-                      "Arguments of a group: names of resources, integer expressions, files of "
-                      "bodies.",
+                      "A value for each argument of the group: the name of a resource, struct, "
+                      "sampler or parameter, an integer expression, or the file of a body.",
                       "{points: second_vpls, count: 2 * clusters}"},
     [SECTION_REPEAT] =
         {"a repeat", "passes[].repeat", "repeat",
          "In place of a pass: the passes of a list, for each number of a range. A pass or a use of "
          "a group may have the key `repeat` itself. The names end in the number: `down.0`, "
-         "`down.1`. "
-         "Expressions and bodies use the number by its name; other texts have it in braces, as "
-         "`\"keys.{(k + 1) % 2}\"`.",
+         "`down.1`. Expressions and bodies use the number by its name; other texts have it in "
+         "braces, as `\"keys_{(k + 1) % 2}\"`. A repeat declares no resources; a repeated group "
+         "has "
+         "its own for each number. A resource that each number writes again is in `updates`.",
          "{repeat: k in 0 .. levels - 2, passes: [{name: down, dispatch: 64, updates: [{name: "
          "glow, "
          "mip: k}], shader: down.glsl}]}"},

@@ -6,5 +6,5 @@ void main()
     uint value = light_sum[0];
     for (int i = 0; i < count; i++)
         value += (uint(i) + items[i].weight) * uint((p.x + 3 * p.y) % 7);
-    canvas_store(p, uvec4(value, 0u, 0u, 0u));
+    canvas_store(p, uvec4(uint(float(value) * float(scale) * weights.y), 0u, 0u, 0u));
 }

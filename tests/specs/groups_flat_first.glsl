@@ -1,0 +1,3 @@
+#define scale gain
+#define weights tint
+#include "groups_paint.glsl"

@@ -1,0 +1,3 @@
+#define scale bars
+#define weights tint
+#include "groups_paint.glsl"
