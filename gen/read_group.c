@@ -305,10 +305,10 @@ struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_
                            struct fy_node *of, const char *label)
 {
     struct reader *reader = use->reader;
-    struct document *document = reader_alloc(reader, 1, sizeof *document), *last = use->from;
+    struct document *document = reader_alloc(reader, 1, sizeof *document), *last = &reader->spec;
     struct scope *scope = reader_alloc(reader, 1, sizeof *scope);
     struct source *source = reader_alloc(reader, 1, sizeof *source);
-    if (!document || !scope || !source || !root || !last || fy_document_set_root(yaml, root)) {
+    if (!document || !scope || !source || !root || fy_document_set_root(yaml, root)) {
         reader->out_of_memory = true;
         fy_node_free(root);
         fy_document_destroy(yaml);
@@ -530,7 +530,8 @@ static void bind_arguments(struct use *use, struct scope *scope, struct fy_node 
         scope->bindings[scope->binding_count++] = (struct binding){
             name, text, node_scope(reader, use->item), node_loc(reader, value), item};
     }
-    report_unknown_arguments(use, scope, with);
+    if (scope->bindings)
+        report_unknown_arguments(use, scope, with);
 }
 
 /* Whether another use has this name, which it reports. */
@@ -600,7 +601,7 @@ static void warn_of_unused_groups(struct reader *reader)
     if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
         return;
     while ((pair = fy_node_mapping_iterate(groups, &iterator))) {
-        const struct document *at = &reader->spec;
+        const struct document *at = reader->spec.next;
         while (at && at->group != fy_node_pair_value(pair))
             at = at->next;
         if (!at && key_text(reader, fy_node_pair_key(pair)))
@@ -612,7 +613,8 @@ static void warn_of_unused_groups(struct reader *reader)
 bool documents_expand(struct reader *reader)
 {
     unsigned errors = diag_error_count(reader->diag);
-    for (struct document *at = &reader->spec; at; at = at->next) {
+    struct document *at = &reader->spec;
+    do {
         struct fy_node *passes = value_of(fy_document_root(at->yaml), "passes"), *item;
         void *iterator = NULL;
         if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
@@ -627,7 +629,7 @@ bool documents_expand(struct reader *reader)
                 diag_error(reader->diag, node_loc(reader, item),
                            "`include` cannot stand in a group or repeat");
         }
-    }
+    } while ((at = at->next));
     if (diag_error_count(reader->diag) > errors)
         return false;
     warn_of_unused_groups(reader);
