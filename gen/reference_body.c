@@ -137,8 +137,10 @@ static const struct body_name resource_names[] = {
     {"NAME_atomicAdd(p, value)", "compute, image in `updates` of format r32ui or r32i",
      "Adds to a texel, uint or int, and gives the former value; also `atomicMin`, `atomicMax`, "
      "`atomicAnd`, `atomicOr`, `atomicXor`, `atomicExchange`. Elements of buffers have GLSL's: "
-     "`atomicAdd(NAME[i], value)`. What these leave of integers does not depend on the order of "
-     "the invocations, except for exchanges. The former values do, and floats."},
+     "`atomicAdd(NAME[i], value)`. Integers that one of these functions leaves do not depend on "
+     "the "
+     "order of the invocations. Results of exchanges, of different functions on one texel, former "
+     "values and sums of floats do."},
     {"NAME_atomicCompSwap(p, expected, value)", "the same",
      "Stores the value if the texel is as expected; depends on the order."},
     {"NAME", "fragment, image in `writes`",

@@ -98,7 +98,11 @@ assert ends[::4] == [-max(range(i, 1000, 6)) if i < 3 else max(range(i, 1000, 6)
 assert load("once", "I") == [7, 5, 9, 5 + 5 + 5 + 5, 3]
 PYTHON
 }
-check "atomic functions of images agree, validation silent" \
+for threads in 1 8; do
+    check "atomic functions of images agree, $threads threads" \
+        env LP_NUM_THREADS=$threads "$diptych" compare --spec "$spec" --size 8x6
+done
+check "... validation silent" \
     "$diptych" compare --spec "$spec" --size 8x6 --debug --backend gl,vk,gl+glsl
 for backend in gl vk; do
     check "... and with counting, $backend" counted $backend

@@ -12,7 +12,7 @@ void main()
     tally_atomicOr(ivec2(column, 4), i < 100 ? bit : 0u);
     tally_atomicXor(ivec2(column, 5), bit * uint(i));
     cells_atomicAdd(ivec3(i & 1, i >> 1 & 1, i >> 2 & 1), uint(i));
-    ends_atomicMin(ivec3(0, 0, i % 6), i % 6 < 3 ? -i : 0);
+    ends_atomicMin(ivec3(0, 0, i % 6), i % 6 < 3 ? -i : 2000); /* changes only what the next does not */
     ends_atomicMax(ivec3(0, 0, i % 6), i % 6 < 3 ? -2000 : i);
     /* Plain stores beside: validation 1.3.239 takes an image that is changed only atomically for one that is read. */
     if (i < 4) {
