@@ -16,6 +16,7 @@ static const char *const reserved_words =
     " extern external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 "
     " hvec3 hvec4 if in inline inout input int interface invariant isubpassInput isubpassInputMS "
     " ivec2 ivec3 ivec4 layout long lowp mediump namespace noinline noperspective out output "
+    "packed "
     " partition patch precise precision public readonly resource restrict return sample sampler "
     " samplerShadow shared short sizeof smooth static struct subpassInput subpassInputMS "
     " subroutine superp switch template this true typedef uint uniform union unsigned using "

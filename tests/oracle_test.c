@@ -717,7 +717,7 @@ static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
                           both = dump_read(&two, NULL, "irradiance");
         struct dump_entry position = dump_read(&two, NULL, "gbuffer_position");
         struct dump_entry normal = dump_read(&two, NULL, "gbuffer_normal");
-        struct dump_entry vpls = dump_read(&two, NULL, "second.packed");
+        struct dump_entry vpls = dump_read(&two, NULL, "second.shading");
         size_t per_class = vpls.count / 16;
         int checked = 0;
         for (size_t y = 0; y < position.height; ++y)

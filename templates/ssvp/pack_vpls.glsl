@@ -7,20 +7,20 @@
 void main()
 {
     int slot = invocation().x;
-    if (slot >= packed_count)
+    if (slot >= shading_count)
         return;
-    int class_points = packed_count / class_count;
+    int class_points = shading_count / class_count;
     int class_eyes = eyes_count / class_count;
     int j = slot % class_points;
     int wanted = class_member(slot / class_points, j);
     int k = min(wanted, points_count - 1);
     int c = max(labels[k], 0);
     bool all_clusters = class_eyes == views_count;
-    packed[slot].position = points[k].position;
-    packed[slot].disk = softness * points[k].area / PI;
-    packed[slot].normal = points[k].normal;
-    packed[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
-    packed[slot].eye = eye_bit(all_clusters ? c : j);
+    shading[slot].position = points[k].position;
+    shading[slot].disk = softness * points[k].area / PI;
+    shading[slot].normal = points[k].normal;
+    shading[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
+    shading[slot].eye = eye_bit(all_clusters ? c : j);
     if (j >= class_eyes)
         return;
     int place = slot / class_points * class_eyes + j;

@@ -241,8 +241,8 @@ static struct class class_of(const struct dt_limit *limit, int class_x, int clas
 {
     const int c = class_x + TILE_X * class_y;
     const struct dt_bytes *in = limit->inputs;
-    const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_FIRST_PACKED].data;
-    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SECOND_PACKED].data;
+    const struct ssvp_ClassVpl *first = (const void *)in[SSVP_RESOURCE_FIRST_SHADING].data;
+    const struct ssvp_ClassVpl *second = (const void *)in[SSVP_RESOURCE_SECOND_SHADING].data;
     const struct ssvp_Eye *eyes = (const void *)in[SSVP_RESOURCE_FIRST_EYES].data;
     const struct ssvp_Eye *others = (const void *)in[SSVP_RESOURCE_SECOND_EYES].data;
     return (struct class){.first = first + c * SSVP_CONSTANT_FIRST_CLASS_POINTS,

@@ -21,8 +21,8 @@ void main()
     points[i].facing = vec3(v.nx, v.ny, v.nz);
     Point p = points[i];
     SceneObject o = scene_objects[v.object];
-    p.position += (o.transform * o.inverse * vec4(o.center, o.radius)).xyz;
-    p.normal *= float(o.first_index + o.index_count + o.material + o.mesh + uint(scene_objects.length()));
+    p.place += (o.transform * o.inverse * vec4(o.center, o.radius)).xyz;
+    p.facing *= float(o.first_index + o.index_count + o.material + o.mesh + uint(scene_objects.length()));
     vec4 texel = textureLod(scene_textures, vec3(v.u, v.v, 0.0), 0.0) * scene_materials[v.material].alpha_cutoff;
     float apart = near(p, p) + near(p.place, p.facing, vec3(0.0), vec3(1.0, 0.0, 0.0));
     apart += metric_dot(p.place, p.facing, vec3(0.0), vec3(1.0), 0.5, 0.5, 1.0);
