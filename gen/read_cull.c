@@ -75,7 +75,7 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
     struct arena *arena = c->reader->model->arena;
     if (!draw)
         return NULL;
-    node_remove(draw, "cull");
+    fy_node_free(node_remove(draw, "cull"));
     bool good = !faces || add(draw, "cull", fy_node_copy(yaml, faces));
     good &= add_text(draw, "indirect",
                      arena_printf(arena, "%s.%s", c->name, whole ? "whole_draws" : "draws"));

@@ -150,7 +150,7 @@ culled() { # backend
     local room
     for room in 45000 300000 1; do
         rm -rf "${work:?}/$room"
-        "$diptych" render --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --backend "$1" --set room=$room \
+        "$diptych" render --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --backend "$1" --set "room=$room" \
             --dump "$work/$room" -o "$work/$room.png" || return
     done
     python3 - "$work" <<'PYTHON'
