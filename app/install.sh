@@ -1,7 +1,8 @@
 #!/bin/sh
 # Puts what is built under DESTDIR/PREFIX: `PREFIX=/opt/diptych ninja install`. Called by that, with the version. PREFIX is
 # /usr/local where it is not given; DESTDIR is for packagers, and no file names it. The tree that is installed can be moved:
-# programs find their files from where they are, and so do the pkg-config files.
+# programs find their files from where they are, and so do the files of pkg-config and CMake. With `uninstall` after the
+# version, removes what it has put there.
 set -eu
 version=$1
 root=${DESTDIR:-}${PREFIX:-/usr/local}
@@ -13,8 +14,21 @@ case $root in
     ;;
 esac
 
+list=$root/share/diptych/installed
+if [ "${2:-}" = uninstall ]; then
+    [ -e "$list" ] || { echo "uninstall: $list is missing: nothing was installed there" >&2 && exit 1; }
+    while read -r file; do rm -f "$root/$file"; done <"$list"
+    rm -f "$list"
+    find "$root/share/diptych" "$root/include/diptych" "$root/lib/diptych" "$root/lib/cmake/diptych" \
+        "$root/share/doc/diptych" -depth -type d -empty -delete
+    exit
+fi
+mkdir -p "$(dirname "$list")"
+: >"$list"
+
 # Each file appears whole: under a name of its own first.
 put() { # mode file target
+    echo "$3" >>"$list"
     install -d -m 755 "$(dirname "$root/$3")"
     install -m "$1" "$2" "$root/$3.new.$$"
     mv -f "$root/$3.new.$$" "$root/$3"
@@ -62,11 +76,25 @@ for name in gl vk scene; do
     put 644 "build/library/libdiptych_$name.so.$version" "lib/libdiptych_$name.so.$version"
     ln -sfn "libdiptych_$name.so.$version" "$root/lib/libdiptych_$name.so.0"
     ln -sfn "libdiptych_$name.so.0" "$root/lib/libdiptych_$name.so"
+    printf 'lib/libdiptych_%s\n' "$name.so" "$name.so.0" >>"$list"
 done
 put_output lib/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
 put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
 put_output lib/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
     "-lassimp -lfyaml -ldl -lm -Wl,-rpath,\${libdir}/diptych"
+
+put 644 app/diptych-config.cmake lib/cmake/diptych/diptych-config.cmake
+put_output lib/cmake/diptych/diptych-config-version.cmake cat <<END
+# Versions with the same first two numbers go together.
+set(PACKAGE_VERSION $version)
+set(wanted "\${PACKAGE_FIND_VERSION_MAJOR}.\${PACKAGE_FIND_VERSION_MINOR}")
+if(NOT PACKAGE_FIND_VERSION OR
+   (PACKAGE_VERSION VERSION_GREATER_EQUAL PACKAGE_FIND_VERSION AND wanted STREQUAL "${version%.*}"))
+  set(PACKAGE_VERSION_COMPATIBLE TRUE)
+endif()
+END
+put 644 LICENSE share/doc/diptych/LICENSE
+put_output share/doc/diptych/reference.md build/diptych-gen --reference
 
 for header in templates/c/diptych.h templates/c/panel.h templates/c/limit.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h \
     scenes/diptych_scene.h; do

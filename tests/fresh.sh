@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # The README's two commands on a bare Debian: installs one into a folder, clones this checkout's last commit into that, and runs
-# `./bootstrap demo` or `./bootstrap test` there. Needs root, debootstrap, and a network.
-# usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test]    R is kept, and used again
+# `./bootstrap demo` or `./bootstrap test` there. `deb`: also makes the package, installs it with apt, and builds and runs
+# tests/hosts/project with it, the checkout out of sight. Needs root, debootstrap, and a network.
+# usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test|deb]    R is kept, and used again
 set -euo pipefail
 cd "$(dirname "$0")/.."
 suite=${SUITE:-trixie} what=${1:-demo}
@@ -20,4 +21,12 @@ for part in proc sys dev; do
 done
 rm -rf "$root/src"
 git clone -q . "$root/src"
-time chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 sh -c "cd /src && ./bootstrap $what"
+command="./bootstrap $what"
+if [ "$what" = deb ]; then
+    command="./bootstrap demo && apt-get install -y -q --no-install-recommends dpkg-dev cmake && ninja deb &&
+        rm -rf /project && cp -r tests/hosts/project /project && cp build/diptych_*.deb / && rm -rf /src && cd / &&
+        apt-get install -y -q ./diptych_*.deb && rm diptych_*.deb && cmake -S project -B project/build -G Ninja &&
+        cmake --build project/build && project/build/wave &&
+        diptych compare --scene /usr/share/diptych/scenes/cornell.yaml --size 64x48 | tail -n 1"
+fi
+time chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 sh -ec "cd /src && $command"

@@ -1,0 +1,31 @@
+#!/bin/sh
+# Makes build/diptych_VERSION_ARCH.deb of what is built: `ninja deb`. Called by that, with the version. Needs dpkg-dev.
+set -eu
+version=$1
+folder=build/deb
+architecture=$(dpkg --print-architecture)
+rm -rf $folder
+mkdir -p $folder/root/DEBIAN $folder/debian
+DESTDIR=$PWD/$folder/root PREFIX=/usr sh app/install.sh "$version"
+
+printf 'Source: diptych\n\nPackage: diptych\nArchitecture: any\n' >$folder/debian/control
+needs=$(cd $folder && dpkg-shlibdeps -O -xdiptych -lroot/usr/lib \
+    -eroot/usr/bin/diptych -eroot/usr/bin/diptych-gen -eroot/usr/lib/diptych/libdiptych_image.so \
+    -eroot/usr/lib/libdiptych_gl.so -eroot/usr/lib/libdiptych_vk.so -eroot/usr/lib/libdiptych_scene.so |
+    sed -n 's/^shlibs:Depends=//p')
+cat >$folder/root/DEBIAN/control <<END
+Package: diptych
+Version: $version
+Architecture: $architecture
+Maintainer: diptych contributors <diptych@localhost>
+Installed-Size: $(du -ks $folder/root | cut -f1)
+Depends: $needs
+Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc
+Section: graphics
+Priority: optional
+Description: one description of a GPU pipeline, run by OpenGL and by Vulkan
+ diptych-gen makes GLSL, SPIR-V and C code for both APIs from one spec. diptych
+ runs pipelines with both and names the first pass that differs. The libraries
+ take pipelines into other renderers.
+END
+dpkg-deb --root-owner-group --build $folder/root "build/diptych_${version}_$architecture.deb"
