@@ -314,7 +314,7 @@ compiles() { # file command...: this one alone; empty: none
     shift
     hide "$@" --verbose >"$work/built" 2>&1 || { cat "$work/built" && return 1; }
     diff <(printf '%s' "${file:+$file
-}") <(grep -oE ' -c [^ ]*\.c' "$work/built" | sed 's|.*/||; s|\.c$||') || { cat "$work/built" && return 1; }
+}") <(grep -oE ' -c [^ ]*\.c' "$work/built" | sed 's|.*[/ ]||; s|\.c$||') || { cat "$work/built" && return 1; }
 }
 build_system cmake cmake -S PROJECT -B PROJECT/build -G Ninja "-DCMAKE_PREFIX_PATH=$installed" -- cmake --build
 [ -z "${DIPTYCH_LONG:-}" ] || build_system make cmake -S PROJECT -B PROJECT/build -G "Unix Makefiles" "-DCMAKE_PREFIX_PATH=$installed" -- cmake --build
