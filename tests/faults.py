@@ -23,7 +23,7 @@ RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]
 TAA = SMALL + ["--spec", f"{ROOT}/templates/taa.yaml", "--frames", "2"]
 POST = ["--spec", f"{ROOT}/templates/post.yaml", "--input", f"photo={ROOT}/templates/post/table.png"]
 CLUSTERED = SMALL + ["--spec", f"{ROOT}/templates/clustered.yaml", "--set", "first_vpls=16", "--set", "clusters=2",
-                     "--set", "tile=[2,2]", "--set", "paraboloid_size=16"]
+                     "--set", "tile=[2,2]", "--set", "paraboloid_size=16", "--set", "map_triangles=300"]
 DEEP = SMALL + ["--spec", f"{ROOT}/templates/deep.yaml", "--set", "samples=4"]
 SSDO = SMALL + ["--spec", f"{ROOT}/templates/ssdo.yaml", "--set", "samples=4"]
 
