@@ -25,7 +25,7 @@ if $python -c 'import jsonschema, yaml' 2>/dev/null; then
     check "... and not with a misspelled key" $python tests/language.py misspelled \
         templates/rsm.yaml templates/*/{report,view}.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
     check "specs use every key of the language" $python tests/language.py used "$work/schema.json" \
-        templates/*.yaml templates/shared/*.yaml tests/specs/*.yaml tests/specs/parts/*.yaml
+        templates/*.yaml templates/{shared,cull}/*.yaml tests/specs/*.yaml tests/specs/parts/*.yaml
     check "schemas of scenes and motions have the reader's keys" $python tests/language.py keys \
         scenes/{scene,motion}.schema.json -- scenes/{scene,motion,camera_light}.c
     for outline in report view; do

@@ -277,10 +277,9 @@ void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, u
                     struct dt_frame *frame)
 {
     (void)scene;
-    (void)index;
     (void)width;
     (void)height;
-    (void)frame;
+    frame->index = index;
 }
 
 bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,
