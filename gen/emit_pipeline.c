@@ -237,9 +237,10 @@ static void emit_resource(const struct c_output *c, uint32_t index)
     c_resource(c, index);
     text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", resource->name);
     c_string(c->out, resource->doc);
-    text_add(
-        c->out, ",\n        .kind = %s%s%s", resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
-        resource->history ? ", .history = true" : "", resource->input ? ", .input = true" : "");
+    text_add(c->out, ",\n        .kind = %s%s%s%s",
+             resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
+             resource->history ? ", .history = true" : "", resource->keep ? ", .keep = true" : "",
+             resource->input ? ", .input = true" : "");
     if (resource->file) {
         text_add(c->out, ", .file = ");
         c_string(c->out, resource->file);

@@ -583,6 +583,7 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
                                             .doc = from->doc ? from->doc : "",
                                             .kind = from->kind,
                                             .history = from->history,
+                                            .keep = from->keep,
                                             .input = from->input,
                                             .file = from->file,
                                             .contract = from->contract.allowed};

@@ -121,7 +121,15 @@ bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
  * cancels the import. */
 bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture);
 
-/* Creates all other resources, for a frame size in pixels. Resources with history start at zero. */
+/* Uses a buffer of the host for a resource of the pipeline: at least as many bytes as the resource
+ * has, laid out as in NAME.h. The offset is also a multiple of 4; 0 if passes take indices or
+ * arguments from the buffer. The buffer must live until the next import of the resource, create or
+ * close. Call after create, before resize. Buffer 0 cancels the import. diptych never writes an
+ * imported input, buffer or image; the host may write it between frames. */
+bool dt_gl_import_buffer(struct gl_runtime *rt, uint32_t resource, const struct dt_gl_range *range);
+
+/* Creates all other resources, for a frame size in pixels. Resources with history start at zero,
+ * but not imported ones. */
 bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs
@@ -137,12 +145,18 @@ bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
  * function reads both before it returns. */
 bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live);
 
-/* The OpenGL object of a resource, imported or not, to copy or sample it after a frame. Other
- * passes may have reused the texture of a resource that is no output. The other field is 0. Valid
- * until resize. */
+/* The OpenGL object of a resource, imported or not, to copy or sample it after a frame. Members of
+ * the other kind are 0. Valid until resize; diptych owns what the host did not import. */
 struct dt_gl_resource {
-    unsigned buffer, texture;
+    unsigned buffer;
+    uint64_t offset, size; /* bytes; offset: 0 unless imported */
+    uint32_t stride;       /* bytes from element to element */
+    unsigned texture;
+    unsigned target, format;              /* GL_TEXTURE_..., sized internal format */
+    uint32_t width, height, layers, mips; /* layers: also the depth of a 3D image */
 };
+/* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
+ * or content from outside in the spec: other passes may have reused its memory. */
 bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
 /* Milliseconds of each pass of the last frame, pass_count values; NAN: skipped. Waits for the

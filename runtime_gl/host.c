@@ -56,29 +56,6 @@ void dt_gl_close(struct gl_runtime *rt)
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
-static bool import_buffer(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
-                          const struct dt_gl_range *range, uint64_t least)
-{
-    uint64_t alignment = rt->buffer_alignment, most = rt->core.limits.storage_bytes;
-    if (!range->buffer || range->size < least || range->offset % (alignment ? alignment : 1))
-        return dt_error(
-            &rt->core,
-            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
-            "are needed",
-            name, (unsigned long long)range->size, (unsigned long long)range->offset,
-            (unsigned long long)least, (unsigned long long)alignment);
-    if (range->size > most)
-        return dt_error(&rt->core, "%s: %llu bytes, but %s binds at most %llu; import fewer", name,
-                        (unsigned long long)range->size, rt->core.device_name,
-                        (unsigned long long)most);
-    *buffer = (struct gl_buffer){.name = name,
-                                 .handle = range->buffer,
-                                 .size = (GLsizeiptr)range->size,
-                                 .offset = (GLintptr)range->offset,
-                                 .imported = true};
-    return true;
-}
-
 /* One white texel, if the host has no textures. */
 static bool import_textures(struct gl_runtime *rt, unsigned textures)
 {
@@ -108,14 +85,15 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
     if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* the uniform block */
         materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     return ((!scene->vertices.buffer && scene->attributes[DT_POSITION].buffer) ||
-            import_buffer(rt, &builtin->vertices, "scene vertices", &scene->vertices,
-                          sizeof(struct dt_vertex))) &&
-           import_buffer(rt, &builtin->indices, "scene indices", &scene->indices,
-                         (uint64_t)scene->index_count * sizeof(uint32_t)) &&
-           import_buffer(rt, &builtin->materials, "scene materials", &materials,
-                         DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
-           (!scene->objects.buffer || import_buffer(rt, &builtin->objects, "scene objects",
-                                                    &scene->objects, sizeof(struct dt_object))) &&
+            gl_buffer_import(rt, &builtin->vertices, "scene vertices", &scene->vertices,
+                             sizeof(struct dt_vertex))) &&
+           gl_buffer_import(rt, &builtin->indices, "scene indices", &scene->indices,
+                            (uint64_t)scene->index_count * sizeof(uint32_t)) &&
+           gl_buffer_import(rt, &builtin->materials, "scene materials", &materials,
+                            DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
+           (!scene->objects.buffer ||
+            gl_buffer_import(rt, &builtin->objects, "scene objects", &scene->objects,
+                             sizeof(struct dt_object))) &&
            import_textures(rt, scene->textures) && gl_scene_describe(rt, scene->attributes);
 }
 
@@ -142,10 +120,20 @@ bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders)
 
 bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture)
 {
-    bool good = dt_front_import(&rt->core, resource, texture != 0);
-    if (good)
-        rt->imports[resource] = texture;
-    return good;
+    if (!dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
+        return false;
+    rt->core.imported[resource] = texture;
+    rt->imports[resource].texture = texture;
+    return true;
+}
+
+bool dt_gl_import_buffer(struct gl_runtime *rt, uint32_t resource, const struct dt_gl_range *range)
+{
+    if (!dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
+        return false;
+    rt->core.imported[resource] = range->buffer;
+    rt->imports[resource].buffer = *range;
+    return true;
 }
 
 bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height)
@@ -168,10 +156,23 @@ bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resou
 {
     struct dt_bytes shape;
     *out = (struct dt_gl_resource){0};
-    if (!dt_front_find(&rt->core, "resource", resource, 0, &shape))
+    if (!dt_front_take(&rt->core, resource, &shape))
         return false;
-    out->buffer = gl_buffer_of(rt, resource)->handle;
-    out->texture = gl_image_of(rt, resource)->handle;
+    const struct gl_buffer *buffer = gl_buffer_of(rt, resource);
+    const struct gl_image *image = gl_image_of(rt, resource);
+    if (buffer->handle)
+        *out = (struct dt_gl_resource){.buffer = buffer->handle,
+                                       .offset = (uint64_t)buffer->offset,
+                                       .size = shape.size,
+                                       .stride = rt->core.pipeline->resources[resource].stride};
+    else
+        *out = (struct dt_gl_resource){.texture = image->handle,
+                                       .target = gl_target(image),
+                                       .format = gl_format(image->format)->internal,
+                                       .width = image->width,
+                                       .height = image->height,
+                                       .layers = image->layers,
+                                       .mips = image->mips};
     return true;
 }
 

@@ -51,6 +51,12 @@ struct gl_resource { /* buffer or image */
     bool stored; /* shaders store to the buffer or texture, perhaps through another resource */
 };
 
+/* The host's texture or buffer for a resource; 0: none. */
+struct gl_import {
+    GLuint texture;
+    struct dt_gl_range buffer;
+};
+
 struct gl_program {
     GLuint handle;
     /* exist while the resources exist */
@@ -94,8 +100,8 @@ struct gl_runtime {
 
     /* with a host's context, which is current in every call */
     bool leave_state;
-    GLuint *imports;      /* per resource of the panel: the host's texture, or 0 */
-    struct gl_kept *kept; /* NULL: nothing to restore */
+    struct gl_import *imports; /* per resource of the panel */
+    struct gl_kept *kept;      /* NULL: nothing to restore */
 };
 
 /* Makes an OpenGL call that can fail. True, or logs one DT_ERROR that names the call and the
@@ -155,6 +161,9 @@ bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, cons
                      size_t size);
 void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer);
 
+/* Uses `least` bytes or all of a host's range; an error names `name`. */
+bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
+                      const struct dt_gl_range *range, uint64_t least);
 /* The caller fills all fields except the handle. */
 bool gl_image_create(struct gl_runtime *rt, struct gl_image *image);
 /* Uses a host's texture instead of creating one; checks that it matches. */

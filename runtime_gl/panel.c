@@ -286,8 +286,8 @@ static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t e
                                .mips = info->mips,
                                .shape = info->shape,
                                .layered = info->layered};
-    if (rt->imports[index])
-        return gl_image_import(rt, image, rt->imports[index]);
+    if (rt->imports[index].texture)
+        return gl_image_import(rt, image, rt->imports[index].texture);
     const struct gl_image *owner = share < 0 ? NULL : gl_image_of(rt, (uint32_t)share);
     image->borrowed = owner && can_share(image, owner);
     if (!image->borrowed)
@@ -296,13 +296,36 @@ static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t e
     return true;
 }
 
+/* Of a host's range only the resource's bytes are bound, and draws are counted by them. */
+static bool import_buffer(struct gl_runtime *rt, uint32_t index, GLsizeiptr size)
+{
+    const struct dt_storage *storage = &rt->core.panel->storage[index];
+    const char *name = rt->core.pipeline->resources[index].name;
+    const struct dt_gl_range *range = &rt->imports[index].buffer;
+    struct gl_buffer *buffer = &resource_of(rt, index)->buffer;
+    if (storage->usage & (DT_READ_INDEX | DT_READ_INDIRECT) && range->offset)
+        return dt_error(&rt->core,
+                        "%s: offset %llu, but indices and arguments stand at the start of a "
+                        "buffer; use a separate one",
+                        name, (unsigned long long)range->offset);
+    if (!gl_buffer_import(rt, buffer, name, range,
+                          storage->block > size ? storage->block : (uint64_t)size))
+        return false;
+    buffer->size = size;
+    buffer->block = storage->block;
+    return true;
+}
+
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     const struct dt_resource *info = &core->pipeline->resources[index];
+    const struct dt_gl_range *import = &rt->imports[index].buffer;
     struct gl_buffer *buffer = &resource_of(rt, index)->buffer;
     if (info->kind == DT_IMAGE)
         return create_image(rt, index, extent);
+    if (import->buffer)
+        return import_buffer(rt, index, (GLsizeiptr)extent[0] * info->stride);
     *buffer = (struct gl_buffer){.name = info->name,
                                  .size = (GLsizeiptr)extent[0] * info->stride,
                                  .block = core->panel->storage[index].block};
@@ -332,7 +355,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
     const struct gl_resource *resource = resource_of(rt, index);
     bool history = core->pipeline->resources[index].history;
     int byte = history ? 0 : core->poison;
-    if ((!history && !byte) || resource->image.imported)
+    if ((!history && !byte) || core->imported[index])
         return true;
     return resource->image.handle ? gl_image_fill(rt, &resource->image, byte)
                                   : gl_buffer_fill(rt, &resource->buffer, byte);

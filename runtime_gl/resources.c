@@ -83,6 +83,30 @@ bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const voi
            (!data || gl_buffer_write(rt, buffer, data, given));
 }
 
+bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
+                      const struct dt_gl_range *range, uint64_t least)
+{
+    uint64_t alignment = rt->buffer_alignment, most = rt->core.limits.storage_bytes;
+    alignment = alignment < 4 ? 4 : alignment; /* of indirect draws and fills */
+    if (!range->buffer || range->size < least || range->offset % alignment)
+        return dt_error(
+            &rt->core,
+            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
+            "are needed",
+            name, (unsigned long long)range->size, (unsigned long long)range->offset,
+            (unsigned long long)least, (unsigned long long)alignment);
+    if (range->size > most)
+        return dt_error(&rt->core, "%s: %llu bytes, but %s binds at most %llu; import fewer", name,
+                        (unsigned long long)range->size, rt->core.device_name,
+                        (unsigned long long)most);
+    *buffer = (struct gl_buffer){.name = name,
+                                 .handle = range->buffer,
+                                 .size = (GLsizeiptr)range->size,
+                                 .offset = (GLintptr)range->offset,
+                                 .imported = true};
+    return true;
+}
+
 bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size)
 {
@@ -93,9 +117,9 @@ bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, cons
 bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int byte)
 {
     GLuint value = (GLuint)byte * 0x01010101u;
-    return GL(
-        rt, buffer->name,
-        ClearNamedBufferData(buffer->handle, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, &value));
+    return GL(rt, buffer->name,
+              ClearNamedBufferSubData(buffer->handle, GL_R32UI, buffer->offset, buffer->size,
+                                      GL_RED_INTEGER, GL_UNSIGNED_INT, &value));
 }
 
 void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)

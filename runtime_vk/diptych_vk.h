@@ -138,7 +138,7 @@ bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders);
 
 /* An image of the host, used for a resource of the pipeline: single-sampled, optimal tiling, with
  * the format, size, layers and mips of the resource; 2D, or 3D with the depth in `layers`; for a
- * cube created with CUBE_COMPATIBLE. Row 0 in memory is NDC y = -1, the bottom
+ * cube created with CUBE_COMPATIBLE. diptych never writes an imported input. Row 0 in memory is NDC y = -1, the bottom
  * of the picture: flip the image when presenting, for example with vkCmdBlitImage into a swapchain
  * image. Swapchain images themselves are seldom fit for an import. diptych writes the image only in
  * record. */
@@ -158,8 +158,22 @@ struct dt_vk_image {
  * cancels the import. */
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image);
 
+/* A buffer of the host, used for a resource of the pipeline: at least as many bytes as the resource
+ * has, laid out as in NAME.h. The usage has what buffer_usage of dt_vk_resource has without the
+ * import, but for the transfers: STORAGE_BUFFER, or UNIFORM_BUFFER, INDIRECT_BUFFER, INDEX_BUFFER if
+ * passes use it so. The offset is also a multiple of 4. The buffer lives until the next import of the
+ * resource, create or close. Call after create, before resize. A buffer of VK_NULL_HANDLE cancels the
+ * import. diptych never writes an imported input; the host may write it between frames. */
+bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_range *range);
+
+/* Creates the resource with this usage, too, for commands of the host: COLOR_ATTACHMENT to draw into
+ * it, VERTEX_BUFFER to draw from it. Replaces an earlier call for the resource; no effect on an
+ * import. Call after create, before resize, which reports a usage that the device lacks. */
+bool dt_vk_add_image_usage(struct vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage);
+bool dt_vk_add_buffer_usage(struct vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage);
+
 /* Creates all other resources, for a frame size in pixels. The next frame sets resources with
- * history to zero. */
+ * history to zero, but not imported ones. */
 bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs
@@ -181,10 +195,14 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
                   const void *live);
 
 /* The Vulkan objects of a resource, imported or not, to copy or sample it after the commands of a
- * frame. Other passes may have reused the memory of a resource that is no output. Members of the
- * other kind are 0. Valid until resize. */
+ * frame; all that is in flight shares them. Members of the other kind are 0. Valid until resize;
+ * diptych owns what the host did not import. */
 struct dt_vk_resource {
     VkBuffer buffer;
+    VkDeviceSize offset, size; /* bytes; offset: 0 unless imported */
+    uint32_t stride;           /* bytes from element to element */
+    /* with TRANSFER_SRC and TRANSFER_DST; of an import 0 */
+    VkBufferUsageFlags buffer_usage;
     VkImage image;
     VkImageView view; /* all mips and layers */
     VkFormat format;
@@ -192,6 +210,8 @@ struct dt_vk_resource {
     uint32_t width, height, layers, mips; /* layers: also the depth of a 3D image */
     VkImageLayout layout;                 /* after the commands recorded last */
 };
+/* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
+ * or content from outside in the spec: other passes may have reused its memory. */
 bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
 
 /* Milliseconds of each pass of the frame recorded last, pass_count values; NAN: skipped. Its

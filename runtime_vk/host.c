@@ -125,28 +125,6 @@ void dt_vk_close(struct vk_runtime *rt)
 
 /* ---- Imports --------------------------------------------------------------------------------- */
 
-static bool import_buffer(const struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
-                          const struct dt_vk_range *range, VkDeviceSize least)
-{
-    VkDeviceSize alignment = rt->properties.limits.minStorageBufferOffsetAlignment;
-    if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
-        alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
-    if (!range->buffer || range->size < least || range->offset % alignment)
-        return dt_error(
-            &rt->core,
-            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
-            "are needed",
-            name, (unsigned long long)range->size, (unsigned long long)range->offset,
-            (unsigned long long)least, (unsigned long long)alignment);
-    if (range->size > rt->core.limits.storage_bytes)
-        return dt_error(
-            &rt->core, "%s: %llu bytes, but the device binds at most %llu; import fewer", name,
-            (unsigned long long)range->size, (unsigned long long)rt->core.limits.storage_bytes);
-    *buffer = (struct vk_buffer){
-        .name = name, .handle = range->buffer, .offset = range->offset, .size = range->size};
-    return true;
-}
-
 /* One white texel, if the host has no textures. */
 static bool create_white(struct vk_runtime *rt)
 {
@@ -169,15 +147,15 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
     release_scene(rt);
     if (!dt_front_import_scene(&rt->core, scene->index_count) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
-         !import_buffer(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
-                        sizeof(struct dt_vertex))) ||
+         !vk_buffer_import(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
+                           sizeof(struct dt_vertex))) ||
         !vk_scene_attributes(rt, scene->attributes) ||
-        !import_buffer(rt, &builtin->indices, "scene_indices", &scene->indices,
-                       (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
-        !import_buffer(rt, &builtin->materials, "scene_materials", &scene->materials,
-                       DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
-        (scene->objects.buffer && !import_buffer(rt, &builtin->objects, "scene_objects",
-                                                 &scene->objects, sizeof(struct dt_object))))
+        !vk_buffer_import(rt, &builtin->indices, "scene_indices", &scene->indices,
+                          (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
+        !vk_buffer_import(rt, &builtin->materials, "scene_materials", &scene->materials,
+                          DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
+        (scene->objects.buffer && !vk_buffer_import(rt, &builtin->objects, "scene_objects",
+                                                    &scene->objects, sizeof(struct dt_object))))
         return false;
     builtin->materials.size =
         DT_MAX_MATERIALS * sizeof(struct dt_material); /* size of the uniform block */
@@ -194,17 +172,41 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
 
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image)
 {
-    if (!dt_front_import(&rt->core, resource, image->image))
+    if (!dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
         return false;
     const struct dt_resource *into = &rt->core.pipeline->resources[resource];
-    if (into->history && image->image && image->layout_before == VK_IMAGE_LAYOUT_UNDEFINED) {
-        rt->core.imported[resource] = rt->imports[resource].image; /* as before */
+    if (into->history && image->image && image->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
         return dt_error(&rt->core,
                         "import_image %s: the pipeline reads its content, which the layout_before "
                         "UNDEFINED discards; give the layout that the image has",
                         into->name);
-    }
-    rt->imports[resource] = *image;
+    rt->core.imported[resource] = image->image;
+    rt->choices[resource].image = *image;
+    return true;
+}
+
+bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_range *range)
+{
+    if (!dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
+        return false;
+    rt->core.imported[resource] = range->buffer;
+    rt->choices[resource].buffer = *range;
+    return true;
+}
+
+bool dt_vk_add_image_usage(struct vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage)
+{
+    if (!dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
+        return false;
+    rt->choices[resource].usage = usage;
+    return true;
+}
+
+bool dt_vk_add_buffer_usage(struct vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage)
+{
+    if (!dt_front_choose(&rt->core, "add_buffer_usage", DT_BUFFER, resource))
+        return false;
+    rt->choices[resource].usage = usage;
     return true;
 }
 
@@ -332,8 +334,7 @@ static void fill_now(struct vk_runtime *rt)
     struct vk_image *textures = &rt->builtin.textures;
     for (uint32_t i = 0; rt->fills && i < pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
-        if (!pipeline->resources[i].history || pipeline->resources[i].input ||
-            resource->image.imported)
+        if (!pipeline->resources[i].history || pipeline->resources[i].input || rt->core.imported[i])
             continue;
         if (resource->image.handle)
             clear(rt, &resource->image, 0, VK_IMAGE_LAYOUT_GENERAL);
@@ -352,9 +353,9 @@ static void take_imports(struct vk_runtime *rt)
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         struct vk_image *image = &vk_resource_at(rt, i)->image;
-        if (!rt->imports[i].image)
+        if (!rt->choices[i].image.image)
             continue;
-        image->layout = rt->imports[i].layout_before;
+        image->layout = rt->choices[i].image.layout_before;
         if (pipeline->resources[i].history && image->layout != VK_IMAGE_LAYOUT_GENERAL)
             vk_transition(rt, rt->frame_commands, image, VK_IMAGE_LAYOUT_GENERAL);
     }
@@ -374,9 +375,11 @@ static bool record(struct vk_runtime *rt, const struct dt_frame *frame, const vo
         rt->vk.CmdResetQueryPool(commands, rt->queries, 0, 2 * pipeline->pass_count);
     vk_full_barrier(rt, commands);
     bool good = dt_front_record(&rt->core, live);
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (rt->imports[i].image && rt->imports[i].layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
-            vk_transition(rt, commands, &vk_resource_at(rt, i)->image, rt->imports[i].layout_after);
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        const struct dt_vk_image *import = &rt->choices[i].image;
+        if (import->image && import->layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
+            vk_transition(rt, commands, &vk_resource_at(rt, i)->image, import->layout_after);
+    }
     vk_full_barrier(rt, commands);
     return good;
 }
@@ -396,19 +399,26 @@ bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resou
 {
     struct dt_bytes shape;
     *out = (struct dt_vk_resource){0};
-    if (!dt_front_find(&rt->core, "resource", resource, 0, &shape))
+    if (!dt_front_take(&rt->core, resource, &shape))
         return false;
-    const struct vk_resource *found = vk_resource_at(rt, resource);
-    *out = (struct dt_vk_resource){.buffer = found->buffer.handle,
-                                   .image = found->image.handle,
-                                   .view = found->image.view,
-                                   .format = found->image.format,
-                                   .usage = found->image.usage,
-                                   .width = found->image.width,
-                                   .height = found->image.height,
-                                   .layers = found->image.layers * found->image.depth,
-                                   .mips = found->image.mips,
-                                   .layout = found->image.layout};
+    const struct vk_image *image = &vk_resource_at(rt, resource)->image;
+    const struct vk_buffer *buffer = &vk_resource_at(rt, resource)->buffer;
+    if (buffer->handle)
+        *out = (struct dt_vk_resource){.buffer = buffer->handle,
+                                       .offset = buffer->offset,
+                                       .size = shape.size,
+                                       .stride = rt->core.pipeline->resources[resource].stride,
+                                       .buffer_usage = buffer->usage};
+    else
+        *out = (struct dt_vk_resource){.image = image->handle,
+                                       .view = image->view,
+                                       .format = image->format,
+                                       .usage = image->usage,
+                                       .width = image->width,
+                                       .height = image->height,
+                                       .layers = image->layers * image->depth,
+                                       .mips = image->mips,
+                                       .layout = image->layout};
     return true;
 }
 

@@ -12,11 +12,13 @@
 struct vk_buffer {
     const char *name;
     VkBuffer handle;
-    VkDeviceSize offset;   /* bytes; 0 except in a host's buffer */
-    VkDeviceSize size;     /* bytes, at least 16 */
-    VkDeviceSize block;    /* bytes bound as a uniform block, if more than size; else 0 */
-    VkDeviceMemory memory; /* owned; null: a slot's or a host's */
-    void *bytes;           /* owned memory, always mapped; NULL: not mapped */
+    VkDeviceSize offset;      /* bytes; 0 except in a host's buffer */
+    VkDeviceSize size;        /* bytes, at least 16 */
+    VkDeviceSize block;       /* bytes bound as a uniform block, if more than size; else 0 */
+    VkBufferUsageFlags usage; /* as created; of an import 0 */
+    bool imported;            /* the host owns handle and memory */
+    VkDeviceMemory memory;    /* owned; null: a slot's or a host's */
+    void *bytes;              /* owned memory, always mapped; NULL: not mapped */
 };
 
 struct vk_image {
@@ -43,6 +45,13 @@ struct vk_image {
 struct vk_resource {
     struct vk_buffer buffer;
     struct vk_image image;
+};
+
+/* What the host chose for a resource; null handles: not imported. */
+struct vk_choice {
+    struct dt_vk_image image;
+    struct dt_vk_range buffer;
+    VkFlags usage; /* in addition, if not imported */
 };
 
 struct vk_program {
@@ -116,9 +125,9 @@ struct vk_runtime {
 
     /* panel.c: of the pipeline */
     VkDeviceMemory *slots;
-    struct dt_vk_image *imports; /* one per resource; image null: not imported */
-    struct vk_buffer upload;     /* host: for dt_vk_write, as large as the largest input image */
-    VkQueryPool queries;         /* two per pass */
+    struct vk_choice *choices; /* one per resource */
+    struct vk_buffer upload;   /* host: for dt_vk_write, as large as the largest input image */
+    VkQueryPool queries;       /* two per pass */
 
     /* Of a frame. */
     uint32_t barriers; /* number of barriers recorded so far */
@@ -192,6 +201,9 @@ bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
 /* The same with its own memory: device memory, or mapped, host-visible memory. */
 bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, bool mapped);
+/* Uses `least` bytes or all of a host's range; an error names `name`. */
+bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
+                      const struct dt_vk_range *range, VkDeviceSize least);
 void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer);
 
 struct vk_image_info {

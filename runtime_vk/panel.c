@@ -56,8 +56,8 @@ static bool begin_panel(struct dt_core *core)
         .queryCount = 2 * pipeline->pass_count,
     };
     rt->slots = calloc(core->panel->slot_count + 1, sizeof *rt->slots);
-    rt->imports = calloc(pipeline->resource_count + 1, sizeof *rt->imports);
-    if (!rt->slots || !rt->imports)
+    rt->choices = calloc(pipeline->resource_count + 1, sizeof *rt->choices);
+    if (!rt->slots || !rt->choices)
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
     return vk_device_suits_panel(rt, core->panel) &&
            create_uniform(rt, &rt->builtin.live, "live", pipeline->block_size) &&
@@ -72,10 +72,10 @@ static void end_panel(struct dt_core *core)
     vk_buffer_destroy(rt, &rt->builtin.live);
     rt->vk.DestroyQueryPool(rt->device, rt->queries, NULL);
     free(rt->slots);
-    free(rt->imports);
+    free(rt->choices);
     rt->queries = VK_NULL_HANDLE;
     rt->slots = NULL;
-    rt->imports = NULL;
+    rt->choices = NULL;
 }
 
 /* ---- Samplers and programs ------------------------------------------------------------------- */
@@ -163,24 +163,40 @@ static VkImageUsageFlags image_usage(unsigned usage)
     return usage & DT_READ_TEXTURE || !flags ? flags | VK_IMAGE_USAGE_SAMPLED_BIT : flags;
 }
 
+/* Of a host's range only the resource's bytes are bound, and draws are counted by them. */
+static bool create_buffer(struct vk_runtime *rt, uint32_t index, VkDeviceSize size)
+{
+    const struct dt_storage *storage = &rt->core.panel->storage[index];
+    const struct vk_choice *choice = &rt->choices[index];
+    struct vk_buffer *buffer = &vk_resource_at(rt, index)->buffer;
+    const struct vk_buffer_info info = {
+        .name = rt->core.pipeline->resources[index].name,
+        .size = size,
+        .block = storage->block,
+        .usage = buffer_usage(storage->usage) | choice->usage,
+    };
+    if (!choice->buffer.buffer)
+        return vk_buffer_create(rt, buffer, &info);
+    if (!vk_buffer_import(rt, buffer, info.name, &choice->buffer,
+                          size > info.block ? size : info.block))
+        return false;
+    buffer->size = size;
+    buffer->block = info.block > size ? info.block : 0;
+    return true;
+}
+
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
     struct vk_runtime *rt = vk_runtime_of(core);
     const struct dt_resource *resource = &core->pipeline->resources[index];
     const struct dt_storage *storage = &core->panel->storage[index];
-    if (resource->kind == DT_BUFFER) {
-        const struct vk_buffer_info info = {
-            .name = resource->name,
-            .size = (VkDeviceSize)extent[0] * resource->stride,
-            .block = storage->block,
-            .usage = buffer_usage(storage->usage),
-        };
-        return vk_buffer_create(rt, &vk_resource_at(rt, index)->buffer, &info);
-    }
+    const struct vk_choice *choice = &rt->choices[index];
+    if (resource->kind == DT_BUFFER)
+        return create_buffer(rt, index, (VkDeviceSize)extent[0] * resource->stride);
     const struct vk_image_info info = {
         .name = resource->name,
         .format = resource->format,
-        .usage = image_usage(storage->usage),
+        .usage = image_usage(storage->usage) | (choice->image.image ? 0 : choice->usage),
         .width = extent[0],
         .height = extent[1],
         .layers = extent[2],
@@ -188,7 +204,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
         .shape = resource->shape,
         .layered = resource->layered,
         .by_layer = storage->by_layer,
-        .import = rt->imports[index].image ? &rt->imports[index] : NULL,
+        .import = choice->image.image ? &choice->image : NULL,
     };
     return vk_image_create(rt, &vk_resource_at(rt, index)->image, &info);
 }
@@ -227,7 +243,7 @@ static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
     const char *name = NULL; /* the largest resource; errors name it */
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         const struct vk_resource *resource = vk_resource_at(rt, i);
-        if (rt->core.panel->storage[i].slot != slot || resource->image.imported)
+        if (rt->core.panel->storage[i].slot != slot || rt->core.imported[i])
             continue; /* the host has bound its memory */
         VkMemoryRequirements own = requirements(rt, resource);
         needs.memoryTypeBits &= own.memoryTypeBits;
@@ -261,7 +277,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
     struct vk_resource *resource = vk_resource_at(rt, index);
     bool history = core->pipeline->resources[index].history;
     int byte = history ? 0 : core->poison;
-    if ((!history && !byte) || resource->image.imported)
+    if ((!history && !byte) || core->imported[index])
         return true;
     rt->fills = core->hosted; /* for a host, the next frame does it: see fill_now in host.c */
     if (rt->fills)

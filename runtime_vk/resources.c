@@ -72,17 +72,44 @@ bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
         .size = whole,
         .usage = info->usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
-    *buffer =
-        (struct vk_buffer){.name = info->name, .size = size, .block = whole > size ? whole : 0};
+    *buffer = (struct vk_buffer){
+        .name = info->name, .size = size, .block = whole > size ? whole : 0, .usage = create.usage};
     if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, NULL, &buffer->handle), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);
     return true;
 }
 
+bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
+                      const struct dt_vk_range *range, VkDeviceSize least)
+{
+    VkDeviceSize alignment = rt->properties.limits.minStorageBufferOffsetAlignment;
+    if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
+        alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
+    alignment = alignment < 4 ? 4 : alignment; /* of indirect draws and fills */
+    if (!range->buffer || range->size < least || range->offset % alignment)
+        return dt_error(
+            &rt->core,
+            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
+            "are needed",
+            name, (unsigned long long)range->size, (unsigned long long)range->offset,
+            (unsigned long long)least, (unsigned long long)alignment);
+    if (range->size > rt->core.limits.storage_bytes)
+        return dt_error(
+            &rt->core, "%s: %llu bytes, but the device binds at most %llu; import fewer", name,
+            (unsigned long long)range->size, (unsigned long long)rt->core.limits.storage_bytes);
+    *buffer = (struct vk_buffer){.name = name,
+                                 .handle = range->buffer,
+                                 .offset = range->offset,
+                                 .size = range->size,
+                                 .imported = true};
+    return true;
+}
+
 bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceMemory memory)
 {
-    return VK(rt, rt->vk.BindBufferMemory(rt->device, buffer->handle, memory, 0), buffer->name);
+    return buffer->imported ||
+           VK(rt, rt->vk.BindBufferMemory(rt->device, buffer->handle, memory, 0), buffer->name);
 }
 
 static bool map(struct vk_runtime *rt, struct vk_buffer *buffer, const VkMemoryRequirements *needs)
@@ -108,7 +135,8 @@ bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
 
 void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
-    rt->vk.DestroyBuffer(rt->device, buffer->handle, NULL);
+    if (!buffer->imported)
+        rt->vk.DestroyBuffer(rt->device, buffer->handle, NULL);
     rt->vk.FreeMemory(rt->device, buffer->memory, NULL); /* unmaps */
     *buffer = (struct vk_buffer){0};
 }

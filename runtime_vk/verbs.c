@@ -111,6 +111,7 @@ static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .buffer = buffer->handle,
+        .offset = buffer->offset,
         .size = VK_WHOLE_SIZE,
     };
 }
@@ -214,8 +215,9 @@ static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint3
 static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 {
     const struct vk_runtime *rt = runtime;
+    const struct vk_buffer *buffer = &vk_resource_at(rt, arguments)->buffer;
     (void)pass;
-    rt->vk.CmdDispatchIndirect(rt->frame_commands, vk_resource_at(rt, arguments)->buffer.handle, 0);
+    rt->vk.CmdDispatchIndirect(rt->frame_commands, buffer->handle, buffer->offset);
     return true;
 }
 
@@ -361,7 +363,7 @@ static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_
         return false;
     begin_rendering(rt, pass, layers);
     bind_scene(rt, from);
-    rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, draws->handle, 0,
+    rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, draws->handle, draws->offset,
                                   (uint32_t)(draws->size / DT_DRAW_BYTES), DT_DRAW_BYTES);
     rt->vk.CmdEndRendering(rt->frame_commands);
     return true;
@@ -392,7 +394,7 @@ static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers
     const struct vk_runtime *rt = runtime;
     const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
     begin_rendering(rt, pass, layers);
-    rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, 0,
+    rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, draws->offset,
                            (uint32_t)(draws->size / DT_VERTEX_DRAW_BYTES), DT_VERTEX_DRAW_BYTES);
     rt->vk.CmdEndRendering(rt->frame_commands);
     return true;
@@ -423,9 +425,9 @@ static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_
 static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
 {
     const struct vk_runtime *rt = runtime;
+    const struct vk_buffer *buffer = &vk_resource_at(rt, resource)->buffer;
     (void)pass;
-    rt->vk.CmdFillBuffer(rt->frame_commands, vk_resource_at(rt, resource)->buffer.handle, 0,
-                         VK_WHOLE_SIZE, 0);
+    rt->vk.CmdFillBuffer(rt->frame_commands, buffer->handle, buffer->offset, buffer->size, 0);
     return true;
 }
 

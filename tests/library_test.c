@@ -277,6 +277,12 @@ static void assert_can_sample_images(struct vk_runtime *rt)
     for (uint32_t i = 0; i < FEATURES_RESOURCES; i++) {
         struct dt_vk_resource resource;
         VkImageView view;
+        const struct dt_resource *what = &features_pipeline.resources[i];
+        if (!what->history && !what->keep && (int)i != features_pipeline.linear_output &&
+            (int)i != features_pipeline.display_output) {
+            REFUSED(dt_vk_resource(rt, i, &resource), "give it `keep: true` in the spec");
+            continue;
+        }
         assert_true(dt_vk_resource(rt, i, &resource));
         const VkImageViewCreateInfo info = {
             .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
@@ -363,24 +369,33 @@ static void write_grade(write_content *write, const uint8_t color[4])
     free(grade.data);
 }
 
-/* Content for all inputs, the table last, with which the picture is the table's colour. `reads`, a
- * frame, is refused until then. */
-static void hand_in(write_content *write, bool (*reads)(void), const uint8_t color[4])
+static const float graded_alone[8] = {1, 1, 1}, nothing[8]; /* weights; a vec3 has four */
+
+/* Content for all inputs but the table and what is `imported`, which takes none. */
+static void write_inputs(write_content *write, uint32_t imported)
 {
-    static const float weights[8] = {1, 1, 1}; /* a vec3 has four */
     for (uint32_t i = 0; i < OUTSIDE_RESOURCES; i++) {
         const struct dt_resource *input = &outside_pipeline.resources[i];
         for (uint32_t mip = 0; mip < (input->kind == DT_IMAGE ? input->mips : 1); mip++) {
             struct dt_bytes bytes = bytes_of(i, mip);
             if (i == OUTSIDE_RESOURCE_WEIGHTS)
-                memcpy(bytes.data, weights, sizeof weights);
+                memcpy(bytes.data, graded_alone, sizeof graded_alone);
             if (!input->input)
                 REFUSED(write(i, mip, &bytes), "a host writes inputs only");
+            else if (i == imported)
+                REFUSED(write(i, mip, &bytes), "it is imported; write the host's own object");
             else if (i != OUTSIDE_RESOURCE_GRADE)
                 assert_true(write(i, mip, &bytes));
             free(bytes.data);
         }
     }
+}
+
+/* Content for all inputs, the table last, with which the picture is the table's colour. `reads`, a
+ * frame, is refused until then. */
+static void hand_in(write_content *write, bool (*reads)(void), const uint8_t color[4])
+{
+    write_inputs(write, OUTSIDE_RESOURCES);
     REFUSED(reads(), "mip 0 of the input grade has no content; write it after resize");
     struct dt_bytes wrong = bytes_of(OUTSIDE_RESOURCE_WEIGHTS, 0);
     wrong.size -= 4;
@@ -397,7 +412,8 @@ static void is_painted(const uint8_t *texels, const uint8_t color[4])
             fail_msg("texel %d.%d is %d, not %d", i / 4, i % 4, texels[i], color[i % 4]);
 }
 
-static const uint8_t first_color[4] = {10, 200, 30, 255}, second_color[4] = {77, 0, 255, 255};
+static const uint8_t first_color[4] = {10, 200, 30, 255}, second_color[4] = {77, 0, 255, 255},
+                     black[4] = {0, 0, 0, 255};
 
 /* ---- Vulkan ---------------------------------------------------------------------------------- */
 
@@ -893,6 +909,63 @@ static void vulkan_takes_inputs(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+/* A picture with these weights in the host's buffer. */
+static void vulkan_paints_with(const float weights[8], VkDeviceSize at, const uint8_t color[4])
+{
+    memcpy((char *)vk.bytes + at, weights, sizeof graded_alone);
+    record_picture(GEOMETRY_BYTES / 2);
+    submit(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    is_painted((const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2, color);
+}
+
+static void vulkan_takes_buffers_and_describes_all(void **state)
+{
+    (void)state;
+    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
+    struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, 16};
+    struct dt_vk_host host = vk_host();
+    struct dt_vk_resource found;
+    struct vk_runtime *rt = outside.rt = dt_vk_open(&host);
+    REFUSED(dt_vk_add_buffer_usage(rt, OUTSIDE_RESOURCE_KERNEL, 0), "create comes first");
+    assert_true(dt_vk_create(rt, &outside_vk));
+    REFUSED(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_PHOTO, &weights), "has no buffer");
+    REFUSED(dt_vk_add_image_usage(rt, OUTSIDE_RESOURCE_KERNEL, drawn), "has no image");
+    assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT),
+            "weights: 16 bytes at offset 262144 given; at least 32");
+    weights.size = 4096;
+    assert_true(
+        dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+        dt_vk_add_image_usage(rt, OUTSIDE_RESOURCE_BLURRED, drawn) &&
+        dt_vk_add_buffer_usage(rt, OUTSIDE_RESOURCE_KERNEL, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT) &&
+        dt_vk_resize(rt, WIDTH, HEIGHT));
+    outside.commands = begin();
+    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+    write_grade(vulkan_writes, first_color);
+    vulkan_paints_with(graded_alone, weights.offset, first_color);
+    outside.commands = begin();
+    vulkan_paints_with(nothing, weights.offset, black);
+    assert_true(dt_vk_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
+    assert_true(found.buffer == vk.geometry && found.offset == weights.offset && found.size == 32 &&
+                found.stride == 16 && !found.image);
+    assert_true(dt_vk_resource(rt, OUTSIDE_RESOURCE_KERNEL, &found));
+    assert_true(found.buffer != vk.geometry && found.size % 4 == 0 && found.stride == 4 &&
+                found.buffer_usage & VK_BUFFER_USAGE_VERTEX_BUFFER_BIT &&
+                found.buffer_usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
+    assert_true(dt_vk_resource(rt, OUTSIDE_RESOURCE_BLURRED, &found)); /* `keep: true` */
+    assert_true(found.usage & drawn && found.format == VK_FORMAT_R16G16B16A16_SFLOAT);
+    weights.buffer = VK_NULL_HANDLE; /* canceled */
+    assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    outside.commands = begin();
+    hand_in(vulkan_writes, vulkan_records, second_color);
+    submit(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
 /* ---- Frames in flight ------------------------------------------------------------------------ */
 
 enum { IN_FLIGHT = 2, CYCLES = 10 };
@@ -1229,6 +1302,8 @@ static void opengl_tells_wrong_calls(void **state)
     assert_true(dt_gl_record(rt, &frame, NULL));
     assert_true(dt_gl_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.texture, trail);
+    REFUSED(dt_gl_resource(rt, FEATURES_RESOURCE_HISTOGRAM, &resource),
+            "resource histogram: other passes may reuse its memory; give it `keep: true`");
     dt_gl_close(rt);
     dt_gl_close(NULL);
     assert_int_equal(get_error(), GL_NO_ERROR);
@@ -1339,10 +1414,44 @@ static void opengl_takes_inputs(void **state)
         dt_gl_import_image(rt, OUTSIDE_RESOURCE_PHOTO, texture_of(GL_SRGB8_ALPHA8, WIDTH)) &&
         dt_gl_resize(rt, WIDTH, HEIGHT));
     REFUSED(opengl_writes(OUTSIDE_RESOURCE_PHOTO, 0, &photo),
-            "write photo: it is an image of the host; write that one");
+            "write photo: it is imported; write the host's own object");
     assert_true(dt_gl_import_image(rt, OUTSIDE_RESOURCE_PHOTO, 0)); /* canceled */
     REFUSED(opengl_writes(OUTSIDE_RESOURCE_PHOTO, 0, &photo), "write: call resize first");
     free(photo.data);
+    dt_gl_close(rt);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
+static void opengl_takes_buffers_and_describes_all(void **state)
+{
+    (void)state;
+    PFNGLNAMEDBUFFERSUBDATAPROC update =
+        (PFNGLNAMEDBUFFERSUBDATAPROC)eglGetProcAddress("glNamedBufferSubData");
+    struct dt_gl_range weights = {.offset = 1024, .size = 16};
+    struct dt_gl_resource found;
+    create_buffers(1, &weights.buffer);
+    buffer_storage(weights.buffer, 4096, NULL, GL_DYNAMIC_STORAGE_BIT);
+    update(weights.buffer, 1024, sizeof graded_alone, graded_alone);
+    struct gl_runtime *rt = outside_gl_runtime =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_true(rt && dt_gl_create(rt, &outside_gl));
+    REFUSED(dt_gl_import_buffer(rt, OUTSIDE_RESOURCE_PHOTO, &weights), "has no buffer");
+    assert_true(dt_gl_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights));
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "weights: 16 bytes at offset 1024 given; at least 32");
+    weights.size = 3072;
+    assert_true(dt_gl_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+                dt_gl_resize(rt, WIDTH, HEIGHT));
+    write_inputs(opengl_writes, OUTSIDE_RESOURCE_WEIGHTS);
+    write_grade(opengl_writes, first_color);
+    opengl_paints(first_color);
+    update(weights.buffer, 1024, sizeof nothing, nothing);
+    opengl_paints(black);
+    assert_true(dt_gl_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
+    assert_true(found.buffer == weights.buffer && found.offset == 1024 && found.size == 32 &&
+                found.stride == 16 && !found.texture);
+    assert_true(dt_gl_resource(rt, OUTSIDE_RESOURCE_SOFT, &found));
+    assert_true(found.texture && found.target == GL_TEXTURE_2D && found.format == GL_RGBA16F &&
+                found.layers == 1 && found.mips == 3 && !found.buffer);
     dt_gl_close(rt);
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
@@ -1457,6 +1566,7 @@ int main(void)
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
         cmocka_unit_test(vulkan_takes_inputs),
+        cmocka_unit_test(vulkan_takes_buffers_and_describes_all),
         cmocka_unit_test(vulkan_takes_3d_images_and_cubes),
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
@@ -1464,6 +1574,7 @@ int main(void)
         cmocka_unit_test(opengl_draws_vertices_of_another_layout),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_takes_inputs),
+        cmocka_unit_test(opengl_takes_buffers_and_describes_all),
         cmocka_unit_test(opengl_takes_3d_images_and_cubes),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),
     };

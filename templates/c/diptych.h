@@ -136,8 +136,9 @@ struct dt_resource {
     const char *doc;
     enum dt_kind kind;
     bool history; /* keeps last frame's content; zero before the first */
+    bool keep; /* shares no memory: its content stays until the next frame, like that of outputs */
     /* content from outside, in resources with history that no pass writes: every mip must be
-     * written, or the image imported, after each resize and before its first frame; it then stays */
+     * written, or the resource imported, after each resize and before its first frame; it then stays */
     bool input;
     /* input: the file that the spec names, as written there; NULL: none. The app reads it; a host
      * hands in what is in it */

@@ -466,13 +466,12 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
     return leave(core, good);
 }
 
-bool dt_front_import(struct dt_core *core, uint32_t resource, bool given)
+bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, uint32_t resource)
 {
     if (!core->pipeline || resource >= core->pipeline->resource_count ||
-        core->pipeline->resources[resource].kind != DT_IMAGE)
-        return dt_error(core, "import_image: the pipeline has no image %u; create comes first",
-                        resource);
-    core->imported[resource] = given;
+        core->pipeline->resources[resource].kind != kind)
+        return dt_error(core, "%s: the pipeline has no %s %u; create comes first", verb,
+                        kind == DT_IMAGE ? "image" : "buffer", resource);
     core->sized = false; /* until the next resize */
     return true;
 }
@@ -534,6 +533,20 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
         shape->size = (size_t)extent[0] * what->stride;
     }
     return true;
+}
+
+bool dt_front_take(const struct dt_core *core, uint32_t resource, struct dt_bytes *shape)
+{
+    const struct dt_pipeline *pipeline = core->pipeline;
+    if (!dt_front_find(core, "resource", resource, 0, shape))
+        return false;
+    const struct dt_resource *what = &pipeline->resources[resource];
+    return what->history || what->keep || core->imported[resource] ||
+           (int)resource == pipeline->linear_output || (int)resource == pipeline->display_output ||
+           dt_error(core,
+                    "resource %s: other passes may reuse its memory; give it `keep: true` in the "
+                    "spec, or import it",
+                    what->name);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -952,7 +965,7 @@ bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
     const struct dt_resource *to = &core->pipeline->resources[resource];
     if (core->hosted && (!to->input || core->imported[resource]))
         return dt_error(core, "write %s: %s", to->name,
-                        to->input ? "it is an image of the host; write that one"
+                        to->input ? "it is imported; write the host's own object"
                                   : "a host writes inputs only; give it `input: true` in the spec");
     const uint32_t *given = bytes->extent;
     if (bytes->size != own.size || memcmp(given, own.extent, sizeof own.extent) != 0)

@@ -43,7 +43,7 @@ struct dt_core {
     void *resources, *programs, *samplers;
     uint32_t width, height; /* 0: the resources do not exist */
     uint32_t *written;      /* per resource: mask of the mips written since resize */
-    bool *imported;         /* per resource: uses an image of the host */
+    bool *imported;         /* per resource: uses an image or buffer of the host */
     bool sized;             /* a frame may be rendered: nothing has changed since resize */
     bool rendered;          /* a frame was rendered since resize */
     bool has_camera;        /* of the last frame since resize, without jitter */
@@ -144,9 +144,11 @@ struct dt_frame dt_front_frame(struct dt_core *core, const struct dt_frame *fram
 /* Whether the resource and the mip exist; `shape` gets size and extent. */
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
                    struct dt_bytes *shape);
-/* Checks that a host may import the image, or with `given` false cancel the import; requires create.
- * A resize must follow. */
-bool dt_front_import(struct dt_core *core, uint32_t resource, bool given);
+/* Checks that the pipeline has this image or buffer, which a host chooses something for; requires
+ * create. A resize must follow. `verb`: in messages. */
+bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, uint32_t resource);
+/* Whether a host may use the resource's object: its content outlasts the passes. */
+bool dt_front_take(const struct dt_core *core, uint32_t resource, struct dt_bytes *shape);
 /* Whether these bytes may replace the mip's content. */
 bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
                    const struct dt_bytes *bytes);
