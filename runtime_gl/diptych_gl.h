@@ -145,6 +145,21 @@ bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
  * function reads both before it returns. */
 bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live);
 
+/* Runs the passes `first` to `end` - 1, so that commands of the host can stand between two parts of a
+ * frame:
+ *
+ *     dt_gl_record_passes(rt, &frame, &live, 0, SSVP_PASS_SHADE);
+ *     ... commands of the host ...
+ *     dt_gl_record_passes(rt, NULL, NULL, SSVP_PASS_SHADE, SSVP_PASSES);
+ *
+ * `first` is 0 or the `end` of the call before. The frame is complete when `end` is NAME_PASSES; resize
+ * abandons it. `frame` and `live` of the first part hold for the whole frame; later ones are not read.
+ * Every part begins and ends with the barrier, so the host may read and write, between the parts, each
+ * resource that dt_gl_resource gives. A pass that replaces all of a resource discards what the host
+ * wrote. Outputs have content only after the pass that writes them. */
+bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
+                         uint32_t first, uint32_t end);
+
 /* The OpenGL object of a resource, imported or not, to copy or sample it after a frame. Members of
  * the other kind are 0. Valid until resize; diptych owns what the host did not import. */
 struct dt_gl_resource {

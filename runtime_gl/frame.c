@@ -360,13 +360,18 @@ bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, ui
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-/* Pass barriers order only this frame. So a frame begins with a full barrier, against earlier
- * frames and the host, and a host's frame also ends with one. */
+static bool write_blocks(struct gl_runtime *rt, const struct dt_frame *frame, const void *live)
+{
+    return gl_buffer_write(rt, &rt->builtin.frame, frame, sizeof *frame) &&
+           gl_buffer_write(rt, &rt->builtin.live, live, rt->core.pipeline->live_size);
+}
+
+/* Pass barriers order only this frame. So a part of it begins with a full barrier, against earlier
+ * frames and the host, and a host's part also ends with one. */
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
-    bool good = gl_buffer_write(rt, &rt->builtin.frame, frame, sizeof *frame) &&
-                gl_buffer_write(rt, &rt->builtin.live, live, core->pipeline->live_size) &&
+    bool good = (core->first_pass || write_blocks(rt, frame, live)) &&
                 GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS)) && dt_front_record(core, live);
     if (rt->grouped) /* a pass failed between begin and end */
         rt->gl.PopDebugGroup();

@@ -149,7 +149,13 @@ bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
 
 bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live)
 {
-    return dt_front_ready(&rt->core, "record") && dt_verb_render(&rt->core, frame, live, NULL);
+    return dt_verb_render(&rt->core, frame, live, NULL);
+}
+
+bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
+                         uint32_t first, uint32_t end)
+{
+    return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
 bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out)

@@ -194,6 +194,24 @@ bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resou
 bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live);
 
+/* Records the passes `first` to `end` - 1, so that commands of the host can stand between two parts
+ * of a frame, in the same command buffer or in another one:
+ *
+ *     dt_vk_record_passes(rt, commands, &frame, &live, 0, SSVP_PASS_SHADE);
+ *     ... commands of the host ...
+ *     dt_vk_record_passes(rt, commands, NULL, NULL, SSVP_PASS_SHADE, SSVP_PASSES);
+ *
+ * `first` is 0 or the `end` of the call before. The frame is complete when `end` is NAME_PASSES; resize
+ * abandons it. `frame` and `live` of the first part hold for the whole frame; later ones are not read.
+ * Every part begins and ends with the full barrier, so that the host may read and write, between the
+ * parts, each resource that dt_vk_resource gives, without a barrier but for changes of layout: it finds
+ * an image in `layout`, and leaves it so. A pass that replaces all of a resource discards what the host
+ * wrote. Outputs have content only after the pass that writes them. Imported images have layout_before
+ * until their first pass, and layout_after after the last part. */
+bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
+                         const struct dt_frame *frame, const void *live, uint32_t first,
+                         uint32_t end);
+
 /* The Vulkan objects of a resource, imported or not, to copy or sample it after the commands of a
  * frame; all that is in flight shares them. Members of the other kind are 0. Valid until resize;
  * diptych owns what the host did not import. */

@@ -78,6 +78,8 @@ static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
     return check_family(rt) && vk_builtin_create(rt);
 }
 
+static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live);
+
 struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
 {
     struct vk_runtime *rt = calloc(1, sizeof *rt);
@@ -87,6 +89,7 @@ struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
     }
     rt->backend = vk_backend;
     rt->backend.verbs = vk_verbs;
+    rt->backend.render = render;
     rt->core = (struct dt_core){
         .backend = &rt->backend, .log = host->log, .hosted = true, .timing = host->timing};
     rt->instance = host->instance;
@@ -302,9 +305,8 @@ bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resou
 static void write_uniforms(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
-    const struct dt_frame block = dt_front_frame(&rt->core, frame, live);
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
-    write_uniform(rt, &rt->builtin.frame, 0, &block, sizeof block);
+    write_uniform(rt, &rt->builtin.frame, 0, frame, sizeof *frame);
     write_uniform(rt, &rt->builtin.live, 0, live, size);
     write_uniform(rt, &rt->builtin.live, size, (const char *)pipeline->live_defaults + size,
                   pipeline->block_size - size);
@@ -361,21 +363,30 @@ static void take_imports(struct vk_runtime *rt)
     }
 }
 
-/* The first barrier waits for earlier frames, which use the same resources and blocks. First
- * accesses of the pipeline wait for the second one. */
-static bool record(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+/* First accesses of the pipeline wait for the barrier at the end. */
+static void begin_frame(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
-    const struct dt_pipeline *pipeline = rt->core.pipeline;
-    VkCommandBuffer commands = rt->frame_commands;
-    vk_full_barrier(rt, commands);
     take_imports(rt);
     write_uniforms(rt, frame, live);
     fill_now(rt);
     if (rt->core.timing)
-        rt->vk.CmdResetQueryPool(commands, rt->queries, 0, 2 * pipeline->pass_count);
+        rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries, 0,
+                                 2 * rt->core.pipeline->pass_count);
+    vk_full_barrier(rt, rt->frame_commands);
+}
+
+/* A frame or a part of one. The first barrier waits for earlier frames, which use the same resources
+ * and blocks, and for the host; the last one makes the host wait. */
+static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    const struct dt_pipeline *pipeline = core->pipeline;
+    VkCommandBuffer commands = rt->frame_commands;
     vk_full_barrier(rt, commands);
-    bool good = dt_front_record(&rt->core, live);
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+    if (!core->first_pass)
+        begin_frame(rt, frame, live);
+    bool good = dt_front_record(core, live), last = core->end_pass == pipeline->pass_count;
+    for (uint32_t i = 0; last && i < pipeline->resource_count; i++) {
         const struct dt_vk_image *import = &rt->choices[i].image;
         if (import->image && import->layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
             vk_transition(rt, commands, &vk_resource_at(rt, i)->image, import->layout_after);
@@ -387,12 +398,16 @@ static bool record(struct vk_runtime *rt, const struct dt_frame *frame, const vo
 bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live)
 {
-    if (!dt_front_ready(&rt->core, "record"))
-        return false;
     rt->frame_commands = commands;
-    rt->core.rendered = record(rt, frame, live ? live : rt->core.pipeline->live_defaults);
-    rt->core.sized = rt->core.rendered; /* else the recorded layouts may never take effect */
-    return rt->core.rendered;
+    return dt_verb_render(&rt->core, frame, live, NULL);
+}
+
+bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
+                         const struct dt_frame *frame, const void *live, uint32_t first,
+                         uint32_t end)
+{
+    rt->frame_commands = commands;
+    return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
 bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)

@@ -405,6 +405,23 @@ static void hand_in(write_content *write, bool (*reads)(void), const uint8_t col
     write_grade(write, color);
 }
 
+/* Without the blurred picture the frame is black; with a blurred picture of ones it is white. */
+static void write_for_blurred(write_content *write)
+{
+    const float blurred_alone[8] = {0, 0, 0, 0, 1, 1, 1};
+    struct dt_bytes weights = bytes_of(OUTSIDE_RESOURCE_WEIGHTS, 0);
+    struct dt_bytes soft = bytes_of(OUTSIDE_RESOURCE_SOFT, 2);
+    write_inputs(write, OUTSIDE_RESOURCES);
+    write_grade(write, (const uint8_t[]){0, 0, 0, 0});
+    for (size_t i = 1; i < soft.size; i += 2)
+        soft.data[i] = 0x3c; /* 0x3c00: 1 */
+    memcpy(weights.data, blurred_alone, sizeof blurred_alone);
+    assert_true(write(OUTSIDE_RESOURCE_WEIGHTS, 0, &weights) &&
+                write(OUTSIDE_RESOURCE_SOFT, 2, &soft));
+    free(weights.data);
+    free(soft.data);
+}
+
 static void is_painted(const uint8_t *texels, const uint8_t color[4])
 {
     for (int i = 0; i < 4 * WIDTH * HEIGHT; i++)
@@ -413,7 +430,7 @@ static void is_painted(const uint8_t *texels, const uint8_t color[4])
 }
 
 static const uint8_t first_color[4] = {10, 200, 30, 255}, second_color[4] = {77, 0, 255, 255},
-                     black[4] = {0, 0, 0, 255};
+                     black[4] = {0, 0, 0, 255}, white[4] = {255, 255, 255, 255};
 
 /* ---- Vulkan ---------------------------------------------------------------------------------- */
 
@@ -1115,6 +1132,71 @@ static struct own_image import_output(struct vk_runtime *rt, uint32_t width)
     return output;
 }
 
+static bool vulkan_records_passes(uint32_t first, uint32_t end)
+{
+    const struct dt_frame frame = frame_of(0);
+    return dt_vk_record_passes(outside.rt, outside.commands, first ? NULL : &frame, NULL, first,
+                               end);
+}
+
+/* Between the passes the host clears what the second one reads, in the same command buffer or in one
+ * of its own. */
+static void paint_between(bool clears, VkDeviceSize offset)
+{
+    const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    const VkClearColorValue one = {.float32 = {1, 1, 1, 1}};
+    struct dt_vk_resource blurred = {0}, picture = {0};
+    assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
+                dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    if (clears) {
+        move_image(outside.commands, blurred.image, blurred.layout,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        vkCmdClearColorImage(outside.commands, blurred.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                             &one, 1, &all);
+        move_image(outside.commands, blurred.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                   blurred.layout);
+        submit(outside.commands);
+        outside.commands = begin();
+    }
+    assert_true(vulkan_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES) &&
+                dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+    const VkBufferImageCopy region = {.bufferOffset = offset,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    vkCmdCopyImageToBuffer(outside.commands, picture.image, picture.layout, vk.geometry, 1,
+                           &region);
+}
+
+static void vulkan_records_parts(void **state)
+{
+    (void)state;
+    enum { FIRST = GEOMETRY_BYTES / 2, SECOND = FIRST + 4 * WIDTH * HEIGHT };
+    struct dt_vk_host host = vk_host();
+    outside.rt = dt_vk_open(&host);
+    REFUSED(vulkan_records_passes(0, 1), "record_passes: call resize first");
+    assert_true(dt_vk_create(outside.rt, &outside_vk) && dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+    outside.commands = begin();
+    write_for_blurred(vulkan_writes);
+    REFUSED(vulkan_records_passes(1, 2), "begins with pass 1, but the frame goes on with pass 0");
+    REFUSED(vulkan_records_passes(0, 3), "passes 0 to 3, but the pipeline has 2");
+    REFUSED(vulkan_records_passes(0, 0), "a part at least one");
+    paint_between(false, FIRST);
+    paint_between(true, SECOND);
+    assert_true(vulkan_records_passes(0, 1));
+    REFUSED(vulkan_records(),
+            "record: begins with pass 0, but the frame goes on with pass 1, grade");
+    submit(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    is_painted((const uint8_t *)vk.bytes + FIRST, black);
+    is_painted((const uint8_t *)vk.bytes + SECOND, white);
+    assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT)); /* which abandons the frame */
+    outside.commands = begin();
+    write_for_blurred(vulkan_writes);
+    assert_true(vulkan_records());
+    dt_vk_close(outside.rt);
+    assert_int_equal(heard.validation, 0);
+}
+
 /* Two pipelines, each with two frames in flight, one of them with an image that the host writes before
  * every frame and reads after it. */
 static void run_in_flight(const struct dt_shaders *shaders)
@@ -1382,15 +1464,50 @@ static bool opengl_records(void)
     return dt_gl_record(outside_gl_runtime, &frame, NULL);
 }
 
-static void opengl_paints(const uint8_t color[4])
+/* The picture of the frame before. */
+static void opengl_painted(const uint8_t color[4])
 {
     PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
     static uint8_t texels[4 * WIDTH * HEIGHT];
     struct dt_gl_resource picture = {0};
-    assert_true(opengl_records() &&
-                dt_gl_resource(outside_gl_runtime, OUTSIDE_RESOURCE_PICTURE, &picture));
+    assert_true(dt_gl_resource(outside_gl_runtime, OUTSIDE_RESOURCE_PICTURE, &picture));
     get(picture.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, sizeof texels, texels);
     is_painted(texels, color);
+}
+
+static void opengl_paints(const uint8_t color[4])
+{
+    assert_true(opengl_records());
+    opengl_painted(color);
+}
+
+static bool opengl_records_passes(uint32_t first, uint32_t end)
+{
+    const struct dt_frame frame = frame_of(0);
+    return dt_gl_record_passes(outside_gl_runtime, first ? NULL : &frame, NULL, first, end);
+}
+
+static void opengl_records_parts(void **state)
+{
+    (void)state;
+    PFNGLCLEARTEXIMAGEPROC clear = (PFNGLCLEARTEXIMAGEPROC)eglGetProcAddress("glClearTexImage");
+    const float one[4] = {1, 1, 1, 1};
+    struct dt_gl_resource blurred = {0};
+    struct gl_runtime *rt = outside_gl_runtime =
+        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    assert_true(rt && dt_gl_create(rt, &outside_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
+    write_for_blurred(opengl_writes);
+    REFUSED(opengl_records_passes(1, 2), "begins with pass 1, but the frame goes on with pass 0");
+    opengl_paints(black);
+    assert_true(opengl_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
+                dt_gl_resource(rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    REFUSED(opengl_records(),
+            "record: begins with pass 0, but the frame goes on with pass 1, grade");
+    clear(blurred.texture, 0, GL_RGBA, GL_FLOAT, one);
+    assert_true(opengl_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES));
+    opengl_painted(white);
+    dt_gl_close(rt);
+    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static void opengl_takes_inputs(void **state)
@@ -1575,11 +1692,13 @@ int main(void)
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_takes_inputs),
         cmocka_unit_test(opengl_takes_buffers_and_describes_all),
+        cmocka_unit_test(opengl_records_parts),
         cmocka_unit_test(opengl_takes_3d_images_and_cubes),
         cmocka_unit_test(a_frame_is_composed_as_of_a_file),
     };
     const struct CMUnitTest flight[] = {
         cmocka_unit_test(vulkan_keeps_frames_in_flight_apart),
+        cmocka_unit_test(vulkan_records_parts),
         cmocka_unit_test(vulkan_hears_first_uses_that_do_not_wait),
     };
     int failed = cmocka_run_group_tests_name("library", vulkan, open_vulkan, close_vulkan);

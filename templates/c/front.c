@@ -266,6 +266,7 @@ static void release_resources(struct dt_core *core)
     if (core->backend->release_memory)
         core->backend->release_memory(core);
     core->width = core->height = 0;
+    core->next_pass = 0;
     core->sized = core->rendered = core->has_camera = false;
 }
 
@@ -294,6 +295,8 @@ static struct made take_apart(struct dt_core *core)
     free(core->ran);
     free(core->written);
     free(core->imported);
+    free(core->live);
+    core->live = NULL;
     core->resources = core->programs = core->samplers = NULL;
     core->ran = core->imported = NULL;
     core->written = NULL;
@@ -318,8 +321,9 @@ static bool allocate(struct dt_core *core)
     core->ran = calloc(core->pipeline->pass_count + 1, sizeof *core->ran);
     core->written = calloc(core->pipeline->resource_count + 1, sizeof *core->written);
     core->imported = calloc(core->pipeline->resource_count + 1, sizeof *core->imported);
+    core->live = calloc(1, core->pipeline->block_size + 1);
     return (core->resources && core->programs && core->samplers && core->ran && core->written &&
-            core->imported) ||
+            core->imported && core->live) ||
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
@@ -559,10 +563,8 @@ static bool is_sized(const struct dt_core *core, const char *verb)
                     verb);
 }
 
-bool dt_front_ready(const struct dt_core *core, const char *verb)
+static bool has_inputs(const struct dt_core *core, const char *verb)
 {
-    if (!is_sized(core, verb))
-        return false;
     for (uint32_t i = 0; i < core->pipeline->resource_count; i++) {
         const struct dt_resource *input = &core->pipeline->resources[i];
         uint32_t mips = input->kind == DT_IMAGE ? input->mips : 1, mip = 0;
@@ -633,6 +635,9 @@ static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
 static bool begin(void *runtime, uint32_t pass, bool runs)
 {
     struct dt_core *core = runtime;
+    core->outside = core->skips = pass < core->first_pass || pass >= core->end_pass;
+    if (core->outside)
+        return true;
     enum dt_action action = ask_observer(core, pass);
     core->pass = pass;
     core->has_viewport = core->has_scissor = false;
@@ -645,6 +650,8 @@ static bool end(void *runtime, uint32_t pass)
 {
     struct dt_core *core = runtime;
     const struct dt_observer *observer = core->observer;
+    if (core->outside)
+        return true;
     if (!core->backend->verbs.end(core, pass))
         return false;
     return !observer || (core->backend->pause(core) &&
@@ -655,7 +662,7 @@ static bool end(void *runtime, uint32_t pass)
 static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
 {
     struct dt_core *core = runtime;
-    return core->backend->verbs.barriers(core, pass, list, count);
+    return core->outside || core->backend->verbs.barriers(core, pass, list, count);
 }
 
 static bool bind(void *runtime, uint32_t pass)
@@ -851,8 +858,41 @@ bool dt_front_record(struct dt_core *core, const void *live)
                                            .height = core->height,
                                            .live = live,
                                            .panel = core->panel};
-    memset(core->ran, 0, core->pipeline->pass_count * sizeof *core->ran);
     return core->panel->record(&recording);
+}
+
+static bool check_part(const struct dt_core *core, const char *verb, uint32_t first, uint32_t end)
+{
+    if (!is_sized(core, verb) || !has_inputs(core, verb))
+        return false;
+    uint32_t count = core->pipeline->pass_count;
+    if (first != core->next_pass)
+        return dt_error(core, "%s: begins with pass %u, but the frame goes on with pass %u, %s",
+                        verb, first, core->next_pass, pass_name(core, core->next_pass));
+    return (end <= count && (first < end || !count)) ||
+           dt_error(core, "%s: passes %u to %u, but the pipeline has %u, and a part at least one",
+                    verb, first, end, count);
+}
+
+bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_frame *frame,
+                     const void *live, uint32_t first, uint32_t end)
+{
+    struct dt_frame block = {0};
+    if (!check_part(core, verb, first, end))
+        return false;
+    const struct dt_pipeline *pipeline = core->pipeline;
+    core->first_pass = first;
+    core->end_pass = end;
+    if (!first) {
+        memcpy(core->live, live ? live : pipeline->live_defaults, pipeline->live_size);
+        memset(core->ran, 0, pipeline->pass_count * sizeof *core->ran);
+        block = dt_front_frame(core, frame, core->live);
+    }
+    bool good = leave(core, enter(core) && core->backend->render(core, &block, core->live));
+    core->next_pass = good && end < pipeline->pass_count ? end : 0;
+    core->rendered = good && end == pipeline->pass_count;
+    core->sized = good; /* else the recorded layouts may never take effect */
+    return good;
 }
 
 bool dt_front_timings(struct dt_core *core, double *pass_ms)
@@ -921,15 +961,13 @@ bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *liv
                     const struct dt_observer *observer)
 {
     struct dt_core *core = runtime;
-    if (!dt_front_ready(core, "render"))
+    const char *verb = core->hosted ? "record" : "render";
+    if (!is_sized(core, verb))
         return false;
-    live = live ? live : core->pipeline->live_defaults;
-    const struct dt_frame block = dt_front_frame(core, frame, live);
     core->observer = observer;
-    core->rendered = leave(core, enter(core) && core->backend->render(core, &block, live));
+    bool good = dt_front_render(core, verb, frame, live, 0, core->pipeline->pass_count);
     core->observer = NULL;
-    core->sized = core->rendered; /* else the recorded layouts may not have taken effect */
-    return core->rendered;
+    return good;
 }
 
 bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out)

@@ -45,12 +45,16 @@ struct dt_core {
     uint32_t *written;      /* per resource: mask of the mips written since resize */
     bool *imported;         /* per resource: uses an image or buffer of the host */
     bool sized;             /* a frame may be rendered: nothing has changed since resize */
-    bool rendered;          /* a frame was rendered since resize */
+    bool rendered;          /* a whole frame was rendered since resize */
+    uint32_t next_pass;     /* where the next part begins; 0: with a new frame */
+    void *live;             /* live parameters of the frame */
     bool has_camera;        /* of the last frame since resize, without jitter */
     struct dt_view camera;
 
     /* While a frame is recorded. */
     const struct dt_observer *observer;
+    uint32_t first_pass, end_pass;  /* of the part */
+    bool outside;                   /* the pass is not in the part: record nothing */
     uint32_t pass;                  /* of the last begin */
     bool skips;                     /* DT_SKIP: record only barriers */
     bool has_viewport, has_scissor; /* of the pass being recorded */
@@ -95,7 +99,8 @@ struct dt_backend {
     void (*destroy_resource)(struct dt_core *core, uint32_t resource);
     void (*release_memory)(struct dt_core *core); /* after all resources; NULL: nothing to do */
 
-    /* A frame: calls dt_front_record between its own first and last commands. */
+    /* A frame or a part of one: calls dt_front_record between its own first and last commands.
+     * Writes the blocks if first_pass is 0; `frame` is undefined in later parts. */
     bool (*render)(struct dt_core *core, const struct dt_frame *frame, const void *live);
     struct dt_verbs verbs; /* called with checked arguments; not called for skipped work */
     /* For an observer: finish all work so far; continue recording. */
@@ -126,9 +131,12 @@ bool dt_error(const struct dt_core *core, const char *format, ...)
 
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
-/* Whether a frame may be recorded: resources exist, inputs have content. */
-bool dt_front_ready(const struct dt_core *core, const char *verb);
-/* Called by a backend's render: records all passes, through the checked verbs. */
+/* Renders the passes `first` to `end` - 1 of a frame: all, or a host's part. The part that begins
+ * with pass 0 begins the frame, and its frame and live parameters (NULL: the defaults) hold for all
+ * parts. */
+bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_frame *frame,
+                     const void *live, uint32_t first, uint32_t end);
+/* Called by a backend's render: records the passes of the part, through the checked verbs. */
 bool dt_front_record(struct dt_core *core, const void *live);
 /* The scalars that shaders see: DT_TYPE_FLOAT, DT_TYPE_UINT or DT_TYPE_INT. */
 enum dt_type dt_front_scalar(enum dt_format format);
