@@ -63,6 +63,7 @@ struct dt_gl_host {
     bool leave_state; /* do not restore the context's state */
     bool glsl;        /* programs from GLSL text instead of SPIR-V */
     bool timing;      /* timestamps around every pass, for dt_gl_timings */
+    uint32_t frames;  /* whose timings are kept, up to 16; 0: 1 */
 };
 
 /* NULL after an error, for example if the context lacks a required feature. */
@@ -174,9 +175,10 @@ struct dt_gl_resource {
  * or content from outside in the spec: other passes may have reused its memory. */
 bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
-/* Milliseconds of each pass of the last frame, pass_count values; NAN: skipped. Waits for the
- * frame. */
-bool dt_gl_timings(struct gl_runtime *rt, double *pass_ms);
+/* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the last frame, 1
+ * the one before, up to `frames` - 1 of the host; all since resize. Waits if the frame still runs: an
+ * older one seldom does. */
+bool dt_gl_timings(struct gl_runtime *rt, uint32_t age, double *pass_ms);
 
 #pragma GCC visibility pop
 

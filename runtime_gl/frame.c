@@ -25,13 +25,14 @@ bool gl_begin(void *runtime, uint32_t pass, bool runs)
 {
     struct gl_runtime *rt = runtime;
     const char *name = pass_name(rt, pass);
+    uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass);
     (void)runs;
     rt->recording = true;
     rt->grouped = GL(rt, name, PushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, pass, -1, name));
     /* llvmpipe defers draws and timestamps but runs dispatches at once. Without glFinish a dispatch
      * would end before its first timestamp. */
     return rt->grouped &&
-           (!rt->queries || (GL(rt, name, QueryCounter(rt->queries[2 * pass], GL_TIMESTAMP)) &&
+           (!rt->queries || (GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)) &&
                              (!gl_is_software(rt) || GL(rt, name, Finish()))));
 }
 
@@ -39,7 +40,8 @@ bool gl_end(void *runtime, uint32_t pass)
 {
     struct gl_runtime *rt = runtime;
     const char *name = pass_name(rt, pass);
-    if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[2 * pass + 1], GL_TIMESTAMP)))
+    uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass) + 1;
+    if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)))
         return false;
     rt->grouped = false;
     rt->gl.Disable(GL_SCISSOR_TEST); /* of a draw; blits obey it */
@@ -391,29 +393,30 @@ bool gl_resume(struct dt_core *core)
     return true;
 }
 
-static bool read_timings(struct gl_runtime *rt, double *pass_ms)
+static bool read_timings(struct gl_runtime *rt, uint32_t slot, double *pass_ms)
 {
     const struct dt_core *core = &rt->core;
     for (uint32_t i = 0; i < core->pipeline->pass_count; i++) {
         const char *name = pass_name(rt, i);
         GLuint64 begin = 0, end = 0;
-        if (core->ran[i] &&
-            (!GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i], GL_QUERY_RESULT, &begin)) ||
-             !GL(rt, name, GetQueryObjectui64v(rt->queries[2 * i + 1], GL_QUERY_RESULT, &end))))
+        uint32_t run = dt_run(core, slot, i);
+        if (core->ran[run] &&
+            (!GL(rt, name, GetQueryObjectui64v(rt->queries[2 * run], GL_QUERY_RESULT, &begin)) ||
+             !GL(rt, name, GetQueryObjectui64v(rt->queries[2 * run + 1], GL_QUERY_RESULT, &end))))
             return false;
-        pass_ms[i] = core->ran[i] ? (double)(end - begin) * 1e-6 : (double)NAN;
+        pass_ms[i] = core->ran[run] ? (double)(end - begin) * 1e-6 : (double)NAN;
     }
     return true;
 }
 
 /* A host's query buffer would take the results. */
-bool gl_timings(struct dt_core *core, double *pass_ms)
+bool gl_timings(struct dt_core *core, uint32_t slot, double *pass_ms)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     GLint bound = 0;
     if (!GL(rt, "timings", GetIntegerv(GL_QUERY_BUFFER_BINDING, &bound)) ||
         (bound && !GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, 0))))
         return false;
-    bool good = read_timings(rt, pass_ms);
+    bool good = read_timings(rt, slot, pass_ms);
     return (!bound || GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, (GLuint)bound))) && good;
 }

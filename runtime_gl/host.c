@@ -29,6 +29,7 @@ struct gl_runtime *dt_gl_open(const struct dt_gl_host *host)
     }
     rt->core = bare;
     rt->core.timing = host->timing;
+    rt->core.frames = host->frames;
     rt->glsl = host->glsl;
     rt->leave_state = host->leave_state;
     if (!open_in(rt, host)) {
@@ -182,7 +183,7 @@ bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resou
     return true;
 }
 
-bool dt_gl_timings(struct gl_runtime *rt, double *pass_ms)
+bool dt_gl_timings(struct gl_runtime *rt, uint32_t age, double *pass_ms)
 {
-    return dt_front_timings(&rt->core, pass_ms);
+    return dt_front_timings(&rt->core, age, pass_ms);
 }

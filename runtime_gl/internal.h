@@ -95,7 +95,7 @@ struct gl_runtime {
     GLuint nearest;               /* for bindings that name no sampler */
     struct gl_present present;
 
-    GLuint *queries;         /* two per pass: begin, end; NULL without timing */
+    GLuint *queries;         /* two per pass and slot: begin, end; NULL without timing */
     bool recording, grouped; /* a pass has begun in this frame; its debug group is open */
 
     /* with a host's context, which is current in every call */
@@ -220,7 +220,7 @@ bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mi
 bool gl_end(void *runtime, uint32_t pass);
 
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
-bool gl_timings(struct dt_core *core, double *pass_ms);
+bool gl_timings(struct dt_core *core, uint32_t slot, double *pass_ms);
 bool gl_pause(struct dt_core *core);
 bool gl_resume(struct dt_core *core);
 

@@ -86,7 +86,7 @@ static bool begin_panel(struct dt_core *core)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     const struct dt_pipeline *pipeline = core->pipeline;
-    uint32_t queries = core->timing ? 2 * pipeline->pass_count : 0;
+    uint32_t queries = core->timing ? 2 * dt_run(core, core->frames, 0) : 0;
     rt->imports = calloc(pipeline->resource_count + 1, sizeof *rt->imports);
     rt->queries = queries ? calloc(queries, sizeof *rt->queries) : NULL;
     if (!rt->imports || (queries && !rt->queries))
@@ -101,7 +101,7 @@ static void end_panel(struct dt_core *core)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     if (rt->queries)
-        rt->gl.DeleteQueries((GLsizei)(2 * core->pipeline->pass_count), rt->queries);
+        rt->gl.DeleteQueries((GLsizei)(2 * dt_run(core, core->frames, 0)), rt->queries);
     gl_buffer_destroy(rt, &rt->builtin.live);
     free(rt->queries);
     free(rt->imports);

@@ -44,7 +44,7 @@
  * struct dt_vk_image gives the layouts of images.
  *
  * Frames in flight. A pipeline has one set of resources, and commands write even its uniform
- * blocks. So the host may record any number of frames while earlier ones still run. All command
+ * blocks, so that each frame has its own live parameters. So the host may record any number of frames while earlier ones still run. All command
  * buffers must go to one queue, in the order of recording, each once. If a recorded command buffer
  * is never submitted, call dt_vk_resize. Before import, create, resize and close, every submitted
  * command buffer of the runtime must have finished. */
@@ -74,6 +74,9 @@ struct dt_vk_host {
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
     bool labels; /* debug labels and object names; the instance has VK_EXT_debug_utils enabled */
     bool timing; /* timestamps around every pass, for dt_vk_timings */
+    /* frames in flight whose timings are kept, up to 16; 0: 1. All else may have any number of frames
+     * in flight */
+    uint32_t frames;
 };
 
 /* Sets the features that the pipeline needs to VK_TRUE; changes no others. Call it for each
@@ -232,9 +235,12 @@ struct dt_vk_resource {
  * or content from outside in the spec: other passes may have reused its memory. */
 bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
 
-/* Milliseconds of each pass of the frame recorded last, pass_count values; NAN: skipped. Its
- * command buffer must have finished. */
-bool dt_vk_timings(struct vk_runtime *rt, double *pass_ms);
+/* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the frame recorded
+ * last, 1 the one before, up to `frames` - 1 of the host; all since resize. The frame is complete, and
+ * its command buffers have finished: this function never waits. So a host with two frames in flight
+ * asks for age 1, once it has waited for that frame's fence and before it records into the command
+ * buffer again. */
+bool dt_vk_timings(struct vk_runtime *rt, uint32_t age, double *pass_ms);
 
 #pragma GCC visibility pop
 

@@ -117,6 +117,13 @@ static double thread_ms(void)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
+void vk_reset_queries(const struct vk_runtime *rt)
+{
+    rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries,
+                             2 * dt_run(&rt->core, rt->core.slot, 0),
+                             2 * rt->core.pipeline->pass_count);
+}
+
 /* Records all commands of a frame except the last barrier. */
 static bool record_frame(struct vk_runtime *rt, const void *live)
 {
@@ -125,7 +132,7 @@ static bool record_frame(struct vk_runtime *rt, const void *live)
         return false;
     double start = thread_ms(); /* excludes the reset, which frees the last frame's commands */
     if (rt->core.timing)
-        rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries, 0, 2 * pipeline->pass_count);
+        vk_reset_queries(rt);
     rt->barriers = 0;
     bool good = dt_front_record(&rt->core, live);
     rt->record_ms = rt->core.observer ? NAN : thread_ms() - start;
@@ -167,7 +174,7 @@ bool vk_frame_resume(struct dt_core *core)
 
 /* Milliseconds of every pass that ran. Timestamps wrap after timestamp_bits bits. A host has waited
  * for the frame, so the query does not wait. */
-bool vk_frame_timings(struct dt_core *core, double *pass_ms)
+bool vk_frame_timings(struct dt_core *core, uint32_t slot, double *pass_ms)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
     VkQueryResultFlags wait = core->hosted ? 0 : VK_QUERY_RESULT_WAIT_BIT;
@@ -175,10 +182,11 @@ bool vk_frame_timings(struct dt_core *core, double *pass_ms)
     for (uint32_t pass = 0; pass < core->pipeline->pass_count; pass++) {
         uint64_t stamps[2];
         pass_ms[pass] = NAN;
-        if (!core->ran[pass])
+        uint32_t run = dt_run(core, slot, pass);
+        if (!core->ran[run])
             continue;
         if (!VK(rt,
-                rt->vk.GetQueryPoolResults(rt->device, rt->queries, 2 * pass, 2, sizeof stamps,
+                rt->vk.GetQueryPoolResults(rt->device, rt->queries, 2 * run, 2, sizeof stamps,
                                            stamps, sizeof stamps[0], VK_QUERY_RESULT_64_BIT | wait),
                 core->pipeline->passes[pass].name))
             return false;

@@ -90,8 +90,11 @@ struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
     rt->backend = vk_backend;
     rt->backend.verbs = vk_verbs;
     rt->backend.render = render;
-    rt->core = (struct dt_core){
-        .backend = &rt->backend, .log = host->log, .hosted = true, .timing = host->timing};
+    rt->core = (struct dt_core){.backend = &rt->backend,
+                                .log = host->log,
+                                .hosted = true,
+                                .timing = host->timing,
+                                .frames = host->frames};
     rt->instance = host->instance;
     rt->device = host->device;
     rt->queue_family = host->queue_family;
@@ -370,8 +373,7 @@ static void begin_frame(struct vk_runtime *rt, const struct dt_frame *frame, con
     write_uniforms(rt, frame, live);
     fill_now(rt);
     if (rt->core.timing)
-        rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries, 0,
-                                 2 * rt->core.pipeline->pass_count);
+        vk_reset_queries(rt);
     vk_full_barrier(rt, rt->frame_commands);
 }
 
@@ -437,7 +439,7 @@ bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resou
     return true;
 }
 
-bool dt_vk_timings(struct vk_runtime *rt, double *pass_ms)
+bool dt_vk_timings(struct vk_runtime *rt, uint32_t age, double *pass_ms)
 {
-    return dt_front_timings(&rt->core, pass_ms);
+    return dt_front_timings(&rt->core, age, pass_ms);
 }

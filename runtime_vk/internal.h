@@ -127,7 +127,7 @@ struct vk_runtime {
     VkDeviceMemory *slots;
     struct vk_choice *choices; /* one per resource */
     struct vk_buffer upload;   /* host: for dt_vk_write, as large as the largest input image */
-    VkQueryPool queries;       /* two per pass */
+    VkQueryPool queries;       /* two per pass and slot */
 
     /* Of a frame. */
     uint32_t barriers; /* number of barriers recorded so far */
@@ -291,7 +291,9 @@ void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct
 bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
 bool vk_frame_pause(struct dt_core *core);
 bool vk_frame_resume(struct dt_core *core);
-bool vk_frame_timings(struct dt_core *core, double *pass_ms);
+bool vk_frame_timings(struct dt_core *core, uint32_t slot, double *pass_ms);
+/* Of the frame's slot, before its timestamps. */
+void vk_reset_queries(const struct vk_runtime *rt);
 
 /* ---- The pipeline (panel.c, verbs.c) --------------------------------------------------------- */
 

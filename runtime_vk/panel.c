@@ -53,7 +53,7 @@ static bool begin_panel(struct dt_core *core)
     VkQueryPoolCreateInfo queries = {
         .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
         .queryType = VK_QUERY_TYPE_TIMESTAMP,
-        .queryCount = 2 * pipeline->pass_count,
+        .queryCount = 2 * dt_run(core, core->frames, 0),
     };
     rt->slots = calloc(core->panel->slot_count + 1, sizeof *rt->slots);
     rt->choices = calloc(pipeline->resource_count + 1, sizeof *rt->choices);

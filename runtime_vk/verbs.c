@@ -13,10 +13,11 @@ static const char *pass_name(const struct vk_runtime *rt, uint32_t pass)
     return rt->core.pipeline->passes[pass].name;
 }
 
-static void write_timestamp(const struct vk_runtime *rt, uint32_t query)
+/* `end`: 0 or 1. */
+static void write_timestamp(const struct vk_runtime *rt, uint32_t pass, uint32_t end)
 {
     rt->vk.CmdWriteTimestamp2(rt->frame_commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, rt->queries,
-                              query);
+                              2 * dt_run(&rt->core, rt->core.slot, pass) + end);
 }
 
 static bool begin(void *runtime, uint32_t pass, bool runs)
@@ -30,7 +31,7 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
         rt->begin_label(rt->frame_commands, &label);
     if (!rt->core.timing || !runs)
         return true;
-    write_timestamp(rt, 2 * pass);
+    write_timestamp(rt, pass, 0);
     /* lavapipe draws later, but dispatches at once, and notes the time when it draws: a dispatch
      * that waits for nothing would be over before its time begins. Any barrier makes it draw; one
      * of nothing hides no hazard from validation. */
@@ -43,8 +44,8 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
 static bool end(void *runtime, uint32_t pass)
 {
     const struct vk_runtime *rt = runtime;
-    if (rt->core.timing && rt->core.ran[pass])
-        write_timestamp(rt, 2 * pass + 1);
+    if (rt->core.timing && rt->core.ran[dt_run(&rt->core, rt->core.slot, pass)])
+        write_timestamp(rt, pass, 1);
     if (rt->end_label)
         rt->end_label(rt->frame_commands);
     return true;

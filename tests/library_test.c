@@ -503,7 +503,7 @@ static void vulkan_tells_wrong_calls(void **state)
     image.image = VK_NULL_HANDLE; /* taken back */
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
-    REFUSED(dt_vk_timings(rt, ms), "timing");
+    REFUSED(dt_vk_timings(rt, 0, ms), "timing");
     uint8_t trail[TRAIL_BYTES];
     run_frames(rt, trail);
     dt_vk_close(rt);
@@ -633,7 +633,7 @@ static void vulkan_takes_times(void **state)
     assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, trail);
-    assert_true(dt_vk_timings(rt, ms));
+    assert_true(dt_vk_timings(rt, 0, ms));
     for (int i = 0; i < FEATURES_PASSES; i++)
         sum += isnan(ms[i]) ? 0 : ms[i];
     assert_true(sum > 0 && sum < 1e5);
@@ -1197,6 +1197,50 @@ static void vulkan_records_parts(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+/* Each frame in flight sees its own live parameters, as a buffer of the host tells, and has its times.
+ * Nothing waits but for the frame before the last. */
+static void vulkan_tells_frames_in_flight_apart(void **state)
+{
+    (void)state;
+    enum { SEEN = GEOMETRY_BYTES / 4, COPIES = GEOMETRY_BYTES / 2 };
+    struct flight flight = make_flight();
+    struct dt_vk_host host = vk_host();
+    double ms[LAYOUTS_PASSES];
+    const struct dt_vk_range seen = {vk.geometry, SEEN, sizeof(struct layouts_Seen)};
+    struct layouts_live live = *(const struct layouts_live *)layouts_pipeline.live_defaults;
+    host.timing = true;
+    host.frames = 17;
+    struct vk_runtime *rt = dt_vk_open(&host);
+    REFUSED(dt_vk_create(rt, &layouts_vk), "opened for 17 frames in flight; use at most 16");
+    dt_vk_close(rt);
+    host.frames = IN_FLIGHT;
+    rt = dt_vk_open(&host);
+    assert_true(dt_vk_create(rt, &layouts_vk) &&
+                dt_vk_import_buffer(rt, LAYOUTS_RESOURCE_SEEN, &seen) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    for (uint32_t frame = 0; frame < CYCLES; frame++) {
+        const VkBufferCopy copy = {SEEN, COPIES + frame * sizeof live.gain, sizeof live.gain};
+        const struct dt_frame block = frame_of(frame);
+        VkCommandBuffer commands = begin_frame(&flight, frame);
+        if (frame == 1)
+            REFUSED(dt_vk_timings(rt, 1, ms), "timings: none of the frame 1 before the last");
+        if (frame > 1) {
+            assert_true(dt_vk_timings(rt, 1, ms));
+            assert_true(ms[0] > 0 && ms[0] < 1e5 && ms[1] > 0 && ms[1] < 1e5);
+        }
+        live.gain = (float)frame;
+        assert_true(dt_vk_record(rt, commands, &block, &live));
+        vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
+        end_frame(&flight, frame);
+    }
+    REFUSED(dt_vk_timings(rt, IN_FLIGHT, ms), "up to the 2 that the runtime was opened for");
+    destroy_flight(&flight);
+    for (uint32_t frame = 0; frame < CYCLES; frame++)
+        assert_true(((const float *)((const char *)vk.bytes + COPIES))[frame] == (float)frame);
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
 /* Two pipelines, each with two frames in flight, one of them with an image that the host writes before
  * every frame and reads after it. */
 static void run_in_flight(const struct dt_shaders *shaders)
@@ -1380,7 +1424,7 @@ static void opengl_tells_wrong_calls(void **state)
     GLuint trail = texture_of(GL_RGBA32F, WIDTH);
     assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, trail));
     assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
-    REFUSED(dt_gl_timings(rt, ms), "timing");
+    REFUSED(dt_gl_timings(rt, 0, ms), "timing");
     assert_true(dt_gl_record(rt, &frame, NULL));
     assert_true(dt_gl_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.texture, trail);
@@ -1616,13 +1660,17 @@ static void opengl_takes_times_beside_a_query_buffer(void **state)
     GLuint buffer = 0;
     GLint bound = 0;
     struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
-        .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true});
+        .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true, .frames = 2});
     assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
     assert_true(dt_gl_record(rt, &frame, NULL));
+    REFUSED(dt_gl_timings(rt, 1, ms), "timings: none of the frame 1 before the last");
+    assert_true(dt_gl_record(rt, &frame, NULL) && dt_gl_timings(rt, 1, ms));
+    for (int i = 0; i < LAYOUTS_PASSES; i++)
+        assert_true(ms[i] >= 0);
     generate(1, &buffer);
     bind(GL_QUERY_BUFFER, buffer);
     heard.errors = 0;
-    assert_true(dt_gl_timings(rt, ms));
+    assert_true(dt_gl_timings(rt, 0, ms));
     assert_int_equal(heard.errors, 0);
     for (int i = 0; i < LAYOUTS_PASSES; i++)
         assert_true(ms[i] >= 0);
@@ -1699,6 +1747,7 @@ int main(void)
     const struct CMUnitTest flight[] = {
         cmocka_unit_test(vulkan_keeps_frames_in_flight_apart),
         cmocka_unit_test(vulkan_records_parts),
+        cmocka_unit_test(vulkan_tells_frames_in_flight_apart),
         cmocka_unit_test(vulkan_hears_first_uses_that_do_not_wait),
     };
     int failed = cmocka_run_group_tests_name("library", vulkan, open_vulkan, close_vulkan);

@@ -266,7 +266,7 @@ static void release_resources(struct dt_core *core)
     if (core->backend->release_memory)
         core->backend->release_memory(core);
     core->width = core->height = 0;
-    core->next_pass = 0;
+    core->next_pass = core->recorded = 0;
     core->sized = core->rendered = core->has_camera = false;
 }
 
@@ -297,6 +297,7 @@ static struct made take_apart(struct dt_core *core)
     free(core->imported);
     free(core->live);
     core->live = NULL;
+    core->slot = 0;
     core->resources = core->programs = core->samplers = NULL;
     core->ran = core->imported = NULL;
     core->written = NULL;
@@ -314,11 +315,16 @@ void dt_front_destroy(struct dt_core *core)
 
 static bool allocate(struct dt_core *core)
 {
+    enum { MOST_FRAMES = 16 };
     const struct dt_backend *backend = core->backend;
+    core->frames = core->frames ? core->frames : 1;
+    if (core->frames > MOST_FRAMES)
+        return dt_error(core, "pipeline %s: opened for %u frames in flight; use at most %d",
+                        core->pipeline->name, core->frames, MOST_FRAMES);
     core->resources = calloc(core->pipeline->resource_count + 1, backend->resource_size);
     core->programs = calloc(core->pipeline->pass_count + 1, backend->program_size);
     core->samplers = calloc(core->panel->sampler_count + 1, backend->sampler_size);
-    core->ran = calloc(core->pipeline->pass_count + 1, sizeof *core->ran);
+    core->ran = calloc(dt_run(core, core->frames, 1), sizeof *core->ran);
     core->written = calloc(core->pipeline->resource_count + 1, sizeof *core->written);
     core->imported = calloc(core->pipeline->resource_count + 1, sizeof *core->imported);
     core->live = calloc(1, core->pipeline->block_size + 1);
@@ -463,7 +469,6 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
         good = create_resources(core);
         if (!good)
             release_resources(core);
-        memset(core->ran, 0, core->pipeline->pass_count * sizeof *core->ran);
         memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
         core->sized = good;
     }
@@ -642,8 +647,9 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
     core->pass = pass;
     core->has_viewport = core->has_scissor = false;
     core->skips = action == DT_SKIP;
-    core->ran[pass] = runs && action == DT_RUN;
-    return action != DT_STOP && core->backend->verbs.begin(core, pass, core->ran[pass]);
+    runs = runs && action == DT_RUN;
+    core->ran[dt_run(core, core->slot, pass)] = runs;
+    return action != DT_STOP && core->backend->verbs.begin(core, pass, runs);
 }
 
 static bool end(void *runtime, uint32_t pass)
@@ -885,7 +891,10 @@ bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_fra
     core->end_pass = end;
     if (!first) {
         memcpy(core->live, live ? live : pipeline->live_defaults, pipeline->live_size);
-        memset(core->ran, 0, pipeline->pass_count * sizeof *core->ran);
+        core->slot = (core->slot + 1) % core->frames;
+        core->recorded += core->recorded < core->frames;
+        memset(&core->ran[dt_run(core, core->slot, 0)], 0,
+               pipeline->pass_count * sizeof *core->ran);
         block = dt_front_frame(core, frame, core->live);
     }
     bool good = leave(core, enter(core) && core->backend->render(core, &block, core->live));
@@ -895,12 +904,18 @@ bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_fra
     return good;
 }
 
-bool dt_front_timings(struct dt_core *core, double *pass_ms)
+bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
 {
     if (!core->timing || !core->rendered)
         return dt_error(core, "timings: none; open with timing and %s a frame first",
                         core->hosted ? "record" : "render");
-    return leave(core, enter(core) && core->backend->timings(core, pass_ms));
+    if (age >= core->recorded)
+        return dt_error(core,
+                        "timings: none of the frame %u before the last; record more frames, up to "
+                        "the %u that the runtime was opened for",
+                        age, core->frames);
+    uint32_t slot = (core->slot + core->frames - age) % core->frames;
+    return leave(core, enter(core) && core->backend->timings(core, slot, pass_ms));
 }
 
 /* ---- The app's verbs ------------------------------------------------------------------------- */
@@ -1027,7 +1042,7 @@ bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct 
 
 bool dt_verb_timings(void *runtime, double *pass_ms)
 {
-    return dt_front_timings(runtime, pass_ms);
+    return dt_front_timings(runtime, 0, pass_ms);
 }
 
 static bool has_window(const struct dt_core *core, const char *verb, uint32_t texture)

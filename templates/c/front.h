@@ -59,7 +59,10 @@ struct dt_core {
     bool skips;                     /* DT_SKIP: record only barriers */
     bool has_viewport, has_scissor; /* of the pass being recorded */
     struct dt_rect viewport, scissor;
-    bool *ran; /* per pass: work recorded in the last frame */
+    /* Timestamps are kept of this many frames, each in its slot. */
+    uint32_t frames, slot; /* slot of the last frame */
+    uint32_t recorded;     /* frames since resize, up to `frames` */
+    bool *ran;             /* per slot and pass: work recorded */
 };
 
 /* Every bool function logs its error. All take the core that open made. */
@@ -111,7 +114,7 @@ struct dt_backend {
     bool (*read)(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
     bool (*write)(struct dt_core *core, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes);
-    bool (*timings)(struct dt_core *core, double *pass_ms);
+    bool (*timings)(struct dt_core *core, uint32_t slot, double *pass_ms);
 
     bool (*window_copy)(struct dt_core *core, uint32_t texture, uint32_t resource);
     bool (*window_upload)(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
@@ -170,7 +173,8 @@ extern const struct dt_field_place dt_attributes[DT_ATTRIBUTES];
 bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride);
 /* Checks that index_count fits triangles. A resize must follow. */
 bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
-bool dt_front_timings(struct dt_core *core, double *pass_ms);
+/* `age`: 0 is the frame rendered last, 1 the one before. */
+bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms);
 void dt_front_destroy(struct dt_core *core); /* destroys the pipeline and its objects */
 
 static inline void *dt_resource(const struct dt_core *core, uint32_t resource)
@@ -180,6 +184,11 @@ static inline void *dt_resource(const struct dt_core *core, uint32_t resource)
 static inline void *dt_program(const struct dt_core *core, uint32_t pass)
 {
     return (char *)core->programs + pass * core->backend->program_size;
+}
+/* Index of a pass among the slots: in `ran`, and twice it is its first timestamp. */
+static inline uint32_t dt_run(const struct dt_core *core, uint32_t slot, uint32_t pass)
+{
+    return slot * core->pipeline->pass_count + pass;
 }
 static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 {
