@@ -460,7 +460,7 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     struct c_output c = {tables->model, pipeline, tables, out};
     c_head(&c, ": the panel, for all backends.");
     text_add(out,
-             "#include \"%s.h\"\n\n#include <math.h>\n\n#include \"panel.h\"\n\n"
+             "#include \"%s.h\"\n\n#include \"panel.h\"\n\n"
              "/* ---- What the pipeline is made of ---- */\n\n",
              pipeline->name);
     emit_reflection(&c);

@@ -1,27 +1,38 @@
-/* NAME_gl_shaders.c and NAME_vk_shaders.c: a backend's shaders as SPIR-V words, for OpenGL also as
- * GLSL. Not in the panel's file, because most edits change only a shader. Called by main.c. */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c: a backend's shaders as packed SPIR-V, for OpenGL also as
+ * GLSL if asked for. Not in the panel's file, because most edits change only a shader. Called by main.c. */
 #include "emit_c.h"
+#include "spirv.h"
 
 #include <string.h>
 
-/* Without printf, which is too slow for tens of thousands of words. */
-static void emit_words(struct text *out, const uint32_t *words, size_t count)
+/* The words of a stage, as they are emitted. */
+struct code {
+    uint32_t *words;
+    size_t count;
+    const char *glsl; /* NULL: without */
+};
+
+struct shaders_output {
+    struct c_output c;
+    struct code (*codes)[3]; /* by pass and stage */
+};
+
+/* LEB128, see struct dt_code. A list of numbers, since MSVC limits strings to 64 KiB; without
+ * printf, which is too slow for so many. */
+static void emit_packed(struct text *out, const struct code *code)
 {
-    static const char digits[] = "0123456789abcdef";
-
-    for (size_t i = 0; i < count; i++) {
-        char word[] = "\\x00000000";
-
-        for (int digit = 0; digit < 8; digit++)
-            word[2 + digit] = digits[words[i] >> (28 - 4 * digit) & 15];
-        if (i % 8 == 0)
-            text_add(out, "    DT_WORDS(\"");
-        text_add_bytes(out, word, sizeof word - 1);
-        if (i + 1 == count)
-            text_add(out, "\");\n");
-        else if (i % 8 == 7)
-            text_add(out, "\")\n");
-    }
+    size_t written = 0;
+    for (size_t i = 0; i < code->count; i++)
+        for (uint32_t rest = code->words[i], more = 1; more; rest >>= 7) {
+            more = rest > 0x7f;
+            unsigned byte = (rest & 0x7f) | (more ? 0x80 : 0);
+            char digits[4], *at = digits + sizeof digits;
+            for (*--at = ','; at == digits + 3 || byte; byte /= 10)
+                *--at = (char)('0' + byte % 10);
+            text_add_bytes(out, "\n    ", written++ % 20 ? 0 : 5);
+            text_add_bytes(out, at, (size_t)(digits + sizeof digits - at));
+        }
+    text_add(out, "};\n");
 }
 
 static void emit_text(const struct c_output *c, const char *at)
@@ -40,20 +51,15 @@ static void emit_text(const struct c_output *c, const char *at)
 
 static const char *const stage_names[] = {"compute", "vertex", "fragment"};
 
-static const struct dt_code *code_of(const struct dt_stages *stages, int stage)
-{
-    const struct dt_code *const codes[] = {&stages->compute, &stages->vertex, &stages->fragment};
-    return codes[stage];
-}
-
 /* The first pass whose words for the stage equal those of `pass`; `pass` if none does. */
-static uint32_t owner_of(const struct dt_shaders *shaders, uint32_t pass, int stage)
+static uint32_t owner_of(const struct shaders_output *o, uint32_t pass, int stage)
 {
-    const struct dt_code *code = code_of(&shaders->stages[pass], stage);
+    const struct code *code = &o->codes[pass][stage];
     uint32_t owner = 0;
     for (; owner < pass; owner++) {
-        const struct dt_code *other = code_of(&shaders->stages[owner], stage);
-        if (other->size == code->size && !memcmp(other->words, code->words, code->size))
+        const struct code *other = &o->codes[owner][stage];
+        if (other->count == code->count &&
+            !memcmp(other->words, code->words, code->count * sizeof *code->words))
             break;
     }
     return owner;
@@ -65,15 +71,14 @@ static void emit_symbol(const struct c_output *c, uint32_t pass, int stage, cons
     text_add(c->out, "_%s%s", stage_names[stage], what);
 }
 
-static void emit_code(const struct c_output *c, const struct dt_shaders *shaders, uint32_t pass,
-                      int stage)
+static void emit_code(const struct shaders_output *o, uint32_t pass, int stage)
 {
-    const struct dt_code *code = code_of(&shaders->stages[pass], stage);
-    if (code->size && owner_of(shaders, pass, stage) == pass) {
-        text_add(c->out, "static const uint32_t ");
-        emit_symbol(c, pass, stage, "_words");
-        text_add(c->out, "[%zu] =\n", code->size / sizeof *code->words);
-        emit_words(c->out, code->words, code->size / sizeof *code->words);
+    const struct c_output *c = &o->c;
+    const struct code *code = &o->codes[pass][stage];
+    if (code->count && owner_of(o, pass, stage) == pass) {
+        text_add(c->out, "static const uint8_t ");
+        emit_symbol(c, pass, stage, "_packed[] = {");
+        emit_packed(c->out, code);
     }
     if (code->glsl) {
         text_add(c->out, "static const char ");
@@ -82,41 +87,71 @@ static void emit_code(const struct c_output *c, const struct dt_shaders *shaders
     }
 }
 
-static bool emit_entry(const struct c_output *c, const struct dt_shaders *shaders, uint32_t pass,
-                       int stage, bool any)
+static bool emit_entry(const struct shaders_output *o, uint32_t pass, int stage, bool any)
 {
-    const struct dt_code *code = code_of(&shaders->stages[pass], stage);
-    if (!code->size)
+    const struct c_output *c = &o->c;
+    const struct code *code = &o->codes[pass][stage];
+    if (!code->count)
         return false;
-    text_add(c->out, "%s.%s = {", any ? ",\n        " : "", stage_names[stage]);
-    emit_symbol(c, owner_of(shaders, pass, stage), stage, "_words");
-    text_add(c->out, ", %zu", code->size);
-    if (code->glsl) {
-        text_add(c->out, ", ");
-        emit_symbol(c, pass, stage, "_glsl");
-    }
-    text_add(c->out, "}");
+    text_add(c->out, "%s.%s = {NULL, %zu, ", any ? ",\n        " : "", stage_names[stage],
+             code->count * sizeof *code->words);
+    emit_symbol(c, owner_of(o, pass, stage), stage, "_packed, ");
+    if (code->glsl)
+        emit_symbol(c, pass, stage, "_glsl}");
+    else
+        text_add(c->out, "NULL}");
     return true;
 }
 
-void emit_c_shaders(const struct lowered *tables, enum backend backend, struct text *out)
+/* False when out of memory. */
+static bool take_codes(struct shaders_output *o, const struct dt_shaders *shaders, bool names,
+                       bool glsl)
+{
+    struct arena *arena = o->c.model->arena;
+    uint32_t passes = o->c.pipeline->pass_count;
+    o->codes = arena_alloc(arena, (passes + 1) * sizeof *o->codes);
+    for (uint32_t pass = 0; o->codes && pass < passes; pass++) {
+        const struct dt_stages *stages = &shaders->stages[pass];
+        const struct dt_code *from[] = {&stages->compute, &stages->vertex, &stages->fragment};
+        for (int stage = 0; stage < 3; stage++) {
+            struct code *code = &o->codes[pass][stage];
+            *code = (struct code){.words = arena_alloc(arena, from[stage]->size + 1),
+                                  .count = from[stage]->size / sizeof *code->words,
+                                  .glsl = glsl ? from[stage]->glsl : NULL};
+            if (!code->words)
+                return false;
+            if (code->count)
+                memcpy(code->words, from[stage]->words, from[stage]->size);
+            if (!names)
+                code->count = spirv_strip(code->words, code->count);
+        }
+    }
+    return o->codes;
+}
+
+void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
+                    struct text *out)
 {
     const struct pipeline *pipeline = &tables->model->pipeline;
     const struct dt_shaders *shaders = &tables->shaders[backend];
-    struct c_output c = {tables->model, pipeline, tables, out};
-    c_head(&c, backend == BACKEND_GL ? ": the shaders for OpenGL." : ": the shaders for Vulkan.");
+    struct shaders_output o = {{tables->model, pipeline, tables, out}, NULL};
+    if (!take_codes(&o, shaders, names, glsl)) {
+        out->failed = true;
+        return;
+    }
+    c_head(&o.c, backend == BACKEND_GL ? ": the shaders for OpenGL." : ": the shaders for Vulkan.");
     text_add(out, "#include \"%s.h\"\n\n", pipeline->name);
     for (uint32_t pass = 0; pass < pipeline->pass_count; pass++)
         for (int stage = 0; stage < 3; stage++)
-            emit_code(&c, shaders, pass, stage);
+            emit_code(&o, pass, stage);
     text_add(out, pipeline->pass_count ? "static const struct dt_stages stages[] = {\n" : "");
     for (uint32_t pass = 0; pass < pipeline->pass_count; pass++) {
         text_add(out, "    [");
-        c_pass(&c, pass);
+        c_pass(&o.c, pass);
         text_add(out, "] = {");
         bool any = false;
         for (int stage = 0; stage < 3; stage++)
-            any |= emit_entry(&c, shaders, pass, stage, any);
+            any |= emit_entry(&o, pass, stage, any);
         text_add(out, "},\n");
     }
     text_add(out, pipeline->pass_count ? "};\n\n" : "");

@@ -23,7 +23,7 @@ struct options {
     const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
         *variations, *seed, *memory;
     struct text_list sets;
-    bool check, schema, reference, help, version;
+    bool check, names, glsl, schema, reference, help, version;
 };
 
 #define ROW(name, kind, field, argument, help)                                                     \
@@ -37,6 +37,10 @@ static const struct option_row option_rows[] = {
     ROW("-o", OPTION_STRING, out, "DIR", "folder for the generated files; made when it is missing"),
     ROW("--set", OPTION_TEXTS, sets, "PATH=VALUE",
         "override a parameter by name or any value by its dotted path; may be repeated"),
+    ROW("--names", OPTION_FLAG, names, NULL,
+        "keep names and sources in the SPIR-V of generated C, for debuggers such as RenderDoc"),
+    ROW("--glsl", OPTION_FLAG, glsl, NULL,
+        "also put OpenGL's GLSL into generated C, for hosts that set `glsl`"),
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
     ROW("--graph", OPTION_STRING, graph, "FILE.dot",
         "draw passes, what they read and write and wait for, for Graphviz: dot -Tsvg"),
@@ -224,8 +228,8 @@ static void add_sources(struct generation *g)
                 lifetimes = {0};
     emit_header(model, &header);
     emit_c_panel(tables, &panel);
-    emit_c_shaders(tables, BACKEND_GL, &gl_shaders);
-    emit_c_shaders(tables, BACKEND_VK, &vk_shaders);
+    emit_c_shaders(tables, BACKEND_GL, g->options->names, g->options->glsl, &gl_shaders);
+    emit_c_shaders(tables, BACKEND_VK, g->options->names, g->options->glsl, &vk_shaders);
     emit_graph(model, &graph);
     emit_lifetimes(model, &lifetimes);
     text_wrap(&header, GENERATED_COLUMNS);

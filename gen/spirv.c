@@ -231,6 +231,26 @@ bool spirv_ends_block(const uint32_t *instruction)
            opcode == SpvOpTerminateInvocation;
 }
 
+/* Of the debug instructions: names and sources up to OpLine, and two later ones. */
+static bool is_debug(uint32_t opcode)
+{
+    return (opcode >= SpvOpSourceContinued && opcode <= SpvOpLine) || opcode == SpvOpNoLine ||
+           opcode == SpvOpModuleProcessed;
+}
+
+size_t spirv_strip(uint32_t *words, size_t count)
+{
+    size_t kept = count < SPIRV_HEADER ? count : SPIRV_HEADER;
+    for (size_t at = SPIRV_HEADER, length; at < count; at += length) {
+        length = words[at] >> 16;
+        if (!is_debug(words[at] & 0xffff)) {
+            memmove(words + kept, words + at, length * sizeof *words);
+            kept += length;
+        }
+    }
+    return kept;
+}
+
 uint32_t *spirv_definitions(const uint32_t *words, size_t count)
 {
     uint32_t *offsets = calloc(words[3], sizeof *offsets);

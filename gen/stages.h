@@ -63,7 +63,9 @@ void emit_header(const struct model *model, struct text *out); /* NAME.h */
 struct lowered;
 void emit_c_panel(const struct lowered *tables, struct text *out); /* NAME.c, for all backends */
 /* NAME_gl_shaders.c and NAME_vk_shaders.c. */
-void emit_c_shaders(const struct lowered *tables, enum backend backend, struct text *out);
+/* names: keep them in SPIR-V. glsl: also OpenGL's GLSL. */
+void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
+                    struct text *out);
 void emit_limit(const struct pass *pass, struct text *out);   /* limit/NAME.PASS.c; emit_panel.c */
 void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */

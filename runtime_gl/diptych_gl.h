@@ -61,7 +61,7 @@ struct dt_gl_host {
     /* Like eglGetProcAddress, glfwGetProcAddress. dt_gl_open loads all OpenGL functions. */
     void (*(*get_proc_address)(const char *name))(void);
     bool leave_state; /* do not restore the context's state */
-    bool glsl;        /* programs from GLSL text instead of SPIR-V */
+    bool glsl;        /* programs from GLSL text instead of SPIR-V; needs diptych-gen --glsl */
     bool timing;      /* timestamps around every pass, for dt_gl_timings */
     uint32_t frames;  /* whose timings are kept, up to 16; 0: 1 */
 };

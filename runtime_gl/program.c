@@ -27,13 +27,20 @@ static bool log_refusal(struct gl_runtime *rt, const char *program, const char *
 static bool load_code(struct gl_runtime *rt, const char *name, GLuint shader,
                       const struct dt_code *code)
 {
+    if (rt->glsl && !code->glsl)
+        return dt_error(&rt->core, "pass %s: no GLSL text; generate with diptych-gen --glsl", name);
     if (rt->glsl || !code->size)
         return GL(rt, name, ShaderSource(shader, 1, &code->glsl, NULL)) &&
                GL(rt, name, CompileShader(shader));
-    return GL(rt, name,
-              ShaderBinary(1, &shader, GL_SHADER_BINARY_FORMAT_SPIR_V, code->words,
-                           (GLsizei)code->size)) &&
-           GL(rt, name, SpecializeShader(shader, "main", 0, NULL, NULL));
+    uint32_t *own;
+    const uint32_t *words = dt_front_words(&rt->core, name, code, &own);
+    bool ok =
+        words &&
+        GL(rt, name,
+           ShaderBinary(1, &shader, GL_SHADER_BINARY_FORMAT_SPIR_V, words, (GLsizei)code->size)) &&
+        GL(rt, name, SpecializeShader(shader, "main", 0, NULL, NULL));
+    free(own);
+    return ok;
 }
 
 /* Compiles one stage, if present, and attaches it. OpenGL keeps a deleted shader while it is

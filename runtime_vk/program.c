@@ -2,6 +2,8 @@
  * creates one for every pass, present.c for the window; vk_program_bind then sets the resources. */
 #include "internal.h"
 
+#include <stdlib.h>
+
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
 static const VkDescriptorType descriptor_types[] = {
@@ -97,13 +99,18 @@ void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *progr
 static bool create_module(struct vk_runtime *rt, const char *name, const struct dt_code *code,
                           VkShaderModule *module)
 {
+    if (code->size == 0)
+        return true;
+    uint32_t *own;
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = code->size,
-        .pCode = code->words,
+        .pCode = dt_front_words(&rt->core, name, code, &own),
     };
-    return code->size == 0 ||
-           VK(rt, rt->vk.CreateShaderModule(rt->device, &info, NULL, module), name);
+    bool ok =
+        info.pCode && VK(rt, rt->vk.CreateShaderModule(rt->device, &info, NULL, module), name);
+    free(own);
+    return ok;
 }
 
 static VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage,

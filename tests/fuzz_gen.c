@@ -20,8 +20,8 @@ static void load_spec(const char *name)
     if (good) {
         emit_header(&spec.model, &text);
         emit_c_panel(spec.tables, &text);
-        emit_c_shaders(spec.tables, BACKEND_GL, &text);
-        emit_c_shaders(spec.tables, BACKEND_VK, &text);
+        emit_c_shaders(spec.tables, BACKEND_GL, false, true, &text);
+        emit_c_shaders(spec.tables, BACKEND_VK, true, false, &text);
         emit_graph(&spec.model, &text);
         emit_lifetimes(&spec.model, &text);
     }

@@ -8,9 +8,9 @@ cd "$root" || exit 1
 
 # shellcheck disable=SC2317 # called through check
 without_words() { # file: generated C with the words of SPIR-V left out, and what is counted in them
-    awk '{ gsub(/_words, [0-9]+/, "_words, 0 /* of SPIR-V */"); sub(/\.flops = \{[0-9, ]+\}/, ".flops = {/* counted */}") }
-         sub(/^static const uint32_t .*\[[0-9]+\] =$/, "& /* SPIR-V */") { sub(/\[[0-9]+\]/, "[]") }
-         !/^    DT_WORDS/' "$1"
+    awk '{ gsub(/NULL, [0-9]+, /, "NULL, 0 /* bytes of SPIR-V */, "); sub(/\.flops = \{[0-9, ]+\}/, ".flops = {/* counted */}") }
+         sub(/^static const uint8_t .*\[\] = \{$/, "& /* packed SPIR-V */") { }
+         !/^    [0-9,]+(\};)?$/' "$1"
 }
 
 # shellcheck disable=SC2317
@@ -21,9 +21,9 @@ as_expected() { # file
 }
 
 # shellcheck disable=SC2317
-compiles() { # name
+compiles() { # folder [name]
     local file
-    for file in "$work/$1/$1"{,_gl_shaders,_vk_shaders}.c; do
+    for file in "$work/$1/${2:-$1}"{,_gl_shaders,_vk_shaders}.c; do
         cc -std=c11 -Wall -Wextra -Werror -I. -Itemplates/c -Ibuild/glad/include \
             -fsyntax-only "$file" || return
     done
@@ -94,6 +94,19 @@ share_folder() { # name...: pipelines with passes of the same names
     done
 }
 check "two pipelines in one folder overwrite nothing of each other" share_folder ssvp rsm
+
+# shellcheck disable=SC2317
+words() { # folder backend: bytes of SPIR-V in generated C
+    grep -o 'NULL, [0-9]*' "$work/$1/small_$2_shaders.c" | awk '{ sum += $2 } END { print sum }'
+}
+# shellcheck disable=SC2317
+has_more() {
+    grep -q '_glsl\[\]' "$work/more/small_gl_shaders.c" && ! grep -q _glsl "$work/small/small_gl_shaders.c" "$work/more/small_vk_shaders.c" &&
+        [ "$(words more gl)" = "$(cat "$work"/more/gl/small.*.spv | wc -c)" ] && [ "$(words more gl)" -gt "$(words small gl)" ]
+}
+check "--names and --glsl are options" "$gen" tests/golden/small.yaml -o "$work/more" --names --glsl
+check "... that add names and GLSL to generated C" has_more
+check "... which compiles" compiles more small
 
 # Every type, baked, live and uniform: what is set is a constant in the GLSL, or a value in the C.
 # shellcheck disable=SC2317

@@ -1412,6 +1412,11 @@ static void opengl_tells_wrong_calls(void **state)
     scene.objects.buffer = 0;
     assert_true(dt_gl_import_scene(rt, &scene));
     assert_true(dt_gl_create(rt, &features_gl));
+    struct gl_runtime *text = dt_gl_open(
+        &(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true});
+    assert_non_null(text);
+    REFUSED(dt_gl_create(text, &features_gl), "generate with diptych-gen --glsl");
+    dt_gl_close(text);
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
     assert_true(dt_gl_import_scene(rt, &right));
     REFUSED(dt_gl_record(rt, &frame, NULL), "call resize first");

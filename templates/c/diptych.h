@@ -223,17 +223,18 @@ struct dt_pipeline {
     int64_t (*jitter)(const struct dt_pipeline *pipeline, const void *live);
 };
 
-/* For generated C, which includes math.h. SPIR-V words are a string literal, which compilers parse
- * four times as fast as a list of numbers. DT_NO_MIN and DT_NO_MAX: the spec gives no bound. */
-#define DT_WORDS(text) U##text
-#define DT_NO_MIN      (-INFINITY)
-#define DT_NO_MAX      INFINITY
+/* For generated C: the spec gives no bound. A product, because tcc computes nothing with INFINITY. */
+#define DT_NO_MIN (-1e308 * 10)
+#define DT_NO_MAX (1e308 * 10)
 
 /* The code of one pass, from NAME_gl_shaders.c or NAME_vk_shaders.c. */
 struct dt_code {
-    const uint32_t *words; /* SPIR-V */
-    size_t size;           /* bytes; 0: the stage is absent */
-    const char *glsl;      /* the same as text, for OpenGL's options.glsl; else NULL */
+    const uint32_t *words; /* SPIR-V; NULL: packed */
+    size_t size;           /* bytes of the words; 0: the stage is absent */
+    /* each word as LEB128: seven bits in a byte, the lowest first, the high bit set in all bytes
+     * but the last; NULL: words */
+    const uint8_t *packed;
+    const char *glsl; /* OpenGL: the same as text, for options.glsl; NULL: not generated */
 };
 struct dt_stages {
     struct dt_code compute, vertex, fragment;

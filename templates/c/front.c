@@ -172,12 +172,49 @@ struct made {
     void *programs;
 };
 
+const uint32_t *dt_front_words(const struct dt_core *core, const char *pass,
+                               const struct dt_code *code, uint32_t **own)
+{
+    *own = NULL;
+    if (code->words)
+        return code->words;
+    const uint8_t *at = code->packed;
+    if (!(*own = malloc(code->size))) {
+        dt_error(core, "pass %s: no memory for %zu bytes of SPIR-V; free some", pass, code->size);
+        return NULL;
+    }
+    for (size_t i = 0; i < code->size / sizeof **own; i++) {
+        (*own)[i] = 0;
+        for (unsigned shift = 0, more = 1; more; shift += 7) {
+            (*own)[i] |= (*at & 0x7fU) << shift;
+            more = *at++ & 0x80;
+        }
+    }
+    return *own;
+}
+
+/* Bytes of packed words. */
+static size_t packed_size(const struct dt_code *code)
+{
+    size_t size = 0;
+    for (size_t words = code->size / sizeof *code->words; words > 0; size++)
+        words -= !(code->packed[size] & 0x80);
+    return size;
+}
+
+static bool same_words(const struct dt_code *a, const struct dt_code *b)
+{
+    if (!a->size || a->words || b->words)
+        return !a->size || (a->words && b->words && memcmp(a->words, b->words, a->size) == 0);
+    size_t size = packed_size(a);
+    return packed_size(b) == size && memcmp(a->packed, b->packed, size) == 0;
+}
+
 static bool same_code(const struct dt_code *a, const struct dt_code *b)
 {
     if (a->size != b->size || !a->glsl != !b->glsl)
         return false;
-    return (!a->size || memcmp(a->words, b->words, a->size) == 0) &&
-           (!a->glsl || strcmp(a->glsl, b->glsl) == 0);
+    return same_words(a, b) && (!a->glsl || strcmp(a->glsl, b->glsl) == 0);
 }
 
 static bool same_bindings(const struct dt_program *a, const struct dt_program *b)

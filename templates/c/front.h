@@ -130,6 +130,12 @@ void dt_log(const struct dt_core *core, enum dt_level level, const char *format,
 bool dt_error(const struct dt_core *core, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
+/* ---- Shaders --------------------------------------------------------------------------------- */
+
+/* The words of a stage that is present. free() `*own` after use. NULL: no memory, logged. */
+const uint32_t *dt_front_words(const struct dt_core *core, const char *pass,
+                               const struct dt_code *code, uint32_t **own);
+
 /* ---- For the app and for hosts --------------------------------------------------------------- */
 
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
