@@ -86,7 +86,7 @@ bool gl_is_software(const struct gl_runtime *rt)
 {
     static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "lavapipe"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
-        if (strcasestr(rt->core.device_name, names[i]))
+        if (strstr(rt->core.device_name, names[i]))
             return true;
     return false;
 }
