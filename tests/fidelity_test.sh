@@ -109,7 +109,7 @@ grows() {
     truth "$1.truth.exr" "$1" 1 2 && eight=$(average "$1" 8) && sixteen=$(average "$1" 16) && more=$(average "$1" 32) &&
         is "$sixteen < 1.2 * $eight && $more < 1.2 * $sixteen && $more < $eight"
 }
-for scene in cornell atrium; do
+for scene in "${scenes[@]}"; do
     check "$scene: errors of 8, 16, 32 clusters" grows "$scene"
 done
 

@@ -10,17 +10,15 @@ ssvp=$root/templates/ssvp.yaml
 for frame in "$cornell 64x32" "$cornell 37x23" "$cornell 1x1" "$atrium 37x23"; do
     read -r scene size <<<"$frame"
     name=$(basename "$scene" .yaml)
-    counts=(4)
-    [ "$size" != 37x23 ] || counts+=(32)
-    for clusters in "${counts[@]}"; do
-        check "ssvp agrees on $name at $size with $clusters clusters" \
-            "$diptych" compare --scene "$scene" --spec "$ssvp" --size "$size" --set "clusters=$clusters" --debug
-    done
+    check "ssvp agrees on $name at $size" "$diptych" compare --scene "$scene" --spec "$ssvp" --size "$size" --set clusters=4 --debug
+    [ "$size" != 64x32 ] || continue # tiles that divide the frame are the easy case
     for pipeline in rsm ssdo deep clustered; do
         check "$pipeline agrees on $name at $size" \
             "$diptych" compare --scene "$scene" --spec "$root/templates/$pipeline.yaml" --size "$size" --debug
     done
 done
+check "ssvp agrees with 32 clusters" \
+    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set clusters=32 --debug
 for bounces in 0 1; do
     check "ssvp agrees with bounces=$bounces, whose passes are skipped" \
         "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set bounces=$bounces --debug

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # The same bits on every run, for every number of driver threads, and whatever memory held before: one hash per resource and
 # backend over many runs of three frames each, history among them, and the same hash from all backends. Two controls must be
-# noticed: a pipeline that races, and one that leaves memory unwritten. Two runs for each number of threads of two backends,
+# noticed: a pipeline that races, and one that leaves memory unwritten. A run for each number of threads of two backends,
 # with DIPTYCH_LONG set twenty of five.
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
 runs=${DIPTYCH_LONG:+20}
-runs=${runs:-2}
+runs=${runs:-1}
 backends=(gl vk)
 [ -z "${DIPTYCH_LONG:-}" ] || backends+=(gl+glsl osmesa zink)
 
