@@ -1,7 +1,7 @@
-"""Runs clang-tidy on every file that has changed since it passed: `ninja -t compdb cc cxx | tidy.py OBJECTS STAMPS VERSION`.
+"""Runs clang-tidy on every file that has changed since it passed: `ninja -t compdb cc cxx program | tidy.py STAMPS VERSION`.
 
-Files are those compiled into the folder OBJECTS. An object is newer than its file's stamp, in the folder STAMPS, once ninja has
-compiled the file again, so headers count, too. Called by `ninja check`, after what it compiles."""
+Of a file that is compiled several times the first counts. The output is newer than the file's stamp, in the folder STAMPS, once
+ninja has compiled the file again, so headers count, too. Called by `ninja check`, after what it compiles."""
 import concurrent.futures
 import json
 import os
@@ -15,11 +15,11 @@ import sys
 LIMITS = ["-Xclang", "-analyzer-config", "-Xclang", "max-nodes=30000"]
 
 
-TIDY = f"clang-tidy-{sys.argv[3]}"
+TIDY = f"clang-tidy-{sys.argv[2]}"
 
 
 def stamp_of(entry):
-    return f"{sys.argv[2]}/{entry['file']}.tidy"
+    return f"{sys.argv[1]}/{entry['file']}.tidy"
 
 
 def is_due(entry):
@@ -32,10 +32,10 @@ def is_due(entry):
 
 def check(entry):
     words = shlex.split(entry["command"])[1:]
-    flags = [word for word in words if word not in ("-MMD", "-c", entry["file"])]
-    for option in ("-MF", "-o"):
-        at = flags.index(option)
-        del flags[at : at + 2]
+    words = words[: words.index(entry["file"])]  # libraries come behind it
+    at = words.index("-MF")
+    del words[at : at + 2]
+    flags = [word for word in words if word not in ("-MMD", "-c")]
     run = subprocess.run(
         [TIDY, "--quiet", entry["file"], "--", *flags, *LIMITS], capture_output=True, text=True
     )
@@ -52,8 +52,11 @@ def main():
     if not shutil.which(TIDY):
         print(f"skipped: version: needs {TIDY}")
         return 0
-    entries = [e for e in json.load(sys.stdin) if e["output"].startswith(sys.argv[1] + "/")]
-    due = [e for e in entries if not e["file"].startswith("build/") and is_due(e)]
+    entries = {}
+    for entry in json.load(sys.stdin):
+        if not entry["output"].endswith(".so"):  # libc's own functions, declared anew
+            entries.setdefault(entry["file"], entry)
+    due = [e for file, e in entries.items() if not file.startswith("build/") and is_due(e)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         good = list(pool.map(check, due))
     print(f"clang-tidy: {len(due)} files checked, {good.count(False)} with errors")
