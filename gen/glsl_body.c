@@ -287,33 +287,24 @@ static bool is_subgroup(struct token token)
     return false;
 }
 
-/* Notes subgroup operations, and reports them where they cannot be. */
-static bool find_subgroups(struct glsl *glsl)
+/* Whether the body names a subgroup operation. */
+static bool has_subgroups(const struct glsl *glsl)
 {
-    const char *body = glsl->parts[PART_BODY].data, *cursor = body;
-    if (!body)
-        return true;
-    struct token token = token_next(&cursor);
-    while (token.length && !is_subgroup(token))
+    const char *cursor = glsl->parts[PART_BODY].data;
+    struct token token = {0};
+    do
         token = token_next(&cursor);
-    glsl->subgroups = token.length > 0;
-    if (!glsl->subgroups || (glsl->pipeline->fast && glsl->pass->kind == PASS_DISPATCH))
-        return true;
-    diag_error(
-        glsl->diag, glsl_body_loc(glsl, body, (size_t)(token.text - body), token.length),
-        glsl->pipeline->fast
-            ? "`%.*s` in a draw: only a dispatch can have subgroup operations"
-            : "`%.*s` needs `exactness: fast`: the size of subgroups, and the order in which "
-              "they reduce, differ from device to device; use shared memory",
-        (int)token.length, token.text);
-    return false;
+    while (token.length && !is_subgroup(token));
+    return token.length > 0;
 }
 
 bool glsl_body(struct glsl *glsl)
 {
-    if (!body_file(glsl, glsl->pass->body, 0) || !find_subgroups(glsl))
+    if (!body_file(glsl, glsl->pass->body, 0))
         return false;
-    if (!glsl->pipeline->fast)
+    if (glsl->pipeline->fast)
+        glsl->subgroups = glsl->pass->kind == PASS_DISPATCH && has_subgroups(glsl);
+    else
         rename_for_exactness(&glsl->parts[PART_BODY]);
     if (glsl->backend == BACKEND_GL && glsl->stage == STAGE_IS_VERTEX)
         rename_for_opengl(&glsl->parts[PART_BODY], glsl->pass->indirect_resource != NULL);

@@ -138,6 +138,28 @@ static void note_uniforms(const struct pipeline *pipeline, const struct loc *err
             note_uniform(error, pipeline->constants[i].name, pipeline->constants[i].loc, diag);
 }
 
+/* Replaces glslang's error about a subgroup operation where a pass cannot have one. */
+static bool report_subgroups(const struct pipeline *pipeline, const struct pass *pass,
+                             struct loc loc, const char *name, struct diag *diag)
+{
+    static const char *const starts[] = {"subgroup", "gl_Subgroup", "gl_NumSubgroups"};
+    size_t i = 0;
+    while (i < DT_ARRAY_COUNT(starts) && strncmp(name, starts[i], strlen(starts[i])))
+        i++;
+    if (i == DT_ARRAY_COUNT(starts) || (pipeline->fast && pass->kind == PASS_DISPATCH))
+        return false;
+    if (!strncmp(name, "subgroup op'", 12)) /* another message has the name */
+        return true;
+    int length = (int)strcspn(name, "'");
+    diag_error(diag, loc,
+               pipeline->fast
+                   ? "`%.*s` in a draw: only a dispatch can have subgroup operations"
+                   : "`%.*s` needs `exactness: fast`: the size of subgroups, and the order in "
+                     "which they reduce, differ from device to device; use shared memory",
+               length, name);
+    return true;
+}
+
 /* "ERROR: 1:12: 'name' : text": file and line as #line gave them. */
 static void report_line(const struct model *model, const struct pass *pass, const char *line,
                         size_t length, struct diag *diag)
@@ -167,6 +189,8 @@ static void report_line(const struct model *model, const struct pass *pass, cons
     const char *close = *text == '\'' ? memchr(text + 1, '\'', (size_t)(stop - text - 1)) : NULL;
     if (close)
         find_in_line(&loc, text + 1 + added, (size_t)(close - text - 1) - added);
+    if (close && report_subgroups(&model->pipeline, pass, loc, text + 1, diag))
+        return;
     if (close == text + 1) /* '' : text */
         text = close + 1 + strspn(close + 1, ": ");
     diag_error(diag, loc, "%.*s", (int)(stop - text), text);
