@@ -41,7 +41,7 @@ static const struct option_row rows[] = {
      "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_SET, AT(set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
-    {"--input", OPTION_SET, AT(inputs), SPEC, 0, "NAME=FILE",
+    {"--input", OPTION_SET, AT(inputs), SPEC | VERB_REPORT, 0, "NAME=FILE",
      "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
      ".npy "
      "array for a buffer; may be repeated"},
@@ -146,7 +146,7 @@ static const struct option_row rows[] = {
      "folder of the sweep; one that holds the same sweep is continued"},
     {"--scene", OPTION_TEXTS, AT(scene_list), VERB_SWEEP, 0, "FILE",
      "scene file; may be repeated: random runs alternate between scenes, a grid runs on each; "
-     "needed by --measure, and if the pipeline draws or reads the scene"},
+     "needed by --measure error, and if the pipeline draws or reads the scene"},
     {"--random", OPTION_COUNT, AT(random), VERB_SWEEP, 0, "N",
      "run N random valid variations of the spec"},
     {"--seed", OPTION_COUNT, AT(seed), VERB_SWEEP, 0, "S",

@@ -109,6 +109,19 @@ bool steps_find_scenes(struct steps *steps, const char *const *paths, uint32_t c
     return good && here;
 }
 
+bool steps_without_scene(struct steps *steps)
+{
+    struct step_scene *scene = steps->scenes = calloc(1, sizeof *steps->scenes);
+    if (scene) {
+        *scene = (struct step_scene){strdup(""), strdup("none"), strdup("")};
+        steps->scene_count = 1;
+    }
+    bool good = scene && scene->path && scene->name && scene->mesh;
+    if (!good)
+        report_error(&steps->console->log, "out of memory");
+    return good;
+}
+
 bool steps_check_spec(struct steps *steps)
 {
     static const struct tool generator = {
@@ -202,6 +215,13 @@ void steps_free(struct steps *steps)
 
 /* ---- Commands -------------------------------------------------------------------------------- */
 
+char *step_input(const char *input)
+{
+    const char *file = strchr(input, '=') + 1;
+    char *path = realpath(file, NULL);
+    return path ? path : strdup(file);
+}
+
 bool command_begin(struct command *command, const struct steps *steps, const char *verb)
 {
     *command = (struct command){.steps = steps, .verb = verb};
@@ -222,8 +242,9 @@ void command_file(struct command *command, const char *option, const char *file)
 
 void command_scene(struct command *command, const struct step_scene *scene)
 {
-    quote_option(command->out, "--scene", scene->path);
-    if (command->steps->scenes_folder)
+    if (*scene->path)
+        quote_option(command->out, "--scene", scene->path);
+    if (*scene->path && command->steps->scenes_folder)
         quote_option(command->out, "--scenes", command->steps->scenes_folder);
 }
 
@@ -241,9 +262,9 @@ void command_spec(struct command *command, const cJSON *sets)
     for (uint32_t i = 0; i < steps->options->set_count; i++)
         quote_option(command->out, "--set", steps->options->sets[i]);
     for (uint32_t i = 0; i < steps->options->inputs.count; i++) {
-        const char *input = steps->options->inputs.items[i], *file = strchr(input, '=') + 1;
-        char *path = realpath(file, NULL); /* the commands run elsewhere */
-        char *text = format_string("%.*s%s", (int)(file - input), input, path ? path : file);
+        const char *input = steps->options->inputs.items[i];
+        char *path = step_input(input);
+        char *text = format_string("%.*s=%s", (int)strcspn(input, "="), input, path ? path : "");
         quote_option(command->out, "--input", text ? text : input);
         free(text);
         free(path);

@@ -12,7 +12,7 @@
 #include "run/side.h"
 
 struct step_scene {
-    char *path; /* of the scene file, absolute */
+    char *path; /* of the scene file, absolute; "": the pipeline runs without a scene */
     char *name; /* name of its folder: the file's without .yaml */
     char *mesh; /* NULL: not found, the scene is left out */
 };
@@ -53,6 +53,8 @@ bool steps_begin(struct steps *steps, const char *verb, struct console *console,
                  const struct options *options);
 /* The scenes, of which one at least must have its mesh. */
 bool steps_find_scenes(struct steps *steps, const char *const *paths, uint32_t count);
+/* Instead: one scene named "none", for pipelines that do not use a scene. */
+bool steps_without_scene(struct steps *steps);
 /* Checks spec and overrides with the generator, before hours of work. */
 bool steps_check_spec(struct steps *steps);
 /* A new folder, an empty one, or one of the same verb. */
@@ -75,6 +77,8 @@ struct command {
     size_t size;
 };
 
+/* The file of an --input, absolute: commands run elsewhere; free(). */
+char *step_input(const char *input);
 bool command_begin(struct command *command, const struct steps *steps, const char *verb);
 void command_file(struct command *command, const char *option, const char *file);
 void command_scene(struct command *command, const struct step_scene *scene);

@@ -84,7 +84,8 @@ static bool check_options(const struct measured_sweep *sweep, const struct optio
         : options->device || options->context || options->glsl || options->debug || options->fault
             ? "--device, --context, --glsl, --debug and --fault go with --measure agree alone; "
               "--backend takes gl+glsl, osmesa, zink and vk@DEVICE"
-        : !options->scene_list.count                   ? "give at least one --scene FILE"
+        : !options->scene_list.count && (sweep->measures & MEASURE_ERROR)
+            ? "--measure error needs at least one --scene FILE"
         : options->show && !(sweep->measures & errors) ? "--show goes with --measure error or own"
         : options->warmup && !(sweep->measures & MEASURE_TIME) ? "--warmup goes with --measure time"
                                                                : NULL;
@@ -150,7 +151,8 @@ static bool read_axes(struct measured_sweep *sweep, const struct options *option
         combinations *= sweep->axes[i].count;
     }
     uint32_t sizes = options->size_list.count ? options->size_list.count : 1;
-    if (good && combinations * sizes * options->scene_list.count > MOST_POINTS) {
+    uint32_t scenes = options->scene_list.count;
+    if (good && combinations * sizes * (scenes ? scenes : 1) > MOST_POINTS) {
         report_error(log, "the grid has more than %d points; give fewer values", MOST_POINTS);
         return false;
     }
@@ -445,7 +447,9 @@ int sweep_measure(struct console *console, const struct options *options)
     bool good = read_measures(&sweep.measures, options->measure, log) &&
                 check_options(&sweep, options, log) && read_axes(&sweep, options, log) &&
                 steps_begin(steps, "sweep", console, options) &&
-                steps_find_scenes(steps, options->scene_list.items, options->scene_list.count) &&
+                (options->scene_list.count ? steps_find_scenes(steps, options->scene_list.items,
+                                                               options->scene_list.count)
+                                           : steps_without_scene(steps)) &&
                 plot_has_gnuplot(console) && steps_check_spec(steps) && steps_make_folder(steps) &&
                 plan(&sweep);
     if (good && (options->collect || steps_run(steps))) {
