@@ -13,6 +13,12 @@ bool is_culled(struct fy_node *item)
 
 /* ---- Nodes ----------------------------------------------------------------------------------- */
 
+/* A node that node_loc finds at `of`; NULL: out of memory. */
+static struct fy_node *placed(struct fy_node *node, struct fy_node *of)
+{
+    return node && !fy_node_set_meta(node, of) ? node : NULL;
+}
+
 /* Appends KEY: VALUE; false: out of memory. */
 static bool add(struct fy_node *map, const char *key, struct fy_node *value)
 {
@@ -23,7 +29,9 @@ static bool add(struct fy_node *map, const char *key, struct fy_node *value)
 
 static bool add_text(struct fy_node *map, const char *key, const char *text)
 {
-    return text && add(map, key, fy_node_create_scalar_copy(fy_node_document(map), text, FY_NT));
+    return text && add(map, key,
+                       placed(fy_node_create_scalar_copy(fy_node_document(map), text, FY_NT),
+                              fy_node_get_meta(map)));
 }
 
 /* Adds the value of a key as the argument, else the fallback. */
@@ -39,10 +47,18 @@ static bool add_argument(struct fy_node *with, const char *name, const struct fi
 
 struct culled {
     struct reader *reader;
-    struct fy_node *item;
+    struct fy_node *item, *node; /* the draw and its `cull` */
     struct fields cull;
     const char *name; /* of the draw */
 };
+
+/* Whether the value of a key, or of the argument that it names, is this word. */
+static bool is_word(const struct culled *c, struct fy_node *map, const char *key, const char *word)
+{
+    const char *text =
+        argument_text(c->reader, fy_node_mapping_lookup_value_by_string(map, key, FY_NT), NULL);
+    return text && !strcmp(text, word);
+}
 
 /* The use of the group. */
 static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml)
@@ -50,28 +66,31 @@ static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml
     struct fields pass = {.values = {{table_find(SECTION_PASS, "layers"), NULL, NULL},
                                      {table_find(SECTION_PASS, "when"), NULL, NULL}},
                           .count = 2};
-    struct fy_node *use = fy_node_create_mapping(yaml), *with = fy_node_create_mapping(yaml);
-    const char *keep = field_text(c->reader, &c->cull, "keep");
-    bool each = field_node(&c->cull, "each");
+    struct fy_node *use = placed(fy_node_create_mapping(yaml), c->node);
+    struct fy_node *with = placed(fy_node_create_mapping(yaml), c->node);
+    bool each = field_node(&c->cull, "each"), light = is_word(c, c->item, "view", "light");
     for (size_t i = 0; i < pass.count; i++)
         pass.values[i].value =
             fy_node_mapping_lookup_value_by_string(c->item, pass.values[i].key->name, FY_NT);
-    bool good = use && with && keep && add_text(use, "group", each ? "cull_each" : "cull") &&
-                add_text(use, "as", c->name) && add(use, "with", with) &&
-                (strcmp(keep, "frustum") ? add_argument(with, "keep", &c->cull, "keep", NULL)
-                                         : add_text(with, "keep", "cull/frustum.glsl")) &&
-                (!each || (add_argument(with, "each", &c->cull, "each", NULL) &&
-                           add_argument(with, "cull_layers", &pass, "layers", "1"))) &&
-                add_argument(with, "cull_room", &c->cull, "room", "1048576") &&
-                add_argument(with, "cull_most", &c->cull, "most", "1048576") &&
-                add_argument(with, "cull_when", &pass, "when", "1");
+    bool good =
+        use && with && add_text(use, "group", each ? "cull_each" : "cull") &&
+        add_text(use, "as", c->name) && add(use, "with", with) &&
+        (is_word(c, c->node, "keep", "frustum")
+             ? add_text(with, "keep", light ? "cull/light_frustum.glsl" : "cull/frustum.glsl")
+             : add_argument(with, "keep", &c->cull, "keep", NULL)) &&
+        (!each || (add_argument(with, "each", &c->cull, "each", NULL) &&
+                   add_argument(with, "cull_layers", &pass, "layers", "1"))) &&
+        add_argument(with, "cull_room", &c->cull, "room", "1048576") &&
+        add_argument(with, "cull_most", &c->cull, "most", "1048576") &&
+        add_argument(with, "cull_when", &pass, "when", "1");
     return good ? use : NULL;
 }
 
 /* The draw of the lists, or of the whole scene. */
 static struct fy_node *make_draw(const struct culled *c, struct fy_document *yaml, bool whole)
 {
-    struct fy_node *draw = fy_node_copy(yaml, c->item), *faces = field_node(&c->cull, "faces");
+    struct fy_node *draw = placed(fy_node_copy(yaml, c->item), c->item),
+                   *faces = field_node(&c->cull, "faces");
     struct arena *arena = c->reader->model->arena;
     if (!draw)
         return NULL;
@@ -87,8 +106,10 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
     struct fy_node *updates = fy_node_mapping_lookup_value_by_string(draw, "updates", FY_NT);
     if (!updates)
         return good && (!writes || add(draw, "updates", writes)) ? draw : NULL;
-    while (writes && (item = fy_node_sequence_get_by_index(writes, 0)))
+    while (writes && fy_node_is_sequence(updates) &&
+           (item = fy_node_sequence_get_by_index(writes, 0)))
         good &= !fy_node_sequence_append(updates, fy_node_sequence_remove(writes, item));
+    fy_node_free(writes);
     return good ? draw : NULL;
 }
 
@@ -102,20 +123,37 @@ static struct scope *add_passes(struct use *use, struct fy_document *yaml, struc
     return add_instance(use, yaml, good ? root : NULL, use->item, label);
 }
 
+/* False after an error. */
+static bool check_draw(const struct culled *c)
+{
+    struct reader *reader = c->reader;
+    static const char *const excluded[] = {"indirect", "indices"};
+    struct loc loc = node_loc(reader, c->node);
+    bool good = c->name && is_word(c, c->item, "draw", "scene");
+    if (!c->name)
+        diag_error(reader->diag, node_loc(reader, c->item), "a pass needs the key `name`");
+    else if (!good)
+        diag_error(reader->diag, loc, "`cull` as a map needs `draw: scene`");
+    for (size_t i = 0; i < DT_ARRAY_COUNT(excluded); i++) {
+        if (!fy_node_mapping_lookup_value_by_string(c->item, excluded[i], FY_NT))
+            continue;
+        diag_error(reader->diag, loc, "`cull` makes the draw's buffers; leave out `%s`",
+                   excluded[i]);
+        good = false;
+    }
+    return good && field_node(&c->cull, "keep");
+}
+
 bool expand_cull(struct use *use)
 {
     struct reader *reader = use->reader;
     struct culled c = {.reader = reader, .item = use->item};
-    struct fy_node *cull = fy_node_mapping_lookup_value_by_string(use->item, "cull", FY_NT);
-    static const char *const excluded[] = {"indirect", "indices"};
+    c.node = fy_node_mapping_lookup_value_by_string(use->item, "cull", FY_NT);
     c.name = element_name(reader, use->item);
-    if (!fields_read(reader, cull, SECTION_CULL, node_loc(reader, cull), &c.cull) || !c.name ||
-        !documents_add(reader, "cull/cull.yaml", node_loc(reader, cull)))
+    struct loc loc = node_loc(reader, c.node);
+    if (!fields_read(reader, c.node, SECTION_CULL, loc, &c.cull) || !check_draw(&c) ||
+        !documents_add(reader, "cull/cull.yaml", loc))
         return true;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(excluded); i++)
-        if (fy_node_mapping_lookup_value_by_string(use->item, excluded[i], FY_NT))
-            diag_error(reader->diag, node_loc(reader, cull),
-                       "`cull` makes the draw's buffers; leave out `%s`", excluded[i]);
     struct fy_document *lists = fy_document_create(NULL), *whole = fy_document_create(NULL);
     struct scope *scope =
         lists ? add_passes(use, lists, make_use(&c, lists), make_draw(&c, lists, false), NULL)
@@ -124,6 +162,6 @@ bool expand_cull(struct use *use)
         scope && whole ? add_passes(use, whole, make_draw(&c, whole, true), NULL, NULL) : NULL;
     if (rest)
         scope_hide(rest);
-    return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0", cull) &&
-           scope_set(rest, scope, ".whole", "whole", "1", cull);
+    return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0", c.node) &&
+           scope_set(rest, scope, ".whole", "whole", "1", c.node);
 }

@@ -19,6 +19,10 @@ static const struct override *find_override(const struct reader *reader, struct 
 
 struct loc node_loc(const struct reader *reader, struct fy_node *node)
 {
+    struct fy_node *of =
+        node ? fy_node_get_meta(node) : NULL; /* read_cull.c made the node for it */
+    if (of)
+        return node_loc(reader, of);
     struct loc loc = {.source = node_source(reader, node), .length = 1};
     const struct override *override = find_override(reader, node);
     if (override) {

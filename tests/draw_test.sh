@@ -160,6 +160,8 @@ def words(room, name, code="I"):
     return struct.unpack(f"<{len(data) // 4}{code}", data)
 drawn = lambda room, name: words(room, name)[::5] # the number of indices of each draw
 assert words(45000, "whole.full") == words(45000, "part.seen") and words(45000, "whole.full_depth") == words(45000, "part.whole.seen_depth")
+assert words(45000, "whole_lit.lit_full") == words(45000, "part_lit.3.lit")
+assert 0 < drawn(45000, "part_lit.3.draws")[0] != drawn(45000, "part.draws")[0]
 scene = max(drawn(1, "slice.whole_draws"))
 assert 0 < drawn(45000, "part.draws")[0] < scene and not drawn(45000, "part.whole_draws")[0], scene
 assert words(45000, "slice.whole.slices") == words(300000, "slice.whole.slices") == words(1, "slice.whole.slices")

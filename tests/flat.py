@@ -176,7 +176,8 @@ class Flattening:
     def cull(self, scope, entry, spec):
         self.read(os.path.relpath(os.path.join(self.templates, CULL), os.path.dirname(self.path)))
         cull, name = entry.pop("cull"), entry["name"]
-        keep = "cull/frustum.glsl" if cull["keep"] == "frustum" else cull["keep"]
+        frustum = "cull/light_frustum.glsl" if entry.get("view") == "light" else "cull/frustum.glsl"
+        keep = frustum if cull["keep"] == "frustum" else cull["keep"]
         words = {"keep": keep, "cull_room": cull.get("room", 1048576), "cull_most": cull.get("most", 1048576),
                  "cull_when": entry.get("when", 1)}
         if "each" in cull:

@@ -1,0 +1,4 @@
+void main()
+{
+    slabs[invocation().x] = float(invocation().x);
+}
