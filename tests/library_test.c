@@ -302,14 +302,17 @@ static void assert_can_sample_images(struct vk_runtime *rt)
     }
 }
 
-/* Two frames in flight, and what the trail through both of them is. */
-static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
+/* Two frames in flight, in parts of so many passes, and what the trail through both of them is. */
+static void run_parts(struct vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
 {
     struct dt_vk_resource resource;
     for (uint32_t i = 0; i < 2; i++) {
         struct dt_frame frame = frame_of(i);
         VkCommandBuffer commands = begin();
-        assert_true(dt_vk_record(rt, commands, &frame, NULL));
+        for (uint32_t pass = 0, end; pass < FEATURES_PASSES; pass = end) {
+            end = FEATURES_PASSES - pass < passes ? FEATURES_PASSES : pass + passes;
+            assert_true(dt_vk_record_passes(rt, commands, &frame, NULL, pass, end));
+        }
         submit(commands);
     }
     assert_true(dt_vk_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
@@ -327,6 +330,11 @@ static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
     submit(commands);
     assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
     memcpy(trail, (const char *)vk.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
+}
+
+static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
+{
+    run_parts(rt, FEATURES_PASSES, trail);
 }
 
 static struct vk_runtime *open_features(void)
@@ -1167,6 +1175,22 @@ static void paint_between(bool clears, VkDeviceSize offset)
                            &region);
 }
 
+static void vulkan_draws_the_same_in_parts(void **state)
+{
+    (void)state;
+    static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
+    struct vk_runtime *rt = open_features();
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, wanted);
+    for (uint32_t passes = 1; passes < 4; passes++) {
+        assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+        run_parts(rt, passes, found);
+        assert_memory_equal(wanted, found, TRAIL_BYTES);
+    }
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
 static void vulkan_records_parts(void **state)
 {
     (void)state;
@@ -1733,6 +1757,7 @@ int main(void)
         cmocka_unit_test(vulkan_draws_vertices_of_another_layout),
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
         cmocka_unit_test(vulkan_takes_times),
+        cmocka_unit_test(vulkan_draws_the_same_in_parts),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
         cmocka_unit_test(vulkan_takes_inputs),
