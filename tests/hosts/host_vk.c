@@ -18,10 +18,12 @@ enum { MAX_PIPELINES = 2 };
 struct pipeline {
     const struct dt_shaders *shaders;
     uint32_t output;
+    uint32_t seam, passes; /* a frame is recorded in two parts, up to the seam and from there on */
 };
 
-static const struct pipeline pipelines[MAX_PIPELINES] = {{&ssvp_vk, SSVP_RESOURCE_DISPLAY},
-                                                         {&rsm_vk, RSM_RESOURCE_DISPLAY}};
+static const struct pipeline pipelines[MAX_PIPELINES] = {
+    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_PASS_COMPOSITE, SSVP_PASSES},
+    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_PASS_COMPOSITE, RSM_PASSES}};
 
 static void on_log(void *user, enum dt_level level, const char *message)
 {
@@ -89,6 +91,8 @@ static struct vk_runtime *open_pipeline(const struct renderer *renderer,
         .device = renderer->device,
         .queue_family = 0,
         .get_instance_proc_addr = vkGetInstanceProcAddr,
+        .timing = true,
+        .frames = IN_FLIGHT,
     });
     const struct dt_vk_image image = {
         .image = picture->image,
@@ -107,13 +111,22 @@ static struct vk_runtime *open_pipeline(const struct renderer *renderer,
     return rt;
 }
 
-/* A frame of every pipeline; each leaves its picture in TRANSFER_SRC_OPTIMAL, ready for the renderer. */
+/* A frame of every pipeline, the first parts of all before the second ones; each leaves its picture in
+ * TRANSFER_SRC_OPTIMAL, ready for the renderer. */
 static void run_frame(struct renderer *renderer, struct vk_runtime *const *runtimes, uint32_t count,
                       const struct picture *pictures, const struct dt_frame *frame)
 {
     VkCommandBuffer commands = begin_frame(renderer, frame->index);
+    double ms[SSVP_PASSES + RSM_PASSES]; /* room for either; begin_frame has waited */
+    for (uint32_t i = 0; i < count && frame->index >= IN_FLIGHT; i++)
+        check(dt_vk_timings(runtimes[i], IN_FLIGHT - 1, ms), "times");
     for (uint32_t i = 0; i < count; i++)
-        check(dt_vk_record(runtimes[i], commands, frame, NULL), "recording a frame");
+        check(dt_vk_record_passes(runtimes[i], commands, frame, NULL, 0, pipelines[i].seam),
+              "recording a frame");
+    for (uint32_t i = 0; i < count; i++)
+        check(dt_vk_record_passes(runtimes[i], commands, NULL, NULL, pipelines[i].seam,
+                                  pipelines[i].passes),
+              "recording the rest of a frame");
     for (uint32_t i = 0; i < count; i++)
         copy_picture(renderer, commands, &pictures[i], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
     end_frame(renderer, frame->index);
