@@ -5,6 +5,10 @@
 # version, removes what it has put there.
 set -eu
 version=$1
+case $version in # of the sonames, see DT_VERSION in diptych.h
+0.*) soversion=${version%.*} ;;
+*) soversion=${version%%.*} ;;
+esac
 root=${DESTDIR:-}${PREFIX:-/usr/local}
 case $root in
 /*) ;;
@@ -74,9 +78,9 @@ put 644 build/libdiptych_image.so lib/diptych/libdiptych_image.so
 for name in gl vk scene; do
     put 644 build/library/libdiptych_$name.a lib/libdiptych_$name.a
     put 644 "build/library/libdiptych_$name.so.$version" "lib/libdiptych_$name.so.$version"
-    ln -sfn "libdiptych_$name.so.$version" "$root/lib/libdiptych_$name.so.0"
-    ln -sfn "libdiptych_$name.so.0" "$root/lib/libdiptych_$name.so"
-    printf 'lib/libdiptych_%s\n' "$name.so" "$name.so.0" >>"$list"
+    ln -sfn "libdiptych_$name.so.$version" "$root/lib/libdiptych_$name.so.$soversion"
+    ln -sfn "libdiptych_$name.so.$soversion" "$root/lib/libdiptych_$name.so"
+    printf 'lib/libdiptych_%s\n' "$name.so" "$name.so.$soversion" >>"$list"
 done
 put_output lib/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
 put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""

@@ -282,6 +282,11 @@ void emit_header(const struct model *model, struct text *out)
     text_add(out, "_H\n#define DIPTYCH_GENERATED_");
     c_upper(out, model->pipeline.name);
     text_add(out, "_H\n\n#include \"diptych.h\"\n\n");
+    text_add(out,
+             "#if !DT_TAKES(DT_MAKE_VERSION(%d, %d, %d))\n"
+             "#error \"diptych.h is of another version than the generator of this file\"\n"
+             "#endif\n\n",
+             DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH);
     emit_params(&c);
     emit_structs(&c);
     emit_block(&c);

@@ -473,8 +473,10 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
              "/* ---- One frame. Barriers: resource; stages and writes that are waited for; stages "
              "and accesses that wait; layout ---- */\n\n");
     emit_record(&c);
-    text_add(out, "const struct dt_panel %s_panel = {\n    .pipeline = &%s_pipeline,\n%s%s",
-             pipeline->name, pipeline->name,
+    text_add(out,
+             "const struct dt_panel %s_panel = {\n    .version = DT_MAKE_VERSION(%d, %d, %d),\n    "
+             ".pipeline = &%s_pipeline,\n%s%s",
+             pipeline->name, DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH, pipeline->name,
              pipeline->resource_count ? "    .storage = storage,\n" : "",
              pipeline->pass_count ? "    .programs = programs,\n" : "");
     c_table(&c, "samplers", "sampler_count", tables->panel.sampler_count);

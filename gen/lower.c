@@ -703,6 +703,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     lower_block(&l, &out->pipeline);
     lower_resources(&l, &out->pipeline);
     lower_passes(&l, shaders[BACKEND_VK], &out->pipeline);
+    out->panel.version = DT_VERSION;
     out->panel.pipeline = &out->pipeline;
     lower_storage(&l, &out->panel);
     lower_samplers(&l, &out->panel);

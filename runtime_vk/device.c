@@ -91,7 +91,8 @@ void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatu
                                    .vulkan12 = *vulkan12,
                                    .vulkan13 = *vulkan13};
     for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
-        if (known_features[i].always || panel_needs(shaders->panel, known_features[i].name))
+        if (known_features[i].always || (DT_TAKES(shaders->panel->version) &&
+                                         panel_needs(shaders->panel, known_features[i].name)))
             *feature(&features, i) = VK_TRUE;
     *core = features.core.features;
     *vulkan11 = features.vulkan11;

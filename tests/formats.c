@@ -95,6 +95,7 @@ static bool record(const struct dt_recording *r)
 }
 
 static const struct dt_panel panel = {
+    .version = DT_VERSION,
     .pipeline = &pipeline,
     .storage = storage,
     .programs = programs,

@@ -7,6 +7,7 @@ cd "$root" || exit
 size=(96 64)
 frames=2
 version=$(sed -n 's/^version = //p' build.ninja)
+soversion=$(sed -n 's/^soversion = //p' build.ninja)
 scene=share/diptych/scenes/cornell.yaml
 
 # shellcheck disable=SC2317 # called through check
@@ -58,7 +59,7 @@ only_own_symbols() { # nothing defined but dt_..., no function of the graphics A
         nm -D --defined-only "$file" | awk '{ print $3 }' | grep -v '^dt_' && return 1
         nm -D --undefined-only "$file" | grep -E ' U (vk|gl|egl)[A-Z]' && return 1
         readelf -d "$file" | grep -E 'NEEDED.*(stdc|vulkan|libGL|libEGL|glfw)' && return 1
-        readelf -d "$file" | grep -q "SONAME.*$(basename "$file").0\]" || return
+        readelf -d "$file" | grep -q "SONAME.*$(basename "$file").$soversion\]" || return
     done
     for file in "$installed"/lib/libdiptych_*.a; do
         nm -g --defined-only "$file" | awk 'NF == 3 { print $3 }' | grep -v '^dt_' && return 1
@@ -157,6 +158,8 @@ versions_agree() {
             [ "$program $(pkg-config --modversion "diptych-$name")" = "$("$installed/bin/$program" --version)" ] || return
         done
     done
+    printf '%s\n' "#include <diptych.h>" DT_VERSION_MAJOR.DT_VERSION_MINOR.DT_VERSION_PATCH |
+        cc -E -P "-I$installed/include/diptych" - | tail -n 1 | tr -d ' ' | grep -Fx "$version"
 }
 check "all say the same version" versions_agree
 

@@ -1424,6 +1424,14 @@ static void opengl_tells_wrong_calls(void **state)
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "import_scene");
     REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, 1), "create comes first");
     REFUSED(dt_gl_create(rt, &features_vk), "the shaders are for vk; give features_gl");
+    struct dt_panel newer = features_panel;
+    newer.version = DT_MAKE_VERSION(DT_VERSION_MAJOR, DT_VERSION_MINOR + 1, 2);
+    struct dt_shaders other = features_gl;
+    other.panel = &newer;
+    REFUSED(dt_gl_create(rt, &other),
+            "the pipeline is from diptych-gen 0.2.2, this library is 0.1");
+    newer.version = DT_MAKE_VERSION(DT_VERSION_MAJOR + 1, DT_VERSION_MINOR, 0);
+    REFUSED(dt_gl_create(rt, &other), "generate the pipeline again");
     scene.index_count = 4;
     REFUSED(dt_gl_import_scene(rt, &scene), "4 indices");
     scene = right;

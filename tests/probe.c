@@ -410,6 +410,7 @@ static bool record(const struct dt_recording *r)
 }
 
 const struct dt_panel probe_panel = {
+    .version = DT_VERSION,
     .pipeline = &probe_pipeline,
     .storage = storage,
     .programs = programs,

@@ -18,6 +18,24 @@
 #define _Static_assert static_assert
 #endif
 
+/* ---- Version: semantic, see semver.org ------------------------------------------------------- */
+
+#define DT_MAKE_VERSION(major, minor, patch) ((major)*1000000 + (minor)*1000 + (patch))
+#define DT_VERSION_MAJOR                     0
+#define DT_VERSION_MINOR                     1
+#define DT_VERSION_PATCH                     0
+#define DT_VERSION                           DT_MAKE_VERSION(DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH)
+
+/* Binary interface: the structs and functions of the installed headers, and the tables of generated
+ * code. Before 1.0.0 each minor version may break it, a patch may not; from then on each major
+ * version. The soname has the part that may: libdiptych_vk.so.0.1, later .so.1. A library takes
+ * generated code of its own part, and of no newer minor version; it refuses other code at create.
+ * `backend` and `panel` of struct dt_shaders and `version` of struct dt_panel keep their places. */
+#define DT_TAKES(version)                                                                          \
+    ((version) / 1000000 == DT_VERSION_MAJOR &&                                                    \
+     (DT_VERSION_MAJOR ? (version) / 1000 <= DT_VERSION / 1000                                     \
+                       : (version) / 1000 == DT_VERSION / 1000))
+
 #define DT_ARRAY_COUNT(a) (sizeof(a) / sizeof((a)[0]))
 
 /* ---- Log: the only output of code below the command line ------------------------------------- */

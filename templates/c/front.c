@@ -387,6 +387,13 @@ static bool make(struct dt_core *core, const struct made *before)
 
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders)
 {
+    uint32_t version = shaders->panel->version;
+    if (!DT_TAKES(version))
+        return dt_error(core,
+                        "the pipeline is from diptych-gen %u.%u.%u, this library is %d.%d.%d; "
+                        "generate the pipeline again, with the generator of the library",
+                        version / 1000000, version / 1000 % 1000, version % 1000, DT_VERSION_MAJOR,
+                        DT_VERSION_MINOR, DT_VERSION_PATCH);
     const struct dt_pipeline *pipeline = shaders->panel->pipeline;
     if (strcmp(shaders->backend, core->backend->name) != 0)
         return dt_error(core, "pipeline %s: the shaders are for %s; give %s_%s", pipeline->name,

@@ -245,6 +245,7 @@ struct dt_recording {
 };
 
 struct dt_panel {
+    uint32_t version; /* DT_VERSION of the generator */
     const struct dt_pipeline *pipeline;
     const struct dt_storage *storage;  /* one per resource */
     const struct dt_program *programs; /* one per pass */
