@@ -168,7 +168,7 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     if (!suits(rt, rt->physical, missing, sizeof missing))
         return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another "
-                        "--device",
+                        "device",
                         rt->core.device_name, missing);
     return true;
 }

@@ -133,9 +133,9 @@ bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *p
     for (uint32_t i = 0; i < panel->need_count; i++) {
         const struct dt_need *need = &panel->needs[i];
         if (!has_feature(rt, &features, need->feature))
-            return dt_error(&rt->core, "pass %s: needs %s, which %s does not have; use another %s",
-                            panel->pipeline->passes[need->pass].name, need->feature,
-                            rt->core.device_name, rt->core.hosted ? "device" : "--device");
+            return dt_error(
+                &rt->core, "pass %s: needs %s, which %s does not have; use another device",
+                panel->pipeline->passes[need->pass].name, need->feature, rt->core.device_name);
     }
     return true;
 }

@@ -106,7 +106,7 @@ static bool blends(struct dt_core *core, const char *pass, const struct dt_targe
     return can.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT ||
            dt_error(core,
                     "pass %s: %s does not blend images of the format of %s; use another format, or "
-                    "another --device",
+                    "another device",
                     pass, core->device_name, core->pipeline->resources[target->resource].name);
 }
 

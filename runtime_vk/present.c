@@ -120,10 +120,9 @@ static bool choose_format(struct vk_runtime *rt, VkSurfaceFormatKHR *chosen)
             return true;
         }
     }
-    return dt_error(
-        &rt->core,
-        "window: the surface supports no 8 bit RGBA format; use --backend gl, or another "
-        "--device");
+    return dt_error(&rt->core,
+                    "window: the surface supports no 8 bit RGBA format; use OpenGL, or another "
+                    "device");
 }
 
 static bool make_image(struct vk_runtime *rt, uint32_t index)
@@ -149,10 +148,9 @@ static bool take_images(struct vk_runtime *rt)
     if (!VK(rt, vkGetSwapchainImagesKHR(rt->device, present->swapchain, &count, NULL), "window"))
         return false;
     if (count > VK_MAX_WINDOW_IMAGES)
-        return dt_error(
-            &rt->core,
-            "window: the swapchain has %u images, at most %d are supported; use --backend gl",
-            count, VK_MAX_WINDOW_IMAGES);
+        return dt_error(&rt->core,
+                        "window: the swapchain has %u images, at most %d are supported; use OpenGL",
+                        count, VK_MAX_WINDOW_IMAGES);
     if (!VK(rt, vkGetSwapchainImagesKHR(rt->device, present->swapchain, &count, present->images),
             "window"))
         return false;
@@ -186,7 +184,7 @@ static bool renew(struct vk_runtime *rt, VkResult result)
     return vk_window_can_present(rt, rt->physical, rt->queue_family) ||
            dt_error(&rt->core,
                     "window: %s cannot present to the new surface; start again, or use another "
-                    "--device",
+                    "device",
                     rt->core.device_name);
 }
 

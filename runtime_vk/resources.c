@@ -34,7 +34,7 @@ static bool allocate(struct vk_runtime *rt, VkDeviceMemory *memory, const char *
         return dt_error(
             &rt->core,
             "%s: no memory type of the device suits all resources that share this memory; "
-            "use another --device",
+            "use another device",
             name);
     VkDeviceSize heap = rt->memory.memoryHeaps[rt->memory.memoryTypes[type].heapIndex].size;
     VkDeviceSize limit = heap < rt->max_allocation ? heap : rt->max_allocation;
@@ -224,7 +224,7 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
     if (result == VK_ERROR_FORMAT_NOT_SUPPORTED)
         return dt_error(&rt->core,
                         "image %s: the device does not support VkFormat %d with usage 0x%x; use "
-                        "another format, or another --device",
+                        "another format, or another device",
                         name, (int)create->format, create->usage);
     if (!vk_check(rt, result, "vkGetPhysicalDeviceImageFormatProperties", name))
         return false;

@@ -101,9 +101,9 @@ static char *find_mesh(struct reader *reader, struct fy_node *node, const char *
         reader_report(reader, node, "out of memory");
     else if (!found && !may_lack)
         reader_report(reader, node,
-                      "mesh `%s` not found: looked for %s%s%s; name the folder that holds it with "
-                      "--scenes DIR or in the "
-                      "environment variable DIPTYCH_SCENES%s (the well-known test scenes are at "
+                      "mesh `%s` not found: looked for %s%s%s; name the folder that holds it as "
+                      "folder of scenes, or in the environment variable DIPTYCH_SCENES%s (the "
+                      "well-known test scenes are at "
                       "https://casual-effects.com/data)",
                       name, candidate[0], candidate[1] ? " and " : "",
                       candidate[1] ? candidate[1] : "",

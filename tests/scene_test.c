@@ -811,7 +811,7 @@ static void missing_mesh_says_where_it_looked(void **state)
     const char *words[] = {"lost.yaml:1:7: error:",
                            at("sponza/sponza.obj"),
                            "/no/where/sponza/sponza.obj",
-                           "--scenes",
+                           "folder of scenes",
                            "DIPTYCH_SCENES",
                            "casual-effects.com/data"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
