@@ -368,6 +368,8 @@ static bool neutralise(struct gl_runtime *rt)
     rt->gl.DepthRange(0, 1);
     rt->gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     rt->gl.LineWidth(1);
+    /* a dispatch draws nothing, but Mesa complains of a host's incomplete framebuffer there */
+    rt->gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
     return gl_state_fix(rt);
 }
 

@@ -19,10 +19,12 @@ enum { MAX_PIPELINES = 2 };
 struct pipeline {
     const struct dt_shaders *shaders;
     uint32_t output;
+    uint32_t seam, passes; /* a frame is recorded in two parts, up to the seam and from there on */
 };
 
-static const struct pipeline pipelines[MAX_PIPELINES] = {{&ssvp_gl, SSVP_RESOURCE_DISPLAY},
-                                                         {&rsm_gl, RSM_RESOURCE_DISPLAY}};
+static const struct pipeline pipelines[MAX_PIPELINES] = {
+    {&ssvp_gl, SSVP_RESOURCE_DISPLAY, SSVP_PASS_COMPOSITE, SSVP_PASSES},
+    {&rsm_gl, RSM_RESOURCE_DISPLAY, RSM_PASS_COMPOSITE, RSM_PASSES}};
 
 struct geometry {
     GLuint buffer, indices; /* vertices behind the materials */
@@ -118,7 +120,11 @@ int main(int argc, char **argv)
     }
     for (frame.index = 0; frame.index < frames; frame.index++)
         for (uint32_t i = 0; i < count; i++) {
-            check(dt_gl_record(runtimes[i], &frame, NULL), "a frame");
+            check(dt_gl_record_passes(runtimes[i], &frame, NULL, 0, pipelines[i].seam), "a frame");
+            check_state("a part of a frame");
+            check(dt_gl_record_passes(runtimes[i], NULL, NULL, pipelines[i].seam,
+                                      pipelines[i].passes),
+                  "the rest of a frame");
             check_state("a frame");
         }
     for (uint32_t i = 0; i < count; i++) {
