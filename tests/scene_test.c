@@ -808,12 +808,9 @@ static void missing_mesh_says_where_it_looked(void **state)
     const struct dt_log log = {hear, &heard};
     struct scene scene;
     assert_false(scene_load(&scene, at("lost.yaml"), "/no/where", false, &log));
-    const char *words[] = {"lost.yaml:1:7: error:",
-                           at("sponza/sponza.obj"),
-                           "/no/where/sponza/sponza.obj",
-                           "folder of scenes",
-                           "DIPTYCH_SCENES",
-                           "casual-effects.com/data"};
+    const char *words[] = {
+        "lost.yaml:1:7: error:", at("sponza/sponza.obj"), "/no/where/sponza/sponza.obj",
+        "folder of scenes",      "DIPTYCH_SCENES",        "casual-effects.com/data"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
         if (!strstr(heard.text, words[i]))
             fail_msg("no '%s' in\n%s", words[i], heard.text);
