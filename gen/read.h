@@ -89,7 +89,8 @@ bool is_include(struct fy_node *item);
 
 /* read_group.c: adds a document for each instance; false after an error. */
 bool documents_expand(struct reader *reader);
-bool is_use(struct fy_node *item); /* of a group, or repeated */
+bool is_use(struct fy_node *item);       /* of a group, or repeated, or culled */
+bool has_own_name(struct fy_node *item); /* a pass, also one that is culled */
 /* The name that an entry gets, such as `second.views`; `node`: any of the entry. */
 const char *declared_name(struct reader *reader, struct fy_node *node, const char *name);
 /* The name that a scalar means where it stands; NULL unless a scalar. */

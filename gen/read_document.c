@@ -347,7 +347,7 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
         return NULL;
     }
     while ((item = fy_node_sequence_iterate(list, &iterator))) {
-        const char *text = is_use(item) ? NULL : element_name(reader, item);
+        const char *text = has_own_name(item) ? element_name(reader, item) : NULL;
         if (text && !strcmp(text, setting->segment))
             return item;
     }
@@ -456,11 +456,35 @@ static void apply_path(struct reader *reader, struct setting *setting)
     apply_in_map(reader, setting, root, SECTION_TOP);
 }
 
-/* Whether it may decide which instances there are: a parameter, or a constant of a file. */
+/* Whether the path goes on below the `cull` of a pass of a file, NAME.cull. */
+static bool sets_cull(struct reader *reader, const char *path)
+{
+    const struct document *at = &reader->spec;
+    do {
+        struct fy_node *passes = fy_node_mapping_lookup_value_by_string(fy_document_root(at->yaml),
+                                                                        "passes", FY_NT),
+                       *item;
+        void *iterator = NULL;
+        if (at->scope || !passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
+            continue;
+        while ((item = fy_node_sequence_iterate(passes, &iterator))) {
+            const char *name = element_name(reader, item);
+            size_t length = name ? strlen(name) : 0;
+            if (length && has_own_name(item) && is_culled(item) && !strncmp(path, name, length) &&
+                !strncmp(path + length, ".cull", 5) && strchr(".=", path[length + 5]))
+                return true;
+        }
+    } while ((at = at->next));
+    return false;
+}
+
+/* Whether it may decide which instances there are: a parameter, a constant of a file, or what a draw
+ * keeps. */
 static bool is_early(struct reader *reader, const struct setting *setting)
 {
     size_t ends[3] = {0};
     return is_last(setting) || !strcmp(setting->segment, "params") ||
+           (!strcmp(setting->segment, "passes") && sets_cull(reader, setting->path)) ||
            (!strcmp(setting->segment, "constants") &&
             root_with(reader, "constants", setting->path, ends) && ends[2] && !ends[0]);
 }

@@ -592,6 +592,12 @@ bool is_use(struct fy_node *item)
            (value_of(item, "repeat") || value_of(item, "group") || is_culled(item));
 }
 
+bool has_own_name(struct fy_node *item)
+{
+    return !is_use(item) ||
+           (is_culled(item) && !value_of(item, "repeat") && !value_of(item, "group"));
+}
+
 /* Errors in an unused group go unnoticed. Those of included files may be meant for other specs. */
 static void warn_of_unused_groups(struct reader *reader)
 {

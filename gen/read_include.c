@@ -18,13 +18,13 @@ const struct source *node_source(const struct reader *reader, struct fy_node *no
     return reader->spec.source;
 }
 
-/* Whether the path begins with the entry's name, longer than that of `ends`; see root_with. */
+/* Whether the path begins with the entry's name, no shorter than that of `ends`; see root_with. */
 static bool begins(struct reader *reader, struct fy_node *node, const char *name, const char *path,
                    size_t ends[3])
 {
     const char *full = name ? declared_name(reader, node, name) : NULL;
     size_t length = full ? strlen(full) : 0;
-    if (length <= ends[2] || strncmp(path, full, length) || !strchr(".=", path[length]))
+    if (!length || length < ends[2] || strncmp(path, full, length) || !strchr(".=", path[length]))
         return false;
     ends[0] = (size_t)(strstr(full, name) - full);
     ends[1] = ends[0] + strlen(name);
@@ -50,7 +50,8 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
                     found = root;
         if (value && fy_node_get_type(value) == FYNT_SEQUENCE)
             while ((item = fy_node_sequence_iterate(value, &iterator)))
-                if (!is_use(item) && begins(reader, root, element_name(reader, item), path, ends))
+                if (has_own_name(item) &&
+                    begins(reader, root, element_name(reader, item), path, ends))
                     found = root;
     } while ((at = at->next));
     return found ? found : first ? first : fy_document_root(reader->spec.yaml);

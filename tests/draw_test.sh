@@ -145,6 +145,7 @@ done
 kept=$root/tests/specs/cull.yaml
 check "culled draws agree, validation silent" \
     "$diptych" compare --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --debug --backend gl,vk,gl+glsl
+check "--set reaches what a draw keeps" "$build/diptych-gen" --check "$kept" --set passes.slice.cull.room=5 --set "passes.slice.test.local=[64,1,1]"
 # shellcheck disable=SC2317 # called through check
 culled() { # backend
     local room
