@@ -518,11 +518,12 @@ static void bind_arguments(struct use *use, struct scope *scope, struct fy_node 
             diag_error(reader->diag, node_loc(reader, item), "an argument must be a name");
             continue;
         }
-        struct fy_node *value = with ? value_of(with, name) : NULL;
+        struct fy_node_pair *own =
+            with ? fy_node_mapping_lookup_pair_by_string(with, name, FY_NT) : NULL;
+        struct fy_node *value = own ? fy_node_pair_value(own) : NULL;
         const char *text = node_text(reader, value);
         if (value && (!text || !*text))
-            diag_error(reader->diag,
-                       node_loc(reader, node_loc(reader, value).line ? value : use->item),
+            diag_error(reader->diag, node_loc(reader, text ? fy_node_pair_key(own) : value),
                        "the argument `%s` must be a name or an expression", name);
         else if (!value && (with || !field_given(&use->fields, "with")))
             diag_error(reader->diag, node_loc(reader, use->item),
