@@ -408,6 +408,16 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
     check_defines(c, pass, list, all);
 }
 
+/* As bodies and C see them; see word_of. */
+static bool same_word(const char *a, const char *b)
+{
+    while (*a && (*a == '.' ? '_' : *a) == (*b == '.' ? '_' : *b)) {
+        a++;
+        b++;
+    }
+    return !*a && !*b;
+}
+
 static void check_pass_names(struct checker *c)
 {
     struct pipeline *p = c->pipeline;
@@ -415,7 +425,7 @@ static void check_pass_names(struct checker *c)
         const char *word = word_of(c, p->passes[i].name);
         check_word(c, word, p->passes[i].loc, true);
         for (uint32_t k = 0; k < i; k++)
-            if (!strcmp(word_of(c, p->passes[k].name), word) && strcmp(word, "?")) {
+            if (same_word(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
                 diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
                            p->passes[i].name);
                 diag_note(c->diag, p->passes[k].loc, "first here");

@@ -46,8 +46,8 @@ const char *source_list(struct model *model, const char *path, const char **reas
 struct diag; /* collects; owns nothing of the model */
 struct diag *diag_create(void);
 void diag_free(struct diag *diag);
-/* An error or a warning in an included file gets a note for each include on the way. What several
- * instances of a group have in common is told once. */
+/* An error or a warning in an included file gets a note for each include on the way. An
+ * error in several instances of a group is reported once. */
 void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)

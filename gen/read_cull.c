@@ -34,11 +34,10 @@ static bool add_text(struct fy_node *map, const char *key, const char *text)
                               fy_node_get_meta(map)));
 }
 
-/* Adds the value of a key as the argument, else the fallback. */
-static bool add_argument(struct fy_node *with, const char *name, const struct fields *fields,
-                         const char *key, const char *fallback)
+/* Adds a copy of the value as the argument; NULL: the fallback. */
+static bool add_argument(struct fy_node *with, const char *name, struct fy_node *value,
+                         const char *fallback)
 {
-    struct fy_node *value = field_node(fields, key);
     return value ? add(with, name, fy_node_copy(fy_node_document(with), value))
                  : add_text(with, name, fallback);
 }
@@ -63,26 +62,22 @@ static bool is_word(const struct culled *c, struct fy_node *map, const char *key
 /* The use of the group. */
 static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml)
 {
-    struct fields pass = {.values = {{table_find(SECTION_PASS, "layers"), NULL, NULL},
-                                     {table_find(SECTION_PASS, "when"), NULL, NULL}},
-                          .count = 2};
+    struct fy_node *layers = fy_node_mapping_lookup_value_by_string(c->item, "layers", FY_NT);
+    struct fy_node *when = fy_node_mapping_lookup_value_by_string(c->item, "when", FY_NT);
     struct fy_node *use = placed(fy_node_create_mapping(yaml), c->node);
     struct fy_node *with = placed(fy_node_create_mapping(yaml), c->node);
     bool each = field_node(&c->cull, "each"), light = is_word(c, c->item, "view", "light");
-    for (size_t i = 0; i < pass.count; i++)
-        pass.values[i].value =
-            fy_node_mapping_lookup_value_by_string(c->item, pass.values[i].key->name, FY_NT);
     bool good =
         use && with && add_text(use, "group", each ? "cull_each" : "cull") &&
         add_text(use, "as", c->name) && add(use, "with", with) &&
         (is_word(c, c->node, "keep", "frustum")
              ? add_text(with, "keep", light ? "cull/light_frustum.glsl" : "cull/frustum.glsl")
-             : add_argument(with, "keep", &c->cull, "keep", NULL)) &&
-        (!each || (add_argument(with, "each", &c->cull, "each", NULL) &&
-                   add_argument(with, "cull_layers", &pass, "layers", "1"))) &&
-        add_argument(with, "cull_room", &c->cull, "room", "1048576") &&
-        add_argument(with, "cull_most", &c->cull, "most", "1048576") &&
-        add_argument(with, "cull_when", &pass, "when", "1");
+             : add_argument(with, "keep", field_node(&c->cull, "keep"), NULL)) &&
+        (!each || (add_argument(with, "each", field_node(&c->cull, "each"), NULL) &&
+                   add_argument(with, "cull_layers", layers, "1"))) &&
+        add_argument(with, "cull_room", field_node(&c->cull, "room"), "1048576") &&
+        add_argument(with, "cull_most", field_node(&c->cull, "most"), "1048576") &&
+        add_argument(with, "cull_when", when, "1");
     return good ? use : NULL;
 }
 
@@ -115,12 +110,12 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
 
 /* Appends a document with these passes. */
 static struct scope *add_passes(struct use *use, struct fy_document *yaml, struct fy_node *first,
-                                struct fy_node *second, const char *label)
+                                struct fy_node *second)
 {
     struct fy_node *list = fy_node_create_sequence(yaml), *root = fy_node_create_mapping(yaml);
     bool good = first && list && root && !fy_node_sequence_append(list, first) &&
                 (!second || !fy_node_sequence_append(list, second)) && add(root, "passes", list);
-    return add_instance(use, yaml, good ? root : NULL, use->item, label);
+    return add_instance(use, yaml, good ? root : NULL, use->item, NULL);
 }
 
 /* False after an error. */
@@ -156,10 +151,9 @@ bool expand_cull(struct use *use)
         return true;
     struct fy_document *lists = fy_document_create(NULL), *whole = fy_document_create(NULL);
     struct scope *scope =
-        lists ? add_passes(use, lists, make_use(&c, lists), make_draw(&c, lists, false), NULL)
-              : NULL;
+        lists ? add_passes(use, lists, make_use(&c, lists), make_draw(&c, lists, false)) : NULL;
     struct scope *rest =
-        scope && whole ? add_passes(use, whole, make_draw(&c, whole, true), NULL, NULL) : NULL;
+        scope && whole ? add_passes(use, whole, make_draw(&c, whole, true), NULL) : NULL;
     if (rest)
         scope_hide(rest);
     return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0", c.node) &&

@@ -121,8 +121,9 @@ struct setting {
     const char *path; /* the rest of the path */
     const char *value;
     char segment[128];
-    int column;        /* of the segment */
-    size_t take, skip; /* length of the next segment, if it has dots, and of what follows it */
+    int column; /* of the segment */
+    /* Bytes of the next segment if it contains dots, and of an instance's number behind it; else 0. */
+    size_t take, skip;
 };
 
 static struct loc setting_loc(const struct setting *setting, int column, size_t length)

@@ -63,7 +63,7 @@ static void add_scalar_type(struct text *out, const struct key *key)
             "\"string\"}, \"minItems\": 1, \"maxItems\": 2}]}",
         [KEY_BOOL] = "{\"type\": \"boolean\"}",
         [KEY_MEMBER] = "{\"type\": \"string\", \"pattern\": "
-                       "\"^[A-Za-z_][A-Za-z0-9_]*(\\\\.[A-Za-z_][A-Za-z0-9_]*)?$\"}",
+                       "\"^[A-Za-z_][A-Za-z0-9_]*(\\\\.[A-Za-z0-9_]+)*$\"}",
         [KEY_NUMBER] = "{\"type\": \"number\"}",
         [KEY_AMOUNT] =
             "{\"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, {\"type\": \"string\", "

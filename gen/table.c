@@ -167,7 +167,7 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "The draw itself draws the lists from the buffers NAME.draws and NAME.indices; NAME.whole "
          "draws the scene for layers whose list has no room. In bodies of the two draws `whole` is "
          "0 and 1. At most 64 layers.",
-         "{keep: ssvp/keeps_triangle.glsl, each: views, room: 4096}"},
+         "{keep: keeps_triangle.glsl, each: views, room: 4096}"},
     [SECTION_DEPTH_BIAS] = {"a depth bias", "passes[].depth_bias", "depth_bias",
                             "What is added to the depth of triangles, against shadows of a surface "
                             "on itself: constant * r + slope * the largest change of depth from "
@@ -453,11 +453,11 @@ const struct key table_keys[] = {
      "last argument is missing. It may use the frame, parameters and `element`. `frustum`: what "
      "the "
      "view can see.",
-     "ssvp/keeps_triangle.glsl"},
+     "keeps_triangle.glsl"},
     {SECTION_CULL, "each", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "one list",
      "Buffer with an element for each layer: a list for each.", "views"},
     {SECTION_CULL, "room", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1048576",
-     "Triangles that a list may have, on average over the layers.", "map_triangles"},
+     "Triangles that a list may have, on average over the layers.", "4096"},
     {SECTION_CULL, "most", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1048576",
      "Triangles of the largest scene that is culled; larger ones are drawn whole.", "65536"},
     {SECTION_CULL, "faces", KEY_CHOICE, SECTION_NONE, "none|back|front", OPTIONAL, "none",

@@ -86,19 +86,9 @@ bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const voi
 bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
                       const struct dt_gl_range *range, uint64_t least)
 {
-    uint64_t alignment = rt->buffer_alignment, most = rt->core.limits.storage_bytes;
-    alignment = alignment < 4 ? 4 : alignment; /* of indirect draws and fills */
-    if (!range->buffer || range->size < least || range->offset % alignment)
-        return dt_error(
-            &rt->core,
-            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
-            "are needed",
-            name, (unsigned long long)range->size, (unsigned long long)range->offset,
-            (unsigned long long)least, (unsigned long long)alignment);
-    if (range->size > most)
-        return dt_error(&rt->core, "%s: %llu bytes, but %s binds at most %llu; import fewer", name,
-                        (unsigned long long)range->size, rt->core.device_name,
-                        (unsigned long long)most);
+    uint64_t size = range->buffer ? range->size : 0;
+    if (!dt_front_range(&rt->core, name, range->offset, size, least, rt->buffer_alignment))
+        return false;
     *buffer = (struct gl_buffer){.name = name,
                                  .handle = range->buffer,
                                  .size = (GLsizeiptr)range->size,

@@ -86,18 +86,9 @@ bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, con
     VkDeviceSize alignment = rt->properties.limits.minStorageBufferOffsetAlignment;
     if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
         alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
-    alignment = alignment < 4 ? 4 : alignment; /* of indirect draws and fills */
-    if (!range->buffer || range->size < least || range->offset % alignment)
-        return dt_error(
-            &rt->core,
-            "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of %llu "
-            "are needed",
-            name, (unsigned long long)range->size, (unsigned long long)range->offset,
-            (unsigned long long)least, (unsigned long long)alignment);
-    if (range->size > rt->core.limits.storage_bytes)
-        return dt_error(
-            &rt->core, "%s: %llu bytes, but the device binds at most %llu; import fewer", name,
-            (unsigned long long)range->size, (unsigned long long)rt->core.limits.storage_bytes);
+    VkDeviceSize size = range->buffer ? range->size : 0;
+    if (!dt_front_range(&rt->core, name, range->offset, size, least, alignment))
+        return false;
     *buffer = (struct vk_buffer){.name = name,
                                  .handle = range->buffer,
                                  .offset = range->offset,

@@ -529,6 +529,22 @@ bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, 
     return true;
 }
 
+bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offset, uint64_t size,
+                    uint64_t least, uint64_t alignment)
+{
+    uint64_t most = core->limits.storage_bytes;
+    alignment = alignment < 4 ? 4 : alignment; /* of indirect draws and fills */
+    if (size < least || offset % alignment)
+        return dt_error(core,
+                        "%s: %llu bytes at offset %llu given; at least %llu bytes at a multiple of "
+                        "%llu are needed",
+                        name, (unsigned long long)size, (unsigned long long)offset,
+                        (unsigned long long)least, (unsigned long long)alignment);
+    return size <= most ||
+           dt_error(core, "%s: %llu bytes, but %s binds at most %llu; import fewer", name,
+                    (unsigned long long)size, core->device_name, (unsigned long long)most);
+}
+
 bool dt_front_import_scene(struct dt_core *core, uint32_t index_count)
 {
     core->sized = false; /* programs are connected with the former scene until the next resize */

@@ -164,6 +164,10 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
 /* Checks that the pipeline has this image or buffer, which a host chooses something for; requires
  * create. A resize must follow. `verb`: in messages. */
 bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, uint32_t resource);
+/* Whether a host's range of a buffer can be bound as `name`, which needs `least` bytes. `alignment`: the
+ * device's, in bytes. */
+bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offset, uint64_t size,
+                    uint64_t least, uint64_t alignment);
 /* Whether a host may use the resource's object: its content outlasts the passes. */
 bool dt_front_take(const struct dt_core *core, uint32_t resource, struct dt_bytes *shape);
 /* Whether these bytes may replace the mip's content. */
