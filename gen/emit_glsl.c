@@ -457,7 +457,8 @@ static bool add_library(struct glsl *glsl)
     for (size_t i = 0; ok && i < DT_ARRAY_COUNT(from_the_end); i++)
         ok = glsl_library(glsl, from_the_end[i], layout.data);
     ok = ok && glsl_library(glsl, "frame", layout.data) &&
-         (glsl->pipeline->fast || glsl_library(glsl, "exact", layout.data));
+         (glsl->pipeline->fast ||
+          (glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data)));
     text_free(&layout);
     return ok;
 }

@@ -77,6 +77,8 @@ bool glsl_ranges(struct glsl *glsl);
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);
 bool glsl_check_accesses(struct glsl *glsl);
+/* Statements that round the colour targets to what their formats hold; false: none needs it. */
+bool glsl_round_targets(const struct glsl *glsl, struct text *out);
 /* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
 bool glsl_check_precise(const struct glsl *glsl);
 /* glsl_product.c: makes products with matrices calls, in the text of a whole stage. head: length of

@@ -21,6 +21,26 @@ static struct format_names format_names(enum dt_format format)
     return (struct format_names){info->storage ? layout : NULL, prefix};
 }
 
+/* The call of templates/glsl/store.glsl that rounds for the format, up to the value, and what follows
+ * it. NULL: 32 bits, integers, and conversions that only drivers have. */
+static const char *rounding(enum dt_format format, const char **tail)
+{
+    const char *name = format_info(format)->name;
+    *tail = strstr(name, "_snorm") ? ", vec4(32767.0), vec4(1.0 / 32767.0))"
+            : format == DT_FORMAT_RGB10A2
+                ? ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
+                  "vec4(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 3.0))"
+            : strstr(name, "16f") || format == DT_FORMAT_R11G11B10F ? ")"
+            : strstr(name, "16") ? ", vec4(65535.0), vec4(1.0 / 65535.0))"
+                                 : ", vec4(255.0), vec4(1.0 / 255.0))";
+    if (format_info(format)->integer || strstr(name, "32f") || strstr(name, "srgb"))
+        return NULL;
+    return strstr(name, "_snorm")           ? "store_snorm("
+           : strstr(name, "16f")            ? "store_half("
+           : format == DT_FORMAT_R11G11B10F ? "store_r11g11b10("
+                                            : "store_unorm(";
+}
+
 static bool is_image(const struct access *access)
 {
     return access->resource && access->resource->kind == DT_IMAGE;
@@ -165,9 +185,11 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
-    text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, value);\n}\n\n",
+    const char *tail, *call = glsl->pipeline->fast ? NULL : rounding(image->format, &tail);
+    text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, %svalue%s);\n}\n\n",
              access_word(access), is_layered(access) ? "ivec3" : "ivec2",
-             format_names(image->format).prefix, variable_name(glsl, access));
+             format_names(image->format).prefix, variable_name(glsl, access), call ? call : "",
+             call ? tail : "");
 }
 
 /* The names are those of GLSL's functions for elements of buffers, which also give the former value. */
@@ -330,6 +352,22 @@ static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text
                  elements[builtin], names[builtin]);
     else
         text_add(out, ") uniform sampler2DArray %s;\n", names[builtin]);
+}
+
+bool glsl_round_targets(const struct glsl *glsl, struct text *out)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pipeline->fast; i++) {
+        const struct access *access = &glsl->pass->accesses[i];
+        if (!is_image(access) || !(access->kind & ACCESS_COLOR) || access->attachment < 0)
+            continue;
+        const char *tail, *call = rounding(access->resource->format, &tail);
+        if (!call)
+            continue;
+        any = true;
+        text_add(out, "    %s = %s%s%s;\n", access_word(access), call, access_word(access), tail);
+    }
+    return any;
 }
 
 static void add_targets(struct glsl *glsl, struct text *out)

@@ -276,6 +276,19 @@ static void rename_for_exactness(struct text *text)
         rename_words(text, &renamings[i], true);
 }
 
+/* Rounds the colour targets where the body's main has returned. Blending reads what is stored, so a
+ * target that is blended is rounded by the driver all the same. */
+static void round_targets(struct glsl *glsl)
+{
+    static const struct renaming main_to_body = {"main", "pass_main"};
+    struct text statements = {0}, *body = &glsl->parts[PART_BODY];
+    if (glsl_round_targets(glsl, &statements)) {
+        rename_words(body, &main_to_body, true);
+        text_add(body, "\nvoid main()\n{\n    pass_main();\n%s}\n", statements.data);
+    }
+    text_free(&statements);
+}
+
 static bool is_subgroup(struct token token)
 {
     static const char *const starts[] = {"gl_Subgroup", "gl_NumSubgroups", "subgroup"};
@@ -308,6 +321,8 @@ bool glsl_body(struct glsl *glsl)
         rename_for_exactness(&glsl->parts[PART_BODY]);
     if (glsl->backend == BACKEND_GL && glsl->stage == STAGE_IS_VERTEX)
         rename_for_opengl(&glsl->parts[PART_BODY], glsl->pass->indirect_resource != NULL);
+    if (glsl->stage == STAGE_IS_FRAGMENT)
+        round_targets(glsl);
     return true;
 }
 

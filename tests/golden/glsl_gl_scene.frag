@@ -4,6 +4,28 @@
 #define OPENGL
 #define EXACT
 
+/* Float formats of 5 bits of exponent and 23 - 13 = 10 (half), 6 or 5 bits of mantissa. `shift` is
+ * 23 less the bits of the mantissa, at its place in the exponent. Adding and subtracting a power of
+ * two whose last bit is the result's last bit rounds. Takes and returns the bits of magnitudes. */
+uvec4 store_round(precise uvec4 bits, precise uvec4 shift)
+{
+    precise vec4 grid = uintBitsToFloat(max(bits & 0x7f800000u, uvec4(0x38800000u)) + shift);
+    precise vec4 sum = uintBitsToFloat(bits) + grid;
+    precise vec4 rounded = sum - grid;
+    { precise uvec4 result = floatBitsToUint(rounded); return result; }
+}
+
+/* Finite values beyond the largest, 65504: the largest, as not every driver stores an infinity. */
+vec4 store_half(precise vec4 value)
+{
+    precise uvec4 bits = floatBitsToUint(value);
+    precise uvec4 magnitude = bits & 0x7fffffffu;
+    precise uvec4 rounded = store_round(magnitude, uvec4(13u << 23));
+    rounded = mix(rounded, uvec4(0x477fe000u), greaterThan(magnitude, uvec4(0x477fe000u)));
+    rounded = mix(rounded, magnitude, greaterThanEqual(magnitude, uvec4(0x7f800000u)));
+    { precise vec4 result = uintBitsToFloat(rounded | (bits & 0x80000000u)); return result; }
+}
+
 /* struct dt_material of diptych.h. */
 struct SceneMaterial {
     vec3 albedo;       /* linear, 0..1; multiplies the texture */
@@ -27,7 +49,13 @@ vec4 scene_texture(precise vec2 uv, precise int layer)
 
 #line 11 1
 layout(location = 0) in vec3 normal;
-void main()
+void pass_main()
 {
     color = scene_texture(normal.xy, scene_materials[0].texture_layer);
+}
+
+void main()
+{
+    pass_main();
+    color = store_half(color);
 }
