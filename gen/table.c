@@ -216,8 +216,9 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "{that: clusters <= 64, level: error, message: \"{clusters} clusters are too many\"}"},
     [SECTION_CONTRACTS] =
         {"`contracts`", "contracts", "contracts",
-         "How far the two backends may differ: the same bits, or within a tolerance. NaN and "
-         "infinity never pass.",
+         "How far the two backends may differ: the same bits, or within a tolerance. A denormal "
+         "float counts as a zero of its sign, since drivers may flush it. NaN and infinity never "
+         "pass.",
          "default: exact"},
     [SECTION_CONTRACT] = {"a contract", "contracts.NAME", "contract",
                           "A tolerance: exactly one of the keys, but for `margin`, which stands "

@@ -99,6 +99,21 @@ static void zeros_of_either_sign_differ_exactly(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
 }
 
+static void denormals_count_as_zero(void **state)
+{
+    (void)state;
+    float left[ELEMENTS][4] = {{0x1p-127f, -0x1p-149f, 0}};
+    float right[ELEMENTS][4] = {{0, -0.0f, 0x1p-130f}};
+    float other[ELEMENTS][4] = {{0, 0x1p-149f, 0}};
+    float least[ELEMENTS][4] = {{0x1p-126f, -0.0f, 0}};
+    struct difference difference = compare(EXACT, left, right);
+    assert_int_equal(difference_verdict(&difference), VERDICT_EQUAL);
+    difference = compare(EXACT, left, other); /* another sign */
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+    difference = compare(EXACT, least, right); /* not denormal */
+    assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
+}
+
 static void tolerances_are_kept(void **state)
 {
     (void)state;
@@ -464,6 +479,7 @@ int main(void)
         cmocka_unit_test(exact_sees_the_last_bit),
         cmocka_unit_test(zeros_of_either_sign_differ_exactly),
         cmocka_unit_test(tolerances_are_kept),
+        cmocka_unit_test(denormals_count_as_zero),
         cmocka_unit_test(ulps_go_through_zero),
         cmocka_unit_test(nan_never_passes),
         cmocka_unit_test(nan_is_found_anywhere),

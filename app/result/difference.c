@@ -57,6 +57,14 @@ static bool any_not_finite(enum number_kind kind, const uint8_t *data, size_t si
     return found & carry;
 }
 
+/* Drivers may flush denormals, where they keep or where they compute them: each counts as a zero of its
+ * sign. */
+static uint32_t flushed(enum number_kind kind, uint32_t bits)
+{
+    bool denormal = kind == NUMBER_FLOAT && !(bits & 0x7f800000u);
+    return denormal ? bits & 0x80000000u : bits;
+}
+
 /* ---- One number ------------------------------------------------------------------------------ */
 
 /* Floats in order of value become integers in order: neighbours are 1 apart, -0 and +0 are the
@@ -148,7 +156,9 @@ static void add_element(struct difference *difference, const struct frame *frame
             pair.bits[i] = number_bits(component->kind, frame->copies[i].data + at);
             odd |= not_finite(component->kind, pair.bits[i]);
         }
-        if (pair.bits[0] == pair.bits[1] && !odd)
+        bool same =
+            flushed(component->kind, pair.bits[0]) == flushed(component->kind, pair.bits[1]);
+        if (same && !odd)
             continue;
         for (int i = 0; i < 2; i++)
             pair.values[i] = number_value(component->kind, frame->copies[i].data + at);
@@ -159,7 +169,7 @@ static void add_element(struct difference *difference, const struct frame *frame
         if (!difference->worst.valid || pair.error > difference->worst.error)
             difference->worst = pair;
         difference->not_finite += odd;
-        differs |= pair.bits[0] != pair.bits[1];
+        differs |= !same;
         beyond |= odd || is_beyond(frame->contract, pair.error);
     }
     difference->differing += differs;

@@ -50,8 +50,8 @@ struct difference {
     uint32_t flip_count;
 };
 
-/* Compares the copies of one frame. Only declared fields count, not padding. NaN and Inf always
- * fail, also with equal bits. False when out of memory. */
+/* Compares the copies of one frame. Only declared fields count, not padding. A denormal float counts as
+ * a zero of its sign. NaN and Inf always fail, also with equal bits. False when out of memory. */
 bool difference_measure(struct difference *difference, const struct dt_resource *resource,
                         uint32_t frame, const struct dt_bytes copies[2]);
 
