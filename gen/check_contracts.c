@@ -179,6 +179,16 @@ static void resolve_margin(struct checker *c, struct resource *resource)
     check_margin_writer(c, resource, margin);
 }
 
+/* Whether a scene draw writes the image. */
+static bool is_drawn(const struct checker *c, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        if (c->pipeline->passes[i].kind == PASS_SCENE &&
+            pass_writes(&c->pipeline->passes[i], resource))
+            return true;
+    return false;
+}
+
 void check_contracts(struct checker *c)
 {
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
@@ -186,6 +196,9 @@ void check_contracts(struct checker *c)
         if (resource->contract.allowed.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
             diag_error(c->diag, resource->contract.loc,
                        "`image` is for images, and `%s` is a buffer; use `abs`", resource->name);
+        if (resource->contract.allowed.kind == DT_CONTRACT_RASTER && !is_drawn(c, resource))
+            diag_error(c->diag, resource->contract.loc,
+                       "`raster` is for images of scene draws; none writes `%s`", resource->name);
         if (resource->contract.allowed.kind != DT_CONTRACT_FLIPS)
             continue;
         check_flips(c, resource);

@@ -180,9 +180,10 @@ static void emit_params(const struct c_output *c)
 static void emit_contract(const struct c_output *c, const struct dt_contract *contract)
 {
     static const char *const kinds[] = {
-        [DT_CONTRACT_EXACT] = "DT_CONTRACT_EXACT", [DT_CONTRACT_ULP] = "DT_CONTRACT_ULP",
-        [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",     [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
-        [DT_CONTRACT_IMAGE] = "DT_CONTRACT_IMAGE", [DT_CONTRACT_FLIPS] = "DT_CONTRACT_FLIPS",
+        [DT_CONTRACT_EXACT] = "DT_CONTRACT_EXACT",   [DT_CONTRACT_ULP] = "DT_CONTRACT_ULP",
+        [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",       [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
+        [DT_CONTRACT_IMAGE] = "DT_CONTRACT_IMAGE",   [DT_CONTRACT_FLIPS] = "DT_CONTRACT_FLIPS",
+        [DT_CONTRACT_RASTER] = "DT_CONTRACT_RASTER",
     };
     text_add(c->out, ",\n        .contract = {.kind = %s", kinds[contract->kind]);
     if (contract->kind != DT_CONTRACT_EXACT) {

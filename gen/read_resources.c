@@ -338,7 +338,7 @@ static void read_image_contract(struct reader *reader, struct fy_node *node, str
 
 static struct contract read_contract(struct reader *reader, const struct named *named)
 {
-    static const char *const kinds[] = {"ulp", "abs", "rel", "image", "flips"};
+    static const char *const kinds[] = {"ulp", "abs", "rel", "image", "flips", "raster"};
     struct contract contract = {.allowed = {.margin_field = -1}, .loc = named->loc};
     struct dt_contract *allowed = &contract.allowed;
     struct fields fields;
@@ -356,6 +356,8 @@ static struct contract read_contract(struct reader *reader, const struct named *
             read_image_contract(reader, field_node(&fields, "image"), contract.loc, allowed);
         else
             allowed->tolerance = read_tolerance(reader, &fields, kinds[i]);
+        if (allowed->kind == DT_CONTRACT_RASTER && allowed->tolerance > 1)
+            diag_error(reader->diag, contract.loc, "a share is 0 to 1, or 0%% to 100%%");
     }
     contract.margin = field_text(reader, &fields, "margin");
     contract.margin_loc = field_loc(reader, &fields, "margin");
@@ -363,7 +365,7 @@ static struct contract read_contract(struct reader *reader, const struct named *
         diag_error(reader->diag, contract.margin_loc, "`margin` is only allowed beside `flips`");
     if (found != 1 && fields.count == found + !!contract.margin)
         diag_error(reader->diag, named->loc,
-                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`");
+                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`, `raster`");
     return contract;
 }
 
@@ -414,7 +416,9 @@ void read_contracts(struct reader *reader, const struct fields *top)
         if (contract.allowed.kind >= DT_CONTRACT_IMAGE) {
             diag_error(reader->diag, contract.loc,
                        "`default` cannot have `%s`; set it for single resources",
-                       contract.allowed.kind == DT_CONTRACT_IMAGE ? "image" : "flips");
+                       contract.allowed.kind == DT_CONTRACT_IMAGE   ? "image"
+                       : contract.allowed.kind == DT_CONTRACT_FLIPS ? "flips"
+                                                                    : "raster");
             continue;
         }
         for (uint32_t k = 0; k < pipeline->resource_count; k++)

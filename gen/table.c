@@ -679,6 +679,14 @@ const struct key table_keys[] = {
      "Of integers that name things, like labels: elements that may have another value, in a frame. "
      "Each is reported.",
      "1"},
+    {SECTION_CONTRACT, "raster", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Of images that a scene draw writes: share of the texels that may differ, all of them at an "
+     "edge: on either side a neighbour shows another triangle. Triangles are told apart by the "
+     "draw's integer image, taken for their numbers, else by coverage. Of depth only coverage "
+     "counts. `compare` then judges each pass on equal inputs. Between drivers of different makers "
+     "all exact images of scene draws "
+     "have `raster: 1%`.",
+     "0.1%"},
     {SECTION_CONTRACT, "margin", KEY_MEMBER, SECTION_NONE, NULL, OPTIONAL, "none",
      "flips: a buffer of float, or a float field of one, `BUFFER.FIELD`, that holds for every "
      "element how narrowly it was decided; written by the pass that writes the labels.",

@@ -13,6 +13,7 @@
 #include <cjson/cJSON.h>
 
 #include "app/result/difference.h"
+#include "app/result/edges.h"
 
 static const char *const labels[2] = {"gl", "vk"};
 
@@ -266,6 +267,98 @@ static void outliers_are_counted(void **state)
     assert_int_equal(difference.beyond, ALLOWED + 1);
 }
 
+/* ---- Draws ----------------------------------------------------------------------------------- */
+
+enum { SIDE = 8, LAYERS = 2, DRAWN = SIDE * SIDE * LAYERS };
+
+static struct dt_bytes drawn(const void *texels)
+{
+    return (struct dt_bytes){
+        .data = (uint8_t *)texels, .size = DRAWN * 4, .extent = {SIDE, SIDE, LAYERS}};
+}
+
+static struct difference compare_draws(enum dt_format format, const void *left, const void *right,
+                                       const bool *edges)
+{
+    const struct dt_resource resource = {
+        .name = "i",
+        .kind = DT_IMAGE,
+        .format = format,
+        .layered = true,
+        .contract = {.kind = DT_CONTRACT_RASTER, .tolerance = 3.0 / DRAWN}};
+    const struct dt_bytes copies[2] = {drawn(left), drawn(right)};
+    struct difference difference;
+    assert_true(difference_measure_draw(&difference, &resource, 0, copies, edges));
+    return difference;
+}
+
+/* Layer 0 has triangle 1 on the left and 2 on the right of x = 3.5; layer 1 has one triangle. */
+static void draws_may_differ_at_edges(void **state)
+{
+    (void)state;
+    uint32_t left[DRAWN], right[DRAWN];
+    for (int i = 0; i < DRAWN; i++)
+        left[i] = i >= SIDE * SIDE ? 7 : i % SIDE < 4 ? 1 : 2;
+    const struct dt_resource numbers = {.kind = DT_IMAGE, .format = DT_FORMAT_R32UI};
+    const struct {
+        uint32_t x, y, layer;
+        bool edge;
+    } cases[] = {
+        {3, 0, 0, true}, {4, 7, 0, true}, {2, 3, 0, false}, {5, 3, 0, false}, {3, 3, 1, false}};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        bool *edges;
+        const struct dt_bytes same[2] = {drawn(left), drawn(left)};
+        assert_true(edges_find(&edges, &numbers, same));
+        uint32_t at = (cases[i].layer * SIDE + cases[i].y) * SIDE + cases[i].x;
+        memcpy(right, left, sizeof right);
+        right[at] += 3;
+        struct difference difference = compare_draws(DT_FORMAT_R32UI, left, right, edges);
+        assert_int_equal(difference_verdict(&difference),
+                         cases[i].edge ? VERDICT_WITHIN : VERDICT_DIFFERS);
+        assert_int_equal(difference.differing, 1);
+        assert_int_equal(difference.at_edges, cases[i].edge);
+        free(edges);
+    }
+    /* an edge of either copy counts */
+    bool *edges;
+    memcpy(right, left, sizeof right);
+    right[SIDE * SIDE] = 8;
+    const struct dt_bytes copies[2] = {drawn(left), drawn(right)};
+    assert_true(edges_find(&edges, &numbers, copies));
+    struct difference difference = compare_draws(DT_FORMAT_R32UI, left, right, edges);
+    assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
+    free(edges);
+    /* at most the share */
+    const struct dt_bytes same[2] = {drawn(left), drawn(left)};
+    assert_true(edges_find(&edges, &numbers, same));
+    memcpy(right, left, sizeof right);
+    for (int y = 0; y < 4; y++) {
+        right[y * SIDE + 3] = 2;
+        difference = compare_draws(DT_FORMAT_R32UI, left, right, edges);
+        assert_int_equal(difference_verdict(&difference), y < 3 ? VERDICT_WITHIN : VERDICT_DIFFERS);
+    }
+    free(edges);
+}
+
+static void of_depth_only_coverage_counts(void **state)
+{
+    (void)state;
+    float left[DRAWN], right[DRAWN];
+    for (int i = 0; i < DRAWN; i++)
+        left[i] = i % SIDE < 4 ? 1.0f : 0.5f;
+    const struct dt_resource depth = {.kind = DT_IMAGE, .format = DT_FORMAT_D32F};
+    const struct dt_bytes copies[2] = {drawn(left), drawn(right)};
+    for (int x = 1; x < SIDE; x++) {
+        bool *edges;
+        memcpy(right, left, sizeof right);
+        right[x] = x < 4 ? 0.5f : 0.75f;
+        assert_true(edges_find(&edges, &depth, copies));
+        struct difference difference = compare_draws(DT_FORMAT_D32F, left, right, edges);
+        assert_int_equal(difference_verdict(&difference), x < 4 ? VERDICT_WITHIN : VERDICT_EQUAL);
+        free(edges);
+    }
+}
+
 static void sizes_must_match(void **state)
 {
     (void)state;
@@ -484,6 +577,8 @@ int main(void)
         cmocka_unit_test(nan_never_passes),
         cmocka_unit_test(nan_is_found_anywhere),
         cmocka_unit_test(outliers_are_counted),
+        cmocka_unit_test(draws_may_differ_at_edges),
+        cmocka_unit_test(of_depth_only_coverage_counts),
         cmocka_unit_test(sizes_must_match),
         cmocka_unit_test(layers_are_named),
         cmocka_unit_test(halves_read_back),

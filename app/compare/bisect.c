@@ -107,7 +107,8 @@ char *bisect(const struct replay *replay, uint32_t guilty, const char *const dev
                                   .inputs = calloc(inputs + 1, sizeof(struct dt_bytes)),
                                   .outputs = {calloc(outputs, sizeof(struct dt_bytes)),
                                               calloc(outputs, sizeof(struct dt_bytes))}};
-    const struct replay_viewer viewer = {keep_input, keep_output, &gathering};
+    const struct replay_viewer viewer = {
+        .input = keep_input, .output = keep_output, .user = &gathering};
     char *text = NULL;
     if (!gathering.inputs || !gathering.outputs[0] || !gathering.outputs[1])
         report_error(gathering.log, "out of memory");

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "result/edges.h"
 
 /* ---- The second run -------------------------------------------------------------------------- */
 
@@ -33,6 +34,22 @@ static bool show_output(const struct rows *rows, struct source sources[2], uint3
            (!viewer->output || viewer->output(viewer->user, index, copies));
 }
 
+static bool show_edges(const struct rows *rows, struct source sources[2], uint32_t pass,
+                       const struct replay_viewer *viewer)
+{
+    const struct dt_pass *draw = &rows->pipeline->passes[pass];
+    struct row row = {.pass = pass, .resource = edges_resource(rows->pipeline, draw)};
+    struct dt_bytes copies[2];
+    if (!viewer->edges || draw->kind != DT_PASS_DRAW_SCENE)
+        return true;
+    if (row.resource == UINT16_MAX)
+        return viewer->edges(viewer->user, NULL, NULL);
+    return source_ask(&sources[0], &row) && source_ask(&sources[1], &row) &&
+           source_take(&sources[0], &row, &copies[0]) &&
+           source_take(&sources[1], &row, &copies[1]) &&
+           viewer->edges(viewer->user, &rows->pipeline->resources[row.resource], copies);
+}
+
 static bool replay_pass(const struct replay *replay, struct source sources[2], uint32_t pass,
                         const struct replay_viewer *viewer)
 {
@@ -46,6 +63,8 @@ static bool replay_pass(const struct replay *replay, struct source sources[2], u
         if (!hand_over(sources, &rows->inputs.list[i], viewer))
             return false;
     if (!advance(sources, (struct worker_place){WORKER_AFTER_PASS, replay->frame, pass}))
+        return false;
+    if (!show_edges(rows, sources, pass, viewer))
         return false;
     for (uint32_t i = outputs[pass]; i < outputs[pass + 1]; i++)
         if (!show_output(rows, sources, i, viewer))
@@ -103,18 +122,46 @@ struct judge {
     const struct first_run *first;
     bool repeated;    /* the first side's second run equals its first so far */
     uint32_t strayed; /* the first row that differed */
+    bool *edges;      /* of the scene draw at hand; NULL: none */
 };
+
+static bool keep_edges(void *user, const struct dt_resource *resource,
+                       const struct dt_bytes copies[2])
+{
+    struct judge *judge = user;
+    free(judge->edges);
+    judge->edges = NULL;
+    bool good = !resource || edges_find(&judge->edges, resource, copies);
+    if (!good)
+        report_error(&judge->replay->console->log, "out of memory");
+    return good;
+}
+
+/* The contract in force: between strangers a scene draw's images need not be exact. */
+static struct dt_resource in_force(const struct judge *judge, const struct row *row)
+{
+    static const double default_share = 0.01;
+    const struct dt_pipeline *pipeline = judge->replay->rows->pipeline;
+    struct dt_resource resource = pipeline->resources[row->resource];
+    if (judge->replay->strangers && resource.contract.kind == DT_CONTRACT_EXACT &&
+        resource.kind == DT_IMAGE && pipeline->passes[row->pass].kind == DT_PASS_DRAW_SCENE)
+        resource.contract =
+            (struct dt_contract){.kind = DT_CONTRACT_RASTER, .tolerance = default_share};
+    return resource;
+}
 
 static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
 {
     struct judge *judge = user;
-    const struct rows *rows = judge->replay->rows;
-    const struct dt_resource *resource =
-        &rows->pipeline->resources[rows->outputs.list[index].resource];
+    const struct row *row = &judge->replay->rows->outputs.list[index];
+    const struct dt_resource resource = in_force(judge, row);
+    const bool *edges =
+        resource.contract.kind == DT_CONTRACT_RASTER && !row->mip ? judge->edges : NULL;
     struct dt_bytes bytes = copies[0];
     uint64_t hash = 0;
-    if (!difference_measure(&judge->blame->own[index], resource, judge->replay->frame, copies) ||
-        !fingerprint(resource, &bytes, &hash)) {
+    if (!difference_measure_draw(&judge->blame->own[index], &resource, judge->replay->frame, copies,
+                                 edges) ||
+        !fingerprint(&resource, &bytes, &hash)) {
         report_error(&judge->replay->console->log, "out of memory");
         return false;
     }
@@ -137,6 +184,17 @@ static void find_inherited(struct blame *blame, const struct rows *rows,
     }
 }
 
+/* Whether differences at edges are allowed anywhere: then passes behind them are judged on equal
+ * inputs alone. */
+static bool has_raster(const struct judge *judge)
+{
+    const struct dt_pipeline *pipeline = judge->replay->rows->pipeline;
+    bool found = judge->replay->strangers;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        found |= pipeline->resources[i].contract.kind == DT_CONTRACT_RASTER;
+    return found;
+}
+
 static void judge_all(const struct judge *judge)
 {
     struct blame *blame = judge->blame;
@@ -156,8 +214,12 @@ static void judge_all(const struct judge *judge)
             return;
         }
     }
-    blame->outcome = judge->first->early ? BLAME_EARLIER : BLAME_INHERITED;
-    if (!judge->first->early && !blame->inputs_differ[outputs->list[blame->row].pass]) {
+    bool repeats = judge->first->early || blame->own[blame->row].differing ||
+                   blame->inputs_differ[outputs->list[blame->row].pass];
+    blame->outcome = judge->first->early ? BLAME_EARLIER
+                     : has_raster(judge) ? BLAME_WITHIN
+                                         : BLAME_INHERITED;
+    if (!repeats) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[1].session.side;
     }
@@ -167,7 +229,7 @@ bool blame_find(struct blame *blame, const struct replay *replay, const struct f
 {
     const struct rows *rows = replay->rows;
     struct judge judge = {.blame = blame, .replay = replay, .first = first, .repeated = true};
-    const struct replay_viewer viewer = {.output = weigh, .user = &judge};
+    const struct replay_viewer viewer = {.edges = keep_edges, .output = weigh, .user = &judge};
     *blame = (struct blame){.frame = replay->frame};
     blame->inputs_differ = calloc(rows->pipeline->pass_count, sizeof *blame->inputs_differ);
     blame->own = calloc(rows->outputs.count, sizeof *blame->own);
@@ -176,10 +238,11 @@ bool blame_find(struct blame *blame, const struct replay *replay, const struct f
         return false;
     }
     find_inherited(blame, rows, first);
-    if (!replay_run(replay, &viewer))
-        return false;
-    judge_all(&judge);
-    return true;
+    bool good = replay_run(replay, &viewer);
+    free(judge.edges);
+    if (good)
+        judge_all(&judge);
+    return good;
 }
 
 void blame_free(struct blame *blame)

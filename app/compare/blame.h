@@ -14,6 +14,7 @@ struct replay {
     struct worker_info workers[2]; /* as in the first run; this file sets frames and stops */
     struct dump_reader *dump;      /* --against: takes the first side's place */
     uint32_t frame;
+    bool strangers; /* the sides are drivers of different makers */
 };
 
 /* Callbacks of a replay; may be NULL. One that returns false, with the error logged, ends it. Bytes
@@ -21,6 +22,8 @@ struct replay {
 struct replay_viewer {
     /* a row of rows->inputs, the first side's; the second side gets it before the pass */
     bool (*input)(void *user, const struct row *row, const struct dt_bytes *bytes);
+    /* once per scene draw, before its outputs: the output that edges_resource names, or none */
+    bool (*edges)(void *user, const struct dt_resource *resource, const struct dt_bytes copies[2]);
     /* row `index` of rows->outputs: the first side's, and the second side's from the same inputs */
     bool (*output)(void *user, uint32_t index, const struct dt_bytes copies[2]);
     void *user;
@@ -46,6 +49,7 @@ enum blame_outcome {
     BLAME_GUILTY,         /* `row` is the first with an own error beyond its contract */
     BLAME_INHERITED,      /* errors of several passes add up; none breaks a contract alone */
     BLAME_EARLIER,        /* `row` of history differed before the frame */
+    BLAME_WITHIN,         /* no pass breaks its contract, `raster` among them: the sides agree */
     BLAME_NOT_REPEATABLE, /* `side` wrote other content to `row` when it ran again */
 };
 

@@ -249,6 +249,24 @@ const struct row *broken_row(const struct compare *compare, const struct pair *p
     return &(pair->broken_early ? &rows->history : &rows->outputs)->list[pair->broken_row];
 }
 
+/* Whether neither device's name contains the other's, as that of zink contains the one that it
+ * draws with. */
+static bool are_strangers(const char *a, const char *b)
+{
+    return a && b && !strstr(a, b) && !strstr(b, a);
+}
+
+/* The pair agrees on equal inputs: the passes' own errors are the result. */
+static void take_own(struct compare *compare, struct pair *pair)
+{
+    for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
+        pair->results[i].difference = pair->blame.own[i];
+        pair->results[i].frame = pair->blame.frame;
+    }
+    pair->broken = false;
+    pair->on_equal_inputs = true;
+}
+
 /* Only pairs that differ are run again. */
 static bool find_blame(struct compare *compare)
 {
@@ -259,7 +277,8 @@ static bool find_blame(struct compare *compare)
             .rows = &compare->rows,
             .workers = {describe_worker(compare, 0), describe_worker(compare, i + 1)},
             .dump = dump_of(compare, 0),
-            .frame = pair->broken_frame};
+            .frame = pair->broken_frame,
+            .strangers = are_strangers(compare->devices[0], compare->devices[i + 1])};
         const struct first_run first = {.broken_row = pair->broken_row,
                                         .early = pair->broken_early,
                                         .outputs_differ = pair->outputs_differ,
@@ -267,6 +286,8 @@ static bool find_blame(struct compare *compare)
                                         .fingerprints = pair->fingerprints};
         if (pair->broken && !blame_find(&pair->blame, &replay, &first))
             return false;
+        if (pair->blame.outcome == BLAME_WITHIN)
+            take_own(compare, pair);
     }
     return true;
 }

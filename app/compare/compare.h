@@ -34,6 +34,8 @@ struct pair {
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
     struct blame blame;
+    /* BLAME_WITHIN: results are the passes' own errors, in blame.frame */
+    bool on_equal_inputs;
 };
 
 struct compare {

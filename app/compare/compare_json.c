@@ -42,7 +42,7 @@ static cJSON *result_json(const struct compare *compare, const struct pair *pair
     cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
     if (result->picture)
         cJSON_AddItemToObject(root, "picture", picture_json(resource, result));
-    if (pair->blame.outcome == BLAME_NOT_RUN)
+    if (pair->blame.outcome == BLAME_NOT_RUN || pair->on_equal_inputs)
         return root;
     bool differ = pair->blame.inputs_differ[row->pass];
     cJSON_AddStringToObject(root, "inputs", differ ? "differ" : "equal");
@@ -102,6 +102,8 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
     const struct row *strayed =
         blame->outcome == BLAME_NOT_REPEATABLE ? &outputs[blame->row] : NULL;
     cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    if (pair->on_equal_inputs)
+        cJSON_AddBoolToObject(root, "on_equal_inputs", true);
     add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
     cJSON *event = add_event(root, "guilty", compare, guilty, true, blame->frame);
     const char *shader = guilty ? compare->pipeline.info->passes[guilty->pass].shader : NULL;

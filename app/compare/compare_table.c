@@ -38,6 +38,11 @@ static void print_picture(const struct dt_resource *resource, const struct resul
         printf("differences are white\n");
 }
 
+static bool shows_blame(const struct pair *pair)
+{
+    return pair->blame.outcome != BLAME_NOT_RUN && !pair->on_equal_inputs;
+}
+
 /* One row: a resource after a pass, or before the first one. */
 static void print_result(const struct compare *compare, const struct pair *pair,
                          const struct row *row, const struct result *result,
@@ -54,14 +59,29 @@ static void print_result(const struct compare *compare, const struct pair *pair,
            before ? "before" : info->passes[row->pass].name, widths->resource, row->name,
            (unsigned long long)difference->elements, (unsigned long long)difference->differing,
            verdict_name(difference_verdict(difference)));
-    if (pair->blame.outcome != BLAME_NOT_RUN && before)
+    if (shows_blame(pair) && before)
         printf("%-6s  %-12s  ", "", "");
-    else if (pair->blame.outcome != BLAME_NOT_RUN)
+    else if (shows_blame(pair))
         print_blame(pair, (uint32_t)(result - pair->results), row->pass);
     printf("%s\n%s", worst ? worst : "", flips ? flips : "");
     print_picture(resource, result);
     free(worst);
     free(flips);
+}
+
+/* The texels that `raster` forgives. */
+static void print_edges(const struct compare *compare, const struct pair *pair)
+{
+    uint64_t texels = 0, differing = 0;
+    for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
+        const struct row *row = &compare->rows.outputs.list[i];
+        if (compare->pipeline.info->passes[row->pass].kind != DT_PASS_DRAW_SCENE)
+            continue;
+        texels += pair->results[i].difference.elements;
+        differing += pair->results[i].difference.at_edges;
+    }
+    printf("on equal inputs %llu of %llu drawn texels differ, at edges within the contract\n",
+           (unsigned long long)differing, (unsigned long long)texels);
 }
 
 static void print_agreement(const struct dt_pipeline *info)
@@ -102,6 +122,7 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
         printf("%s is not repeatable: pass %s wrote another %s when it ran again, in frame %u\n",
                blame->side->label, pass->name, row->name, blame->frame);
         break;
+    case BLAME_WITHIN:
     case BLAME_NOT_RUN:
         break;
     }
@@ -111,6 +132,8 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
 static void print_outcome(const struct compare *compare, const struct pair *pair)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
+    if (pair->on_equal_inputs)
+        print_edges(compare, pair);
     if (!pair->broken) {
         print_agreement(info);
         return;
@@ -155,7 +178,10 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     const struct widths widths = measure(compare);
     if (compare->pair_count > 1)
         printf("\n%s against %s\n", pair->sides[1]->label, pair->sides[0]->label);
-    bool replayed = pair->blame.outcome != BLAME_NOT_RUN;
+    bool replayed = shows_blame(pair);
+    if (pair->on_equal_inputs)
+        printf("\neach pass of frame %u on the inputs of %s\n", pair->blame.frame,
+               pair->sides[0]->label);
     printf("\n%-*s  %-*s  %10s  %10s  %-7s  %slargest error\n", widths.pass, "pass",
            widths.resource, "resource", "elements", "differing", "verdict",
            replayed ? "inputs  own error     " : "");

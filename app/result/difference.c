@@ -99,6 +99,7 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
     case DT_CONTRACT_EXACT:
     case DT_CONTRACT_ABS:
     case DT_CONTRACT_IMAGE:
+    case DT_CONTRACT_RASTER:
         break;
     }
     return apart;
@@ -110,6 +111,7 @@ static bool is_beyond(const struct dt_contract *contract, double error)
     switch (contract->kind) {
     case DT_CONTRACT_EXACT:
     case DT_CONTRACT_FLIPS:
+    case DT_CONTRACT_RASTER:
         return true;
     case DT_CONTRACT_ULP:
     case DT_CONTRACT_ABS:
@@ -133,6 +135,8 @@ static uint64_t allowed(const struct dt_contract *contract, uint64_t elements)
 
 struct frame {
     const struct dt_contract *contract;
+    const bool *edges; /* NULL: no element may differ for being at one */
+    bool coverage;     /* depth: only whether it is background, 1, matters */
     const struct numbers *numbers;
     const struct dt_bytes *copies;
     uint32_t index;
@@ -142,6 +146,16 @@ static void keep_flip(struct difference *difference, const struct number_pair *p
 {
     if (difference->flip_count < MOST_FLIPS)
         difference->flips[difference->flip_count++] = (struct flip){.pair = *pair};
+}
+
+static bool both_covered(const struct frame *frame, uint64_t element)
+{
+    static const float background = 1;
+    for (int i = 0; i < 2; i++)
+        if (!memcmp(frame->copies[i].data + element * sizeof background, &background,
+                    sizeof background))
+            return false;
+    return true;
 }
 
 static void add_element(struct difference *difference, const struct frame *frame, uint64_t element)
@@ -172,8 +186,10 @@ static void add_element(struct difference *difference, const struct frame *frame
         differs |= !same;
         beyond |= odd || is_beyond(frame->contract, pair.error);
     }
+    bool edge = frame->edges && frame->edges[element];
     difference->differing += differs;
-    difference->beyond += beyond;
+    difference->beyond += beyond && !edge;
+    difference->at_edges += differs && edge;
 }
 
 static void add_elements(struct difference *difference, const struct frame *frame)
@@ -188,15 +204,22 @@ static void add_elements(struct difference *difference, const struct frame *fram
     if (finite && equal)
         return;
     for (uint64_t i = 0; i < difference->elements; i++)
-        if (!finite || memcmp(data[0] + i * stride, data[1] + i * stride, stride) != 0)
+        if ((!finite || memcmp(data[0] + i * stride, data[1] + i * stride, stride) != 0) &&
+            !(frame->coverage && both_covered(frame, i)))
             add_element(difference, frame, i);
 }
 
 bool difference_measure(struct difference *difference, const struct dt_resource *resource,
                         uint32_t frame, const struct dt_bytes copies[2])
 {
+    return difference_measure_draw(difference, resource, frame, copies, NULL);
+}
+
+bool difference_measure_draw(struct difference *difference, const struct dt_resource *resource,
+                             uint32_t frame, const struct dt_bytes copies[2], const bool *edges)
+{
     struct numbers numbers;
-    *difference = (struct difference){0};
+    *difference = (struct difference){.contract = resource->contract};
     if (!numbers_of(&numbers, resource)) {
         free(numbers.components);
         return false;
@@ -209,12 +232,19 @@ bool difference_measure(struct difference *difference, const struct dt_resource 
         copies[0].size < difference->elements * numbers.stride ||
         memcmp(extent, copies[1].extent, (buffer ? 1 : 3) * sizeof *extent) != 0)
         difference->size_differs = true;
-    const struct frame now = {
-        .contract = &resource->contract, .numbers = &numbers, .copies = copies, .index = frame};
+    const struct frame now = {.contract = &resource->contract,
+                              .edges = edges,
+                              .coverage = edges && resource->kind == DT_IMAGE &&
+                                          resource->format == DT_FORMAT_D32F,
+                              .numbers = &numbers,
+                              .copies = copies,
+                              .index = frame};
     if (!difference->size_differs)
         add_elements(difference, &now);
-    difference->broken = difference->size_differs || difference->not_finite ||
-                         difference->beyond > allowed(&resource->contract, difference->elements);
+    difference->broken =
+        difference->size_differs || difference->not_finite ||
+        difference->beyond > allowed(&resource->contract, difference->elements) ||
+        (double)difference->at_edges > resource->contract.tolerance * (double)difference->elements;
     free(numbers.components);
     return true;
 }

@@ -38,10 +38,12 @@ enum { MOST_FLIPS = 16 }; /* kept in the list; all are counted */
 
 /* Of one resource after one pass of one frame. Holds no memory. */
 struct difference {
-    uint64_t elements;   /* or texels */
-    uint64_t differing;  /* with at least one differing number */
+    struct dt_contract contract; /* that it was measured under */
+    uint64_t elements;           /* or texels */
+    uint64_t differing;          /* with at least one differing number */
     uint64_t beyond;     /* with at least one number beyond the tolerance; flips: all that differ */
     uint64_t not_finite; /* numbers that are NaN or Inf in either copy */
+    uint64_t at_edges;   /* `raster`: with a differing number, at an edge; not in `beyond` */
     bool size_differs;   /* the copies have different sizes: nothing else was compared */
     bool broken;         /* the copies are beyond the contract */
     uint32_t extent[3];
@@ -54,6 +56,12 @@ struct difference {
  * a zero of its sign. NaN and Inf always fail, also with equal bits. False when out of memory. */
 bool difference_measure(struct difference *difference, const struct dt_resource *resource,
                         uint32_t frame, const struct dt_bytes copies[2]);
+
+/* The same of what a draw of triangles left, under a contract that allows differences at edges.
+ * `edges`: of edges_find, per element. Of depth only coverage counts: rasterizers snap corners to
+ * grids of their own, which moves the depth of steep triangles. */
+bool difference_measure_draw(struct difference *difference, const struct dt_resource *resource,
+                             uint32_t frame, const struct dt_bytes copies[2], const bool *edges);
 
 /* Whether there are flips whose contract names margins: then both copies of
  * contract.margin_resource, as they are after the same pass, go to difference_add_margins. */

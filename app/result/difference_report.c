@@ -121,7 +121,7 @@ char *difference_describe_worst(const struct difference *difference,
         return format_string("the sizes differ");
     if (!worst->valid)
         return format_string("-");
-    char *size = describe_size(difference, &resource->contract);
+    char *size = describe_size(difference, &difference->contract);
     char *place = describe_place(difference, resource, worst);
     char *pair = describe_pair(worst, labels);
     char *text = size && place && pair ? format_string("%s at %s, frame %" PRIu32 ": %s", size,
@@ -166,7 +166,7 @@ char *difference_list_flips(const struct difference *difference, const struct dt
                             const char *const labels[2])
 {
     char *text = format_string("%s", "");
-    if (resource->contract.kind != DT_CONTRACT_FLIPS)
+    if (difference->contract.kind != DT_CONTRACT_FLIPS)
         return text;
     for (uint32_t i = 0; text && i < difference->flip_count; i++)
         text = join(text, describe_flip(difference, resource, &difference->flips[i], labels));
@@ -221,7 +221,7 @@ static cJSON *flip_json(const struct difference *difference, const struct dt_res
 
 static void add_contract(cJSON *root, const struct dt_contract *contract)
 {
-    static const char *const kinds[] = {"exact", "ulp", "abs", "rel", "image", "flips"};
+    static const char *const kinds[] = {"exact", "ulp", "abs", "rel", "image", "flips", "raster"};
     cJSON_AddStringToObject(root, "contract", kinds[contract->kind]);
     if (contract->kind != DT_CONTRACT_EXACT)
         cJSON_AddNumberToObject(root, "tolerance", contract->tolerance);
@@ -233,17 +233,19 @@ void difference_json(cJSON *root, const struct difference *difference,
                      const struct dt_resource *resource, const char *const labels[2])
 {
     const struct number_pair *worst = &difference->worst;
-    add_contract(root, &resource->contract);
+    add_contract(root, &difference->contract);
     cJSON_AddNumberToObject(root, "elements", (double)difference->elements);
     cJSON_AddNumberToObject(root, "differing", (double)difference->differing);
     cJSON_AddNumberToObject(root, "beyond", (double)difference->beyond);
+    if (difference->contract.kind == DT_CONTRACT_RASTER)
+        cJSON_AddNumberToObject(root, "at_edges", (double)difference->at_edges);
     cJSON_AddNumberToObject(root, "not_finite", (double)difference->not_finite);
     cJSON_AddBoolToObject(root, "size_differs", difference->size_differs);
     cJSON_AddStringToObject(root, "verdict", verdict_name(difference_verdict(difference)));
     cJSON_AddItemToObject(root, "worst",
                           worst->valid ? pair_json(difference, resource, worst, labels)
                                        : cJSON_CreateNull());
-    if (resource->contract.kind != DT_CONTRACT_FLIPS)
+    if (difference->contract.kind != DT_CONTRACT_FLIPS)
         return;
     cJSON *flips = cJSON_AddArrayToObject(root, "flips");
     for (uint32_t i = 0; i < difference->flip_count; i++)

@@ -137,7 +137,8 @@ enum dt_contract_kind {
     DT_CONTRACT_ABS,   /* tolerance: absolute */
     DT_CONTRACT_REL,   /* tolerance: relative to the larger magnitude */
     DT_CONTRACT_IMAGE, /* tolerance: absolute, beyond which a texel is an outlier */
-    DT_CONTRACT_FLIPS  /* tolerance: elements that may have another value */
+    DT_CONTRACT_FLIPS, /* tolerance: elements that may have another value */
+    DT_CONTRACT_RASTER /* tolerance: share of the texels that may differ, all at edges, 0..1 */
 };
 struct dt_contract {
     enum dt_contract_kind kind;

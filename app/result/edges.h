@@ -1,0 +1,17 @@
+/* Edges of what a draw of triangles left: where another rasterizer may see another triangle. Called by
+ * blame. */
+#ifndef DIPTYCH_EDGES_H
+#define DIPTYCH_EDGES_H
+
+#include "diptych.h"
+
+/* Which outputs of the pass tell triangles apart: an integer image, taken for triangle numbers; else
+ * the depth, in which 1 is background. UINT16_MAX: none. */
+uint16_t edges_resource(const struct dt_pipeline *pipeline, const struct dt_pass *pass);
+
+/* `edges`: per texel of mip 0, whether in either copy a texel differs from this one among the 3x3
+ * around it in its layer: in value, or depth in being background. To be freed. False when out of
+ * memory. `edges` NULL: the copies differ in size. */
+bool edges_find(bool **edges, const struct dt_resource *resource, const struct dt_bytes copies[2]);
+
+#endif
