@@ -111,7 +111,8 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
 /* Creates the programs, which takes seconds on some drivers. Replaces the previous pipeline and
- * reuses its unchanged programs. The shaders must live until the next create or close. */
+ * reuses its unchanged programs. The shaders must live until the next create or close. If the context
+ * lacks what a pass needs, create logs it and the pass, and the pipeline before stays. */
 bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
 
 /* Uses a texture of the host for a resource of the pipeline. The texture is immutable

@@ -66,10 +66,9 @@ const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resourc
 /* ---- The panel ------------------------------------------------------------------------------- */
 
 /* Most needs are part of OpenGL 4.6; subgroups are not. */
-static bool has_needs(struct gl_runtime *rt)
+static bool has_needs(struct gl_runtime *rt, const struct dt_panel *panel)
 {
     static const char *const extension[] = {"GL_KHR_shader_subgroup"};
-    const struct dt_panel *panel = rt->core.panel;
     char missing[64];
     for (uint32_t i = 0; i < panel->need_count; i++)
         if (strncmp(panel->needs[i].feature, "VK_SUBGROUP_", 12) == 0 &&
@@ -82,6 +81,43 @@ static bool has_needs(struct gl_runtime *rt)
     return true;
 }
 
+/* Bytes of a built-in uniform block that may exceed the device's limit, else 0. resize checks
+ * buffers of the pipeline. */
+static uint64_t block_bytes(const struct dt_panel *panel, const struct dt_binding *binding)
+{
+    if (binding->kind != DT_BIND_UNIFORM)
+        return 0;
+    if (binding->resource == DT_SCENE_MATERIALS)
+        return DT_MAX_MATERIALS * sizeof(struct dt_material);
+    return binding->resource == DT_LIVE ? panel->pipeline->block_size : 0;
+}
+
+/* OpenGL limits the binding numbers, not only their count. */
+static bool check_binding(const struct dt_core *core, const struct dt_panel *panel, uint32_t pass,
+                          const struct dt_binding *binding)
+{
+    const struct dt_limits *limits = &core->limits;
+    const char *name = panel->pipeline->passes[pass].name;
+    uint64_t bytes = block_bytes(panel, binding);
+    if (binding->binding >= limits->bindings[binding->kind])
+        return dt_error(core, "pass %s: binding %u, but %s has %u of this kind; bind fewer", name,
+                        binding->binding, core->device_name, limits->bindings[binding->kind]);
+    return bytes <= limits->uniform_bytes ||
+           dt_error(core, "pass %s: %s of %llu bytes, but %s allows %llu in a uniform block", name,
+                    binding->resource == DT_LIVE ? "parameters" : "materials",
+                    (unsigned long long)bytes, core->device_name,
+                    (unsigned long long)limits->uniform_bytes);
+}
+
+static bool suits(struct dt_core *core, const struct dt_panel *panel)
+{
+    for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
+        for (uint32_t i = 0; i < panel->programs[pass].binding_count; i++)
+            if (!check_binding(core, panel, pass, &panel->programs[pass].bindings[i]))
+                return false;
+    return has_needs((struct gl_runtime *)core, panel);
+}
+
 static bool begin_panel(struct dt_core *core)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
@@ -92,7 +128,7 @@ static bool begin_panel(struct dt_core *core)
     if (!rt->imports || (queries && !rt->queries))
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
     rt->builtin.live = (struct gl_buffer){.name = "live parameters", .size = pipeline->block_size};
-    return has_needs(rt) && gl_buffer_create(rt, &rt->builtin.live, pipeline->live_defaults) &&
+    return gl_buffer_create(rt, &rt->builtin.live, pipeline->live_defaults) &&
            (!queries ||
             GL(rt, "timestamps", CreateQueries(GL_TIMESTAMP, (GLsizei)queries, rt->queries)));
 }
@@ -126,43 +162,12 @@ static void destroy_sampler(struct dt_core *core, void *sampler)
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
-/* Bytes of a built-in uniform block that may exceed the device's limit, else 0. resize checks
- * buffers of the pipeline. */
-static uint64_t block_bytes(const struct dt_core *core, const struct dt_binding *binding)
-{
-    if (binding->kind != DT_BIND_UNIFORM)
-        return 0;
-    if (binding->resource == DT_SCENE_MATERIALS)
-        return DT_MAX_MATERIALS * sizeof(struct dt_material);
-    return binding->resource == DT_LIVE ? core->pipeline->block_size : 0;
-}
-
-/* OpenGL limits the binding numbers, not only their count. */
-static bool check_binding(const struct dt_core *core, const char *pass,
-                          const struct dt_binding *binding)
-{
-    const struct dt_limits *limits = &core->limits;
-    uint64_t bytes = block_bytes(core, binding);
-    if (binding->binding >= limits->bindings[binding->kind])
-        return dt_error(core, "pass %s: binding %u, but %s has %u of this kind; bind fewer", pass,
-                        binding->binding, core->device_name, limits->bindings[binding->kind]);
-    return bytes <= limits->uniform_bytes ||
-           dt_error(core, "pass %s: %s of %llu bytes, but %s allows %llu in a uniform block", pass,
-                    binding->resource == DT_LIVE ? "parameters" : "materials",
-                    (unsigned long long)bytes, core->device_name,
-                    (unsigned long long)limits->uniform_bytes);
-}
-
 static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     struct gl_program *program = made;
-    const struct dt_program *info = &core->panel->programs[pass];
-    const char *name = core->pipeline->passes[pass].name;
-    for (uint32_t i = 0; i < info->binding_count; i++)
-        if (!check_binding(core, name, &info->bindings[i]))
-            return false;
-    return gl_program_create(rt, &program->handle, name, &core->shaders->stages[pass]);
+    return gl_program_create(rt, &program->handle, core->pipeline->passes[pass].name,
+                             &core->shaders->stages[pass]);
 }
 
 static void destroy_program(struct dt_core *core, void *program)
@@ -379,6 +384,7 @@ const struct dt_backend gl_backend = {
     .enter = gl_state_enter,
     .leave = gl_state_leave,
     .rest = rest,
+    .suits = suits,
     .upload_scene = gl_scene_upload,
     .begin_panel = begin_panel,
     .end_panel = end_panel,

@@ -130,10 +130,11 @@ static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *
 }
 
 /* vk_device_suits; with a window, also whether the device can present to the window. */
-static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text, size_t size)
+static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                  const struct dt_panel *panel, char *text, size_t size)
 {
     uint32_t bits;
-    if (!vk_device_suits(rt, physical, text, size))
+    if (!vk_device_suits(rt, physical, panel, text, size))
         return false;
     if (!rt->present.window ||
         vk_window_can_present(rt, physical, vk_device_queue_family(rt, physical, &bits)))
@@ -142,9 +143,11 @@ static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *
     return false;
 }
 
-/* Chooses the device that the user names; without a name the first with all required features. */
-static bool choose_device(struct vk_runtime *rt, const char *wanted)
+/* Chooses the device that the user names; without a name the first with all required features,
+ * those of the panel included. */
+static bool choose_device(struct vk_runtime *rt, const struct dt_runtime_options *options)
 {
+    const char *wanted = options->device;
     VkPhysicalDevice devices[MAX_DEVICES];
     char missing[512];
     uint32_t count = MAX_DEVICES;
@@ -159,13 +162,13 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (suits(rt, devices[i], missing, sizeof missing)) {
+        if (suits(rt, devices[i], options->panel, missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
     }
     vk_device_describe(rt, devices[chosen]);
-    if (!suits(rt, rt->physical, missing, sizeof missing))
+    if (!suits(rt, rt->physical, options->panel, missing, sizeof missing))
         return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "device",
@@ -176,8 +179,7 @@ static bool choose_device(struct vk_runtime *rt, const char *wanted)
 static bool open_device(struct vk_runtime *rt)
 {
     rt->queue_family = vk_device_queue_family(rt, rt->physical, &rt->timestamp_bits);
-    struct vk_features features;
-    vk_features_wanted(rt, &features);
+    vk_features_supported(rt, &rt->features);
     VkDeviceQueueCreateInfo queue = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
         .queueFamilyIndex = rt->queue_family,
@@ -187,7 +189,7 @@ static bool open_device(struct vk_runtime *rt)
     const char *swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-        .pNext = &features.core,
+        .pNext = &rt->features.core,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
         .enabledExtensionCount = rt->present.window != NULL,
@@ -241,11 +243,12 @@ static void link_functions(struct vk_dispatch *vk)
 #undef LINK
 }
 
-bool vk_context_open(struct vk_runtime *rt, const char *device, bool window)
+bool vk_context_open(struct vk_runtime *rt, const struct dt_runtime_options *options)
 {
+    bool window = rt->core.window;
     link_functions(&rt->vk);
     return (!window || vk_window_open(rt)) && open_instance(rt) &&
-           (!window || vk_window_surface(rt)) && choose_device(rt, device) && open_device(rt) &&
+           (!window || vk_window_surface(rt)) && choose_device(rt, options) && open_device(rt) &&
            open_commands(rt);
 }
 

@@ -64,13 +64,72 @@ static void find_features(const struct vk_runtime *rt, VkPhysicalDevice physical
     rt->vk.GetPhysicalDeviceFeatures2(physical, &features->core);
 }
 
-void vk_features_wanted(const struct vk_runtime *rt, struct vk_features *features)
+void vk_features_supported(const struct vk_runtime *rt, struct vk_features *features)
 {
     struct vk_features has;
     find_features(rt, rt->physical, &has);
     link_features(features);
     for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
         *feature(features, i) = *feature(&has, i);
+}
+
+/* Structures of one feature each, all of the same form, that a host may use instead. */
+static const struct {
+    VkStructureType type;
+    size_t offset; /* as in known_features */
+} single_features[] = {
+#define SINGLE(type, name)                                                                         \
+    {                                                                                              \
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_##type##_FEATURES, offsetof(struct vk_features, name)    \
+    }
+    SINGLE(SHADER_DEMOTE_TO_HELPER_INVOCATION, vulkan13.shaderDemoteToHelperInvocation),
+    SINGLE(SHADER_TERMINATE_INVOCATION, vulkan13.shaderTerminateInvocation),
+    SINGLE(SYNCHRONIZATION_2, vulkan13.synchronization2),
+    SINGLE(DYNAMIC_RENDERING, vulkan13.dynamicRendering),
+    SINGLE(MAINTENANCE_4, vulkan13.maintenance4),
+    SINGLE(SHADER_DRAW_PARAMETERS, vulkan11.shaderDrawParameters),
+#undef SINGLE
+};
+
+/* Adds what one structure of a pNext chain enables. */
+static void add_enabled(struct vk_features *features, const VkBaseInStructure *next)
+{
+    switch (next->sType) {
+    case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2:
+        features->core = *(const VkPhysicalDeviceFeatures2 *)next;
+        break;
+    case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES:
+        features->vulkan11 = *(const VkPhysicalDeviceVulkan11Features *)next;
+        break;
+    case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
+        features->vulkan12 = *(const VkPhysicalDeviceVulkan12Features *)next;
+        break;
+    case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
+        features->vulkan13 = *(const VkPhysicalDeviceVulkan13Features *)next;
+        break;
+    default:
+        for (size_t i = 0; i < DT_ARRAY_COUNT(single_features); i++)
+            if (single_features[i].type == next->sType)
+                *(VkBool32 *)((char *)features + single_features[i].offset) =
+                    ((const VkPhysicalDeviceSynchronization2Features *)next)->synchronization2;
+    }
+}
+
+bool vk_features_enabled(struct vk_runtime *rt, const VkDeviceCreateInfo *info)
+{
+    struct vk_features *features = &rt->features;
+    *features = (struct vk_features){0};
+    if (info->pEnabledFeatures)
+        features->core.features = *info->pEnabledFeatures;
+    for (const VkBaseInStructure *next = info->pNext; next; next = next->pNext)
+        add_enabled(features, next);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
+        if (known_features[i].always && !*feature(features, i))
+            return dt_error(&rt->core,
+                            "Vulkan device %s: created without %s; enable all features that "
+                            "dt_vk_need_features sets",
+                            rt->core.device_name, known_features[i].name);
+    return true;
 }
 
 static bool panel_needs(const struct dt_panel *panel, const char *name)
@@ -115,29 +174,56 @@ static const struct {
 #undef BIT
 };
 
-static bool has_feature(const struct vk_runtime *rt, struct vk_features *features, const char *name)
+static VkSubgroupFeatureFlags find_subgroups(const struct vk_runtime *rt, VkPhysicalDevice physical)
+{
+    VkPhysicalDeviceSubgroupProperties subgroups = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+    };
+    VkPhysicalDeviceProperties2 properties = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
+        .pNext = &subgroups,
+    };
+    rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
+    return subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT ? subgroups.supportedOperations
+                                                                   : 0;
+}
+
+static bool has_feature(VkSubgroupFeatureFlags subgroups, struct vk_features *features,
+                        const char *name)
 {
     for (size_t i = 0; i < DT_ARRAY_COUNT(subgroup_features); i++)
         if (strcmp(subgroup_features[i].name, name) == 0)
-            return rt->subgroups & subgroup_features[i].bit;
+            return subgroups & subgroup_features[i].bit;
     for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
         if (strcmp(known_features[i].name, name) == 0)
             return *feature(features, i);
     return false;
 }
 
-bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *panel)
+/* The panel's first need without its feature; NULL: none. */
+static const struct dt_need *find_lack(VkSubgroupFeatureFlags subgroups,
+                                       struct vk_features *features, const struct dt_panel *panel)
 {
-    struct vk_features features;
-    find_features(rt, rt->physical, &features);
-    for (uint32_t i = 0; i < panel->need_count; i++) {
-        const struct dt_need *need = &panel->needs[i];
-        if (!has_feature(rt, &features, need->feature))
-            return dt_error(
-                &rt->core, "pass %s: needs %s, which %s does not have; use another device",
-                panel->pipeline->passes[need->pass].name, need->feature, rt->core.device_name);
-    }
-    return true;
+    for (uint32_t i = 0; i < panel->need_count; i++)
+        if (!has_feature(subgroups, features, panel->needs[i].feature))
+            return &panel->needs[i];
+    return NULL;
+}
+
+bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel)
+{
+    VkSubgroupFeatureFlags subgroups = find_subgroups(rt, rt->physical);
+    const struct dt_need *lack = find_lack(subgroups, &rt->features, panel);
+    struct vk_features supported;
+    if (!lack)
+        return true;
+    find_features(rt, rt->physical, &supported);
+    return dt_error(&rt->core, "pass %s: needs %s, which %s %s",
+                    panel->pipeline->passes[lack->pass].name, lack->feature, rt->core.device_name,
+                    has_feature(subgroups, &supported, lack->feature)
+                        ? "has, but was created without; enable all features that "
+                          "dt_vk_need_features sets"
+                        : "does not have; use another device");
 }
 
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
@@ -156,8 +242,8 @@ uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice ph
     return UINT32_MAX;
 }
 
-bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text,
-                     size_t size)
+bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                     const struct dt_panel *panel, char *text, size_t size)
 {
     size_t used = 0;
     uint32_t timestamp_bits = 0;
@@ -176,6 +262,11 @@ bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, cha
         if (known_features[i].always && !*feature(&features, i))
             used += (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "",
                                      known_features[i].name);
+    const struct dt_need *lack =
+        panel ? find_lack(find_subgroups(rt, physical), &features, panel) : NULL;
+    if (used < size && lack)
+        used += (size_t)snprintf(text + used, size - used, "%s%s (pass %s)", used ? ", " : "",
+                                 lack->feature, panel->pipeline->passes[lack->pass].name);
     if (used < size && vk_device_queue_family(rt, physical, &timestamp_bits) == UINT32_MAX)
         used += (size_t)snprintf(text + used, size - used, "%sa queue for graphics and compute",
                                  used ? ", " : "");
@@ -219,13 +310,9 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
     VkPhysicalDeviceMaintenance3Properties maintenance3 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
     };
-    VkPhysicalDeviceSubgroupProperties subgroups = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
-        .pNext = &maintenance3,
-    };
     VkPhysicalDeviceProperties2 properties = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-        .pNext = &subgroups,
+        .pNext = &maintenance3,
     };
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
@@ -233,7 +320,5 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
     rt->core.limits = limits_of(&rt->properties.limits);
     snprintf(rt->core.device_name, sizeof rt->core.device_name, "%s", rt->properties.deviceName);
     rt->max_allocation = maintenance3.maxMemoryAllocationSize;
-    rt->subgroups =
-        subgroups.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT ? subgroups.supportedOperations : 0;
     rt->vk.GetPhysicalDeviceMemoryProperties(physical, &rt->memory);
 }

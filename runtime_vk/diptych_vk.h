@@ -68,7 +68,10 @@ struct dt_vk_host {
     /* All of these must outlive the runtime. */
     VkInstance instance; /* of apiVersion 1.3 or higher */
     VkPhysicalDevice physical_device;
-    VkDevice device;       /* with the features of dt_vk_need_features for every pipeline enabled */
+    VkDevice device; /* with the features of dt_vk_need_features for every pipeline enabled */
+    /* What vkCreateDevice got, with its pNext chain; borrowed for open. open and create then check
+     * the enabled features. NULL: they check only what the physical device supports. */
+    const VkDeviceCreateInfo *device_info;
     uint32_t queue_family; /* of the queue that the command buffers go to; graphics and compute */
     /* From the Vulkan loader or the host's own. The runtime loads all Vulkan functions with it. */
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
@@ -80,8 +83,8 @@ struct dt_vk_host {
 };
 
 /* Sets the features that the pipeline needs to VK_TRUE; changes no others. Call it for each
- * pipeline on the feature structures for vkCreateDevice. If the physical device lacks a feature,
- * dt_vk_create logs the feature and the pass. */
+ * pipeline on the feature structures for vkCreateDevice. If the device lacks a feature,
+ * dt_vk_create logs the feature and the pass, and the pipeline before stays. */
 void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatures *core,
                          VkPhysicalDeviceVulkan11Features *vulkan11,
                          VkPhysicalDeviceVulkan12Features *vulkan12,

@@ -70,9 +70,13 @@ static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
     if (!load_functions(rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(rt, host->physical_device);
-    if (!vk_device_suits(rt, rt->physical, missing, sizeof missing))
+    if (!vk_device_suits(rt, rt->physical, NULL, missing, sizeof missing))
         return dt_error(&rt->core, "Vulkan device %s: missing %s; give another device",
                         rt->core.device_name, missing);
+    if (!host->device_info)
+        vk_features_supported(rt, &rt->features);
+    else if (!vk_features_enabled(rt, host->device_info))
+        return false;
     if (host->labels)
         load_labels(rt, host->get_instance_proc_addr);
     return check_family(rt) && vk_builtin_create(rt);

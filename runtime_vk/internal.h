@@ -92,6 +92,13 @@ struct vk_present {
     struct vk_program programs[DT_WINDOW_TEXTURES]; /* identical except for their bindings */
 };
 
+struct vk_features {
+    VkPhysicalDeviceFeatures2 core; /* chains the others */
+    VkPhysicalDeviceVulkan11Features vulkan11;
+    VkPhysicalDeviceVulkan12Features vulkan12;
+    VkPhysicalDeviceVulkan13Features vulkan13;
+};
+
 struct vk_runtime {
     struct dt_core core;       /* first member: the front casts dt_core pointers */
     struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
@@ -106,9 +113,9 @@ struct vk_runtime {
     VkPhysicalDevice physical;
     VkPhysicalDeviceProperties properties;
     VkPhysicalDeviceMemoryProperties memory;
-    VkDeviceSize max_allocation;      /* bytes in one vkAllocateMemory */
-    VkSubgroupFeatureFlags subgroups; /* operations in compute shaders */
+    VkDeviceSize max_allocation; /* bytes in one vkAllocateMemory */
     VkDevice device;
+    struct vk_features features; /* enabled ones */
     uint32_t queue_family, timestamp_bits;
     VkQueue queue;
     VkCommandPool command_pool;
@@ -157,21 +164,17 @@ void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle
 
 /* ---- Device (device.c) ----------------------------------------------------------------------- */
 
-struct vk_features {
-    VkPhysicalDeviceFeatures2 core; /* chains the others */
-    VkPhysicalDeviceVulkan11Features vulkan11;
-    VkPhysicalDeviceVulkan12Features vulkan12;
-    VkPhysicalDeviceVulkan13Features vulkan13;
-};
-/* All known features that the device supports. */
-void vk_features_wanted(const struct vk_runtime *rt, struct vk_features *features);
-/* Whether the device has the features that the passes need; logs a missing one. */
-bool vk_device_suits_panel(const struct vk_runtime *rt, const struct dt_panel *panel);
+/* All known features that the device supports, chained for vkCreateDevice. */
+void vk_features_supported(const struct vk_runtime *rt, struct vk_features *features);
+/* Sets rt->features to those that a host enabled; logs a missing one that every pipeline needs. */
+bool vk_features_enabled(struct vk_runtime *rt, const VkDeviceCreateInfo *info);
+/* Whether the features that the passes need are enabled; logs a missing one. */
+bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel);
 
 /* Writes the features that the device lacks to `text`, separated by ", "; true if there are
- * none. */
-bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical, char *text,
-                     size_t size);
+ * none. `panel`: also one that its passes lack; NULL: any pipeline. */
+bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                     const struct dt_panel *panel, char *text, size_t size);
 /* The first queue family with graphics and compute; UINT32_MAX: there is none. */
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
@@ -180,8 +183,8 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
 
 /* ---- Context (context.c) --------------------------------------------------------------------- */
 
-/* `window`: also opens a window. */
-bool vk_context_open(struct vk_runtime *rt, const char *device, bool window);
+/* With rt->core.window also opens a window. */
+bool vk_context_open(struct vk_runtime *rt, const struct dt_runtime_options *options);
 void vk_context_close(struct vk_runtime *rt); /* also after a failed open */
 
 /* ---- Resources (resources.c) ----------------------------------------------------------------- */

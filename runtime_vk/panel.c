@@ -59,8 +59,7 @@ static bool begin_panel(struct dt_core *core)
     rt->choices = calloc(pipeline->resource_count + 1, sizeof *rt->choices);
     if (!rt->slots || !rt->choices)
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
-    return vk_device_suits_panel(rt, core->panel) &&
-           create_uniform(rt, &rt->builtin.live, "live", pipeline->block_size) &&
+    return create_uniform(rt, &rt->builtin.live, "live", pipeline->block_size) &&
            (!core->timing ||
             VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, NULL, &rt->queries),
                pipeline->name));
@@ -90,24 +89,37 @@ static void destroy_sampler(struct dt_core *core, void *sampler)
     vk_sampler_destroy(vk_runtime_of(core), sampler);
 }
 
-static VkFormat format_of(const struct dt_core *core, const struct dt_target *target)
+static VkFormat format_of(const struct dt_panel *panel, const struct dt_target *target)
 {
-    return vk_format(core->pipeline->resources[target->resource].format);
+    return vk_format(panel->pipeline->resources[target->resource].format);
 }
 
 /* Images are checked when they are made, but not for blending, which belongs to the program. */
-static bool blends(struct dt_core *core, const char *pass, const struct dt_target *target)
+static bool blends(const struct vk_runtime *rt, const struct dt_panel *panel, uint32_t pass,
+                   const struct dt_target *target)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
     VkFormatProperties can;
     if (!target->blend)
         return true;
-    rt->vk.GetPhysicalDeviceFormatProperties(rt->physical, format_of(core, target), &can);
+    rt->vk.GetPhysicalDeviceFormatProperties(rt->physical, format_of(panel, target), &can);
     return can.optimalTilingFeatures & VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BLEND_BIT ||
-           dt_error(core,
+           dt_error(&rt->core,
                     "pass %s: %s does not blend images of the format of %s; use another format, or "
                     "another device",
-                    pass, core->device_name, core->pipeline->resources[target->resource].name);
+                    panel->pipeline->passes[pass].name, rt->core.device_name,
+                    panel->pipeline->resources[target->resource].name);
+}
+
+static bool suits(struct dt_core *core, const struct dt_panel *panel)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    if (!vk_device_suits_panel(rt, panel))
+        return false;
+    for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
+        for (uint32_t i = 0; i < panel->programs[pass].color_count; i++)
+            if (!blends(rt, panel, pass, &panel->programs[pass].colors[i]))
+                return false;
+    return true;
 }
 
 static bool create_program(struct dt_core *core, void *program, uint32_t pass)
@@ -117,13 +129,10 @@ static bool create_program(struct dt_core *core, void *program, uint32_t pass)
         .name = core->pipeline->passes[pass].name,
         .stages = &core->shaders->stages[pass],
         .state = state,
-        .depth_format = state->depth ? format_of(core, state->depth) : VK_FORMAT_UNDEFINED,
+        .depth_format = state->depth ? format_of(core->panel, state->depth) : VK_FORMAT_UNDEFINED,
     };
-    for (uint32_t i = 0; i < state->color_count; i++) {
-        info.color_formats[i] = format_of(core, &state->colors[i]);
-        if (!blends(core, info.name, &state->colors[i]))
-            return false;
-    }
+    for (uint32_t i = 0; i < state->color_count; i++)
+        info.color_formats[i] = format_of(core->panel, &state->colors[i]);
     return vk_program_create(vk_runtime_of(core), program, &info);
 }
 
@@ -370,6 +379,7 @@ const struct dt_backend vk_backend = {
     .program_size = sizeof(struct vk_program),
     .sampler_size = sizeof(VkSampler),
     .rest = rest,
+    .suits = suits,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
     .create_sampler = create_sampler,

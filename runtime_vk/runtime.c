@@ -55,7 +55,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->debug = options->debug;
     rt->drop_barrier = options->drop_barrier;
     rt->drop_dependency = options->drop_dependency;
-    if (vk_context_open(rt, options->device, rt->core.window) && vk_builtin_create(rt))
+    if (vk_context_open(rt, options) && vk_builtin_create(rt))
         return rt;
     runtime_close(rt);
     return NULL;

@@ -456,6 +456,46 @@ static void vulkan_tells_wrong_hosts(void **state)
     dt_vk_close(NULL);
 }
 
+/* What the device was created with is up to the host: here it is told wrongly. */
+static void vulkan_checks_enabled_features(void **state)
+{
+    (void)state;
+    struct dt_vk_host host = vk_host();
+    VkPhysicalDeviceDynamicRenderingFeatures rendering = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES};
+    VkPhysicalDeviceVulkan13Features vulkan13 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, .pNext = &rendering};
+    VkPhysicalDeviceVulkan12Features vulkan12 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
+    VkPhysicalDeviceVulkan11Features vulkan11 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
+    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                          .pNext = &vulkan11};
+    const struct dt_need need = {FEATURES_PASS_SLICE, "samplerAnisotropy"};
+    struct dt_panel panel = features_panel;
+    const struct dt_shaders needy = {"vk", &panel, features_vk.stages};
+    panel.needs = &need;
+    panel.need_count = 1;
+    dt_vk_need_features(&needy, &features.features, &vulkan11, &vulkan12, &vulkan13);
+    vulkan13.dynamicRendering = VK_FALSE;
+    host.device_info = &(const VkDeviceCreateInfo){.pNext = &features};
+    REFUSED(dt_vk_open(&host), "created without dynamicRendering; enable all");
+    rendering.dynamicRendering = VK_TRUE;
+    features.features.samplerAnisotropy = VK_FALSE;
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_non_null(rt);
+    REFUSED(dt_vk_create(rt, &needy), "pass slice: needs samplerAnisotropy, which ");
+    assert_non_null(strstr(heard.text, " has, but was created without; enable all"));
+    dt_vk_close(rt);
+    features.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO; /* only pEnabledFeatures counts */
+    host.device_info = &(const VkDeviceCreateInfo){
+        .pNext = &features,
+        .pEnabledFeatures = &(VkPhysicalDeviceFeatures){.samplerAnisotropy = 1}};
+    rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_create(rt, &needy));
+    dt_vk_close(rt);
+}
+
 static void vulkan_tells_wrong_calls(void **state)
 {
     (void)state;
@@ -1760,6 +1800,7 @@ int main(void)
 {
     const struct CMUnitTest vulkan[] = {
         cmocka_unit_test(vulkan_tells_wrong_hosts),
+        cmocka_unit_test(vulkan_checks_enabled_features),
         cmocka_unit_test(vulkan_tells_wrong_calls),
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
         cmocka_unit_test(vulkan_draws_vertices_of_another_layout),

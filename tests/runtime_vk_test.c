@@ -224,7 +224,7 @@ static void an_unknown_device_is_named_and_the_known_are_listed(void **state)
     assert_int_equal(heard.errors, 2);
 }
 
-/* A device is refused only by a pipeline with a pass that needs what it lacks. */
+/* A device is refused only by a pipeline with a pass that needs what it lacks; the pipeline before stays. */
 static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
 {
     (void)state;
@@ -232,6 +232,8 @@ static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
                                            {PROBE_MASK_PASS, "geometryShader"}};
     struct dt_panel panel = probe_panel;
     const struct dt_shaders needy = {"vk", &panel, probe_vk_stages};
+    const struct dt_runtime_options options = {.log = {.message = on_message}, .panel = &panel};
+    struct dt_frame frame = probe_frame(0);
     panel.needs = needs;
     panel.need_count = DT_ARRAY_COUNT(needs);
     void *rt = open_ready();
@@ -240,14 +242,21 @@ static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
     lacks_geometry = true;
     rt = open_ready();
     assert_int_equal(heard.errors, 0);
+    assert_true(runtime_vk.resize(rt, 16, 8));
     assert_false(runtime_vk.create(rt, &needy));
     assert_int_equal(heard.errors, 1);
     assert_non_null(strstr(heard.last, "pass mask: needs geometryShader, which "));
     assert_non_null(strstr(heard.last, "; use another device"));
-    assert_true(runtime_vk.create(rt, &probe_vk));
+    assert_true(runtime_vk.render(rt, &frame, NULL, NULL));
+    probe_check_color(&runtime_vk, rt, 16, 8);
     runtime_vk.close(rt);
+    assert_null(runtime_vk.open(&options));
+    assert_non_null(strstr(heard.last, ": missing geometryShader (pass mask); update "));
     lacks_geometry = false;
-    assert_int_equal(heard.errors, 1);
+    assert_int_equal(heard.errors, 2);
+    rt = runtime_vk.open(&options);
+    assert_non_null(rt);
+    runtime_vk.close(rt);
 }
 
 /* ---- Memory ---------------------------------------------------------------------------------- */

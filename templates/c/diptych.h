@@ -374,7 +374,10 @@ struct dt_shaders {
 
 struct dt_runtime_options {
     struct dt_log log;
-    const char *device; /* vk: name part or index; NULL: the first */
+    const char *device; /* vk: name part or index; NULL: the first that suits */
+    /* vk: of the first pipeline; the device must have the features that its passes need. NULL: those
+     * that every pipeline needs */
+    const struct dt_panel *panel;
     /* gl: "egl" (NULL), "osmesa", "zink" or "window"; vk: NULL or "window" */
     const char *context;
     bool debug;  /* validation with synchronization checking; KHR_debug */

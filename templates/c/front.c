@@ -61,39 +61,41 @@ static const char *pass_name(const struct dt_core *core, uint32_t pass)
     return core->pipeline->passes[pass].name;
 }
 
-static bool check_bindings(const struct dt_core *core, uint32_t pass)
+static bool check_bindings(const struct dt_core *core, const struct dt_panel *panel, uint32_t pass)
 {
     static const char *const kinds[] = {[DT_BIND_UNIFORM] = "uniform buffers",
                                         [DT_BIND_STORAGE] = "storage buffers",
                                         [DT_BIND_TEXTURE] = "textures",
                                         [DT_BIND_IMAGE] = "storage images"};
-    const struct dt_program *program = &core->panel->programs[pass];
+    const struct dt_program *program = &panel->programs[pass];
+    const char *name = panel->pipeline->passes[pass].name;
     uint32_t count[DT_ARRAY_COUNT(kinds)] = {0};
     if (program->binding_count > DT_MAX_BINDINGS)
         return dt_error(core, "pass %s: %u resources, but at most %d can be bound; split the pass",
-                        pass_name(core, pass), program->binding_count, DT_MAX_BINDINGS);
+                        name, program->binding_count, DT_MAX_BINDINGS);
     for (uint32_t i = 0; i < program->binding_count; i++)
         count[program->bindings[i].kind]++;
     for (size_t kind = 0; kind < DT_ARRAY_COUNT(kinds); kind++)
         if (count[kind] > core->limits.bindings[kind])
-            return dt_error(core, "pass %s: %u %s, but %s binds at most %u; split the pass",
-                            pass_name(core, pass), count[kind], kinds[kind], core->device_name,
+            return dt_error(core, "pass %s: %u %s, but %s binds at most %u; split the pass", name,
+                            count[kind], kinds[kind], core->device_name,
                             core->limits.bindings[kind]);
     return true;
 }
 
-static bool check_program(const struct dt_core *core, uint32_t pass)
+static bool check_program(const struct dt_core *core, const struct dt_panel *panel, uint32_t pass)
 {
-    const struct dt_program *program = &core->panel->programs[pass];
+    const struct dt_program *program = &panel->programs[pass];
+    const char *name = panel->pipeline->passes[pass].name;
     uint32_t colors = core->limits.color_targets < DT_MAX_COLOR_TARGETS ? core->limits.color_targets
                                                                         : DT_MAX_COLOR_TARGETS;
     if (program->color_count > colors)
         return dt_error(core, "pass %s: %u color targets, but the limit is %u; split the pass",
-                        pass_name(core, pass), program->color_count, colors);
+                        name, program->color_count, colors);
     if (program->clip_distances > core->limits.clip_distances)
-        return dt_error(core, "pass %s: %u clip distances, but %s allows %u", pass_name(core, pass),
+        return dt_error(core, "pass %s: %u clip distances, but %s allows %u", name,
                         program->clip_distances, core->device_name, core->limits.clip_distances);
-    return check_bindings(core, pass);
+    return check_bindings(core, panel, pass);
 }
 
 static bool check_sampler(const struct dt_core *core, const struct dt_sampler *sampler)
@@ -102,6 +104,18 @@ static bool check_sampler(const struct dt_core *core, const struct dt_sampler *s
            dt_error(core, "sampler %s: anisotropy %g, but %s allows up to %g; use less",
                     sampler->name, (double)sampler->anisotropy, core->device_name,
                     (double)core->limits.anisotropy);
+}
+
+/* Before create changes anything: on false the pipeline before stays. */
+static bool check_panel(struct dt_core *core, const struct dt_panel *panel)
+{
+    for (uint32_t i = 0; i < panel->pipeline->pass_count; i++)
+        if (!check_program(core, panel, i))
+            return false;
+    for (uint32_t i = 0; i < panel->sampler_count; i++)
+        if (!check_sampler(core, &panel->samplers[i]))
+            return false;
+    return core->backend->suits(core, panel);
 }
 
 static uint32_t full_mips(const struct dt_resource *image, const uint32_t extent[3])
@@ -372,13 +386,9 @@ static bool allocate(struct dt_core *core)
 
 static bool make(struct dt_core *core, const struct made *before)
 {
-    bool good = allocate(core);
-    for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
-        good = check_program(core, i);
-    good = good && core->backend->begin_panel(core);
+    bool good = allocate(core) && core->backend->begin_panel(core);
     for (uint32_t i = 0; good && i < core->panel->sampler_count; i++)
-        good = check_sampler(core, &core->panel->samplers[i]) &&
-               core->backend->create_sampler(core, dt_sampler(core, i), &core->panel->samplers[i]);
+        good = core->backend->create_sampler(core, dt_sampler(core, i), &core->panel->samplers[i]);
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
         good = take_program(core, before, i) ||
                core->backend->create_program(core, dt_program(core, i), i);
@@ -398,7 +408,7 @@ bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders)
     if (strcmp(shaders->backend, core->backend->name) != 0)
         return dt_error(core, "pipeline %s: the shaders are for %s; give %s_%s", pipeline->name,
                         shaders->backend, pipeline->name, core->backend->name);
-    bool good = enter(core);
+    bool good = enter(core) && check_panel(core, shaders->panel);
     if (good) {
         struct made before = take_apart(core);
         core->shaders = shaders;

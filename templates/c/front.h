@@ -80,9 +80,10 @@ struct dt_backend {
 
     bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene);
 
+    /* Whether the device has what the passes need. Called before create changes anything. */
+    bool (*suits)(struct dt_core *core, const struct dt_panel *panel);
     /* The pipeline; core->panel is set. end_panel also cleans up after a failed begin_panel. */
-    bool (*begin_panel)(
-        struct dt_core *core); /* features, uniform block of live parameters, queries */
+    bool (*begin_panel)(struct dt_core *core); /* uniform block of live parameters, queries */
     void (*end_panel)(struct dt_core *core);
     bool (*create_sampler)(struct dt_core *core, void *sampler, const struct dt_sampler *info);
     void (*destroy_sampler)(struct dt_core *core, void *sampler);
