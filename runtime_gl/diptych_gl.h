@@ -115,6 +115,10 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
  * lacks what a pass needs, create logs it and the pass, and the pipeline before stays. */
 bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
 
+/* The same with the shaders of `from`, whose programs both runtimes then share: compiles nothing. Both
+ * have the same context. `from` may be closed first. */
+bool dt_gl_create_from(struct gl_runtime *rt, const struct gl_runtime *from);
+
 /* Uses a texture of the host for a resource of the pipeline. The texture is immutable
  * (glTextureStorage2D, 3D for arrays and 3D images), with the format, size, layers or depth, and mips
  * of the resource; resize checks this. Row 0 in memory is NDC y = -1, the bottom of the picture, as usual in OpenGL.

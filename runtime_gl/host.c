@@ -116,7 +116,16 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
 
 bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders)
 {
-    return dt_front_create(&rt->core, shaders);
+    return dt_front_create(&rt->core, shaders, NULL);
+}
+
+bool dt_gl_create_from(struct gl_runtime *rt, const struct gl_runtime *from)
+{
+    return dt_front_can_share(&rt->core, &from->core) &&
+           (rt->glsl == from->glsl ||
+            dt_error(&rt->core, "create_from: one runtime has GLSL text, the other SPIR-V; open "
+                                "both alike")) &&
+           dt_front_create(&rt->core, from->core.shaders, &from->core);
 }
 
 bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture)

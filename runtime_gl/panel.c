@@ -166,13 +166,29 @@ static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     struct gl_program *program = made;
-    return gl_program_create(rt, &program->handle, core->pipeline->passes[pass].name,
-                             &core->shaders->stages[pass]);
+    const char *name = core->pipeline->passes[pass].name;
+    if (!(program->users = calloc(1, sizeof *program->users)))
+        return dt_error(core, "pass %s: out of memory; free some", name);
+    *program->users = 1;
+    return gl_program_create(rt, &program->handle, name, &core->shaders->stages[pass]);
 }
 
-static void destroy_program(struct dt_core *core, void *program)
+static bool share_program(struct dt_core *core, void *made, const void *other, uint32_t pass)
 {
-    gl_program_destroy((struct gl_runtime *)core, &((struct gl_program *)program)->handle);
+    const struct gl_program *from = other;
+    (void)core, (void)pass;
+    ++*from->users;
+    *(struct gl_program *)made = (struct gl_program){.handle = from->handle, .users = from->users};
+    return true;
+}
+
+static void destroy_program(struct dt_core *core, void *made)
+{
+    struct gl_program *program = made;
+    if (!program->users || --*program->users)
+        return;
+    gl_program_destroy((struct gl_runtime *)core, &program->handle);
+    free(program->users);
 }
 
 /* A program holds nothing that depends on the panel. */
@@ -391,6 +407,7 @@ const struct dt_backend gl_backend = {
     .create_sampler = create_sampler,
     .destroy_sampler = destroy_sampler,
     .create_program = create_program,
+    .share_program = share_program,
     .destroy_program = destroy_program,
     .adopt_program = adopt_program,
     .create_resource = create_resource,

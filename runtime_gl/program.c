@@ -33,9 +33,11 @@ static bool load_code(struct gl_runtime *rt, const char *name, GLuint shader,
         return GL(rt, name, ShaderSource(shader, 1, &code->glsl, NULL)) &&
                GL(rt, name, CompileShader(shader));
     uint32_t *own;
-    const uint32_t *words = dt_front_words(&rt->core, name, code, &own);
+    const uint32_t *words = dt_front_words(code, &own);
+    if (!words)
+        return dt_error(&rt->core, "pass %s: no memory for %zu bytes of SPIR-V; free some", name,
+                        code->size);
     bool ok =
-        words &&
         GL(rt, name,
            ShaderBinary(1, &shader, GL_SHADER_BINARY_FORMAT_SPIR_V, words, (GLsizei)code->size)) &&
         GL(rt, name, SpecializeShader(shader, "main", 0, NULL, NULL));

@@ -63,18 +63,56 @@ extern "C" {
 
 struct vk_runtime;
 
+/* Memory that the host allocated: `memory` from `offset` on. `allocation` is the host's own. */
+struct dt_vk_memory {
+    VkDeviceMemory memory;
+    VkDeviceSize offset;
+    void *allocation;
+};
+
+/* Allocates memory for images and buffers. Only the device accesses it; several images and buffers
+ * may lie in it, and not at the same time. `name`: the largest of them. With VMA:
+ *
+ *     VmaAllocationCreateInfo info = {.preferredFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+ *     VmaAllocation allocation; VmaAllocationInfo got;
+ *     VkResult result = vmaAllocateMemory(user, needs, &info, &allocation, &got);
+ *     if (result == VK_SUCCESS)
+ *         *out = (struct dt_vk_memory){got.deviceMemory, got.offset, allocation};
+ *     return result;
+ *
+ * and vmaFreeMemory(user, memory->allocation) in `free`. */
+struct dt_vk_allocator {
+    void *user;
+    VkResult (*allocate)(void *user, const VkMemoryRequirements *needs, const char *name,
+                         struct dt_vk_memory *out);
+    void (*free)(void *user, const struct dt_vk_memory *memory);
+};
+
+/* Calls job(data, i) for every i below `count`, on any threads, and returns after the last. create
+ * compiles a pass in each call. */
+struct dt_vk_threads {
+    void *user;
+    void (*run)(void *user, uint32_t count, void (*job)(void *data, uint32_t i), void *data);
+};
+
 struct dt_vk_host {
     struct dt_log log; /* message NULL: no log */
     /* All of these must outlive the runtime. */
     VkInstance instance; /* of apiVersion 1.3 or higher */
     VkPhysicalDevice physical_device;
-    VkDevice device; /* with the features of dt_vk_need_features for every pipeline enabled */
-    /* What vkCreateDevice got, with its pNext chain; borrowed for open. open and create then check
-     * the enabled features. NULL: they check only what the physical device supports. */
-    const VkDeviceCreateInfo *device_info;
+    VkDevice device;       /* with the features of dt_vk_need_features for every pipeline enabled */
     uint32_t queue_family; /* of the queue that the command buffers go to; graphics and compute */
     /* From the Vulkan loader or the host's own. The runtime loads all Vulkan functions with it. */
     PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+    /* What vkCreateDevice got, with its pNext chain; borrowed for open. open and create then check
+     * the enabled features. NULL: they check only what the physical device supports. */
+    const VkDeviceCreateInfo *device_info;
+    /* The next four are optional, and outlive the runtime if given. The driver calls `callbacks` also
+     * from threads of `threads`. */
+    const VkAllocationCallbacks *callbacks; /* for every Vulkan object; NULL: none */
+    struct dt_vk_allocator allocator;       /* zero: vkAllocateMemory for each block */
+    VkPipelineCache pipeline_cache; /* not EXTERNALLY_SYNCHRONIZED if others use it meanwhile */
+    struct dt_vk_threads threads;   /* zero: the thread that calls create */
     bool labels; /* debug labels and object names; the instance has VK_EXT_debug_utils enabled */
     bool timing; /* timestamps around every pass, for dt_vk_timings */
     /* frames in flight whose timings are kept, up to 16; 0: 1. All else may have any number of frames
@@ -141,6 +179,11 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene);
 /* Creates the programs, which takes seconds on some drivers. Replaces the previous pipeline and
  * reuses its unchanged programs. The shaders must live until the next create or close. */
 bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders);
+
+/* The same with the shaders of `from`, whose programs both runtimes then share: compiles nothing. Both
+ * have the same device and callbacks. `from` may be closed first; no other thread uses it during the
+ * call. */
+bool dt_vk_create_from(struct vk_runtime *rt, const struct vk_runtime *from);
 
 /* An image of the host, used for a resource of the pipeline: single-sampled, optimal tiling, with
  * the format, size, layers and mips of the resource; 2D, or 3D with the depth in `layers`; for a

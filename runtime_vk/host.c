@@ -67,6 +67,10 @@ static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
     if (!host->instance || !host->physical_device || !host->device || !host->get_instance_proc_addr)
         return dt_error(&rt->core, "struct dt_vk_host: instance, physical_device, device and "
                                    "get_instance_proc_addr must be given");
+    if (!host->allocator.allocate != !host->allocator.free)
+        return dt_error(&rt->core,
+                        "struct dt_vk_host: allocator has only one of allocate and free; "
+                        "give both");
     if (!load_functions(rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(rt, host->physical_device);
@@ -102,6 +106,10 @@ struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
     rt->instance = host->instance;
     rt->device = host->device;
     rt->queue_family = host->queue_family;
+    rt->callbacks = host->callbacks;
+    rt->allocator = host->allocator;
+    rt->threads = host->threads;
+    rt->cache = host->pipeline_cache;
     if (open_on(rt, host))
         return rt;
     dt_vk_close(rt);
@@ -224,7 +232,16 @@ bool dt_vk_add_buffer_usage(struct vk_runtime *rt, uint32_t resource, VkBufferUs
 
 bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders)
 {
-    return dt_front_create(&rt->core, shaders);
+    return dt_front_create(&rt->core, shaders, NULL);
+}
+
+bool dt_vk_create_from(struct vk_runtime *rt, const struct vk_runtime *from)
+{
+    return dt_front_can_share(&rt->core, &from->core) &&
+           ((rt->device == from->device && rt->callbacks == from->callbacks) ||
+            dt_error(&rt->core, "create_from: the runtimes have different devices or callbacks; "
+                                "open both with the same")) &&
+           dt_front_create(&rt->core, from->core.shaders, &from->core);
 }
 
 static bool create_upload(struct vk_runtime *rt)

@@ -3,6 +3,8 @@
 #ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
 #define DIPTYCH_RUNTIME_VK_INTERNAL_H
 
+#include <stdatomic.h>
+
 #include "diptych_vk.h"
 #include "dispatch.h"
 #include "front.h"
@@ -12,13 +14,13 @@
 struct vk_buffer {
     const char *name;
     VkBuffer handle;
-    VkDeviceSize offset;      /* bytes; 0 except in a host's buffer */
-    VkDeviceSize size;        /* bytes, at least 16 */
-    VkDeviceSize block;       /* bytes bound as a uniform block, if more than size; else 0 */
-    VkBufferUsageFlags usage; /* as created; of an import 0 */
-    bool imported;            /* the host owns handle and memory */
-    VkDeviceMemory memory;    /* owned; null: a slot's or a host's */
-    void *bytes;              /* owned memory, always mapped; NULL: not mapped */
+    VkDeviceSize offset;        /* bytes; 0 except in a host's buffer */
+    VkDeviceSize size;          /* bytes, at least 16 */
+    VkDeviceSize block;         /* bytes bound as a uniform block, if more than size; else 0 */
+    VkBufferUsageFlags usage;   /* as created; of an import 0 */
+    bool imported;              /* the host owns handle and memory */
+    struct dt_vk_memory memory; /* owned; null: a slot's or a host's */
+    void *bytes;                /* owned memory, always mapped; NULL: not mapped */
 };
 
 struct vk_image {
@@ -33,7 +35,7 @@ struct vk_image {
     bool layered;
     bool by_layer;                       /* bound by single layers, too */
     bool imported;                       /* the host owns handle and memory */
-    VkDeviceMemory memory;               /* owned; null: a slot's or a host's */
+    struct dt_vk_memory memory;          /* owned; null: a slot's or a host's */
     VkImageLayout layout;                /* as of the commands recorded so far */
     VkImageView view;                    /* all mips, all layers */
     VkImageView mip_views[DT_MAX_MIPS];  /* one mip, all layers; of a cube as an array */
@@ -54,10 +56,16 @@ struct vk_choice {
     VkFlags usage; /* in addition, if not imported */
 };
 
-struct vk_program {
-    VkPipeline pipeline;
+/* What runtimes may share of a program. */
+struct vk_pipeline {
+    atomic_uint users;
+    VkPipeline handle;
     VkPipelineLayout layout;
     VkDescriptorSetLayout set_layout;
+};
+
+struct vk_program {
+    struct vk_pipeline *pipeline;
     VkDescriptorPool pool;
     VkDescriptorSet set;
 };
@@ -116,6 +124,11 @@ struct vk_runtime {
     VkDeviceSize max_allocation; /* bytes in one vkAllocateMemory */
     VkDevice device;
     struct vk_features features; /* enabled ones */
+    /* of the host; zero: none */
+    const VkAllocationCallbacks *callbacks;
+    struct dt_vk_allocator allocator;
+    struct dt_vk_threads threads;
+    VkPipelineCache cache;
     uint32_t queue_family, timestamp_bits;
     VkQueue queue;
     VkCommandPool command_pool;
@@ -131,7 +144,7 @@ struct vk_runtime {
     uint32_t index_count; /* of the scene */
 
     /* panel.c: of the pipeline */
-    VkDeviceMemory *slots;
+    struct dt_vk_memory *slots;
     struct vk_choice *choices; /* one per resource */
     struct vk_buffer upload;   /* host: for dt_vk_write, as large as the largest input image */
     VkQueryPool queries;       /* two per pass and slot */
@@ -234,11 +247,14 @@ bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
 void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);
 
 /* Allocates memory, device-local if possible; errors name `name`. */
-bool vk_memory_create(struct vk_runtime *rt, VkDeviceMemory *memory,
+bool vk_memory_create(struct vk_runtime *rt, struct dt_vk_memory *memory,
                       const VkMemoryRequirements *needs, const char *name);
+void vk_memory_destroy(struct vk_runtime *rt, struct dt_vk_memory *memory);
 /* Bind memory; vk_image_bind creates views, and binds no memory to an imported image. */
-bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceMemory memory);
-bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory);
+bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer,
+                    const struct dt_vk_memory *memory);
+bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image,
+                   const struct dt_vk_memory *memory);
 
 bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info);
 void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
@@ -262,6 +278,19 @@ struct vk_program_info {
 };
 bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info);
+/* The same in two steps: all but the VkPipeline; the VkPipeline, which takes long. Several threads may
+ * compile different programs of one runtime. */
+bool vk_program_begin(struct vk_runtime *rt, struct vk_program *program,
+                      const struct vk_program_info *info);
+struct vk_outcome {
+    VkResult result;
+    const char *call; /* that did not succeed */
+};
+struct vk_outcome vk_program_compile(const struct vk_runtime *rt, const struct vk_program *program,
+                                     const struct vk_program_info *info);
+/* Uses the pipeline of another runtime's program. */
+bool vk_program_share(struct vk_runtime *rt, struct vk_program *program,
+                      const struct vk_program *other, const struct vk_program_info *info);
 void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
 
 /* Content of one binding: a buffer, or an image with or without sampler. */

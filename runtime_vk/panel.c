@@ -61,7 +61,7 @@ static bool begin_panel(struct dt_core *core)
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
     return create_uniform(rt, &rt->builtin.live, "live", pipeline->block_size) &&
            (!core->timing ||
-            VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, NULL, &rt->queries),
+            VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, rt->callbacks, &rt->queries),
                pipeline->name));
 }
 
@@ -69,7 +69,7 @@ static void end_panel(struct dt_core *core)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
     vk_buffer_destroy(rt, &rt->builtin.live);
-    rt->vk.DestroyQueryPool(rt->device, rt->queries, NULL);
+    rt->vk.DestroyQueryPool(rt->device, rt->queries, rt->callbacks);
     free(rt->slots);
     free(rt->choices);
     rt->queries = VK_NULL_HANDLE;
@@ -122,7 +122,7 @@ static bool suits(struct dt_core *core, const struct dt_panel *panel)
     return true;
 }
 
-static bool create_program(struct dt_core *core, void *program, uint32_t pass)
+static struct vk_program_info program_info(const struct dt_core *core, uint32_t pass)
 {
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_program_info info = {
@@ -133,7 +133,19 @@ static bool create_program(struct dt_core *core, void *program, uint32_t pass)
     };
     for (uint32_t i = 0; i < state->color_count; i++)
         info.color_formats[i] = format_of(core->panel, &state->colors[i]);
-    return vk_program_create(vk_runtime_of(core), program, &info);
+    return info;
+}
+
+static bool create_program(struct dt_core *core, void *program, uint32_t pass)
+{
+    struct vk_program_info info = program_info(core, pass);
+    return vk_program_begin(vk_runtime_of(core), program, &info);
+}
+
+static bool share_program(struct dt_core *core, void *program, const void *other, uint32_t pass)
+{
+    struct vk_program_info info = program_info(core, pass);
+    return vk_program_share(vk_runtime_of(core), program, other, &info);
 }
 
 static void destroy_program(struct dt_core *core, void *program)
@@ -144,8 +156,47 @@ static void destroy_program(struct dt_core *core, void *program)
 static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
 {
     const struct vk_program *adopted = program;
-    vk_set_name(vk_runtime_of(core), VK_OBJECT_TYPE_PIPELINE, (uint64_t)adopted->pipeline,
+    vk_set_name(vk_runtime_of(core), VK_OBJECT_TYPE_PIPELINE, (uint64_t)adopted->pipeline->handle,
                 core->pipeline->passes[pass].name);
+}
+
+struct compiling {
+    const struct dt_core *core;
+    struct vk_outcome *outcomes; /* per pass */
+};
+
+/* Runs on any thread: changes nothing but the pass's own pipeline and outcome. */
+static void compile_pass(void *data, uint32_t pass)
+{
+    const struct compiling *compiling = data;
+    const struct vk_program *program = dt_program(compiling->core, pass);
+    if (program->pipeline->handle) /* adopted or shared */
+        return;
+    struct vk_program_info info = program_info(compiling->core, pass);
+    compiling->outcomes[pass] =
+        vk_program_compile((const struct vk_runtime *)compiling->core, program, &info);
+}
+
+static bool compile_programs(struct dt_core *core)
+{
+    struct vk_runtime *rt = vk_runtime_of(core);
+    uint32_t count = core->pipeline->pass_count;
+    struct compiling compiling = {core, calloc(count + 1, sizeof *compiling.outcomes)};
+    struct vk_outcome *outcomes = compiling.outcomes;
+    bool good = true, threads = rt->threads.run;
+    if (!outcomes)
+        return dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
+    if (threads)
+        rt->threads.run(rt->threads.user, count, compile_pass, &compiling);
+    for (uint32_t i = 0; good && i < count; i++) {
+        if (!threads)
+            compile_pass(&compiling, i);
+        good = vk_check(rt, outcomes[i].result, outcomes[i].call, core->pipeline->passes[i].name);
+        if (good && outcomes[i].call)
+            adopt_program(core, dt_program(core, i), i);
+    }
+    free(outcomes);
+    return good;
 }
 
 /* ---- Resources ------------------------------------------------------------------------------- */
@@ -228,10 +279,8 @@ static void destroy_resource(struct dt_core *core, uint32_t index)
 static void release_memory(struct dt_core *core)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
-    for (uint32_t i = 0; rt->slots && i < core->panel->slot_count; i++) {
-        rt->vk.FreeMemory(rt->device, rt->slots[i], NULL);
-        rt->slots[i] = VK_NULL_HANDLE;
-    }
+    for (uint32_t i = 0; rt->slots && i < core->panel->slot_count; i++)
+        vk_memory_destroy(rt, &rt->slots[i]);
 }
 
 static VkMemoryRequirements requirements(const struct vk_runtime *rt,
@@ -256,6 +305,8 @@ static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
             continue; /* the host has bound its memory */
         VkMemoryRequirements own = requirements(rt, resource);
         needs.memoryTypeBits &= own.memoryTypeBits;
+        if (own.alignment > needs.alignment) /* powers of two */
+            needs.alignment = own.alignment;
         if (own.size > needs.size) {
             needs.size = own.size;
             name = rt->core.pipeline->resources[i].name;
@@ -264,7 +315,7 @@ static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
     return !name || vk_memory_create(rt, &rt->slots[slot], &needs, name);
 }
 
-/* Binds all resources of a slot at offset 0. */
+/* Binds all resources of a slot at its start. */
 static bool place_resources(struct dt_core *core)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
@@ -273,7 +324,7 @@ static bool place_resources(struct dt_core *core)
         good = allocate_slot(rt, slot);
     for (uint32_t i = 0; good && i < core->pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
-        VkDeviceMemory memory = rt->slots[core->panel->storage[i].slot];
+        const struct dt_vk_memory *memory = &rt->slots[core->panel->storage[i].slot];
         good = resource->image.handle ? vk_image_bind(rt, &resource->image, memory)
                                       : vk_buffer_bind(rt, &resource->buffer, memory);
     }
@@ -385,6 +436,8 @@ const struct dt_backend vk_backend = {
     .create_sampler = create_sampler,
     .destroy_sampler = destroy_sampler,
     .create_program = create_program,
+    .compile_programs = compile_programs,
+    .share_program = share_program,
     .destroy_program = destroy_program,
     .adopt_program = adopt_program,
     .create_resource = create_resource,

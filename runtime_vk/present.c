@@ -425,9 +425,9 @@ static void draw(VkCommandBuffer commands, const struct vk_present *present,
     VkRect2D rect = scissor(present, draw->clip);
     if (!program->pipeline || !rect.extent.width || !rect.extent.height)
         return;
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, program->pipeline);
-    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, program->layout, 0, 1,
-                            &program->set, 0, NULL);
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, program->pipeline->handle);
+    vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, program->pipeline->layout, 0,
+                            1, &program->set, 0, NULL);
     vkCmdSetScissor(commands, 0, 1, &rect);
     vkCmdDraw(commands, draw->count, 1, draw->first, 0);
 }

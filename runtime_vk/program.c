@@ -14,8 +14,8 @@ static const VkDescriptorType descriptor_types[] = {
 };
 enum { KINDS = DT_ARRAY_COUNT(descriptor_types) };
 
-static bool create_layout(struct vk_runtime *rt, struct vk_program *program,
-                          const struct vk_program_info *info)
+static bool create_layouts(struct vk_runtime *rt, struct vk_pipeline *pipeline,
+                           const struct vk_program_info *info)
 {
     const struct dt_program *state = info->state;
     VkDescriptorSetLayoutBinding lines[DT_MAX_BINDINGS];
@@ -32,15 +32,18 @@ static bool create_layout(struct vk_runtime *rt, struct vk_program *program,
         .bindingCount = state->binding_count,
         .pBindings = lines,
     };
-    if (!VK(rt, rt->vk.CreateDescriptorSetLayout(rt->device, &set, NULL, &program->set_layout),
+    if (!VK(rt,
+            rt->vk.CreateDescriptorSetLayout(rt->device, &set, rt->callbacks,
+                                             &pipeline->set_layout),
             info->name))
         return false;
     VkPipelineLayoutCreateInfo layout = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .setLayoutCount = 1,
-        .pSetLayouts = &program->set_layout,
+        .pSetLayouts = &pipeline->set_layout,
     };
-    return VK(rt, rt->vk.CreatePipelineLayout(rt->device, &layout, NULL, &program->layout),
+    return VK(rt,
+              rt->vk.CreatePipelineLayout(rt->device, &layout, rt->callbacks, &pipeline->layout),
               info->name);
 }
 
@@ -63,13 +66,14 @@ static bool create_set(struct vk_runtime *rt, struct vk_program *program,
         .poolSizeCount = size_count,
         .pPoolSizes = sizes,
     };
-    if (!VK(rt, rt->vk.CreateDescriptorPool(rt->device, &pool, NULL, &program->pool), info->name))
+    if (!VK(rt, rt->vk.CreateDescriptorPool(rt->device, &pool, rt->callbacks, &program->pool),
+            info->name))
         return false;
     VkDescriptorSetAllocateInfo allocate = {
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
         .descriptorPool = program->pool,
         .descriptorSetCount = 1,
-        .pSetLayouts = &program->set_layout,
+        .pSetLayouts = &program->pipeline->set_layout,
     };
     return VK(rt, rt->vk.AllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
 }
@@ -96,21 +100,23 @@ void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *progr
 
 /* ---- Pipelines ------------------------------------------------------------------------------- */
 
-static bool create_module(struct vk_runtime *rt, const char *name, const struct dt_code *code,
-                          VkShaderModule *module)
+static struct vk_outcome create_module(const struct vk_runtime *rt, const struct dt_code *code,
+                                       VkShaderModule *module)
 {
+    struct vk_outcome outcome = {VK_SUCCESS, "vkCreateShaderModule"};
     if (code->size == 0)
-        return true;
+        return outcome;
     uint32_t *own;
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = code->size,
-        .pCode = dt_front_words(&rt->core, name, code, &own),
+        .pCode = dt_front_words(code, &own),
     };
-    bool ok =
-        info.pCode && VK(rt, rt->vk.CreateShaderModule(rt->device, &info, NULL, module), name);
+    outcome.result = info.pCode
+                         ? rt->vk.CreateShaderModule(rt->device, &info, rt->callbacks, module)
+                         : VK_ERROR_OUT_OF_HOST_MEMORY;
     free(own);
-    return ok;
+    return outcome;
 }
 
 static VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage,
@@ -124,23 +130,23 @@ static VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage,
     };
 }
 
-static bool create_compute(struct vk_runtime *rt, struct vk_program *program,
-                           const struct vk_program_info *info)
+static struct vk_outcome compile_compute(const struct vk_runtime *rt, struct vk_pipeline *pipeline,
+                                         const struct vk_program_info *info)
 {
     VkShaderModule module = VK_NULL_HANDLE;
-    if (!create_module(rt, info->name, &info->stages->compute, &module))
-        return false;
+    struct vk_outcome outcome = create_module(rt, &info->stages->compute, &module);
+    if (outcome.result != VK_SUCCESS)
+        return outcome;
     VkComputePipelineCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module),
-        .layout = program->layout,
+        .layout = pipeline->layout,
     };
-    bool ok = VK(rt,
-                 rt->vk.CreateComputePipelines(rt->device, VK_NULL_HANDLE, 1, &create, NULL,
-                                               &program->pipeline),
-                 info->name);
-    rt->vk.DestroyShaderModule(rt->device, module, NULL);
-    return ok;
+    outcome.call = "vkCreateComputePipelines";
+    outcome.result = rt->vk.CreateComputePipelines(rt->device, rt->cache, 1, &create, rt->callbacks,
+                                                   &pipeline->handle);
+    rt->vk.DestroyShaderModule(rt->device, module, rt->callbacks);
+    return outcome;
 }
 
 /* Every attribute has a binding of its own, whose stride comes with the scene. */
@@ -229,9 +235,9 @@ static VkPipelineColorBlendAttachmentState blend_state(const struct dt_target *t
     };
 }
 
-static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *program,
-                                     const struct vk_program_info *info,
-                                     const VkPipelineShaderStageCreateInfo stages[2])
+static VkResult create_graphics(const struct vk_runtime *rt, struct vk_pipeline *pipeline,
+                                const struct vk_program_info *info,
+                                const VkPipelineShaderStageCreateInfo stages[2])
 {
     const struct dt_program *state = info->state;
     VkVertexInputAttributeDescription attributes[DT_ATTRIBUTES];
@@ -296,51 +302,80 @@ static bool create_graphics_pipeline(struct vk_runtime *rt, struct vk_program *p
         .pDepthStencilState = &depth,
         .pColorBlendState = &blend,
         .pDynamicState = &dynamic_state,
-        .layout = program->layout,
+        .layout = pipeline->layout,
     };
-    return VK(rt,
-              rt->vk.CreateGraphicsPipelines(rt->device, VK_NULL_HANDLE, 1, &create, NULL,
-                                             &program->pipeline),
-              info->name);
+    return rt->vk.CreateGraphicsPipelines(rt->device, rt->cache, 1, &create, rt->callbacks,
+                                          &pipeline->handle);
 }
 
-static bool create_graphics(struct vk_runtime *rt, struct vk_program *program,
-                            const struct vk_program_info *info)
+static struct vk_outcome compile_graphics(const struct vk_runtime *rt, struct vk_pipeline *pipeline,
+                                          const struct vk_program_info *info)
 {
     VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
-    bool ok = create_module(rt, info->name, &info->stages->vertex, &vertex) &&
-              create_module(rt, info->name, &info->stages->fragment, &fragment);
-    if (ok) {
+    struct vk_outcome outcome = create_module(rt, &info->stages->vertex, &vertex);
+    if (outcome.result == VK_SUCCESS)
+        outcome = create_module(rt, &info->stages->fragment, &fragment);
+    if (outcome.result == VK_SUCCESS) {
         VkPipelineShaderStageCreateInfo stages[2] = {
             shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
             shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment),
         };
-        ok = create_graphics_pipeline(rt, program, info, stages);
+        outcome.call = "vkCreateGraphicsPipelines";
+        outcome.result = create_graphics(rt, pipeline, info, stages);
     }
-    rt->vk.DestroyShaderModule(rt->device, vertex, NULL);
-    rt->vk.DestroyShaderModule(rt->device, fragment, NULL);
-    return ok;
+    rt->vk.DestroyShaderModule(rt->device, vertex, rt->callbacks);
+    rt->vk.DestroyShaderModule(rt->device, fragment, rt->callbacks);
+    return outcome;
 }
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
+bool vk_program_begin(struct vk_runtime *rt, struct vk_program *program,
+                      const struct vk_program_info *info)
+{
+    *program = (struct vk_program){.pipeline = calloc(1, sizeof *program->pipeline)};
+    if (!program->pipeline)
+        return dt_error(&rt->core, "pass %s: out of memory; free some", info->name);
+    program->pipeline->users = 1;
+    return create_layouts(rt, program->pipeline, info) && create_set(rt, program, info);
+}
+
+struct vk_outcome vk_program_compile(const struct vk_runtime *rt, const struct vk_program *program,
+                                     const struct vk_program_info *info)
+{
+    return info->stages->compute.size ? compile_compute(rt, program->pipeline, info)
+                                      : compile_graphics(rt, program->pipeline, info);
+}
+
 bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info)
 {
-    *program = (struct vk_program){0};
-    if (!create_layout(rt, program, info) || !create_set(rt, program, info) ||
-        !(info->stages->compute.size ? create_compute(rt, program, info)
-                                     : create_graphics(rt, program, info)))
-        return false;
-    vk_set_name(rt, VK_OBJECT_TYPE_PIPELINE, (uint64_t)program->pipeline, info->name);
-    return true;
+    if (vk_program_begin(rt, program, info)) {
+        struct vk_outcome outcome = vk_program_compile(rt, program, info);
+        if (vk_check(rt, outcome.result, outcome.call, info->name))
+            return true;
+    }
+    vk_program_destroy(rt, program);
+    return false;
+}
+
+bool vk_program_share(struct vk_runtime *rt, struct vk_program *program,
+                      const struct vk_program *other, const struct vk_program_info *info)
+{
+    *program = (struct vk_program){.pipeline = other->pipeline};
+    program->pipeline->users++;
+    return create_set(rt, program, info);
 }
 
 void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
 {
-    rt->vk.DestroyPipeline(rt->device, program->pipeline, NULL);
-    rt->vk.DestroyPipelineLayout(rt->device, program->layout, NULL);
-    rt->vk.DestroyDescriptorPool(rt->device, program->pool, NULL); /* frees the set */
-    rt->vk.DestroyDescriptorSetLayout(rt->device, program->set_layout, NULL);
+    struct vk_pipeline *pipeline = program->pipeline;
+    rt->vk.DestroyDescriptorPool(rt->device, program->pool, rt->callbacks); /* frees the set */
     *program = (struct vk_program){0};
+    if (!pipeline || --pipeline->users)
+        return;
+    rt->vk.DestroyPipeline(rt->device, pipeline->handle, rt->callbacks);
+    rt->vk.DestroyPipelineLayout(rt->device, pipeline->layout, rt->callbacks);
+    rt->vk.DestroyDescriptorSetLayout(rt->device, pipeline->set_layout, rt->callbacks);
+    free(pipeline);
 }

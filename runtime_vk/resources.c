@@ -25,7 +25,7 @@ static int find_memory_type(const struct vk_runtime *rt, uint32_t bits,
     return found;
 }
 
-static bool allocate(struct vk_runtime *rt, VkDeviceMemory *memory, const char *name,
+static bool allocate(struct vk_runtime *rt, struct dt_vk_memory *memory, const char *name,
                      const VkMemoryRequirements *needs, VkMemoryPropertyFlags required,
                      VkMemoryPropertyFlags wanted)
 {
@@ -48,16 +48,30 @@ static bool allocate(struct vk_runtime *rt, VkDeviceMemory *memory, const char *
         .allocationSize = needs->size,
         .memoryTypeIndex = (uint32_t)type,
     };
-    return VK(rt, rt->vk.AllocateMemory(rt->device, &info, NULL, memory), name);
+    return VK(rt, rt->vk.AllocateMemory(rt->device, &info, rt->callbacks, &memory->memory), name);
 }
 
-bool vk_memory_create(struct vk_runtime *rt, VkDeviceMemory *memory,
+bool vk_memory_create(struct vk_runtime *rt, struct dt_vk_memory *memory,
                       const VkMemoryRequirements *needs, const char *name)
 {
+    const struct dt_vk_allocator *host = &rt->allocator;
+    *memory = (struct dt_vk_memory){0};
+    if (host->allocate)
+        return vk_check(rt, host->allocate(host->user, needs, name, memory), "allocate", name);
     if (!allocate(rt, memory, name, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT))
         return false;
-    vk_set_name(rt, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)*memory, name);
+    vk_set_name(rt, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)memory->memory, name);
     return true;
+}
+
+void vk_memory_destroy(struct vk_runtime *rt, struct dt_vk_memory *memory)
+{
+    const struct dt_vk_allocator *host = &rt->allocator;
+    if (host->free && memory->memory)
+        host->free(host->user, memory);
+    else
+        rt->vk.FreeMemory(rt->device, memory->memory, rt->callbacks); /* unmaps */
+    *memory = (struct dt_vk_memory){0};
 }
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
@@ -74,7 +88,8 @@ bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
     };
     *buffer = (struct vk_buffer){
         .name = info->name, .size = size, .block = whole > size ? whole : 0, .usage = create.usage};
-    if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, NULL, &buffer->handle), info->name))
+    if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, rt->callbacks, &buffer->handle),
+            info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);
     return true;
@@ -97,10 +112,13 @@ bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, con
     return true;
 }
 
-bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer, VkDeviceMemory memory)
+bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer,
+                    const struct dt_vk_memory *memory)
 {
     return buffer->imported ||
-           VK(rt, rt->vk.BindBufferMemory(rt->device, buffer->handle, memory, 0), buffer->name);
+           VK(rt,
+              rt->vk.BindBufferMemory(rt->device, buffer->handle, memory->memory, memory->offset),
+              buffer->name);
 }
 
 static bool map(struct vk_runtime *rt, struct vk_buffer *buffer, const VkMemoryRequirements *needs)
@@ -108,7 +126,9 @@ static bool map(struct vk_runtime *rt, struct vk_buffer *buffer, const VkMemoryR
     return allocate(rt, &buffer->memory, buffer->name, needs,
                     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                     VK_MEMORY_PROPERTY_HOST_CACHED_BIT) && /* uncached read-back is slow */
-           VK(rt, rt->vk.MapMemory(rt->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->bytes),
+           VK(rt,
+              rt->vk.MapMemory(rt->device, buffer->memory.memory, 0, VK_WHOLE_SIZE, 0,
+                               &buffer->bytes),
               buffer->name);
 }
 
@@ -121,14 +141,14 @@ bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
     rt->vk.GetBufferMemoryRequirements(rt->device, buffer->handle, &needs);
     return (mapped ? map(rt, buffer, &needs)
                    : vk_memory_create(rt, &buffer->memory, &needs, info->name)) &&
-           vk_buffer_bind(rt, buffer, buffer->memory);
+           vk_buffer_bind(rt, buffer, &buffer->memory);
 }
 
 void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
     if (!buffer->imported)
-        rt->vk.DestroyBuffer(rt->device, buffer->handle, NULL);
-    rt->vk.FreeMemory(rt->device, buffer->memory, NULL); /* unmaps */
+        rt->vk.DestroyBuffer(rt->device, buffer->handle, rt->callbacks);
+    vk_memory_destroy(rt, &buffer->memory);
     *buffer = (struct vk_buffer){0};
 }
 
@@ -304,7 +324,7 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
     }
     image->usage = create.usage |= VK_IMAGE_USAGE_SAMPLED_BIT; /* for dt_vk_resource */
     if (!image_fits(rt, &create, info->name) ||
-        !VK(rt, rt->vk.CreateImage(rt->device, &create, NULL, &image->handle), info->name))
+        !VK(rt, rt->vk.CreateImage(rt->device, &create, rt->callbacks, &image->handle), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, info->name);
     return true;
@@ -320,7 +340,7 @@ static bool create_view(struct vk_runtime *rt, const struct vk_image *image, VkI
         .format = image->format,
         .subresourceRange = range,
     };
-    if (!VK(rt, rt->vk.CreateImageView(rt->device, &info, NULL, view), image->name))
+    if (!VK(rt, rt->vk.CreateImageView(rt->device, &info, rt->callbacks, view), image->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)*view, image->name);
     return true;
@@ -357,7 +377,7 @@ VkBufferImageCopy vk_mip_region(const struct vk_image *image, uint32_t mip)
     };
 }
 
-bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory memory)
+bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, const struct dt_vk_memory *memory)
 {
     const VkImageViewType types[] = {
         [DT_SHAPE_2D] = image->layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
@@ -368,7 +388,8 @@ bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, VkDeviceMemory
     VkImageViewType type = types[image->shape];
     bool cube = vk_is_cube(image->shape);
     if ((!image->imported &&
-         !VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory, 0), image->name)) ||
+         !VK(rt, rt->vk.BindImageMemory(rt->device, image->handle, memory->memory, memory->offset),
+             image->name)) ||
         !create_view(rt, image, type,
                      (VkImageSubresourceRange){image->aspect, 0, image->mips, 0, image->layers},
                      &image->view))
@@ -391,22 +412,22 @@ bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
         return false;
     rt->vk.GetImageMemoryRequirements(rt->device, image->handle, &needs);
     return vk_memory_create(rt, &image->memory, &needs, info->name) &&
-           vk_image_bind(rt, image, image->memory);
+           vk_image_bind(rt, image, &image->memory);
 }
 
 void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
 {
     for (uint32_t mip = 0; mip < image->mips; mip++) {
-        rt->vk.DestroyImageView(rt->device, image->mip_views[mip], NULL);
-        rt->vk.DestroyImageView(rt->device, image->cube_views[mip], NULL);
+        rt->vk.DestroyImageView(rt->device, image->mip_views[mip], rt->callbacks);
+        rt->vk.DestroyImageView(rt->device, image->cube_views[mip], rt->callbacks);
     }
     for (uint32_t i = 0; image->layer_views && i < image->mips * image->layers; i++)
-        rt->vk.DestroyImageView(rt->device, image->layer_views[i], NULL);
+        rt->vk.DestroyImageView(rt->device, image->layer_views[i], rt->callbacks);
     free(image->layer_views);
-    rt->vk.DestroyImageView(rt->device, image->view, NULL);
+    rt->vk.DestroyImageView(rt->device, image->view, rt->callbacks);
     if (!image->imported)
-        rt->vk.DestroyImage(rt->device, image->handle, NULL);
-    rt->vk.FreeMemory(rt->device, image->memory, NULL);
+        rt->vk.DestroyImage(rt->device, image->handle, rt->callbacks);
+    vk_memory_destroy(rt, &image->memory);
     *image = (struct vk_image){0};
 }
 
@@ -478,7 +499,7 @@ bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct d
         .maxLod = VK_LOD_CLAMP_NONE,
         .borderColor = borders[info->border],
     };
-    if (!VK(rt, rt->vk.CreateSampler(rt->device, &create, NULL, sampler), info->name))
+    if (!VK(rt, rt->vk.CreateSampler(rt->device, &create, rt->callbacks, sampler), info->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_SAMPLER, (uint64_t)*sampler, info->name);
     return true;
@@ -486,6 +507,6 @@ bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct d
 
 void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler)
 {
-    rt->vk.DestroySampler(rt->device, *sampler, NULL);
+    rt->vk.DestroySampler(rt->device, *sampler, rt->callbacks);
     *sampler = VK_NULL_HANDLE;
 }

@@ -198,9 +198,9 @@ static bool bind(void *runtime, uint32_t pass)
     VkPipelineBindPoint point = rt->core.pipeline->passes[pass].kind == DT_PASS_DISPATCH
                                     ? VK_PIPELINE_BIND_POINT_COMPUTE
                                     : VK_PIPELINE_BIND_POINT_GRAPHICS;
-    rt->vk.CmdBindPipeline(rt->frame_commands, point, program->pipeline);
+    rt->vk.CmdBindPipeline(rt->frame_commands, point, program->pipeline->handle);
     if (program->set)
-        rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->layout, 0, 1,
+        rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->pipeline->layout, 0, 1,
                                      &program->set, 0, NULL);
     return true;
 }

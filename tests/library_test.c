@@ -2,9 +2,12 @@
  * context of the test's own. Wrong calls are told in one message that names the thing, and a right one
  * goes on from there; a frame that is never submitted leaves no trace. Validation, with synchronization
  * checking, stays silent. What they draw is held against the command by install_test.sh. */
+#include <malloc.h>
 #include <math.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -1031,6 +1034,210 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+/* ---- Memory, caches and threads of the host -------------------------------------------------- */
+
+static struct {
+    atomic_int blocks;       /* of the callbacks, alive */
+    int memory, fail_memory; /* allocations alive; the n-th from now on fails; 0: none */
+    VkPipelineCache cache;
+    atomic_int pipelines; /* created so far, all with the cache */
+    atomic_int strangers; /* created without */
+    atomic_bool fail_pipelines;
+} own;
+
+static void *VKAPI_PTR own_alloc(void *user, size_t size, size_t alignment,
+                                 VkSystemAllocationScope scope)
+{
+    void *block = NULL;
+    (void)user, (void)scope;
+    if (posix_memalign(&block, alignment < sizeof block ? sizeof block : alignment, size) != 0)
+        return NULL;
+    own.blocks++;
+    return block;
+}
+
+static void VKAPI_PTR own_free(void *user, void *block)
+{
+    (void)user;
+    own.blocks -= block != NULL;
+    free(block);
+}
+
+static void *VKAPI_PTR own_realloc(void *user, void *block, size_t size, size_t alignment,
+                                   VkSystemAllocationScope scope)
+{
+    void *more = own_alloc(user, size, alignment, scope);
+    size_t old = block ? malloc_usable_size(block) : 0;
+    if (more && block)
+        memcpy(more, block, old < size ? old : size);
+    own_free(user, block);
+    return more;
+}
+
+static const VkAllocationCallbacks own_callbacks = {
+    .pfnAllocation = own_alloc, .pfnReallocation = own_realloc, .pfnFree = own_free};
+
+/* Never from the start of the memory. */
+static VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char *name,
+                             struct dt_vk_memory *out)
+{
+    enum { OFFSET = 1 << 16 };
+    VkMemoryRequirements more = *needs;
+    assert_true(user == &own && name[0] && OFFSET % needs->alignment == 0);
+    if (own.fail_memory && --own.fail_memory == 0)
+        return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    more.size += OFFSET;
+    *out = (struct dt_vk_memory){allocate(more, 0), OFFSET, &own};
+    own.memory++;
+    return VK_SUCCESS;
+}
+
+static void own_release(void *user, const struct dt_vk_memory *memory)
+{
+    assert_true(user == &own && memory->allocation == &own);
+    vkFreeMemory(vk.device, memory->memory, NULL);
+    own.memory--;
+}
+
+static VkResult count_pipeline(VkPipelineCache cache)
+{
+    own.strangers += cache != own.cache;
+    own.pipelines++;
+    return own.fail_pipelines ? VK_ERROR_OUT_OF_HOST_MEMORY : VK_SUCCESS;
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL own_compute(VkDevice device, VkPipelineCache cache,
+                                                  uint32_t count,
+                                                  const VkComputePipelineCreateInfo *infos,
+                                                  const VkAllocationCallbacks *callbacks,
+                                                  VkPipeline *pipelines)
+{
+    VkResult result = count_pipeline(cache);
+    return result == VK_SUCCESS
+               ? vkCreateComputePipelines(device, cache, count, infos, callbacks, pipelines)
+               : result;
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL own_graphics(VkDevice device, VkPipelineCache cache,
+                                                   uint32_t count,
+                                                   const VkGraphicsPipelineCreateInfo *infos,
+                                                   const VkAllocationCallbacks *callbacks,
+                                                   VkPipeline *pipelines)
+{
+    VkResult result = count_pipeline(cache);
+    return result == VK_SUCCESS
+               ? vkCreateGraphicsPipelines(device, cache, count, infos, callbacks, pipelines)
+               : result;
+}
+
+static PFN_vkVoidFunction VKAPI_PTR own_device_functions(VkDevice device, const char *name)
+{
+    if (strcmp(name, "vkCreateComputePipelines") == 0)
+        return (PFN_vkVoidFunction)own_compute;
+    if (strcmp(name, "vkCreateGraphicsPipelines") == 0)
+        return (PFN_vkVoidFunction)own_graphics;
+    return vkGetDeviceProcAddr(device, name);
+}
+
+static PFN_vkVoidFunction VKAPI_PTR own_functions(VkInstance instance, const char *name)
+{
+    return strcmp(name, "vkGetDeviceProcAddr") == 0 ? (PFN_vkVoidFunction)own_device_functions
+                                                    : vkGetInstanceProcAddr(instance, name);
+}
+
+struct own_jobs {
+    void (*job)(void *data, uint32_t i);
+    void *data;
+    uint32_t count;
+    atomic_uint next;
+};
+
+static void *work(void *argument)
+{
+    struct own_jobs *jobs = argument;
+    for (uint32_t i; (i = jobs->next++) < jobs->count;)
+        jobs->job(jobs->data, i);
+    return NULL;
+}
+
+static void own_threads(void *user, uint32_t count, void (*job)(void *data, uint32_t i), void *data)
+{
+    struct own_jobs jobs = {.job = job, .data = data, .count = count};
+    pthread_t threads[3];
+    assert_true(user == &own);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, work, &jobs), 0);
+    for (int i = 0; i < 3; i++)
+        pthread_join(threads[i], NULL);
+}
+
+static struct dt_vk_host own_host(void)
+{
+    struct dt_vk_host host = vk_host();
+    host.get_instance_proc_addr = own_functions;
+    host.callbacks = &own_callbacks;
+    host.allocator = (struct dt_vk_allocator){&own, own_allocate, own_release};
+    host.pipeline_cache = own.cache;
+    host.threads = (struct dt_vk_threads){&own, own_threads};
+    return host;
+}
+
+static void vulkan_uses_memory_cache_and_threads_of_the_host(void **state)
+{
+    (void)state;
+    static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
+    const VkPipelineCacheCreateInfo cache = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+    assert_int_equal(vkCreatePipelineCache(vk.device, &cache, NULL, &own.cache), VK_SUCCESS);
+    vulkan_draw(&vk.scene, wanted);
+    struct dt_vk_host host = own_host();
+    struct vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_import_scene(rt, &vk.scene));
+    own.fail_pipelines = true;
+    REFUSED(dt_vk_create(rt, &features_vk), "Pipelines(");
+    own.fail_pipelines = false;
+    own.pipelines = 0;
+    assert_true(dt_vk_create(rt, &features_vk));
+    assert_int_equal(own.pipelines, FEATURES_PASSES);
+    own.fail_memory = 3;
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "): VK_ERROR_OUT_OF_DEVICE_MEMORY: use ");
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, found);
+    assert_memory_equal(wanted, found, TRAIL_BYTES);
+    assert_true(own.blocks > FEATURES_PASSES && own.memory > 1);
+
+    struct vk_runtime *other = dt_vk_open(&host); /* shares all programs, and outlives the first */
+    assert_true(other && dt_vk_import_scene(other, &vk.scene) && dt_vk_create_from(other, rt) &&
+                dt_vk_resize(other, WIDTH, HEIGHT));
+    assert_int_equal(own.pipelines, FEATURES_PASSES);
+    assert_int_equal(own.strangers, 0);
+    dt_vk_close(rt);
+    run_frames(other, found);
+    assert_memory_equal(wanted, found, TRAIL_BYTES);
+    dt_vk_close(other);
+    assert_int_equal(own.blocks, 0);
+    assert_int_equal(own.memory, 0);
+    vkDestroyPipelineCache(vk.device, own.cache, NULL);
+    assert_int_equal(heard.validation, 0);
+}
+
+static void vulkan_tells_what_cannot_be_shared(void **state)
+{
+    (void)state;
+    struct dt_vk_host host = vk_host(), other = vk_host();
+    struct vk_runtime *rt = open_features(), *bare = dt_vk_open(&host);
+    REFUSED(dt_vk_create_from(rt, bare), "create_from: the other runtime has no pipeline");
+    REFUSED(dt_vk_create_from(rt, rt), "create_from: the other runtime has no pipeline");
+    other.callbacks = &own_callbacks;
+    struct vk_runtime *careful = dt_vk_open(&other);
+    REFUSED(dt_vk_create_from(careful, rt), "create_from: the runtimes have different devices");
+    other.allocator.allocate = own_allocate;
+    REFUSED(dt_vk_open(&other), "only one of allocate and free");
+    dt_vk_close(careful);
+    dt_vk_close(bare);
+    dt_vk_close(rt);
+    assert_int_equal(own.blocks, 0);
+}
+
 /* ---- Frames in flight ------------------------------------------------------------------------ */
 
 enum { IN_FLIGHT = 2, CYCLES = 10 };
@@ -1572,6 +1779,27 @@ static void opengl_draws_vertices_of_another_layout(void **state)
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
+static void opengl_shares_programs(void **state)
+{
+    (void)state;
+    const struct dt_gl_host host = {.log = test_log, .get_proc_address = eglGetProcAddress};
+    const struct dt_gl_host text = {
+        .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true};
+    const struct dt_gl_scene scene = gl_scene();
+    struct dt_frame frame = frame_of(0);
+    struct gl_runtime *rt = dt_gl_open(&host), *other = dt_gl_open(&host);
+    REFUSED(dt_gl_create_from(other, rt), "create_from: the other runtime has no pipeline");
+    assert_true(dt_gl_create(rt, &features_gl) && dt_gl_import_scene(other, &scene) &&
+                dt_gl_create_from(other, rt) && dt_gl_resize(other, WIDTH, HEIGHT));
+    dt_gl_close(rt);
+    assert_true(dt_gl_record(other, &frame, NULL));
+    rt = dt_gl_open(&text);
+    REFUSED(dt_gl_create_from(rt, other), "one runtime has GLSL text");
+    dt_gl_close(rt);
+    dt_gl_close(other);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
 static struct gl_runtime *outside_gl_runtime;
 
 static bool opengl_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
@@ -1812,11 +2040,14 @@ int main(void)
         cmocka_unit_test(vulkan_takes_inputs),
         cmocka_unit_test(vulkan_takes_buffers_and_describes_all),
         cmocka_unit_test(vulkan_takes_3d_images_and_cubes),
+        cmocka_unit_test(vulkan_uses_memory_cache_and_threads_of_the_host),
+        cmocka_unit_test(vulkan_tells_what_cannot_be_shared),
         cmocka_unit_test_setup(opengl_tells_wrong_calls, open_opengl),
         cmocka_unit_test(opengl_tells_errors_that_were_there),
         cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(opengl_draws_vertices_of_another_layout),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
+        cmocka_unit_test(opengl_shares_programs),
         cmocka_unit_test(opengl_takes_inputs),
         cmocka_unit_test(opengl_takes_buffers_and_describes_all),
         cmocka_unit_test(opengl_records_parts),

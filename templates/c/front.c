@@ -186,17 +186,14 @@ struct made {
     void *programs;
 };
 
-const uint32_t *dt_front_words(const struct dt_core *core, const char *pass,
-                               const struct dt_code *code, uint32_t **own)
+const uint32_t *dt_front_words(const struct dt_code *code, uint32_t **own)
 {
     *own = NULL;
     if (code->words)
         return code->words;
     const uint8_t *at = code->packed;
-    if (!(*own = malloc(code->size))) {
-        dt_error(core, "pass %s: no memory for %zu bytes of SPIR-V; free some", pass, code->size);
+    if (!(*own = malloc(code->size)))
         return NULL;
-    }
     for (size_t i = 0; i < code->size / sizeof **own; i++) {
         (*own)[i] = 0;
         for (unsigned shift = 0, more = 1; more; shift += 7) {
@@ -384,18 +381,34 @@ static bool allocate(struct dt_core *core)
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
-static bool make(struct dt_core *core, const struct made *before)
+static bool make_program(struct dt_core *core, const struct made *before,
+                         const struct dt_core *from, uint32_t pass)
+{
+    const struct dt_backend *backend = core->backend;
+    if (from)
+        return backend->share_program(core, dt_program(core, pass), dt_program(from, pass), pass);
+    return take_program(core, before, pass) ||
+           backend->create_program(core, dt_program(core, pass), pass);
+}
+
+static bool make(struct dt_core *core, const struct made *before, const struct dt_core *from)
 {
     bool good = allocate(core) && core->backend->begin_panel(core);
     for (uint32_t i = 0; good && i < core->panel->sampler_count; i++)
         good = core->backend->create_sampler(core, dt_sampler(core, i), &core->panel->samplers[i]);
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
-        good = take_program(core, before, i) ||
-               core->backend->create_program(core, dt_program(core, i), i);
-    return good;
+        good = make_program(core, before, from, i);
+    return good && (!core->backend->compile_programs || core->backend->compile_programs(core));
 }
 
-bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders)
+bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from)
+{
+    return (from != core && from->shaders) ||
+           dt_error(core, "create_from: the other runtime has no pipeline; create it there first");
+}
+
+bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
+                     const struct dt_core *from)
 {
     uint32_t version = shaders->panel->version;
     if (!DT_TAKES(version))
@@ -414,7 +427,7 @@ bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders)
         core->shaders = shaders;
         core->panel = shaders->panel;
         core->pipeline = pipeline;
-        good = make(core, &before);
+        good = make(core, &before, from);
         destroy_programs(core, &before);
         if (!good)
             dt_front_destroy(core);
@@ -1034,7 +1047,7 @@ bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
 
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders)
 {
-    return dt_front_create(runtime, shaders);
+    return dt_front_create(runtime, shaders, NULL);
 }
 
 bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height)

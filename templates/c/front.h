@@ -88,6 +88,10 @@ struct dt_backend {
     bool (*create_sampler)(struct dt_core *core, void *sampler, const struct dt_sampler *info);
     void (*destroy_sampler)(struct dt_core *core, void *sampler);
     bool (*create_program)(struct dt_core *core, void *program, uint32_t pass);
+    /* Completes all programs that were created; NULL: they are complete. */
+    bool (*compile_programs)(struct dt_core *core);
+    /* In place of create_program: shares what it can with the same program of another core. */
+    bool (*share_program)(struct dt_core *core, void *program, const void *other, uint32_t pass);
     void (*destroy_program)(struct dt_core *core, void *program);
     /* Takes over a program of the previous panel, with the same code and state, for this pass. */
     void (*adopt_program)(struct dt_core *core, void *program, uint32_t pass);
@@ -133,13 +137,16 @@ bool dt_error(const struct dt_core *core, const char *format, ...)
 
 /* ---- Shaders --------------------------------------------------------------------------------- */
 
-/* The words of a stage that is present. free() `*own` after use. NULL: no memory, logged. */
-const uint32_t *dt_front_words(const struct dt_core *core, const char *pass,
-                               const struct dt_code *code, uint32_t **own);
+/* The words of a stage that is present. free() `*own` after use. NULL: no memory. */
+const uint32_t *dt_front_words(const struct dt_code *code, uint32_t **own);
 
 /* ---- For the app and for hosts --------------------------------------------------------------- */
 
-bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
+/* `from`: a core with the same shaders, whose programs are shared; NULL: none. */
+bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
+                     const struct dt_core *from);
+/* Whether a host's runtime can share the programs of another one. */
+bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from);
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
 /* Renders the passes `first` to `end` - 1 of a frame: all, or a host's part. The part that begins
  * with pass 0 begins the frame, and its frame and live parameters (NULL: the defaults) hold for all
