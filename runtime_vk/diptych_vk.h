@@ -38,10 +38,12 @@
  * Synchronisation. The commands of record begin and end with a full memory barrier (all stages, all
  * accesses). So
  *   - the host needs no barrier before: its earlier work on the queue is finished and visible. Work
- *     of other queues needs a semaphore, and `queue_family` must own exclusive resources;
+ *     of other queues needs a semaphore, and `queue_family` must own exclusive resources, but for
+ *     those of dt_vk_exchange;
  *   - the host needs no barrier after: later commands of the queue see all results. Reading on the
  *     CPU needs a fence, as always; the barrier includes VK_PIPELINE_STAGE_2_HOST_BIT.
- * struct dt_vk_image gives the layouts of images.
+ * With dt_vk_narrow the barriers are as narrow as the host says. struct dt_vk_image gives the layouts
+ * of images.
  *
  * Frames in flight. A pipeline has one set of resources, and commands write even its uniform
  * blocks, so that each frame has its own live parameters. So the host may record any number of frames while earlier ones still run. All command
@@ -215,6 +217,15 @@ bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct d
  * import. diptych never writes an imported input; the host may write it between frames. */
 bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_range *range);
 
+/* The imported image or buffer belongs to another queue family between frames: the commands of a frame
+ * begin with acquiring it from `family`, and end with releasing it to it. The host records the other
+ * halves on a queue of `family`, with the same families, and puts semaphores between:
+ *   - a release before, in layout_before, or of the range that was imported. None for an image with
+ *     layout_before UNDEFINED, whose content is lost;
+ *   - an acquire after, in the layout that dt_vk_resource then tells, or of the range.
+ * Call after the import, before a frame. VK_QUEUE_FAMILY_IGNORED cancels it. */
+bool dt_vk_exchange(struct vk_runtime *rt, uint32_t resource, uint32_t family);
+
 /* Creates the resource with this usage, too, for commands of the host: COLOR_ATTACHMENT to draw into
  * it, VERTEX_BUFFER to draw from it. Replaces an earlier call for the resource; no effect on an
  * import. Call after create, before resize, which reports a usage that the device lacks. */
@@ -235,6 +246,22 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
 bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes);
 
+/* What commands of the host on the queue do with resources that the pipeline uses, too: imports, the
+ * scene, and those of dt_vk_resource. Stages of semaphores around the commands count, too. */
+struct dt_vk_sync {
+    /* in commands before, also after the frame before: stages that read or write; accesses that write.
+     * 0: none */
+    VkPipelineStageFlags2 stages_before;
+    VkAccessFlags2 writes_before;
+    /* in commands after, or HOST for the CPU: stages that read or write, and their accesses */
+    VkPipelineStageFlags2 stages_after;
+    VkAccessFlags2 accesses_after;
+};
+/* From now on, commands of record, record_passes and write begin and end with barriers for these
+ * stages and accesses instead of full ones: diptych waits only for them and for its own stages, and
+ * only they wait for diptych. NULL: full barriers again. */
+void dt_vk_narrow(struct vk_runtime *rt, const struct dt_vk_sync *sync);
+
 /* Records all passes of one frame. `commands` is a primary command buffer of `queue_family` in the
  * recording state, outside of a render pass; earlier bindings and dynamic state are lost. Ignores
  * width and height of `frame`; the host counts `index` from 0 after every resize. `live`: the live
@@ -252,7 +279,7 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
  *
  * `first` is 0 or the `end` of the call before. The frame is complete when `end` is NAME_PASSES; resize
  * abandons it. `frame` and `live` of the first part hold for the whole frame; later ones are not read.
- * Every part begins and ends with the full barrier, so that the host may read and write, between the
+ * Every part begins and ends with the barrier, so that the host may read and write, between the
  * parts, each resource that dt_vk_resource gives, without a barrier but for changes of layout: it finds
  * an image in `layout`, and leaves it so. A pass that replaces all of a resource discards what the host
  * wrote. Outputs have content only after the pass that writes them. Imported images have layout_before

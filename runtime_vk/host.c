@@ -212,6 +212,16 @@ bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct 
     return true;
 }
 
+bool dt_vk_exchange(struct vk_runtime *rt, uint32_t resource, uint32_t family)
+{
+    const struct dt_core *core = &rt->core;
+    if (!core->pipeline || resource >= core->pipeline->resource_count || !core->imported[resource])
+        return dt_error(core, "exchange: resource %u is not imported; import it first", resource);
+    rt->choices[resource].exchanged = family != VK_QUEUE_FAMILY_IGNORED;
+    rt->choices[resource].family = family;
+    return true;
+}
+
 bool dt_vk_add_image_usage(struct vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage)
 {
     if (!dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
@@ -272,6 +282,79 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
     return rt->core.sized;
 }
 
+/* ---- Barriers to the host -------------------------------------------------------------------- */
+
+void dt_vk_narrow(struct vk_runtime *rt, const struct dt_vk_sync *sync)
+{
+    rt->narrow = sync;
+    if (sync)
+        rt->sync = *sync;
+}
+
+static VkMemoryBarrier2 memory_barrier(VkPipelineStageFlags2 from, VkAccessFlags2 writes,
+                                       VkPipelineStageFlags2 to, VkAccessFlags2 accesses)
+{
+    return (VkMemoryBarrier2){.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                              .srcStageMask = from,
+                              .srcAccessMask = writes,
+                              .dstStageMask = to,
+                              .dstAccessMask = accesses};
+}
+
+enum when { BEFORE, WITHIN, AFTER };
+
+/* BEFORE: our commands wait for our earlier ones and for the host's. WITHIN: for our earlier ones.
+ * AFTER: the host's wait for ours. */
+static void wait_for(const struct vk_runtime *rt, VkCommandBuffer commands, enum when when)
+{
+    const VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+    const struct dt_vk_sync *sync = &rt->sync;
+    VkMemoryBarrier2 memory[] = {
+        memory_barrier(rt->stages, VK_ACCESS_2_MEMORY_WRITE_BIT, rt->stages, all),
+        memory_barrier(sync->stages_before, sync->writes_before, rt->stages, all)};
+    VkDependencyInfo info = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                             .memoryBarrierCount = when == BEFORE ? 2 : 1,
+                             .pMemoryBarriers = memory};
+    if (when == AFTER)
+        memory[0] = memory_barrier(rt->stages, VK_ACCESS_2_MEMORY_WRITE_BIT, sync->stages_after,
+                                   sync->accesses_after);
+    if (rt->narrow)
+        rt->vk.CmdPipelineBarrier2(commands, &info);
+    else
+        vk_full_barrier(rt, commands);
+}
+
+/* Moves an import between queue families, in its layout. The stages meet those of the semaphores that
+ * the host waits for before, and signals after. */
+static void exchange(const struct vk_runtime *rt, uint32_t resource, uint32_t from, uint32_t to)
+{
+    const struct dt_vk_range *range = &rt->choices[resource].buffer;
+    const struct vk_image *image = &vk_resource_at(rt, resource)->image;
+    VkImageMemoryBarrier2 moved = vk_image_barrier(rt, image, image->layout);
+    moved.srcStageMask |= rt->narrow ? rt->sync.stages_before : 0;
+    moved.dstStageMask |= rt->narrow ? rt->sync.stages_after : 0;
+    moved.srcQueueFamilyIndex = from;
+    moved.dstQueueFamilyIndex = to;
+    VkBufferMemoryBarrier2 buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
+                                     .srcStageMask = moved.srcStageMask,
+                                     .srcAccessMask = moved.srcAccessMask,
+                                     .dstStageMask = moved.dstStageMask,
+                                     .dstAccessMask = moved.dstAccessMask,
+                                     .srcQueueFamilyIndex = from,
+                                     .dstQueueFamilyIndex = to,
+                                     .buffer = range->buffer,
+                                     .offset = range->offset,
+                                     .size = range->size};
+    VkDependencyInfo info = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                             .bufferMemoryBarrierCount = range->buffer != VK_NULL_HANDLE,
+                             .pBufferMemoryBarriers = &buffer,
+                             .imageMemoryBarrierCount = image->handle != VK_NULL_HANDLE,
+                             .pImageMemoryBarriers = &moved};
+    rt->vk.CmdPipelineBarrier2(rt->frame_commands, &info);
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
 /* The bytes travel in the commands, so that earlier frames in flight keep their content. The buffer
  * holds a multiple of four bytes. */
 static void update(const struct vk_runtime *rt, VkCommandBuffer commands,
@@ -303,7 +386,7 @@ static void write_image(const struct vk_runtime *rt, VkCommandBuffer commands,
     VkImageLayout layout =
         image->layout == VK_IMAGE_LAYOUT_UNDEFINED ? VK_IMAGE_LAYOUT_GENERAL : image->layout;
     update(rt, commands, &rt->upload, 0, bytes->data, bytes->size);
-    vk_full_barrier(rt, commands);
+    wait_for(rt, commands, WITHIN);
     vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     rt->vk.CmdCopyBufferToImage(commands, rt->upload.handle, image->handle, image->layout, 1,
                                 &region);
@@ -316,12 +399,12 @@ bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resou
     if (!dt_front_fits(&rt->core, resource, mip, bytes))
         return false;
     struct vk_resource *input = vk_resource_at(rt, resource);
-    vk_full_barrier(rt, commands);
+    wait_for(rt, commands, BEFORE);
     if (input->image.handle)
         write_image(rt, commands, &input->image, mip, bytes);
     else
         update(rt, commands, &input->buffer, 0, bytes->data, bytes->size);
-    vk_full_barrier(rt, commands);
+    wait_for(rt, commands, AFTER);
     rt->core.written[resource] |= 1u << mip;
     return true;
 }
@@ -372,17 +455,21 @@ static void fill_now(struct vk_runtime *rt)
         clear(rt, textures, 1, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
 }
 
-/* Imported images start in the host's layout. The plan expects images with history in GENERAL, as
- * resize and the frame before leave them. */
+/* Imports start with the host's queue family, images in the host's layout. The plan expects images with
+ * history in GENERAL, as resize and the frame before leave them. */
 static void take_imports(struct vk_runtime *rt)
 {
-    const struct dt_pipeline *pipeline = rt->core.pipeline;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+    for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         struct vk_image *image = &vk_resource_at(rt, i)->image;
-        if (!rt->choices[i].image.image)
+        const struct vk_choice *choice = &rt->choices[i];
+        if (!rt->core.imported[i])
             continue;
-        image->layout = rt->choices[i].image.layout_before;
-        if (pipeline->resources[i].history && image->layout != VK_IMAGE_LAYOUT_GENERAL)
+        image->layout = choice->image.layout_before;
+        if (choice->exchanged &&
+            (choice->buffer.buffer || image->layout != VK_IMAGE_LAYOUT_UNDEFINED))
+            exchange(rt, i, choice->family, rt->queue_family);
+        if (image->handle && rt->core.pipeline->resources[i].history &&
+            image->layout != VK_IMAGE_LAYOUT_GENERAL)
             vk_transition(rt, rt->frame_commands, image, VK_IMAGE_LAYOUT_GENERAL);
     }
 }
@@ -395,7 +482,19 @@ static void begin_frame(struct vk_runtime *rt, const struct dt_frame *frame, con
     fill_now(rt);
     if (rt->core.timing)
         vk_reset_queries(rt);
-    vk_full_barrier(rt, rt->frame_commands);
+    wait_for(rt, rt->frame_commands, WITHIN);
+}
+
+static void return_imports(struct vk_runtime *rt)
+{
+    for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
+        const struct vk_choice *choice = &rt->choices[i];
+        if (choice->image.image && choice->image.layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
+            vk_transition(rt, rt->frame_commands, &vk_resource_at(rt, i)->image,
+                          choice->image.layout_after);
+        if (choice->exchanged && rt->core.imported[i])
+            exchange(rt, i, rt->queue_family, choice->family);
+    }
 }
 
 /* A frame or a part of one. The first barrier waits for earlier frames, which use the same resources
@@ -403,18 +502,13 @@ static void begin_frame(struct vk_runtime *rt, const struct dt_frame *frame, con
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
-    const struct dt_pipeline *pipeline = core->pipeline;
-    VkCommandBuffer commands = rt->frame_commands;
-    vk_full_barrier(rt, commands);
+    wait_for(rt, rt->frame_commands, BEFORE);
     if (!core->first_pass)
         begin_frame(rt, frame, live);
-    bool good = dt_front_record(core, live), last = core->end_pass == pipeline->pass_count;
-    for (uint32_t i = 0; last && i < pipeline->resource_count; i++) {
-        const struct dt_vk_image *import = &rt->choices[i].image;
-        if (import->image && import->layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
-            vk_transition(rt, commands, &vk_resource_at(rt, i)->image, import->layout_after);
-    }
-    vk_full_barrier(rt, commands);
+    bool good = dt_front_record(core, live);
+    if (core->end_pass == core->pipeline->pass_count)
+        return_imports(rt);
+    wait_for(rt, rt->frame_commands, AFTER);
     return good;
 }
 

@@ -53,7 +53,9 @@ struct vk_resource {
 struct vk_choice {
     struct dt_vk_image image;
     struct dt_vk_range buffer;
-    VkFlags usage; /* in addition, if not imported */
+    VkFlags usage;  /* in addition, if not imported */
+    bool exchanged; /* an import that belongs to `family` between frames */
+    uint32_t family;
 };
 
 /* What runtimes may share of a program. */
@@ -153,6 +155,9 @@ struct vk_runtime {
     uint32_t barriers; /* number of barriers recorded so far */
     double record_ms;  /* CPU time of recording the last frame; NAN with an observer */
     bool fills;        /* host: the next frame first fills resources with history */
+    bool narrow;       /* host: `sync` holds; else full barriers */
+    struct dt_vk_sync sync;
+    VkPipelineStageFlags2 stages; /* of all that a frame does */
 };
 
 static inline struct vk_runtime *vk_runtime_of(struct dt_core *core)
@@ -314,8 +319,10 @@ bool vk_immediate_end_signal(struct vk_runtime *rt, const char *name, VkSemaphor
 
 /* Orders all earlier commands before all later ones; makes writes visible, also to the host. */
 void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands);
-/* The same for one image, with a change to `layout`. An old layout of UNDEFINED loses the
- * content. */
+/* The same for one image, with a change to `layout`, among all commands or, if narrow, the runtime's
+ * own. An old layout of UNDEFINED loses the content. */
+VkImageMemoryBarrier2 vk_image_barrier(const struct vk_runtime *rt, const struct vk_image *image,
+                                       VkImageLayout layout);
 void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
                    VkImageLayout layout);
 

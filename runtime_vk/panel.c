@@ -46,6 +46,17 @@ static bool rest(struct dt_core *core, const char *verb)
     return core->hosted || VK(rt, rt->vk.DeviceWaitIdle(rt->device), verb);
 }
 
+static VkPipelineStageFlags2 stages_of(const struct dt_panel *panel)
+{
+    VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT; /* uniforms and clears */
+    for (uint32_t i = 0; i < panel->pipeline->pass_count; i++)
+        stages |=
+            panel->pipeline->passes[i].kind == DT_PASS_DISPATCH
+                ? VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT
+                : VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT;
+    return stages;
+}
+
 static bool begin_panel(struct dt_core *core)
 {
     struct vk_runtime *rt = vk_runtime_of(core);
@@ -55,6 +66,7 @@ static bool begin_panel(struct dt_core *core)
         .queryType = VK_QUERY_TYPE_TIMESTAMP,
         .queryCount = 2 * dt_run(core, core->frames, 0),
     };
+    rt->stages = stages_of(core->panel);
     rt->slots = calloc(core->panel->slot_count + 1, sizeof *rt->slots);
     rt->choices = calloc(pipeline->resource_count + 1, sizeof *rt->choices);
     if (!rt->slots || !rt->choices)

@@ -1043,6 +1043,8 @@ static struct {
     atomic_int pipelines; /* created so far, all with the cache */
     atomic_int strangers; /* created without */
     atomic_bool fail_pipelines;
+    VkPipelineStageFlags2 stages; /* of all barriers */
+    int acquired, released;       /* from and to EXTERNAL */
 } own;
 
 static void *VKAPI_PTR own_alloc(void *user, size_t size, size_t alignment,
@@ -1130,8 +1132,34 @@ static VKAPI_ATTR VkResult VKAPI_CALL own_graphics(VkDevice device, VkPipelineCa
                : result;
 }
 
+static void count_owners(uint32_t from, uint32_t to)
+{
+    own.acquired += from == VK_QUEUE_FAMILY_EXTERNAL && to == 0;
+    own.released += from == 0 && to == VK_QUEUE_FAMILY_EXTERNAL;
+}
+
+static VKAPI_ATTR void VKAPI_CALL own_barrier(VkCommandBuffer commands,
+                                              const VkDependencyInfo *info)
+{
+    for (uint32_t i = 0; i < info->memoryBarrierCount; i++)
+        own.stages |= info->pMemoryBarriers[i].srcStageMask | info->pMemoryBarriers[i].dstStageMask;
+    for (uint32_t i = 0; i < info->bufferMemoryBarrierCount; i++) {
+        const VkBufferMemoryBarrier2 *barrier = &info->pBufferMemoryBarriers[i];
+        own.stages |= barrier->srcStageMask | barrier->dstStageMask;
+        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex);
+    }
+    for (uint32_t i = 0; i < info->imageMemoryBarrierCount; i++) {
+        const VkImageMemoryBarrier2 *barrier = &info->pImageMemoryBarriers[i];
+        own.stages |= barrier->srcStageMask | barrier->dstStageMask;
+        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex);
+    }
+    vkCmdPipelineBarrier2(commands, info);
+}
+
 static PFN_vkVoidFunction VKAPI_PTR own_device_functions(VkDevice device, const char *name)
 {
+    if (strcmp(name, "vkCmdPipelineBarrier2") == 0)
+        return (PFN_vkVoidFunction)own_barrier;
     if (strcmp(name, "vkCreateComputePipelines") == 0)
         return (PFN_vkVoidFunction)own_compute;
     if (strcmp(name, "vkCreateGraphicsPipelines") == 0)
@@ -1217,6 +1245,7 @@ static void vulkan_uses_memory_cache_and_threads_of_the_host(void **state)
     assert_int_equal(own.blocks, 0);
     assert_int_equal(own.memory, 0);
     vkDestroyPipelineCache(vk.device, own.cache, NULL);
+    own.cache = VK_NULL_HANDLE;
     assert_int_equal(heard.validation, 0);
 }
 
@@ -1509,6 +1538,129 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
     for (uint32_t frame = 0; frame < CYCLES; frame++)
         assert_true(((const float *)((const char *)vk.bytes + COPIES))[frame] == (float)frame);
     dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* In every frame the host copies weights into a buffer that it imported, and the picture out, without a
+ * barrier of its own. */
+static void copy_around(const struct dt_vk_sync *sync)
+{
+    enum { WEIGHTS = GEOMETRY_BYTES / 4, SOURCE = WEIGHTS + 4096, PICTURE = GEOMETRY_BYTES / 2 };
+    const VkDeviceSize size = sizeof graded_alone;
+    const struct dt_vk_range weights = {vk.geometry, WEIGHTS, size};
+    struct dt_vk_host host = own_host();
+    struct flight flight = make_flight();
+    struct dt_vk_resource picture;
+    memcpy((char *)vk.bytes + SOURCE, nothing, size);
+    memcpy((char *)vk.bytes + SOURCE + size, graded_alone, size);
+    outside.rt = dt_vk_open(&host);
+    assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk) &&
+                dt_vk_import_buffer(outside.rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+                dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+    dt_vk_narrow(outside.rt, sync);
+    for (uint32_t frame = 0; frame < CYCLES; frame++) {
+        const VkBufferCopy copy = {SOURCE + frame % 2 * size, WEIGHTS, size};
+        const VkBufferImageCopy region = {.bufferOffset = PICTURE + frame % 2 * 4 * WIDTH * HEIGHT,
+                                          .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                          .imageExtent = {WIDTH, HEIGHT, 1}};
+        VkCommandBuffer commands = outside.commands = begin_frame(&flight, frame);
+        if (frame == 0)
+            write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+        if (frame == 0)
+            write_grade(vulkan_writes, first_color);
+        vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
+        assert_true(vulkan_records() &&
+                    dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+        vkCmdCopyImageToBuffer(commands, picture.image, picture.layout, vk.geometry, 1, &region);
+        end_frame(&flight, frame);
+    }
+    destroy_flight(&flight);
+    dt_vk_close(outside.rt);
+    is_painted((const uint8_t *)vk.bytes + PICTURE, black);
+    is_painted((const uint8_t *)vk.bytes + PICTURE + 4 * (size_t)WIDTH * HEIGHT, first_color);
+}
+
+/* Less than what the host does is a hazard: validation sees these barriers and no others. */
+static void vulkan_waits_only_for_what_the_host_does(void **state)
+{
+    (void)state;
+    const struct dt_vk_sync copies = {
+        VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_COPY_BIT,
+        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+    struct dt_vk_sync wrong = copies;
+    own.stages = 0;
+    copy_around(&copies);
+    assert_int_equal(heard.validation, 0);
+    assert_int_equal(
+        own.stages & (VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT |
+                      VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT),
+        0);
+    wrong.stages_after = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+    wrong.accesses_after = VK_ACCESS_2_SHADER_READ_BIT;
+    copy_around(&wrong);
+    assert_true(heard.validation > 0);
+    assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
+    heard.validation = 0;
+    copy_around(NULL);
+    assert_int_equal(heard.validation, 0);
+    assert_true(own.stages & VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+}
+
+/* A buffer and an image of another family. EXTERNAL is one on every device. */
+static void vulkan_exchanges_imports(void **state)
+{
+    (void)state;
+    const uint32_t external = VK_QUEUE_FAMILY_EXTERNAL;
+    const struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, sizeof graded_alone};
+    const struct own_image output =
+        make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
+                   VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    struct dt_vk_image import = {.image = output.image,
+                                 .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT,
+                                 .width = WIDTH,
+                                 .height = HEIGHT,
+                                 .layers = 1,
+                                 .mips = 1,
+                                 .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    struct dt_vk_host host = own_host();
+    struct vk_runtime *rt = outside.rt = dt_vk_open(&host);
+    assert_true(dt_vk_create(rt, &outside_vk));
+    REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external), "is not imported");
+    REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCES, external), "is not imported");
+    assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+                dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
+                dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external) &&
+                dt_vk_exchange(rt, OUTSIDE_RESOURCE_PICTURE, external) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    memcpy((char *)vk.bytes + weights.offset, graded_alone, sizeof graded_alone);
+    outside.commands = begin();
+    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+    write_grade(vulkan_writes, first_color);
+    own.acquired = own.released = 0;
+    assert_true(vulkan_records_passes(0, 1));
+    assert_int_equal(own.acquired, 1); /* the picture's content is lost */
+    assert_int_equal(own.released, 0);
+    assert_true(vulkan_records_passes(1, OUTSIDE_PASSES));
+    assert_int_equal(own.acquired, 1);
+    assert_int_equal(own.released, 2);
+    import.layout_before = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    submit(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    assert_true(dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
+                dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, VK_QUEUE_FAMILY_IGNORED) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    outside.commands = begin();
+    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+    write_grade(vulkan_writes, second_color);
+    record_picture(GEOMETRY_BYTES / 2);
+    submit(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    assert_int_equal(own.acquired, 2);
+    assert_int_equal(own.released, 3);
+    is_painted((const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2, second_color);
+    dt_vk_close(rt);
+    destroy_image(&output);
     assert_int_equal(heard.validation, 0);
 }
 
@@ -2057,6 +2209,8 @@ int main(void)
     const struct CMUnitTest flight[] = {
         cmocka_unit_test(vulkan_keeps_frames_in_flight_apart),
         cmocka_unit_test(vulkan_records_parts),
+        cmocka_unit_test(vulkan_waits_only_for_what_the_host_does),
+        cmocka_unit_test(vulkan_exchanges_imports),
         cmocka_unit_test(vulkan_tells_frames_in_flight_apart),
         cmocka_unit_test(vulkan_hears_first_uses_that_do_not_wait),
     };
