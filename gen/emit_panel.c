@@ -293,7 +293,7 @@ static void emit_rect(const struct c_output *c, const struct pass *pass, const c
         return;
     text_add(c->out, "%sok = ok && ", indent);
     emit_verb(c, pass, verb);
-    text_add(c->out, ", dt_rect(");
+    text_add(c->out, ", dt_make_rect(");
     for (int i = 0; i < 4; i++) {
         text_add(c->out, i ? ", " : "");
         c_expr(c->out, rect[i]);

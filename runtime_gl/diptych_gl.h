@@ -161,7 +161,7 @@ bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const voi
  * `first` is 0 or the `end` of the call before. The frame is complete when `end` is NAME_PASSES; resize
  * abandons it. `frame` and `live` of the first part hold for the whole frame; later ones are not read.
  * Every part begins and ends with the barrier, so the host may read and write, between the parts, each
- * resource that dt_gl_resource gives. A pass that replaces all of a resource discards what the host
+ * resource that dt_gl_get_resource gives. A pass that replaces all of a resource discards what the host
  * wrote. Outputs have content only after the pass that writes them. */
 bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
                          uint32_t first, uint32_t end);
@@ -178,7 +178,7 @@ struct dt_gl_resource {
 };
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
  * or content from outside in the spec: other passes may have reused its memory. */
-bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
+bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the last frame, 1
  * the one before, up to `frames` - 1 of the host; all since resize. Waits if the frame still runs: an

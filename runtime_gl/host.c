@@ -168,7 +168,7 @@ bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, co
     return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
-bool dt_gl_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out)
+bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out)
 {
     struct dt_bytes shape;
     *out = (struct dt_gl_resource){0};

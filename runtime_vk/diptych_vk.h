@@ -202,7 +202,7 @@ struct dt_vk_image {
      * lost, which suits outputs that every frame overwrites; an error for a resource with history. */
     VkImageLayout layout_before;
     /* Layout of the image after the frame, for example TRANSFER_SRC_OPTIMAL. UNDEFINED: the layout
-     * of the last pass, see dt_vk_resource. */
+     * of the last pass, see dt_vk_get_resource. */
     VkImageLayout layout_after;
 };
 /* `resource` is NAME_RESOURCE_...; call after create, before resize. An image of VK_NULL_HANDLE
@@ -210,7 +210,7 @@ struct dt_vk_image {
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image);
 
 /* A buffer of the host, used for a resource of the pipeline: at least as many bytes as the resource
- * has, laid out as in NAME.h. The usage has what buffer_usage of dt_vk_resource has without the
+ * has, laid out as in NAME.h. The usage has what buffer_usage of dt_vk_get_resource has without the
  * import, but for the transfers: STORAGE_BUFFER, or UNIFORM_BUFFER, INDIRECT_BUFFER, INDEX_BUFFER if
  * passes use it so. The offset is also a multiple of 4. The buffer lives until the next import of the
  * resource, create or close. Call after create, before resize. A buffer of VK_NULL_HANDLE cancels the
@@ -280,7 +280,7 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
  * `first` is 0 or the `end` of the call before. The frame is complete when `end` is NAME_PASSES; resize
  * abandons it. `frame` and `live` of the first part hold for the whole frame; later ones are not read.
  * Every part begins and ends with the barrier, so that the host may read and write, between the
- * parts, each resource that dt_vk_resource gives, without a barrier but for changes of layout: it finds
+ * parts, each resource that dt_vk_get_resource gives, without a barrier but for changes of layout: it finds
  * an image in `layout`, and leaves it so. A pass that replaces all of a resource discards what the host
  * wrote. Outputs have content only after the pass that writes them. Imported images have layout_before
  * until their first pass, and layout_after after the last part. */
@@ -306,7 +306,7 @@ struct dt_vk_resource {
 };
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
  * or content from outside in the spec: other passes may have reused its memory. */
-bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
+bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the frame recorded
  * last, 1 the one before, up to `frames` - 1 of the host; all since resize. The frame is complete, and

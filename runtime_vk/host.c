@@ -527,7 +527,7 @@ bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
     return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
-bool dt_vk_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
+bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
 {
     struct dt_bytes shape;
     *out = (struct dt_vk_resource){0};

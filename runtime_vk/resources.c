@@ -322,7 +322,7 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         image->usage = info->import->usage;
         return adopt_image(rt, info->import, image, &create);
     }
-    image->usage = create.usage |= VK_IMAGE_USAGE_SAMPLED_BIT; /* for dt_vk_resource */
+    image->usage = create.usage |= VK_IMAGE_USAGE_SAMPLED_BIT; /* for dt_vk_get_resource */
     if (!image_fits(rt, &create, info->name) ||
         !VK(rt, rt->vk.CreateImage(rt->device, &create, rt->callbacks, &image->handle), info->name))
         return false;

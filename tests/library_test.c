@@ -283,10 +283,10 @@ static void assert_can_sample_images(struct vk_runtime *rt)
         const struct dt_resource *what = &features_pipeline.resources[i];
         if (!what->history && !what->keep && (int)i != features_pipeline.linear_output &&
             (int)i != features_pipeline.display_output) {
-            REFUSED(dt_vk_resource(rt, i, &resource), "give it `keep: true` in the spec");
+            REFUSED(dt_vk_get_resource(rt, i, &resource), "give it `keep: true` in the spec");
             continue;
         }
-        assert_true(dt_vk_resource(rt, i, &resource));
+        assert_true(dt_vk_get_resource(rt, i, &resource));
         const VkImageViewCreateInfo info = {
             .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
             .pNext = &usage,
@@ -318,7 +318,7 @@ static void run_parts(struct vk_runtime *rt, uint32_t passes, uint8_t trail[TRAI
         }
         submit(commands);
     }
-    assert_true(dt_vk_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+    assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.format, VK_FORMAT_R32G32B32A32_SFLOAT);
     assert_int_equal(resource.layout, VK_IMAGE_LAYOUT_GENERAL);
     assert_int_equal(resource.width, WIDTH);
@@ -535,7 +535,7 @@ static void vulkan_tells_wrong_calls(void **state)
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
     assert_true(dt_vk_import_scene(rt, &vk.scene));
     REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "call resize first");
-    REFUSED(dt_vk_resource(rt, 0, &resource), "resize comes first");
+    REFUSED(dt_vk_get_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_vk_resize(rt, 0, HEIGHT), "frame of 0x16");
     REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_MEMORY, &image), "no image");
     REFUSED(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image), "which the layout_before");
@@ -941,7 +941,8 @@ static bool vulkan_records(void)
 static void record_picture(VkDeviceSize offset)
 {
     struct dt_vk_resource picture = {0};
-    assert_true(vulkan_records() && dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+    assert_true(vulkan_records() &&
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
     const VkBufferImageCopy region = {.bufferOffset = offset,
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                       .imageExtent = {WIDTH, HEIGHT, 1}};
@@ -1014,14 +1015,14 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
     vulkan_paints_with(graded_alone, weights.offset, first_color);
     outside.commands = begin();
     vulkan_paints_with(nothing, weights.offset, black);
-    assert_true(dt_vk_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
+    assert_true(dt_vk_get_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
     assert_true(found.buffer == vk.geometry && found.offset == weights.offset && found.size == 32 &&
                 found.stride == 16 && !found.image);
-    assert_true(dt_vk_resource(rt, OUTSIDE_RESOURCE_KERNEL, &found));
+    assert_true(dt_vk_get_resource(rt, OUTSIDE_RESOURCE_KERNEL, &found));
     assert_true(found.buffer != vk.geometry && found.size % 4 == 0 && found.stride == 4 &&
                 found.buffer_usage & VK_BUFFER_USAGE_VERTEX_BUFFER_BIT &&
                 found.buffer_usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
-    assert_true(dt_vk_resource(rt, OUTSIDE_RESOURCE_BLURRED, &found)); /* `keep: true` */
+    assert_true(dt_vk_get_resource(rt, OUTSIDE_RESOURCE_BLURRED, &found)); /* `keep: true` */
     assert_true(found.usage & drawn && found.format == VK_FORMAT_R16G16B16A16_SFLOAT);
     weights.buffer = VK_NULL_HANDLE; /* canceled */
     assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
@@ -1431,7 +1432,7 @@ static void paint_between(bool clears, VkDeviceSize offset)
     const VkClearColorValue one = {.float32 = {1, 1, 1, 1}};
     struct dt_vk_resource blurred = {0}, picture = {0};
     assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
-                dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
     if (clears) {
         move_image(outside.commands, blurred.image, blurred.layout,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
@@ -1443,7 +1444,7 @@ static void paint_between(bool clears, VkDeviceSize offset)
         outside.commands = begin();
     }
     assert_true(vulkan_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES) &&
-                dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
     const VkBufferImageCopy region = {.bufferOffset = offset,
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                       .imageExtent = {WIDTH, HEIGHT, 1}};
@@ -1570,7 +1571,7 @@ static void copy_around(const struct dt_vk_sync *sync)
             write_grade(vulkan_writes, first_color);
         vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
         assert_true(vulkan_records() &&
-                    dt_vk_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+                    dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
         vkCmdCopyImageToBuffer(commands, picture.image, picture.layout, vk.geometry, 1, &region);
         end_frame(&flight, frame);
     }
@@ -1851,7 +1852,7 @@ static void opengl_tells_wrong_calls(void **state)
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
     assert_true(dt_gl_import_scene(rt, &right));
     REFUSED(dt_gl_record(rt, &frame, NULL), "call resize first");
-    REFUSED(dt_gl_resource(rt, 0, &resource), "resize comes first");
+    REFUSED(dt_gl_get_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_MEMORY, 1), "no image");
     assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, texture_of(GL_RGBA8, WIDTH)));
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "image trail: imported");
@@ -1862,9 +1863,9 @@ static void opengl_tells_wrong_calls(void **state)
     assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_gl_timings(rt, 0, ms), "timing");
     assert_true(dt_gl_record(rt, &frame, NULL));
-    assert_true(dt_gl_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+    assert_true(dt_gl_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.texture, trail);
-    REFUSED(dt_gl_resource(rt, FEATURES_RESOURCE_HISTOGRAM, &resource),
+    REFUSED(dt_gl_get_resource(rt, FEATURES_RESOURCE_HISTOGRAM, &resource),
             "resource histogram: other passes may reuse its memory; give it `keep: true`");
     dt_gl_close(rt);
     dt_gl_close(NULL);
@@ -1906,7 +1907,7 @@ static void opengl_draw(const struct dt_gl_scene *scene, uint8_t trail[TRAIL_BYT
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_import_scene(rt, scene) && dt_gl_create(rt, &features_gl) &&
                 dt_gl_resize(rt, WIDTH, HEIGHT) && dt_gl_record(rt, &frame, NULL) &&
-                dt_gl_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+                dt_gl_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     get(resource.texture, 0, GL_RGBA, GL_FLOAT, TRAIL_BYTES, trail);
     dt_gl_close(rt);
 }
@@ -1971,7 +1972,7 @@ static void opengl_painted(const uint8_t color[4])
     PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
     static uint8_t texels[4 * WIDTH * HEIGHT];
     struct dt_gl_resource picture = {0};
-    assert_true(dt_gl_resource(outside_gl_runtime, OUTSIDE_RESOURCE_PICTURE, &picture));
+    assert_true(dt_gl_get_resource(outside_gl_runtime, OUTSIDE_RESOURCE_PICTURE, &picture));
     get(picture.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, sizeof texels, texels);
     is_painted(texels, color);
 }
@@ -2001,7 +2002,7 @@ static void opengl_records_parts(void **state)
     REFUSED(opengl_records_passes(1, 2), "begins with pass 1, but the frame goes on with pass 0");
     opengl_paints(black);
     assert_true(opengl_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
-                dt_gl_resource(rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+                dt_gl_get_resource(rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
     REFUSED(opengl_records(),
             "record: begins with pass 0, but the frame goes on with pass 1, grade");
     clear(blurred.texture, 0, GL_RGBA, GL_FLOAT, one);
@@ -2064,10 +2065,10 @@ static void opengl_takes_buffers_and_describes_all(void **state)
     opengl_paints(first_color);
     update(weights.buffer, 1024, sizeof nothing, nothing);
     opengl_paints(black);
-    assert_true(dt_gl_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
+    assert_true(dt_gl_get_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
     assert_true(found.buffer == weights.buffer && found.offset == 1024 && found.size == 32 &&
                 found.stride == 16 && !found.texture);
-    assert_true(dt_gl_resource(rt, OUTSIDE_RESOURCE_SOFT, &found));
+    assert_true(dt_gl_get_resource(rt, OUTSIDE_RESOURCE_SOFT, &found));
     assert_true(found.texture && found.target == GL_TEXTURE_2D && found.format == GL_RGBA16F &&
                 found.layers == 1 && found.mips == 3 && !found.buffer);
     dt_gl_close(rt);

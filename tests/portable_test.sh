@@ -46,6 +46,9 @@ for compiler in g++ clang++ $mingw-g++; do
         compile_with headers "$compiler" $standard "$work/hosts/all.cpp"
     done
 done
+# Names that <windows.h> defines away, where MinGW is not there to say so.
+check "no name is a macro of <windows.h>" each "$(echo "$work"/hosts/*.c)" gcc -std=c11 "${warnings[@]}" \
+    -Dnear= -Dfar= -Dsmall=char -Dinterface=struct
 if command -v tcc >/dev/null; then
     check "tcc compiles headers and generated C" each "$(echo "$work"/hosts/*.c)" tcc -std=c11 -Wall -Werror
 else

@@ -89,7 +89,7 @@ static struct dt_rect rect_of(const struct dt_recording *r, struct expr *const r
     int64_t values[4];
     for (int i = 0; i < 4; i++)
         values[i] = value_of(rect[i], r->width, r->height, r->live);
-    return dt_rect(values[0], values[1], values[2], values[3]);
+    return dt_make_rect(values[0], values[1], values[2], values[3]);
 }
 
 static uint32_t count_of(const struct dt_recording *r, const struct expr *expr)

@@ -282,7 +282,7 @@ static inline uint32_t dt_count(int64_t count)
 enum { DT_MAX_SIDE = 16384 };
 
 /* Limits the corner to -DT_MAX_SIDE to DT_MAX_SIDE, width and height to 0 to DT_MAX_SIDE. */
-static inline struct dt_rect dt_rect(int64_t x, int64_t y, int64_t width, int64_t height)
+static inline struct dt_rect dt_make_rect(int64_t x, int64_t y, int64_t width, int64_t height)
 {
     const int64_t most = DT_MAX_SIDE;
     struct dt_rect rect;
