@@ -14,6 +14,7 @@ struct spec_request {
     const char *templates; /* folder with glsl/ */
     const char *root;      /* real path: files outside are not read; NULL: no limit */
     const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
+    bool prove;            /* --prove */
     unsigned seconds;      /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
 };
 

@@ -23,7 +23,7 @@ struct options {
     const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
         *variations, *seed, *memory;
     struct text_list sets;
-    bool check, names, glsl, schema, reference, help, version;
+    bool check, prove, names, glsl, schema, reference, help, version;
 };
 
 #define ROW(name, kind, field, argument, help)                                                     \
@@ -42,6 +42,10 @@ static const struct option_row option_rows[] = {
     ROW("--glsl", OPTION_FLAG, glsl, NULL,
         "also put OpenGL's GLSL into generated C, for hosts that set `glsl`"),
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
+    ROW("--prove", OPTION_FLAG, prove, NULL,
+        "check only, and prove that the pipeline is exact: an error for each operation and input "
+        "whose bits the standards leave open, in passes that write a resource whose contract is "
+        "exact"),
     ROW("--graph", OPTION_STRING, graph, "FILE.dot",
         "draw passes, what they read and write and wait for, for Graphviz: dot -Tsvg"),
     ROW("--lifetimes", OPTION_STRING, lifetimes, "FILE.dot",
@@ -74,7 +78,7 @@ static const struct command_line command = {
     .program = "diptych-gen",
     .bit = 1,
     .summary = "generate GLSL, SPIR-V and C for OpenGL and Vulkan from a pipeline spec",
-    .details = "-o, --check, --graph, --lifetimes or --variations says what to make.\n"
+    .details = "-o, --check, --prove, --graph, --lifetimes or --variations says what to make.\n"
                "Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried.",
     .rows = option_rows,
     .row_count = DT_ARRAY_COUNT(option_rows),
@@ -103,8 +107,8 @@ static bool parse_options(int count, char **words, struct options *options)
         return true;
     if (!command_is_complete(&command, options, &log))
         return false;
-    if (!options->out && !options->check && !options->graph && !options->lifetimes &&
-        !options->variations)
+    if (!options->out && !options->check && !options->prove && !options->graph &&
+        !options->lifetimes && !options->variations)
         return usage_error("-o DIR is missing for %s", options->spec);
     if (options->json && options->variations)
         return usage_error("--json %s goes with -o, --check and drawings", options->json);
@@ -301,11 +305,12 @@ static enum status generate(struct generation *g)
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
+                                   .prove = options->prove,
                                    .seconds = (unsigned)seconds,
                                    .cache = options->cache};
     if (!spec_load(&g->spec, &request, options->out, g->diag))
         return STATUS_WRONG_SPEC;
-    enum status status = options->check ? STATUS_DONE : write_files(g);
+    enum status status = options->check || options->prove ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
         print_summary(&g->spec.model.pipeline);
     return status;

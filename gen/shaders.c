@@ -128,6 +128,27 @@ static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *
     return good;
 }
 
+/* Whether a resource that the pass writes has the contract `exact`. */
+static bool writes_exact(const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].mode != MODE_READ &&
+            pass->accesses[i].resource->contract.allowed.kind == DT_CONTRACT_EXACT)
+            return true;
+    return false;
+}
+
+/* Also of cached shaders: a pass with another contract may have compiled them. */
+static void prove(const struct model *model, const struct pass_shaders *shaders,
+                  enum backend backend, struct diag *diag)
+{
+    for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
+        for (int stage = 0; stage < 3; stage++)
+            if (shaders[i].stage[stage].word_count && writes_exact(model->pipeline.order[i]))
+                spirv_prove(model, model->pipeline.order[i], backend, &shaders[i].stage[stage],
+                            diag);
+}
+
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag)
 {
@@ -150,6 +171,12 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
         good &= compile(&jobs, cache, diag);
     }
     free(jobs.list);
+    if (model->pipeline.fast && model->prove)
+        diag_error(diag, model->pipeline.loc,
+                   "`exactness: fast` leaves operations to the driver: nothing can be proved");
+    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
+        if (good && !model->pipeline.fast)
+            prove(model, shaders[backend], backend, diag);
     return good && !diag_error_count(diag);
 }
 

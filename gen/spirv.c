@@ -2,6 +2,7 @@
  * puts NoContraction on all float arithmetic. For CPU targets long loops stay loops. Called by
  * shaders.c. Messages of glslang are reported at the line of the original file. */
 #include "diag.h"
+#include "prove.h"
 #include "spirv.h"
 #include "expr.h"
 #include "stages.h"
@@ -275,14 +276,20 @@ size_t spirv_strip(uint32_t *words, size_t count)
     return kept;
 }
 
+uint32_t spirv_result(const uint32_t *instruction)
+{
+    bool has_result, has_type;
+    SpvHasResultAndType((SpvOp)(*instruction & 0xffff), &has_result, &has_type);
+    return has_result ? instruction[has_type ? 2 : 1] : 0;
+}
+
 uint32_t *spirv_definitions(const uint32_t *words, size_t count)
 {
     uint32_t *offsets = calloc(words[3], sizeof *offsets);
     for (size_t at = SPIRV_HEADER; offsets && at < count; at += words[at] >> 16) {
-        bool has_result, has_type;
-        SpvHasResultAndType((SpvOp)(words[at] & 0xffff), &has_result, &has_type);
-        if (has_result)
-            offsets[words[at + (has_type ? 2 : 1)]] = (uint32_t)at;
+        uint32_t result = spirv_result(words + at);
+        if (result)
+            offsets[result] = (uint32_t)at;
     }
     return offsets;
 }
@@ -458,45 +465,6 @@ static uint32_t *decorate(const uint32_t *words, size_t count, size_t *new_count
     return out;
 }
 
-/* The name of a function that exact mode replaces, or NULL. glsl_body.c replaces direct calls, so
- * one that is left here was called through a macro. */
-static const char *inexact_function(const uint32_t *instruction)
-{
-    static const char *const names[GLSLstd450Count] = {
-        [GLSLstd450Asin] = "asin",
-        [GLSLstd450Acos] = "acos",
-        [GLSLstd450Atan] = "atan",
-        [GLSLstd450Atan2] = "atan",
-        [GLSLstd450FMix] = "mix",
-        [GLSLstd450Length] = "length",
-        [GLSLstd450Distance] = "distance",
-        [GLSLstd450Normalize] = "normalize",
-        [GLSLstd450Reflect] = "reflect",
-        [GLSLstd450Refract] = "refract",
-        [GLSLstd450FaceForward] = "faceforward",
-    };
-    uint32_t opcode = *instruction & 0xffff;
-    if (opcode == SpvOpExtInst && instruction[4] < GLSLstd450Count)
-        return names[instruction[4]];
-    return opcode == SpvOpDot ? "dot" : NULL;
-}
-
-static bool check_functions(const struct pass *pass, const uint32_t *words, size_t count,
-                            struct diag *diag)
-{
-    for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16) {
-        const char *name = inexact_function(words + at);
-        if (!name)
-            continue;
-        diag_error(diag, pass->shader_loc,
-                   "the pass `%s` calls `%s` through a macro; exact mode replaces direct calls "
-                   "only: call it by its name",
-                   pass->name, name);
-        return false;
-    }
-    return true;
-}
-
 static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_count)
 {
     size_t expanded_count = 0;
@@ -508,8 +476,7 @@ static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_cou
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
 
-static bool take_words(const struct model *model, const struct pass *pass,
-                       glslang_program_t *program, struct shader *shader, struct diag *diag)
+static bool take_words(const struct model *model, glslang_program_t *program, struct shader *shader)
 {
     size_t count = glslang_program_SPIRV_get_size(program);
     const uint32_t *words = glslang_program_SPIRV_get_ptr(program);
@@ -518,7 +485,7 @@ static bool take_words(const struct model *model, const struct pass *pass,
         if (shader->words)
             memcpy(shader->words, words, count * sizeof *words);
         shader->word_count = count;
-    } else if (check_functions(pass, words, count, diag)) {
+    } else {
         shader->words = make_exact(words, count, &shader->word_count);
     }
     return shader->words &&
@@ -548,8 +515,9 @@ static bool validate(const struct pass *pass, enum backend backend, const struct
     return valid;
 }
 
-bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
-                   struct shader *shader, struct diag *diag)
+/* `lines`: with OpLine, which makes no valid module of all that follows. */
+static bool compile(const struct model *model, const struct pass *pass, enum backend backend,
+                    bool lines, struct shader *shader, struct diag *diag)
 {
     glslang_input_t input = input_of(backend, shader->stage, shader->glsl.data);
     glslang_shader_t *compiled = glslang_shader_create(&input);
@@ -566,12 +534,84 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
             report_log(model, pass, glslang_program_get_info_log(program), diag);
     }
     if (ok) {
-        glslang_spv_options_t options = {.disable_optimizer = true};
+        glslang_spv_options_t options = {.generate_debug_info = lines, .disable_optimizer = true};
         glslang_program_SPIRV_generate_with_options(program, input.stage, &options);
-        ok =
-            take_words(model, pass, program, shader, diag) && validate(pass, backend, shader, diag);
+        ok = take_words(model, program, shader);
     }
     glslang_program_delete(program);
     glslang_shader_delete(compiled);
     return ok;
+}
+
+bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
+                   struct shader *shader, struct diag *diag)
+{
+    return compile(model, pass, backend, false, shader, diag) &&
+           validate(pass, backend, shader, diag);
+}
+
+/* ---- Proof ----------------------------------------------------------------------------------- */
+
+struct proving {
+    const struct model *model;
+    const struct pass *pass;
+    struct diag *diag;
+    unsigned open; /* operations to report */
+};
+
+static void count_open(void *user, const struct open_operation *operation)
+{
+    struct proving *proving = user;
+    proving->open += proving->model->prove || operation->wrong;
+}
+
+static void report_open(void *user, const struct open_operation *operation)
+{
+    const struct proving *proving = user;
+    const struct model *model = proving->model;
+    if (!model->prove && !operation->wrong)
+        return;
+    if (!operation->file || operation->file > model->glsl_source_count) {
+        diag_error(proving->diag, proving->pass->shader_loc,
+                   "pass %s, in the generated GLSL: `%s` is not exact: %s", proving->pass->name,
+                   operation->word, operation->why);
+        return;
+    }
+    struct loc loc = {model->glsl_sources[operation->file - 1], (int)operation->line, 1, 1};
+    find_in_line(&loc, operation->word, strlen(operation->word));
+    diag_error(proving->diag, loc, "`%s` is not exact: %s", operation->word, operation->why);
+}
+
+/* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
+static void add_lines(const char *code, struct text *out)
+{
+    unsigned row, file;
+    for (const char *end; *code; code = end) {
+        end = code + strcspn(code, "\n");
+        end += *end == '\n';
+        if (sscanf(code, "#line %u %u", &row, &file) == 2)
+            text_add(out, "#line %u \"%u\"\n", row, file);
+        else
+            text_add_bytes(out, code, (size_t)(end - code));
+        if (!strncmp(code, "#version", 8))
+            text_add(out, "#extension GL_GOOGLE_cpp_style_line_directive : enable\n");
+    }
+}
+
+void spirv_prove(const struct model *model, const struct pass *pass, enum backend backend,
+                 const struct shader *shader, struct diag *diag)
+{
+    struct proving proving = {model, pass, diag, 0};
+    struct shader lined = {.stage = shader->stage};
+    bool good = prove_module(shader->words, shader->word_count, count_open, &proving);
+    if (good && proving.open) {
+        add_lines(shader->glsl.data, &lined.glsl);
+        good = lined.glsl.data && !lined.glsl.failed && spirv_init() &&
+               compile(model, pass, backend, true, &lined, diag) &&
+               prove_module(lined.words, lined.word_count, report_open, &proving);
+    }
+    if (!good)
+        diag_error(diag, pass->shader_loc, "out of memory");
+    text_free(&lined.glsl);
+    free(lined.words);
 }

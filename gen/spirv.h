@@ -17,6 +17,9 @@ static inline bool spirv_is(const uint32_t *instruction, unsigned opcode)
 /* Whether the instruction ends its block: a branch, a return or a discard. */
 bool spirv_ends_block(const uint32_t *instruction);
 
+/* The id that the instruction defines; 0: none. */
+uint32_t spirv_result(const uint32_t *instruction);
+
 /* For each id below the module's bound, the offset of the instruction that defines it; 0: none.
  * free(). NULL when out of memory. */
 uint32_t *spirv_definitions(const uint32_t *words, size_t count);

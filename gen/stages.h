@@ -39,6 +39,10 @@ bool spirv_init(void);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
+/* The same file: reports each open operation of a compiled shader (prove.h) at its place in the
+ * body. Without model->prove, only those that are wrong. */
+void spirv_prove(const struct model *model, const struct pass *pass, enum backend backend,
+                 const struct shader *shader, struct diag *diag);
 
 /* flops.c: lower bound of the float operations of one invocation that does not return early. Counts
  * loops as often as constants and parameters say, else once (spirv_iterations); the cheapest other

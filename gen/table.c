@@ -218,7 +218,8 @@ const struct section_info table_sections[SECTION_COUNT] = {
         {"`contracts`", "contracts", "contracts",
          "How far the two backends may differ: the same bits, or within a tolerance. A denormal "
          "float counts as a zero of its sign, since drivers may flush it. NaN and infinity never "
-         "pass.",
+         "pass. A pass whose resources all have a tolerance may use operations that are not "
+         "exact; `diptych-gen --prove` lists those of other passes.",
          "default: exact"},
     [SECTION_CONTRACT] = {"a contract", "contracts.NAME", "contract",
                           "A tolerance: exactly one of the keys, but for `margin`, which stands "

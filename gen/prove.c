@@ -1,0 +1,553 @@
+/* Which operations of a SPIR-V module the standards leave open: a driver may give other bits than
+ * the next one. Called by spirv.c on every module of an exact pipeline.
+ *
+ * Sources: the Vulkan specification, "Precision of Individual Operations" in the appendix "Vulkan
+ * Environment for SPIR-V", and GLSL 4.60, section 4.7.1, for OpenGL. What either leaves open is
+ * open; so is an instruction that no table has. Zeros: GLSL.std.450 lets FMin(-0.0, 0.0) be either. */
+#include "prove.h"
+
+#include <spirv/unified1/GLSL.std.450.h>
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "panel.h" /* DT_ARRAY_COUNT */
+#include "spirv.h"
+
+enum verdict {
+    OPEN,
+    REPLACED, /* open, and exact mode has its own for direct calls */
+    ROUNDED,  /* correctly rounded; open without NoContraction */
+    MEMORY,   /* exact in memory; the result is open */
+    INPUT     /* open if it reads an input of the driver */
+};
+
+struct rule {
+    uint32_t number; /* SpvOp, GLSLstd450 or SpvBuiltIn */
+    enum verdict verdict;
+    const char *word; /* how a body has it */
+    const char *why;
+};
+
+/* ---- Tables ---------------------------------------------------------------------------------- */
+
+#define ORDER    "its operations have no fixed order"
+#define MACRO    "it is called by a macro, and only direct calls are replaced"
+#define CONTRACT "it may be contracted with other operations"
+#define BOUND    "its error has a bound, its result is open"
+#define ZEROS    "of -0.0 and 0.0 it may give either"
+#define HALVES   "it may round a half in either direction"
+#define FILTER   "filtering depends on the driver"
+#define LEVEL    "the level of detail depends on the driver"
+#define NEAR     "the neighbours depend on the driver"
+#define BETWEEN  "interpolation depends on the driver"
+#define RACE     "invocations have no fixed order"
+
+/* No rounding, or a correctly rounded conversion. */
+static const uint16_t exact_operations[] = {
+    /* the module, control flow, memory */
+    SpvOpSource,
+    SpvOpSourceContinued,
+    SpvOpSourceExtension,
+    SpvOpName,
+    SpvOpMemberName,
+    SpvOpString,
+    SpvOpLine,
+    SpvOpNoLine,
+    SpvOpModuleProcessed,
+    SpvOpExtension,
+    SpvOpExtInstImport,
+    SpvOpMemoryModel,
+    SpvOpEntryPoint,
+    SpvOpExecutionMode,
+    SpvOpExecutionModeId,
+    SpvOpCapability,
+    SpvOpDecorate,
+    SpvOpMemberDecorate,
+    SpvOpTypeVoid,
+    SpvOpTypeBool,
+    SpvOpTypeInt,
+    SpvOpTypeFloat,
+    SpvOpTypeVector,
+    SpvOpTypeMatrix,
+    SpvOpTypeImage,
+    SpvOpTypeSampledImage,
+    SpvOpTypeArray,
+    SpvOpTypeRuntimeArray,
+    SpvOpTypeStruct,
+    SpvOpTypePointer,
+    SpvOpTypeFunction,
+    SpvOpConstantTrue,
+    SpvOpConstantFalse,
+    SpvOpConstant,
+    SpvOpConstantComposite,
+    SpvOpVariable,
+    SpvOpFunction,
+    SpvOpFunctionParameter,
+    SpvOpFunctionEnd,
+    SpvOpFunctionCall,
+    SpvOpStore,
+    SpvOpArrayLength,
+    SpvOpPhi,
+    SpvOpLoopMerge,
+    SpvOpSelectionMerge,
+    SpvOpLabel,
+    SpvOpBranch,
+    SpvOpBranchConditional,
+    SpvOpSwitch,
+    SpvOpReturn,
+    SpvOpReturnValue,
+    SpvOpUnreachable,
+    SpvOpKill,
+    SpvOpControlBarrier,
+    SpvOpMemoryBarrier,
+    /* bits and integers */
+    SpvOpCopyLogical,
+    SpvOpSelect,
+    SpvOpVectorExtractDynamic,
+    SpvOpVectorShuffle,
+    SpvOpCompositeConstruct,
+    SpvOpCompositeExtract,
+    SpvOpTranspose,
+    SpvOpBitcast,
+    SpvOpSNegate,
+    SpvOpIAdd,
+    SpvOpISub,
+    SpvOpIMul,
+    SpvOpUDiv,
+    SpvOpSDiv,
+    SpvOpUMod,
+    SpvOpSMod,
+    SpvOpIAddCarry,
+    SpvOpISubBorrow,
+    SpvOpUMulExtended,
+    SpvOpSMulExtended,
+    SpvOpShiftRightLogical,
+    SpvOpShiftRightArithmetic,
+    SpvOpShiftLeftLogical,
+    SpvOpBitwiseOr,
+    SpvOpBitwiseXor,
+    SpvOpBitwiseAnd,
+    SpvOpNot,
+    SpvOpBitFieldInsert,
+    SpvOpBitFieldSExtract,
+    SpvOpBitFieldUExtract,
+    SpvOpBitReverse,
+    SpvOpBitCount,
+    SpvOpAny,
+    SpvOpAll,
+    SpvOpLogicalEqual,
+    SpvOpLogicalNotEqual,
+    SpvOpLogicalOr,
+    SpvOpLogicalAnd,
+    SpvOpLogicalNot,
+    SpvOpIEqual,
+    SpvOpINotEqual,
+    SpvOpUGreaterThan,
+    SpvOpSGreaterThan,
+    SpvOpUGreaterThanEqual,
+    SpvOpSGreaterThanEqual,
+    SpvOpULessThan,
+    SpvOpSLessThan,
+    SpvOpULessThanEqual,
+    SpvOpSLessThanEqual,
+    SpvOpFNegate,
+    SpvOpIsNan,
+    SpvOpIsInf,
+    SpvOpFOrdEqual,
+    SpvOpFUnordNotEqual,
+    SpvOpFOrdLessThan,
+    SpvOpFOrdGreaterThan,
+    SpvOpFOrdLessThanEqual,
+    SpvOpFOrdGreaterThanEqual,
+    SpvOpConvertFToU,
+    SpvOpConvertFToS,
+    SpvOpConvertSToF,
+    SpvOpConvertUToF,
+    SpvOpImage,
+    SpvOpImageTexelPointer,
+    SpvOpImageFetch,
+    SpvOpImageRead,
+    SpvOpImageWrite,
+    SpvOpImageQuerySize,
+    SpvOpImageQuerySizeLod,
+    SpvOpImageQueryLevels,
+};
+
+static const struct rule operations[] = {
+    {SpvOpUndef, OPEN, "a variable", "it has no value"},
+    {SpvOpLoad, INPUT, "", ""},
+    {SpvOpAccessChain, INPUT, "", ""},
+    {SpvOpFAdd, ROUNDED, "+", CONTRACT},
+    {SpvOpFSub, ROUNDED, "-", CONTRACT},
+    {SpvOpFMul, ROUNDED, "*", CONTRACT},
+    {SpvOpVectorTimesScalar, ROUNDED, "*", CONTRACT},
+    {SpvOpMatrixTimesScalar, ROUNDED, "*", CONTRACT},
+    {SpvOpOuterProduct, ROUNDED, "outerProduct", CONTRACT},
+    {SpvOpFDiv, OPEN, "/", "it may err by 2.5 ulp"},
+    {SpvOpFMod, OPEN, "mod", BOUND},
+    {SpvOpDot, REPLACED, "dot", MACRO},
+    {SpvOpVectorTimesMatrix, OPEN, "*", ORDER},
+    {SpvOpMatrixTimesVector, OPEN, "*", ORDER},
+    {SpvOpMatrixTimesMatrix, OPEN, "*", ORDER},
+    {SpvOpImageSampleImplicitLod, OPEN, "texture", LEVEL},
+    {SpvOpImageSampleExplicitLod, OPEN, "texture", FILTER},
+    {SpvOpImageSampleDrefImplicitLod, OPEN, "texture", LEVEL},
+    {SpvOpImageSampleDrefExplicitLod, OPEN, "texture", FILTER},
+    {SpvOpImageSampleProjImplicitLod, OPEN, "textureProj", LEVEL},
+    {SpvOpImageSampleProjExplicitLod, OPEN, "textureProjLod", FILTER},
+    {SpvOpImageGather, OPEN, "textureGather", FILTER},
+    {SpvOpImageDrefGather, OPEN, "textureGather", FILTER},
+    {SpvOpImageQueryLod, OPEN, "textureQueryLod", LEVEL},
+    {SpvOpDPdx, OPEN, "dFdx", NEAR},
+    {SpvOpDPdy, OPEN, "dFdy", NEAR},
+    {SpvOpFwidth, OPEN, "fwidth", NEAR},
+    {SpvOpDPdxFine, OPEN, "dFdxFine", NEAR},
+    {SpvOpDPdyFine, OPEN, "dFdyFine", NEAR},
+    {SpvOpFwidthFine, OPEN, "fwidthFine", NEAR},
+    {SpvOpDPdxCoarse, OPEN, "dFdxCoarse", NEAR},
+    {SpvOpDPdyCoarse, OPEN, "dFdyCoarse", NEAR},
+    {SpvOpFwidthCoarse, OPEN, "fwidthCoarse", NEAR},
+    /* Integers: what these leave in memory does not depend on the order. */
+    {SpvOpAtomicIAdd, MEMORY, "atomicAdd", RACE},
+    {SpvOpAtomicISub, MEMORY, "atomicSub", RACE},
+    {SpvOpAtomicSMin, MEMORY, "atomicMin", RACE},
+    {SpvOpAtomicUMin, MEMORY, "atomicMin", RACE},
+    {SpvOpAtomicSMax, MEMORY, "atomicMax", RACE},
+    {SpvOpAtomicUMax, MEMORY, "atomicMax", RACE},
+    {SpvOpAtomicAnd, MEMORY, "atomicAnd", RACE},
+    {SpvOpAtomicOr, MEMORY, "atomicOr", RACE},
+    {SpvOpAtomicXor, MEMORY, "atomicXor", RACE},
+    {SpvOpAtomicLoad, OPEN, "atomicLoad", RACE},
+    {SpvOpAtomicStore, OPEN, "atomicStore", RACE},
+    {SpvOpAtomicExchange, OPEN, "atomicExchange", RACE},
+    {SpvOpAtomicCompareExchange, OPEN, "atomicCompSwap", RACE},
+    {SpvOpAtomicFAddEXT, OPEN, "atomicAdd", RACE},
+};
+
+static const uint16_t exact_functions[] = {
+    GLSLstd450RoundEven, GLSLstd450Trunc,    GLSLstd450FAbs,        GLSLstd450SAbs,
+    GLSLstd450FSign,     GLSLstd450SSign,    GLSLstd450Floor,       GLSLstd450Ceil,
+    GLSLstd450Step,      GLSLstd450UMin,     GLSLstd450SMin,        GLSLstd450UMax,
+    GLSLstd450SMax,      GLSLstd450UClamp,   GLSLstd450SClamp,      GLSLstd450FindILsb,
+    GLSLstd450FindSMsb,  GLSLstd450FindUMsb, GLSLstd450FrexpStruct, GLSLstd450Modf,
+};
+
+static const struct rule functions[] = {
+    {GLSLstd450Round, OPEN, "round", HALVES},
+    {GLSLstd450Fract, OPEN, "fract", "GLSL has no bound for its error"},
+    {GLSLstd450Radians, OPEN, "radians", "the rounding of its factor is open"},
+    {GLSLstd450Degrees, OPEN, "degrees", "the rounding of its factor is open"},
+    {GLSLstd450Sin, OPEN, "sin", "it may err by 2^-11"},
+    {GLSLstd450Cos, OPEN, "cos", "it may err by 2^-11"},
+    {GLSLstd450Tan, OPEN, "tan", BOUND},
+    {GLSLstd450Asin, REPLACED, "asin", MACRO},
+    {GLSLstd450Acos, REPLACED, "acos", MACRO},
+    {GLSLstd450Atan, REPLACED, "atan", MACRO},
+    {GLSLstd450Atan2, REPLACED, "atan", MACRO},
+    {GLSLstd450Sinh, OPEN, "sinh", BOUND},
+    {GLSLstd450Cosh, OPEN, "cosh", BOUND},
+    {GLSLstd450Tanh, OPEN, "tanh", BOUND},
+    {GLSLstd450Asinh, OPEN, "asinh", BOUND},
+    {GLSLstd450Acosh, OPEN, "acosh", BOUND},
+    {GLSLstd450Atanh, OPEN, "atanh", BOUND},
+    {GLSLstd450Pow, OPEN, "pow", BOUND},
+    {GLSLstd450Exp, OPEN, "exp", "it may err by 3 + 2 |x| ulp"},
+    {GLSLstd450Log, OPEN, "log", "it may err by 3 ulp"},
+    {GLSLstd450Exp2, OPEN, "exp2", "it may err by 3 + 2 |x| ulp"},
+    {GLSLstd450Log2, OPEN, "log2", "it may err by 3 ulp"},
+    {GLSLstd450Sqrt, OPEN, "sqrt", BOUND},
+    {GLSLstd450InverseSqrt, OPEN, "inversesqrt", "it may err by 2 ulp"},
+    {GLSLstd450Determinant, OPEN, "determinant", ORDER},
+    {GLSLstd450MatrixInverse, OPEN, "inverse", ORDER},
+    {GLSLstd450FMin, OPEN, "min", ZEROS},
+    {GLSLstd450FMax, OPEN, "max", ZEROS},
+    {GLSLstd450FClamp, OPEN, "clamp", ZEROS},
+    {GLSLstd450FMix, REPLACED, "mix", MACRO},
+    {GLSLstd450SmoothStep, OPEN, "smoothstep", BOUND},
+    {GLSLstd450Fma, OPEN, "fma", "it may round once or twice"},
+    {GLSLstd450Ldexp, OPEN, "ldexp", "GLSL has no bound for its error"},
+    {GLSLstd450PackSnorm4x8, OPEN, "packSnorm4x8", HALVES},
+    {GLSLstd450PackUnorm4x8, OPEN, "packUnorm4x8", HALVES},
+    {GLSLstd450PackSnorm2x16, OPEN, "packSnorm2x16", HALVES},
+    {GLSLstd450PackUnorm2x16, OPEN, "packUnorm2x16", HALVES},
+    {GLSLstd450PackHalf2x16, OPEN, "packHalf2x16", HALVES},
+    {GLSLstd450UnpackSnorm2x16, OPEN, "unpackSnorm2x16", "its division may err"},
+    {GLSLstd450UnpackUnorm2x16, OPEN, "unpackUnorm2x16", "its division may err"},
+    {GLSLstd450UnpackHalf2x16, OPEN, "unpackHalf2x16", "denormals may become 0"},
+    {GLSLstd450UnpackSnorm4x8, OPEN, "unpackSnorm4x8", "its division may err"},
+    {GLSLstd450UnpackUnorm4x8, OPEN, "unpackUnorm4x8", "its division may err"},
+    {GLSLstd450Length, REPLACED, "length", MACRO},
+    {GLSLstd450Distance, REPLACED, "distance", MACRO},
+    {GLSLstd450Cross, OPEN, "cross", BOUND},
+    {GLSLstd450Normalize, REPLACED, "normalize", MACRO},
+    {GLSLstd450FaceForward, REPLACED, "faceforward", MACRO},
+    {GLSLstd450Reflect, REPLACED, "reflect", MACRO},
+    {GLSLstd450Refract, REPLACED, "refract", MACRO},
+    {GLSLstd450InterpolateAtCentroid, OPEN, "interpolateAtCentroid", BETWEEN},
+    {GLSLstd450InterpolateAtSample, OPEN, "interpolateAtSample", BETWEEN},
+    {GLSLstd450InterpolateAtOffset, OPEN, "interpolateAtOffset", BETWEEN},
+};
+
+/* Inputs of a shader; others are unknown. */
+static const uint16_t exact_inputs[] = {
+    SpvBuiltInVertexIndex,       SpvBuiltInVertexId,           SpvBuiltInInstanceIndex,
+    SpvBuiltInInstanceId,        SpvBuiltInBaseVertex,         SpvBuiltInBaseInstance,
+    SpvBuiltInDrawIndex,         SpvBuiltInPrimitiveId,        SpvBuiltInFrontFacing,
+    SpvBuiltInNumWorkgroups,     SpvBuiltInWorkgroupSize,      SpvBuiltInWorkgroupId,
+    SpvBuiltInLocalInvocationId, SpvBuiltInGlobalInvocationId, SpvBuiltInLocalInvocationIndex,
+};
+
+static const struct rule inputs[] = {
+    {SpvBuiltInFragCoord, INPUT, "gl_FragCoord", "depth depends on the driver; x and y are exact"},
+    {SpvBuiltInPointCoord, OPEN, "gl_PointCoord", BETWEEN},
+    {SpvBuiltInHelperInvocation, OPEN, "gl_HelperInvocation", "it depends on the driver"},
+};
+
+/* ---- Look-ups -------------------------------------------------------------------------------- */
+
+enum { MOST_DEPTH = 8 }; /* of functions and variables that a value goes through */
+
+struct id { /* decorations of an id */
+    bool no_contraction, relaxed, flat;
+    uint32_t builtin; /* + 1; 0: none */
+};
+
+struct proof {
+    const uint32_t *words;
+    size_t count;
+    uint32_t *definitions;
+    struct id *ids;
+    uint32_t glsl;            /* id of GLSL.std.450 */
+    bool fragment;            /* of a fragment shader */
+    struct open_operation at; /* place of the current instruction */
+    void (*found)(void *user, const struct open_operation *operation);
+    void *user;
+};
+
+static bool has_number(const uint16_t *numbers, size_t count, uint32_t number)
+{
+    while (count && numbers[count - 1] != number)
+        count--;
+    return count;
+}
+
+/* The rule for a number that is not exact. */
+static const struct rule *find_rule(const struct rule *rules, size_t count, uint32_t number)
+{
+    static const struct rule unknown = {0, OPEN, "an operation", "the proof does not know it"};
+    for (size_t i = 0; i < count; i++)
+        if (rules[i].number == number)
+            return &rules[i];
+    return &unknown;
+}
+
+/* The rule for a number; NULL: it is exact. */
+#define RULE(exact, rules, number)                                                                 \
+    (has_number(exact, DT_ARRAY_COUNT(exact), number)                                              \
+         ? NULL                                                                                    \
+         : find_rule(rules, DT_ARRAY_COUNT(rules), number))
+
+static void tell(struct proof *proof, const char *word, const char *why, bool wrong)
+{
+    proof->at.word = word;
+    proof->at.why = why;
+    proof->at.wrong = wrong;
+    proof->found(proof->user, &proof->at);
+}
+
+struct use {
+    const uint32_t *instruction;
+    uint32_t operand;  /* its word that is the id */
+    uint32_t function; /* that it stands in */
+    int depth;         /* of calls of all_uses */
+};
+typedef bool allows_fn(const struct proof *proof, const struct use *use);
+
+/* Whether a word of an instruction is a number, of those instructions that often have one. */
+static bool is_literal(const uint32_t *instruction, uint32_t word)
+{
+    switch (*instruction & 0xffff) {
+    case SpvOpExtInst:
+        return word == 4;
+    case SpvOpCompositeExtract:
+        return word >= 4;
+    case SpvOpVectorShuffle:
+        return word >= 5;
+    case SpvOpVariable:
+    case SpvOpFunction:
+    case SpvOpLoopMerge:
+        return word == 3;
+    case SpvOpSelectionMerge:
+        return word == 2;
+    case SpvOpSwitch:
+        return word >= 3 && word % 2;
+    default:
+        return spirv_is(instruction, SpvOpLine);
+    }
+}
+
+/* Whether `allows` every use of an id. Other literals that look like the id count as uses. */
+static bool all_uses(const struct proof *proof, uint32_t id, int depth, allows_fn *allows)
+{
+    struct use use = {.depth = depth};
+    for (size_t at = SPIRV_HEADER; at < proof->count && depth < MOST_DEPTH;
+         at += proof->words[at] >> 16) {
+        use.instruction = proof->words + at;
+        if (spirv_is(use.instruction, SpvOpFunction))
+            use.function = use.instruction[2];
+        if (!use.function || at == proof->definitions[id])
+            continue;
+        for (use.operand = 1; use.operand < *use.instruction >> 16; use.operand++)
+            if (use.instruction[use.operand] == id && !is_literal(use.instruction, use.operand) &&
+                !allows(proof, &use))
+                return false;
+    }
+    return depth < MOST_DEPTH;
+}
+
+/* .x, .y or .xy of a vector. */
+static bool takes_xy(const struct proof *proof, const struct use *use)
+{
+    const uint32_t *instruction = use->instruction;
+    (void)proof;
+    if (spirv_is(instruction, SpvOpCompositeExtract))
+        return use->operand == 3 && instruction[4] < 2;
+    if (!spirv_is(instruction, SpvOpVectorShuffle) || instruction[3] != instruction[4])
+        return false;
+    for (uint32_t i = 5; i < *instruction >> 16; i++)
+        if (instruction[i] > 1)
+            return false;
+    return true;
+}
+
+static bool drops(const struct proof *proof, const struct use *use);
+
+/* Of a variable, or of a function: what is read from it is dropped. */
+static bool drops_reads(const struct proof *proof, const struct use *use)
+{
+    const uint32_t *instruction = use->instruction;
+    if (spirv_is(instruction, SpvOpLoad) || spirv_is(instruction, SpvOpFunctionCall))
+        return use->operand == 3 && all_uses(proof, instruction[2], use->depth + 1, drops);
+    return spirv_is(instruction, SpvOpStore) && use->operand == 1;
+}
+
+/* A value goes nowhere but through variables and out of functions whose results are dropped. */
+static bool drops(const struct proof *proof, const struct use *use)
+{
+    const uint32_t *variable = proof->words + proof->definitions[use->instruction[1]];
+    if (spirv_is(use->instruction, SpvOpReturnValue))
+        return all_uses(proof, use->function, use->depth + 1, drops_reads);
+    return spirv_is(use->instruction, SpvOpStore) && use->operand == 2 &&
+           spirv_is(variable, SpvOpVariable) && variable[3] == SpvStorageClassFunction &&
+           all_uses(proof, use->instruction[1], use->depth + 1, drops_reads);
+}
+
+/* ---- Instructions ---------------------------------------------------------------------------- */
+
+/* Whether a load, or an access chain, takes x or y alone. */
+static bool reads_xy(const struct proof *proof, const uint32_t *instruction)
+{
+    if (spirv_is(instruction, SpvOpLoad))
+        return all_uses(proof, instruction[2], 0, takes_xy);
+    const uint32_t *index = proof->words + proof->definitions[instruction[4]];
+    return spirv_is(index, SpvOpConstant) && index[3] < 2;
+}
+
+static const char *name_of(const struct proof *proof, uint32_t id)
+{
+    for (size_t at = SPIRV_HEADER; at < proof->count; at += proof->words[at] >> 16)
+        if (spirv_is(proof->words + at, SpvOpName) && proof->words[at + 1] == id)
+            return (const char *)(proof->words + at + 2);
+    return "an input";
+}
+
+/* A load, or an access chain. */
+static void check_input(struct proof *proof, const uint32_t *instruction)
+{
+    const uint32_t *variable = proof->words + proof->definitions[instruction[3]];
+    const struct id *id = &proof->ids[instruction[3]];
+    if (!spirv_is(variable, SpvOpVariable) || variable[3] != SpvStorageClassInput)
+        return;
+    if (!id->builtin) {
+        if (proof->fragment && !id->flat)
+            tell(proof, name_of(proof, instruction[3]), BETWEEN, false);
+        return;
+    }
+    const struct rule *rule = RULE(exact_inputs, inputs, id->builtin - 1);
+    if (rule && !(rule->verdict == INPUT && reads_xy(proof, instruction)))
+        tell(proof, rule->word, rule->why, false);
+}
+
+/* The rule for an instruction; NULL: it is exact. */
+static const struct rule *rule_of(const struct proof *proof, const uint32_t *instruction)
+{
+    uint32_t opcode = *instruction & 0xffff;
+    if (opcode == SpvOpExtInst && instruction[3] == proof->glsl)
+        return RULE(exact_functions, functions, instruction[4]);
+    return RULE(exact_operations, operations, opcode);
+}
+
+static void check_instruction(struct proof *proof, const uint32_t *instruction)
+{
+    const struct rule *rule = rule_of(proof, instruction);
+    uint32_t result = spirv_result(instruction);
+    if (result && proof->ids[result].relaxed && !spirv_is(instruction, SpvOpVariable))
+        tell(proof, "mediump", "its precision is open", false);
+    if (!rule)
+        return;
+    if (rule->verdict == INPUT)
+        check_input(proof, instruction);
+    else if (!(rule->verdict == ROUNDED && proof->ids[result].no_contraction) &&
+             !(rule->verdict == MEMORY && all_uses(proof, result, 0, drops)))
+        tell(proof, rule->word, rule->why, rule->verdict == REPLACED);
+}
+
+/* ---- The module ------------------------------------------------------------------------------ */
+
+static void take_decoration(struct proof *proof, const uint32_t *instruction)
+{
+    struct id *id = &proof->ids[instruction[1]];
+    id->no_contraction |= instruction[2] == SpvDecorationNoContraction;
+    id->relaxed |= instruction[2] == SpvDecorationRelaxedPrecision;
+    id->flat |= instruction[2] == SpvDecorationFlat;
+    if (instruction[2] == SpvDecorationBuiltIn)
+        id->builtin = instruction[3] + 1;
+}
+
+/* OpLine: its file is a string that holds the number of a source. */
+static void take_line(struct proof *proof, const uint32_t *instruction)
+{
+    const uint32_t *string = proof->words + proof->definitions[instruction[1]];
+    proof->at.file = (uint32_t)strtoul((const char *)(string + 2), NULL, 10);
+    proof->at.line = instruction[2];
+}
+
+bool prove_module(const uint32_t *words, size_t count,
+                  void (*found)(void *user, const struct open_operation *operation), void *user)
+{
+    struct proof proof = {.words = words,
+                          .count = count,
+                          .definitions = spirv_definitions(words, count),
+                          .ids = calloc(words[3], sizeof *proof.ids),
+                          .found = found,
+                          .user = user};
+    bool good = proof.definitions && proof.ids;
+    for (size_t at = SPIRV_HEADER; good && at < count; at += words[at] >> 16) {
+        const uint32_t *instruction = words + at;
+        uint32_t opcode = *instruction & 0xffff;
+        if (opcode == SpvOpDecorate)
+            take_decoration(&proof, instruction);
+        else if (opcode == SpvOpLine)
+            take_line(&proof, instruction);
+        else if (opcode == SpvOpExtInstImport &&
+                 !strcmp((const char *)(instruction + 2), "GLSL.std.450"))
+            proof.glsl = instruction[1];
+        else if (opcode == SpvOpEntryPoint)
+            proof.fragment = instruction[1] == SpvExecutionModelFragment;
+        check_instruction(&proof, instruction);
+    }
+    free(proof.definitions);
+    free(proof.ids);
+    return good;
+}

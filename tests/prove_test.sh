@@ -1,0 +1,48 @@
+#!/usr/bin/env bash
+# The proof that a pipeline is exact, gen/prove.c: what it counts as exact is, on each pair of drivers (tests/specs/proof.yaml has
+# all of it), and what is open is told at its place. prove_test.c has the open operations, one by one.
+. "$(dirname "$0")/tap.sh"
+gen=$build/diptych-gen
+spec=$root/tests/specs/proof.yaml
+
+check "the proof finds nothing in tests/specs/proof.yaml" "$gen" "$spec" --prove
+check "it compares equal" "$diptych" compare --spec "$spec" --size 32x16
+check "... with GLSL text" "$diptych" compare --spec "$spec" --size 32x16 --glsl
+. "$root/tests/drivers.sh"
+if [ ${#strangers[@]} -gt 0 ]; then
+    check "... on ${strangers[*]}" "$diptych" compare --spec "$spec" --size 32x16 --set features=false --backend "vk@llvmpipe,${strangers[0]}"
+else
+    skip "... on another driver" "$no_strangers"
+fi
+
+# shellcheck disable=SC2317 # called through check
+lists_all() { # the exact operations of the proof that no shader of the spec has
+    local file
+    "$gen" "$spec" -o "$work/out" >/dev/null || return
+    for file in "$work"/out/*/*.spv; do
+        spirv-dis "$file"
+    done | grep -oE 'OpExtInst %[A-Za-z0-9_]+ %[a-z0-9_]+ [A-Za-z]+|BuiltIn [A-Za-z]+|Op[A-Z][A-Za-z0-9]+' |
+        sed 's/.* //; s/^Op//' | sort -u >"$work/has"
+    sed -n '/bits and integers/,/^};/p; /exact_functions\[\]/,/^};/p; /exact_inputs\[\]/,/^};/p' "$root/gen/prove.c" |
+        grep -oE '(SpvOp|GLSLstd450|SpvBuiltIn)[A-Za-z0-9]+' | sed -E 's/^(SpvOp|GLSLstd450|SpvBuiltIn)//' | sort -u >"$work/wants"
+    [ "$(wc -l <"$work/wants")" -gt 90 ] && ! comm -23 "$work/wants" "$work/has" | grep .
+}
+if command -v spirv-dis >/dev/null; then
+    check "it has everything that the proof counts as exact" lists_all
+else
+    skip "it has everything that the proof counts as exact" "spirv-dis is missing"
+fi
+
+# shellcheck disable=SC2317
+told_as_expected() { # name
+    (cd "$root/tests/specs" && "$gen" --templates ../../templates "$1.yaml" --prove >/dev/null 2>"$work/found")
+    [ $? = 1 ] && diff -u "$root/tests/specs/$1.expected" "$work/found"
+}
+check "open operations are told at their places" told_as_expected proof_open
+check "... but not of a pass whose resources have a tolerance" "$gen" "$root/tests/specs/proof_open.yaml" --prove --set 'contracts.default={ulp: 4}'
+# shellcheck disable=SC2317
+refuses_fast() {
+    ! "$gen" "$spec" --prove --set exactness=fast 2>"$work/found" && grep 'error: .exactness: fast. leaves' "$work/found"
+}
+check "exactness: fast is told" refuses_fast
+finish
