@@ -1,0 +1,84 @@
+/* The functions of image_oiio.h by libstb, for the bundle: OpenImageIO needs 260 libraries. Reads PNG,
+ * JPEG and HDR, writes PNG. bundle.sh makes libdiptych_image.so of it. */
+#include "image_oiio.h"
+
+#include <stb/stb_image.h>
+#include <stb/stb_image_resize.h>
+#include <stb/stb_image_write.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool fail(struct image_error *error, const char *reason)
+{
+    snprintf(error->text, sizeof error->text, "%s", reason ? reason : "unknown reason");
+    return false;
+}
+
+bool image_oiio_size(const char *path, uint32_t *width, uint32_t *height, struct image_error *error)
+{
+    int x, y, channels;
+    if (!stbi_info(path, &x, &y, &channels))
+        return fail(error, stbi_failure_reason());
+    *width = (uint32_t)x;
+    *height = (uint32_t)y;
+    return true;
+}
+
+/* Averages light, not codes. */
+static void *resize(const void *texels, const int from[2], const int to[2], bool is_float)
+{
+    void *resized = malloc((size_t)to[0] * (size_t)to[1] * 4 * (is_float ? sizeof(float) : 1));
+    int good = !resized ? 0
+               : is_float
+                   ? stbir_resize_float(texels, from[0], from[1], 0, resized, to[0], to[1], 0, 4)
+                   : stbir_resize_uint8_srgb(texels, from[0], from[1], 0, resized, to[0], to[1], 0,
+                                             4, 3, 0);
+    if (!good)
+        free(resized);
+    return good ? resized : NULL;
+}
+
+bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
+                     void **texels, struct image_error *error)
+{
+    int size[2], channels;
+    if (!stbi_info(path, &size[0], &size[1], &channels))
+        return fail(error, stbi_failure_reason());
+    if ((int64_t)size[0] * size[1] > IMAGE_MOST_PIXELS)
+        return fail(error, "too many pixels");
+    stbi_ldr_to_hdr_gamma(1.0f); /* codes as they are, divided by 255 */
+    void *read = is_float ? (void *)stbi_loadf(path, &size[0], &size[1], &channels, 4)
+                          : (void *)stbi_load(path, &size[0], &size[1], &channels, 4);
+    if (!read)
+        return fail(error, stbi_failure_reason());
+    if (*width && *height) {
+        const int to[2] = {(int)*width, (int)*height};
+        void *resized = resize(read, size, to, is_float);
+        free(read);
+        read = resized;
+    } else {
+        *width = (uint32_t)size[0];
+        *height = (uint32_t)size[1];
+    }
+    *texels = read;
+    return read || fail(error, "out of memory");
+}
+
+bool image_oiio_write(const char *path, const char *format, uint32_t width, uint32_t height,
+                      uint32_t channels, const void *texels, struct image_error *error)
+{
+    if (strcmp(format, "png") != 0)
+        return fail(error, "the bundle writes PNG only");
+    return stbi_write_png(path, (int)width, (int)height, (int)channels, texels, 0) ||
+           fail(error, "the file cannot be written");
+}
+
+bool image_oiio_yee(uint32_t width, uint32_t height, const float *a, const float *b,
+                    float luminance, float field_of_view, uint64_t *failing,
+                    struct image_error *error)
+{
+    (void)width, (void)height, (void)a, (void)b, (void)luminance, (void)field_of_view,
+        (void)failing;
+    return fail(error, "the bundle has no Yee metric");
+}
