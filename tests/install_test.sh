@@ -186,7 +186,7 @@ build_host() { # gl|vk library...
 # shellcheck disable=SC2317
 run_host() { # gl|vk; a word of validation or KHR_debug fails it
     VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation HOST_DEBUG=1 \
-        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT hide "$work/host/host_$1" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$1.ssvp.ppm" \
+        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT hide "$work/host/host_$1" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$1.ssvp.ppm" \
         "$work/host/$1.rsm.ppm" && [ ! -s "$work/output" ]
 }
 # shellcheck disable=SC2317
@@ -210,7 +210,7 @@ read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
 read -ra private < <(pkg-config --static --libs-only-l --libs-only-other diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
 check "the installed generator generates" generate
 check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@]}" -lvulkan
-check "... runs two pipelines in its own command buffers, and validation is silent" run_host vk
+check "... runs two pipelines on its own threads, and validation is silent" run_host vk
 check "... to the bits that the command has" same_pictures vk
 check "an OpenGL renderer builds with static libraries" build_host gl "$installed"/lib/libdiptych_{gl,scene}.a \
     "${private[@]}" -lEGL -lGL

@@ -18,13 +18,19 @@ enum { MAX_PIPELINES = 2 };
 
 struct pipeline {
     const struct dt_shaders *shaders;
-    uint32_t output;
+    uint32_t output, exposure;
     uint32_t seam, passes; /* a frame is recorded in two parts, up to the seam and from there on */
 };
 
 static const struct pipeline pipelines[MAX_PIPELINES] = {
-    {&ssvp_gl, SSVP_RESOURCE_DISPLAY, SSVP_PASS_COMPOSITE, SSVP_PASSES},
-    {&rsm_gl, RSM_RESOURCE_DISPLAY, RSM_PASS_COMPOSITE, RSM_PASSES}};
+    {&ssvp_gl, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
+     SSVP_PASSES},
+    {&rsm_gl, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_COMPOSITE, RSM_PASSES}};
+
+struct view {
+    struct gl_runtime *rt;
+    GLuint picture, exposure; /* exposure: a buffer of a float, which the pipeline writes */
+};
 
 struct geometry {
     GLuint buffer, indices; /* vertices behind the materials */
@@ -72,11 +78,13 @@ static struct geometry make_scene(const struct dt_scene *scene)
     return geometry;
 }
 
-static struct gl_runtime *open_pipeline(const struct geometry *geometry,
-                                        const struct dt_scene *scene,
-                                        const struct pipeline *pipeline, GLuint picture,
-                                        uint32_t width, uint32_t height)
+static struct view open_view(const struct geometry *geometry, const struct dt_scene *scene,
+                             const struct pipeline *pipeline, uint32_t width, uint32_t height)
 {
+    const char zero[256] = {0};
+    const GLuint picture = make_texture(GL_RGBA8, width, height);
+    const GLuint exposure = make_buffer(zero, sizeof zero);
+    const struct dt_gl_range range = {.buffer = exposure, .size = sizeof zero};
     struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = {.message = on_log},
         .get_proc_address = eglGetProcAddress,
@@ -91,9 +99,32 @@ static struct gl_runtime *open_pipeline(const struct geometry *geometry,
         .textures = geometry->textures,
     };
     check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, pipeline->shaders) &&
-              dt_gl_import_image(rt, pipeline->output, picture) && dt_gl_resize(rt, width, height),
+              dt_gl_import_image(rt, pipeline->output, picture) &&
+              dt_gl_import_buffer(rt, pipeline->exposure, &range) &&
+              dt_gl_resize(rt, width, height),
           "opening a pipeline");
-    return rt;
+    return (struct view){rt, picture, exposure};
+}
+
+/* In two parts; between them the renderer clears the exposure. */
+static void run_frame(const struct view *view, const struct pipeline *pipeline,
+                      const struct dt_frame *frame)
+{
+    check(dt_gl_record_passes(view->rt, frame, NULL, 0, pipeline->seam), "a frame");
+    check_state("a part of a frame");
+    glClearNamedBufferData(view->exposure, GL_R32F, GL_RED, GL_FLOAT, NULL);
+    check(dt_gl_record_passes(view->rt, NULL, NULL, pipeline->seam, pipeline->passes),
+          "the rest of a frame");
+    check_state("a frame");
+}
+
+static void close_view(const struct view *view, uint32_t width, uint32_t height, const char *path)
+{
+    float exposure;
+    write_texture(view->picture, width, height, path);
+    glGetNamedBufferSubData(view->exposure, 0, sizeof exposure, &exposure);
+    check(exposure > 0, "taking the exposure");
+    dt_gl_close(view->rt);
 }
 
 int main(int argc, char **argv)
@@ -102,8 +133,7 @@ int main(int argc, char **argv)
     check(argc == 6 || argc == 7, "usage: host_gl SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]:");
     uint32_t width = (uint32_t)atoi(argv[2]), height = (uint32_t)atoi(argv[3]);
     uint32_t frames = (uint32_t)atoi(argv[4]), count = (uint32_t)argc - 5;
-    GLuint pictures[MAX_PIPELINES];
-    struct gl_runtime *runtimes[MAX_PIPELINES];
+    struct view views[MAX_PIPELINES];
     struct dt_frame frame;
     struct dt_scene_file *scene = dt_scene_open(argv[1], NULL, &log);
     check(scene, argv[1]);
@@ -113,24 +143,14 @@ int main(int argc, char **argv)
     make_disorder();
     check_state("nothing");
     for (uint32_t i = 0; i < count; i++) {
-        pictures[i] = make_texture(GL_RGBA8, width, height);
-        runtimes[i] = open_pipeline(&geometry, dt_scene_data(scene), &pipelines[i], pictures[i],
-                                    width, height);
+        views[i] = open_view(&geometry, dt_scene_data(scene), &pipelines[i], width, height);
         check_state("opening a pipeline");
     }
     for (frame.index = 0; frame.index < frames; frame.index++)
-        for (uint32_t i = 0; i < count; i++) {
-            check(dt_gl_record_passes(runtimes[i], &frame, NULL, 0, pipelines[i].seam), "a frame");
-            check_state("a part of a frame");
-            check(dt_gl_record_passes(runtimes[i], NULL, NULL, pipelines[i].seam,
-                                      pipelines[i].passes),
-                  "the rest of a frame");
-            check_state("a frame");
-        }
-    for (uint32_t i = 0; i < count; i++) {
-        write_texture(pictures[i], width, height, argv[5 + i]);
-        dt_gl_close(runtimes[i]);
-    }
+        for (uint32_t i = 0; i < count; i++)
+            run_frame(&views[i], &pipelines[i], &frame);
+    for (uint32_t i = 0; i < count; i++)
+        close_view(&views[i], width, height, argv[5 + i]);
     check_state("closing");
     dt_scene_close(scene);
     return renderer_is_silent() ? 0 : 1;

@@ -1,7 +1,7 @@
-/* Takes diptych's pipelines into a Vulkan renderer (renderer_vk.c): device, command buffers, vertex
- * buffers and pictures are its own. `host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]` runs ssvp, or
- * ssvp and rsm side by side in the same command buffers, two frames in flight. Built against an installed
- * diptych by tests/install_test.sh. */
+/* Takes diptych's pipelines into a Vulkan renderer (renderer_vk.c): device, memory, cache, threads, command
+ * buffers, vertex buffers and pictures are its own. `host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]`
+ * runs ssvp, or ssvp and rsm, each on a thread that opens it and records it, two frames in flight. Built
+ * against an installed diptych by tests/install_test.sh. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,17 +13,32 @@
 #include "rsm.h"
 #include "ssvp.h"
 
-enum { MAX_PIPELINES = 2 };
-
 struct pipeline {
     const struct dt_shaders *shaders;
-    uint32_t output;
+    uint32_t output, exposure;
     uint32_t seam, passes; /* a frame is recorded in two parts, up to the seam and from there on */
 };
 
-static const struct pipeline pipelines[MAX_PIPELINES] = {
-    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_PASS_COMPOSITE, SSVP_PASSES},
-    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_PASS_COMPOSITE, RSM_PASSES}};
+static const struct pipeline pipelines[LANES] = {
+    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
+     SSVP_PASSES},
+    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_COMPOSITE, RSM_PASSES}};
+
+/* A pipeline in the renderer, on a lane of its own. */
+struct view {
+    struct vk_runtime *rt;
+    struct picture picture;
+    struct buffer exposure; /* a float, which the pipeline writes */
+};
+
+/* What its threads share. */
+struct host {
+    struct renderer renderer;
+    const VkDeviceCreateInfo *device_info;
+    struct dt_vk_scene scene;
+    struct dt_frame frame;
+    struct view views[LANES];
+};
 
 static void on_log(void *user, enum dt_level level, const char *message)
 {
@@ -32,22 +47,44 @@ static void on_log(void *user, enum dt_level level, const char *message)
         fprintf(stderr, "diptych: %s\n", message);
 }
 
-/* The renderer's device has what diptych needs; a renderer's own needs would be set here, too. */
-static void open_renderer(struct renderer *renderer)
+/* ---- What the renderer gives ----------------------------------------------------------------- */
+
+static VkResult allocate(void *user, const VkMemoryRequirements *needs, const char *name,
+                         struct dt_vk_memory *out)
 {
-    VkPhysicalDeviceVulkan13Features vulkan13 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features vulkan12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
-    VkPhysicalDeviceVulkan11Features vulkan11 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
-    VkPhysicalDeviceFeatures2 features = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
-                                          .pNext = &vulkan11};
-    for (int i = 0; i < MAX_PIPELINES; i++)
-        dt_vk_need_features(pipelines[i].shaders, &features.features, &vulkan11, &vulkan12,
-                            &vulkan13);
-    renderer_open(renderer, &features);
+    (void)name;
+    *out = (struct dt_vk_memory){
+        .memory = renderer_allocate(user, needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)};
+    return VK_SUCCESS;
 }
+
+static void release(void *user, const struct dt_vk_memory *memory)
+{
+    const struct renderer *renderer = user;
+    vkFreeMemory(renderer->device, memory->memory, NULL);
+}
+
+static struct vk_runtime *open_runtime(struct host *host)
+{
+    struct renderer *renderer = &host->renderer;
+    return dt_vk_open(&(struct dt_vk_host){
+        .log = {.message = on_log},
+        .instance = renderer->instance,
+        .physical_device = renderer->physical,
+        .device = renderer->device,
+        .queue_family = 0,
+        .get_instance_proc_addr = vkGetInstanceProcAddr,
+        .device_info = host->device_info,
+        .callbacks = &renderer->callbacks,
+        .allocator = {renderer, allocate, release},
+        .pipeline_cache = renderer->cache,
+        .threads = {renderer, renderer_run},
+        .timing = true,
+        .frames = IN_FLIGHT,
+    });
+}
+
+/* ---- The scene ------------------------------------------------------------------------------- */
 
 /* The next place in the buffer, at a multiple of what any device wants. */
 static struct dt_vk_range place(const struct dt_vk_range *before, VkDeviceSize size)
@@ -79,23 +116,30 @@ static struct buffer make_scene(const struct renderer *renderer, const struct dt
     return geometry;
 }
 
-static struct vk_runtime *open_pipeline(const struct renderer *renderer,
-                                        const struct dt_vk_scene *scene,
-                                        const struct pipeline *pipeline,
-                                        const struct picture *picture)
+/* ---- Views ----------------------------------------------------------------------------------- */
+
+/* The renderer copies, fills and reads on the CPU what it shares with pipelines; nothing else. */
+static const struct dt_vk_sync copies = {
+    .stages_before = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+    .writes_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+    .stages_after = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
+    .accesses_after =
+        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT,
+};
+
+static void open_view(void *data, uint32_t lane)
 {
-    struct vk_runtime *rt = dt_vk_open(&(struct dt_vk_host){
-        .log = {.message = on_log},
-        .instance = renderer->instance,
-        .physical_device = renderer->physical,
-        .device = renderer->device,
-        .queue_family = 0,
-        .get_instance_proc_addr = vkGetInstanceProcAddr,
-        .timing = true,
-        .frames = IN_FLIGHT,
-    });
+    struct host *host = data;
+    const struct pipeline *pipeline = &pipelines[lane];
+    const struct renderer *renderer = &host->renderer;
+    struct view *view = &host->views[lane];
+    *view = (struct view){
+        open_runtime(host), make_picture(renderer, VK_IMAGE_USAGE_STORAGE_BIT),
+        make_buffer(renderer, 256,
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT)};
+    const struct dt_vk_range exposure = {.buffer = view->exposure.handle, .size = 256};
     const struct dt_vk_image image = {
-        .image = picture->image,
+        .image = view->picture.image,
         .format = VK_FORMAT_R8G8B8A8_UNORM,
         .usage = VK_IMAGE_USAGE_STORAGE_BIT,
         .width = renderer->width,
@@ -104,64 +148,91 @@ static struct vk_runtime *open_pipeline(const struct renderer *renderer,
         .mips = 1,
         .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
     };
-    check(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, pipeline->shaders) &&
-              dt_vk_import_image(rt, pipeline->output, &image) &&
-              dt_vk_resize(rt, renderer->width, renderer->height),
+    check(view->rt && dt_vk_import_scene(view->rt, &host->scene) &&
+              dt_vk_create(view->rt, pipeline->shaders) &&
+              dt_vk_import_image(view->rt, pipeline->output, &image) &&
+              dt_vk_import_buffer(view->rt, pipeline->exposure, &exposure) &&
+              dt_vk_resize(view->rt, renderer->width, renderer->height),
           "opening a pipeline");
-    return rt;
+    dt_vk_narrow(view->rt, &copies);
 }
 
-/* A frame of every pipeline, the first parts of all before the second ones; each leaves its picture in
+/* Between the parts the renderer clears the exposure. The frame leaves its picture in
  * TRANSFER_SRC_OPTIMAL, ready for the renderer. */
-static void run_frame(struct renderer *renderer, struct vk_runtime *const *runtimes, uint32_t count,
-                      const struct picture *pictures, const struct dt_frame *frame)
+static void record_view(void *data, uint32_t lane)
 {
-    VkCommandBuffer commands = begin_frame(renderer, frame->index);
+    struct host *host = data;
+    const struct pipeline *pipeline = &pipelines[lane];
+    const struct view *view = &host->views[lane];
+    const struct dt_frame *frame = &host->frame;
     double ms[SSVP_PASSES + RSM_PASSES]; /* room for either; begin_frame has waited */
-    for (uint32_t i = 0; i < count && frame->index >= IN_FLIGHT; i++)
-        check(dt_vk_timings(runtimes[i], IN_FLIGHT - 1, ms), "times");
-    for (uint32_t i = 0; i < count; i++)
-        check(dt_vk_record_passes(runtimes[i], commands, frame, NULL, 0, pipelines[i].seam),
-              "recording a frame");
-    for (uint32_t i = 0; i < count; i++)
-        check(dt_vk_record_passes(runtimes[i], commands, NULL, NULL, pipelines[i].seam,
-                                  pipelines[i].passes),
-              "recording the rest of a frame");
-    for (uint32_t i = 0; i < count; i++)
-        copy_picture(renderer, commands, &pictures[i], VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
-    end_frame(renderer, frame->index);
+    VkCommandBuffer commands = begin_commands(&host->renderer, frame->index, lane);
+    check(frame->index < IN_FLIGHT || dt_vk_timings(view->rt, IN_FLIGHT - 1, ms), "times");
+    check(dt_vk_record_passes(view->rt, commands, frame, NULL, 0, pipeline->seam),
+          "recording a frame");
+    vkCmdFillBuffer(commands, view->exposure.handle, 0, VK_WHOLE_SIZE, 0);
+    check(dt_vk_record_passes(view->rt, commands, NULL, NULL, pipeline->seam, pipeline->passes),
+          "recording the rest of a frame");
+    copy_picture(&host->renderer, commands, &view->picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
-int main(int argc, char **argv)
+static void close_view(struct host *host, struct view *view, const char *path)
+{
+    write_picture(&host->renderer, &view->picture, path);
+    check(*(const float *)view->exposure.bytes > 0, "taking the exposure");
+    dt_vk_close(view->rt);
+    destroy_picture(&host->renderer, &view->picture);
+    destroy_buffer(&host->renderer, &view->exposure);
+}
+
+static void run(struct host *host, const char *scene_path, uint32_t frames, char **paths,
+                uint32_t count)
 {
     const struct dt_log log = {.message = on_log};
-    check(argc == 6 || argc == 7, "usage: host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]:");
-    struct renderer renderer = {.width = (uint32_t)atoi(argv[2]),
-                                .height = (uint32_t)atoi(argv[3])};
-    uint32_t frames = (uint32_t)atoi(argv[4]), count = (uint32_t)argc - 5;
-    struct picture pictures[MAX_PIPELINES];
-    struct vk_runtime *runtimes[MAX_PIPELINES];
-    struct dt_vk_scene import = {0};
-    struct dt_frame frame;
-    struct dt_scene_file *scene = dt_scene_open(argv[1], NULL, &log);
-    check(scene, argv[1]);
-    dt_scene_frame(scene, renderer.width, renderer.height, &frame);
-    open_renderer(&renderer);
-    struct buffer geometry = make_scene(&renderer, dt_scene_data(scene), &import);
-    for (uint32_t i = 0; i < count; i++) {
-        pictures[i] = make_picture(&renderer, VK_IMAGE_USAGE_STORAGE_BIT);
-        runtimes[i] = open_pipeline(&renderer, &import, &pipelines[i], &pictures[i]);
+    struct renderer *renderer = &host->renderer;
+    struct dt_scene_file *scene = dt_scene_open(scene_path, NULL, &log);
+    check(scene, scene_path);
+    dt_scene_frame(scene, renderer->width, renderer->height, &host->frame);
+    renderer_open(renderer, host->device_info);
+    struct buffer geometry = make_scene(renderer, dt_scene_data(scene), &host->scene);
+    renderer_run(renderer, count, open_view, host);
+    for (host->frame.index = 0; host->frame.index < frames; host->frame.index++) {
+        begin_frame(renderer, host->frame.index);
+        renderer_run(renderer, count, record_view, host);
+        end_frame(renderer, host->frame.index, count);
     }
-    for (frame.index = 0; frame.index < frames; frame.index++)
-        run_frame(&renderer, runtimes, count, pictures, &frame);
-    wait_for_frames(&renderer);
-    for (uint32_t i = 0; i < count; i++) {
-        write_picture(&renderer, &pictures[i], argv[5 + i]);
-        dt_vk_close(runtimes[i]);
-        destroy_picture(&renderer, &pictures[i]);
-    }
-    destroy_buffer(&renderer, &geometry);
-    renderer_close(&renderer);
+    wait_for_frames(renderer);
+    for (uint32_t i = 0; i < count; i++)
+        close_view(host, &host->views[i], paths[i]);
+    destroy_buffer(renderer, &geometry);
+    renderer_close(renderer);
     dt_scene_close(scene);
+}
+
+/* The renderer's device has what diptych needs; a renderer's own needs would be set here, too. */
+int main(int argc, char **argv)
+{
+    static struct host host;
+    VkPhysicalDeviceVulkan13Features vulkan13 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features vulkan12 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
+    VkPhysicalDeviceVulkan11Features vulkan11 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
+    VkPhysicalDeviceFeatures core = {0};
+    for (int i = 0; i < LANES; i++)
+        dt_vk_need_features(pipelines[i].shaders, &core, &vulkan11, &vulkan12, &vulkan13);
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &(float){1}};
+    host.device_info = &(const VkDeviceCreateInfo){.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                                   .pNext = &vulkan11,
+                                                   .queueCreateInfoCount = 1,
+                                                   .pQueueCreateInfos = &queue,
+                                                   .pEnabledFeatures = &core};
+    check(argc == 6 || argc == 7, "usage: host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]:");
+    host.renderer.width = (uint32_t)atoi(argv[2]);
+    host.renderer.height = (uint32_t)atoi(argv[3]);
+    run(&host, argv[1], (uint32_t)atoi(argv[4]), argv + 5, (uint32_t)argc - 5);
     return 0;
 }

@@ -1,8 +1,11 @@
 /* See renderer_vk.h. */
 #include "renderer_vk.h"
 
+#include <malloc.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 void check(bool good, const char *what)
 {
@@ -10,6 +13,38 @@ void check(bool good, const char *what)
         return;
     fprintf(stderr, "host: %s failed\n", what);
     exit(1);
+}
+
+/* ---- Host memory of the driver --------------------------------------------------------------- */
+
+static void *VKAPI_PTR allocate_block(void *user, size_t size, size_t alignment,
+                                      VkSystemAllocationScope scope)
+{
+    struct renderer *renderer = user;
+    void *block = NULL;
+    (void)scope;
+    if (posix_memalign(&block, alignment < sizeof block ? sizeof block : alignment, size) != 0)
+        return NULL;
+    renderer->blocks++;
+    return block;
+}
+
+static void VKAPI_PTR free_block(void *user, void *block)
+{
+    struct renderer *renderer = user;
+    renderer->blocks -= block != NULL;
+    free(block);
+}
+
+static void *VKAPI_PTR reallocate_block(void *user, void *block, size_t size, size_t alignment,
+                                        VkSystemAllocationScope scope)
+{
+    void *more = allocate_block(user, size, alignment, scope);
+    size_t old = block ? malloc_usable_size(block) : 0;
+    if (more && block)
+        memcpy(more, block, old < size ? old : size);
+    free_block(user, block);
+    return more;
 }
 
 /* ---- Device ---------------------------------------------------------------------------------- */
@@ -23,58 +58,89 @@ static void open_instance(struct renderer *renderer)
     CHECK(vkCreateInstance(&info, NULL, &renderer->instance));
 }
 
-static void open_device(struct renderer *renderer, const VkPhysicalDeviceFeatures2 *features)
+static void open_device(struct renderer *renderer, const VkDeviceCreateInfo *info)
 {
+    const VkPipelineCacheCreateInfo cache = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     uint32_t count = 1;
     VkResult result = vkEnumeratePhysicalDevices(renderer->instance, &count, &renderer->physical);
     check(result >= 0 && count == 1, "vkEnumeratePhysicalDevices");
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &(float){1}};
-    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                     .pNext = features,
-                                     .queueCreateInfoCount = 1,
-                                     .pQueueCreateInfos = &queue};
-    CHECK(vkCreateDevice(renderer->physical, &info, NULL, &renderer->device));
+    CHECK(vkCreateDevice(renderer->physical, info, NULL, &renderer->device));
     vkGetDeviceQueue(renderer->device, 0, 0, &renderer->queue);
+    CHECK(vkCreatePipelineCache(renderer->device, &cache, NULL, &renderer->cache));
 }
 
-static void make_commands(struct renderer *renderer)
+static void make_lane(const struct renderer *renderer, struct lane *lane)
 {
     const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                           .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
-    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
-                                     .flags = VK_FENCE_CREATE_SIGNALED_BIT};
-    CHECK(vkCreateCommandPool(renderer->device, &pool, NULL, &renderer->pool));
+    CHECK(vkCreateCommandPool(renderer->device, &pool, NULL, &lane->pool));
     const VkCommandBufferAllocateInfo commands = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-        .commandPool = renderer->pool,
+        .commandPool = lane->pool,
         .commandBufferCount = IN_FLIGHT};
-    CHECK(vkAllocateCommandBuffers(renderer->device, &commands, renderer->commands));
-    for (int i = 0; i < IN_FLIGHT; i++)
-        CHECK(vkCreateFence(renderer->device, &fence, NULL, &renderer->fences[i]));
+    CHECK(vkAllocateCommandBuffers(renderer->device, &commands, lane->commands));
 }
 
-void renderer_open(struct renderer *renderer, const VkPhysicalDeviceFeatures2 *features)
+void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info)
 {
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
+                                     .flags = VK_FENCE_CREATE_SIGNALED_BIT};
+    renderer->callbacks = (VkAllocationCallbacks){.pUserData = renderer,
+                                                  .pfnAllocation = allocate_block,
+                                                  .pfnReallocation = reallocate_block,
+                                                  .pfnFree = free_block};
     open_instance(renderer);
-    open_device(renderer, features);
-    make_commands(renderer);
+    open_device(renderer, info);
+    for (int i = 0; i < LANES; i++)
+        make_lane(renderer, &renderer->lanes[i]);
+    for (int i = 0; i < IN_FLIGHT; i++)
+        CHECK(vkCreateFence(renderer->device, &fence, NULL, &renderer->fences[i]));
 }
 
 void renderer_close(struct renderer *renderer)
 {
     for (int i = 0; i < IN_FLIGHT; i++)
         vkDestroyFence(renderer->device, renderer->fences[i], NULL);
-    vkDestroyCommandPool(renderer->device, renderer->pool, NULL);
+    for (int i = 0; i < LANES; i++)
+        vkDestroyCommandPool(renderer->device, renderer->lanes[i].pool, NULL);
+    vkDestroyPipelineCache(renderer->device, renderer->cache, NULL);
     vkDestroyDevice(renderer->device, NULL);
     vkDestroyInstance(renderer->instance, NULL);
+    check(renderer->blocks == 0, "freeing all host memory");
+}
+
+/* ---- Threads --------------------------------------------------------------------------------- */
+
+struct jobs {
+    void (*job)(void *data, uint32_t i);
+    void *data;
+    uint32_t count;
+    atomic_uint next;
+};
+
+static void *work(void *argument)
+{
+    struct jobs *jobs = argument;
+    for (uint32_t i; (i = jobs->next++) < jobs->count;)
+        jobs->job(jobs->data, i);
+    return NULL;
+}
+
+void renderer_run(void *renderer, uint32_t count, void (*job)(void *data, uint32_t i), void *data)
+{
+    struct jobs jobs = {.job = job, .data = data, .count = count};
+    pthread_t threads[LANES];
+    (void)renderer;
+    for (int i = 0; i < LANES; i++)
+        check(pthread_create(&threads[i], NULL, work, &jobs) == 0, "pthread_create");
+    for (int i = 0; i < LANES; i++)
+        check(pthread_join(threads[i], NULL) == 0, "pthread_join");
 }
 
 /* ---- Buffers and pictures -------------------------------------------------------------------- */
 
-static VkDeviceMemory allocate(const struct renderer *renderer, const VkMemoryRequirements *needs,
-                               VkMemoryPropertyFlags wanted)
+VkDeviceMemory renderer_allocate(const struct renderer *renderer, const VkMemoryRequirements *needs,
+                                 VkMemoryPropertyFlags wanted)
 {
     VkPhysicalDeviceMemoryProperties memory;
     VkDeviceMemory handle = VK_NULL_HANDLE;
@@ -103,9 +169,9 @@ struct buffer make_buffer(const struct renderer *renderer, VkDeviceSize size,
                                                .usage = usage},
                          NULL, &buffer.handle));
     vkGetBufferMemoryRequirements(renderer->device, buffer.handle, &needs);
-    buffer.memory =
-        allocate(renderer, &needs,
-                 VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    buffer.memory = renderer_allocate(renderer, &needs,
+                                      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                          VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
     CHECK(vkBindBufferMemory(renderer->device, buffer.handle, buffer.memory, 0));
     CHECK(vkMapMemory(renderer->device, buffer.memory, 0, VK_WHOLE_SIZE, 0, &buffer.bytes));
     return buffer;
@@ -132,7 +198,7 @@ struct picture make_picture(const struct renderer *renderer, VkImageUsageFlags u
                                              .usage = usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT},
                         NULL, &picture.image));
     vkGetImageMemoryRequirements(renderer->device, picture.image, &needs);
-    picture.memory = allocate(renderer, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    picture.memory = renderer_allocate(renderer, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     CHECK(vkBindImageMemory(renderer->device, picture.image, picture.memory, 0));
     picture.pixels = make_buffer(renderer, (VkDeviceSize)renderer->width * renderer->height * 4,
                                  VK_BUFFER_USAGE_TRANSFER_DST_BIT);
@@ -171,23 +237,31 @@ void write_picture(const struct renderer *renderer, const struct picture *pictur
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-VkCommandBuffer begin_frame(struct renderer *renderer, uint32_t frame)
+void begin_frame(struct renderer *renderer, uint32_t frame)
 {
     VkFence *fence = &renderer->fences[frame % IN_FLIGHT];
-    VkCommandBuffer commands = renderer->commands[frame % IN_FLIGHT];
-    const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     CHECK(vkWaitForFences(renderer->device, 1, fence, VK_TRUE, UINT64_MAX));
     CHECK(vkResetFences(renderer->device, 1, fence));
+}
+
+VkCommandBuffer begin_commands(struct renderer *renderer, uint32_t frame, uint32_t lane)
+{
+    VkCommandBuffer commands = renderer->lanes[lane].commands[frame % IN_FLIGHT];
+    const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     CHECK(vkBeginCommandBuffer(commands, &info));
     return commands;
 }
 
-void end_frame(struct renderer *renderer, uint32_t frame)
+void end_frame(struct renderer *renderer, uint32_t frame, uint32_t lanes)
 {
+    VkCommandBuffer commands[LANES];
     const VkSubmitInfo submit = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                                 .commandBufferCount = 1,
-                                 .pCommandBuffers = &renderer->commands[frame % IN_FLIGHT]};
-    CHECK(vkEndCommandBuffer(renderer->commands[frame % IN_FLIGHT]));
+                                 .commandBufferCount = lanes,
+                                 .pCommandBuffers = commands};
+    for (uint32_t i = 0; i < lanes; i++) {
+        commands[i] = renderer->lanes[i].commands[frame % IN_FLIGHT];
+        CHECK(vkEndCommandBuffer(commands[i]));
+    }
     CHECK(vkQueueSubmit(renderer->queue, 1, &submit, renderer->fences[frame % IN_FLIGHT]));
 }
 

@@ -1,14 +1,15 @@
-/* The Vulkan renderer that was there before diptych, and knows nothing of it: a device, command buffers
- * for two frames in flight, buffers and pictures. host_vk.c takes pipelines into it. Whatever fails ends
- * the program. */
+/* The Vulkan renderer that was there before diptych, and knows nothing of it: a device, threads, each with
+ * command buffers for two frames in flight, memory, buffers and pictures. host_vk.c takes pipelines into it.
+ * Whatever fails ends the program. */
 #ifndef RENDERER_VK_H
 #define RENDERER_VK_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 
 #include <vulkan/vulkan.h>
 
-enum { IN_FLIGHT = 2 };
+enum { IN_FLIGHT = 2, LANES = 2 };
 
 #define CHECK(call) check((call) == VK_SUCCESS, #call)
 void check(bool good, const char *what);
@@ -26,20 +27,33 @@ struct picture {
     struct buffer pixels;
 };
 
+/* What one thread records into. */
+struct lane {
+    VkCommandPool pool;
+    VkCommandBuffer commands[IN_FLIGHT];
+};
+
 struct renderer {
     VkInstance instance;
     VkPhysicalDevice physical;
     VkDevice device; /* and its queue of family 0 */
     VkQueue queue;
-    VkCommandPool pool;
-    VkCommandBuffer commands[IN_FLIGHT];
+    VkPipelineCache cache;
+    VkAllocationCallbacks callbacks;
+    atomic_int blocks; /* allocated by the callbacks, and not freed */
+    struct lane lanes[LANES];
     VkFence fences[IN_FLIGHT];
     uint32_t width, height;
 };
 
-/* `features` is chained to what vkCreateDevice gets. */
-void renderer_open(struct renderer *renderer, const VkPhysicalDeviceFeatures2 *features);
+void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info);
 void renderer_close(struct renderer *renderer);
+
+/* Calls job(data, i) for each i below `count`, on threads. */
+void renderer_run(void *renderer, uint32_t count, void (*job)(void *data, uint32_t i), void *data);
+
+VkDeviceMemory renderer_allocate(const struct renderer *renderer, const VkMemoryRequirements *needs,
+                                 VkMemoryPropertyFlags wanted);
 
 struct buffer make_buffer(const struct renderer *renderer, VkDeviceSize size,
                           VkBufferUsageFlags usage);
@@ -53,9 +67,10 @@ void copy_picture(const struct renderer *renderer, VkCommandBuffer commands,
 void write_picture(const struct renderer *renderer, const struct picture *picture,
                    const char *path); /* PPM, of what was copied last */
 
-/* A frame: its commands are recorded in between. */
-VkCommandBuffer begin_frame(struct renderer *renderer, uint32_t frame);
-void end_frame(struct renderer *renderer, uint32_t frame);
+/* A frame: the commands of its lanes are recorded in between, each lane's by one thread. */
+void begin_frame(struct renderer *renderer, uint32_t frame);
+VkCommandBuffer begin_commands(struct renderer *renderer, uint32_t frame, uint32_t lane);
+void end_frame(struct renderer *renderer, uint32_t frame, uint32_t lanes);
 void wait_for_frames(const struct renderer *renderer);
 
 #endif

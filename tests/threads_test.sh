@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The Vulkan renderer of tests/hosts under ThreadSanitizer, which sees it and the runtime: two threads open pipelines, whose
+# passes are compiled on further threads, and record them. TAP.
+. "$(dirname "$0")/tap.sh"
+cd "$root" || exit
+gen=$build/gen
+fixed=() # newer kernels place memory where ThreadSanitizer does not expect it
+setarch -R true 2>"$work/output" && fixed=(setarch -R)
+
+# shellcheck disable=SC2317 # called through check
+build_host() {
+    cc -fsanitize=thread -std=c11 -D_GNU_SOURCE -O1 -g -Wall -Wextra -Werror -I. -Itemplates/c -Iruntime_vk -Iscenes \
+        "-I$gen/ssvp" "-I$gen/rsm" tests/hosts/host_vk.c tests/hosts/renderer_vk.c templates/c/front.c \
+        runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c \
+        "$gen"/{ssvp/ssvp,ssvp/ssvp_vk_shaders,rsm/rsm,rsm/rsm_vk_shaders}.c \
+        "$build/library/libdiptych_scene.a" -lvulkan -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/host"
+}
+# shellcheck disable=SC2317
+runs_in_silence() {
+    TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/host" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
+        "$work/rsm.ppm" && [ ! -s "$work/output" ]
+}
+
+echo 'int main(void) { return 0; }' >"$work/nothing.c"
+if cc -fsanitize=thread "$work/nothing.c" -o "$work/nothing" 2>"$work/output" && "${fixed[@]}" "$work/nothing" 2>>"$work/output"; then
+    check "a threaded renderer builds with ThreadSanitizer" build_host
+    check "... opens and records two pipelines at once without a data race" runs_in_silence
+else
+    skip "a threaded renderer has no data race" "ThreadSanitizer does not run here"
+fi
+finish
