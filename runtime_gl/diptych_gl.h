@@ -10,6 +10,7 @@
  *     dt_gl_resize(rt, width, height);
  *     dt_gl_write(rt, ...) for inputs of the pipeline
  *     each frame:
+ *         dt_scene_compose(&camera, &light, &extent, width, height, &frame); from diptych_scene.h
  *         dt_gl_record(rt, &frame, &live);
  *         ... commands of the host, which may use `mine` at once ...
  *     dt_gl_close(rt);
@@ -28,7 +29,8 @@
  * exit. Each call removes pending OpenGL errors of the host and logs the first as a DT_WARNING.
  *
  * Several pipelines. A runtime holds one pipeline; open one runtime per pipeline and frame size,
- * all in one context. Runtimes share only objects that the host imports into both.
+ * all in one context. Runtimes share only objects that the host imports into both, and programs: a
+ * second view of one pipeline takes them with dt_gl_create_from.
  *
  * Threads. One thread at a time may use a runtime, with the context current.
  *

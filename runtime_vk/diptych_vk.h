@@ -3,14 +3,18 @@
  * commands. diptych submits nothing, waits for nothing and touches no queue. diptych_gl.h is the
  * same for OpenGL.
  *
+ *     dt_vk_need_features(&ssvp_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+ *     vkCreateDevice(physical, &info, ...); with these structures in `info`
  *     struct vk_runtime *rt = dt_vk_open(&(struct dt_vk_host){
  *         .log = log, .instance = instance, .physical_device = physical, .device = device,
- *         .queue_family = family, .get_instance_proc_addr = vkGetInstanceProcAddr});
+ *         .queue_family = family, .get_instance_proc_addr = vkGetInstanceProcAddr,
+ *         .device_info = &info});
  *     dt_vk_import_scene(rt, &(struct dt_vk_scene){.vertices = ..., .indices = ..., ...});
  *     dt_vk_create(rt, &ssvp_vk);
  *     dt_vk_import_image(rt, SSVP_RESOURCE_DISPLAY, &(struct dt_vk_image){.image = mine, ...});
  *     dt_vk_resize(rt, width, height);
  *     each frame:
+ *         dt_scene_compose(&camera, &light, &extent, width, height, &frame); from diptych_scene.h
  *         vkBeginCommandBuffer(commands, ...);
  *         ... dt_vk_write(rt, commands, ...) for inputs of the pipeline, at least once ...
  *         ... commands of the host ...
@@ -27,29 +31,36 @@
  * exit.
  *
  * Several pipelines. A runtime holds one pipeline; open one runtime per pipeline and frame size,
- * all on one device. Runtimes share only objects that the host imports into both.
+ * all on one device. Runtimes share only objects that the host imports into both, and programs: a
+ * second view of one pipeline, for example of another size, takes them with dt_vk_create_from.
  *
- * Threads. One thread at a time may use a runtime and the command buffer passed to it. Different
- * threads may use different runtimes of one device at once.
+ * Threads. One thread at a time may use a runtime and the command buffer passed to it; any thread,
+ * for every call. Different threads may use different runtimes of one device at once: to open,
+ * create and resize them, to record, and to close. The log and the host's callbacks are then called
+ * from all of them. create takes long: call it on a thread of its own, or give `threads`.
+ *
+ * Memory. diptych allocates in open, import_scene, create, create_from and resize, and nothing in a
+ * frame. With `callbacks` and `allocator` all memory of Vulkan objects is the host's. Resources that
+ * are never needed at the same time share memory.
  *
  * Device. Vulkan 1.3, a queue family with graphics and compute, and the features that
  * dt_vk_need_features sets, which depend on the pipeline; no extensions.
  *
- * Synchronisation. The commands of record begin and end with a full memory barrier (all stages, all
- * accesses). So
+ * Synchronisation. The commands of record, record_passes and write begin and end with a full memory
+ * barrier (all stages, all accesses). So
  *   - the host needs no barrier before: its earlier work on the queue is finished and visible. Work
- *     of other queues needs a semaphore, and `queue_family` must own exclusive resources, but for
- *     those of dt_vk_exchange;
+ *     of other queues needs a semaphore. `queue_family` owns exclusive resources, or acquires them:
+ *     see dt_vk_exchange;
  *   - the host needs no barrier after: later commands of the queue see all results. Reading on the
  *     CPU needs a fence, as always; the barrier includes VK_PIPELINE_STAGE_2_HOST_BIT.
- * With dt_vk_narrow the barriers are as narrow as the host says. struct dt_vk_image gives the layouts
- * of images.
+ * After dt_vk_narrow they are only as wide as what the host does. struct dt_vk_image gives the
+ * layouts of images.
  *
- * Frames in flight. A pipeline has one set of resources, and commands write even its uniform
- * blocks, so that each frame has its own live parameters. So the host may record any number of frames while earlier ones still run. All command
- * buffers must go to one queue, in the order of recording, each once. If a recorded command buffer
- * is never submitted, call dt_vk_resize. Before import, create, resize and close, every submitted
- * command buffer of the runtime must have finished. */
+ * Frames in flight. A pipeline has one set of resources. Commands write even its uniform blocks, so
+ * that each frame has its own live parameters. The host may record any number of frames while earlier
+ * ones still run. All command buffers must go to one queue, in the order of recording, each once. If a
+ * recorded command buffer is never submitted, call dt_vk_resize. Before import, create, resize and
+ * close, every submitted command buffer of the runtime must have finished. */
 #ifndef DIPTYCH_VK_H
 #define DIPTYCH_VK_H
 
@@ -65,15 +76,15 @@ extern "C" {
 
 struct vk_runtime;
 
-/* Memory that the host allocated: `memory` from `offset` on. `allocation` is the host's own. */
+/* Memory that the host allocated: `memory` from `offset` on. `allocation`: for `free`, or NULL. */
 struct dt_vk_memory {
     VkDeviceMemory memory;
     VkDeviceSize offset;
     void *allocation;
 };
 
-/* Allocates memory for images and buffers. Only the device accesses it; several images and buffers
- * may lie in it, and not at the same time. `name`: the largest of them. With VMA:
+/* Allocates memory for images and buffers, which only the device accesses. `name`: the largest one;
+ * `needs` fits all that share the memory. On an error *out is ignored. With VMA:
  *
  *     VmaAllocationCreateInfo info = {.preferredFlags = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
  *     VmaAllocation allocation; VmaAllocationInfo got;
@@ -90,8 +101,8 @@ struct dt_vk_allocator {
     void (*free)(void *user, const struct dt_vk_memory *memory);
 };
 
-/* Calls job(data, i) for every i below `count`, on any threads, and returns after the last. create
- * compiles a pass in each call. */
+/* Calls job(data, i) for every i below `count`, on any threads and at the same time, and returns
+ * after the last. create compiles one pass in each call. */
 struct dt_vk_threads {
     void *user;
     void (*run)(void *user, uint32_t count, void (*job)(void *data, uint32_t i), void *data);
@@ -109,8 +120,7 @@ struct dt_vk_host {
     /* What vkCreateDevice got, with its pNext chain; borrowed for open. open and create then check
      * the enabled features. NULL: they check only what the physical device supports. */
     const VkDeviceCreateInfo *device_info;
-    /* The next four are optional, and outlive the runtime if given. The driver calls `callbacks` also
-     * from threads of `threads`. */
+    /* The next four are optional, and outlive the runtime if given. */
     const VkAllocationCallbacks *callbacks; /* for every Vulkan object; NULL: none */
     struct dt_vk_allocator allocator;       /* zero: vkAllocateMemory for each block */
     VkPipelineCache pipeline_cache; /* not EXTERNALLY_SYNCHRONIZED if others use it meanwhile */

@@ -55,9 +55,13 @@ bool vk_memory_create(struct vk_runtime *rt, struct dt_vk_memory *memory,
                       const VkMemoryRequirements *needs, const char *name)
 {
     const struct dt_vk_allocator *host = &rt->allocator;
-    *memory = (struct dt_vk_memory){0};
-    if (host->allocate)
-        return vk_check(rt, host->allocate(host->user, needs, name, memory), "allocate", name);
+    struct dt_vk_memory given = {0};
+    if (host->allocate) {
+        if (!vk_check(rt, host->allocate(host->user, needs, name, &given), "allocate", name))
+            return false;
+        *memory = given;
+        return true;
+    }
     if (!allocate(rt, memory, name, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)memory->memory, name);

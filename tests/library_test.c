@@ -1087,6 +1087,7 @@ static VkResult own_allocate(void *user, const VkMemoryRequirements *needs, cons
     enum { OFFSET = 1 << 16 };
     VkMemoryRequirements more = *needs;
     assert_true(user == &own && name[0] && OFFSET % needs->alignment == 0);
+    *out = (struct dt_vk_memory){(VkDeviceMemory)&own /* ignored on an error */, 0, NULL};
     if (own.fail_memory && --own.fail_memory == 0)
         return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     more.size += OFFSET;
@@ -1551,7 +1552,7 @@ static void copy_around(const struct dt_vk_sync *sync)
     const struct dt_vk_range weights = {vk.geometry, WEIGHTS, size};
     struct dt_vk_host host = own_host();
     struct flight flight = make_flight();
-    struct dt_vk_resource picture;
+    struct dt_vk_resource picture = {0};
     memcpy((char *)vk.bytes + SOURCE, nothing, size);
     memcpy((char *)vk.bytes + SOURCE + size, graded_alone, size);
     outside.rt = dt_vk_open(&host);

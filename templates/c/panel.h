@@ -52,7 +52,7 @@ enum dt_layout {
 enum { DT_KEEP = 0, DT_DISCARD = 1 }; /* the image's old content, in a barrier */
 
 /* Recorded before a pass: the pass's accesses to `resource` wait for earlier ones. A frame begins
- * with a full barrier. The first use in a frame chains to that barrier: its `from` is 0, and its
+ * with a barrier for all stages of its passes. The first use in a frame chains to that barrier: its `from` is 0, and its
  * from_stages are the pass's own stages. */
 struct dt_barrier {
     uint16_t resource;
