@@ -2174,6 +2174,10 @@ static void a_frame_is_composed_as_of_a_file(void **state)
         if (fabsf(a[i] - b[i]) > 1e-6f * fmaxf(1, fabsf(a[i])))
             fail_msg("float %zu is %.9g, not %.9g", i, (double)b[i], (double)a[i]);
     assert_int_equal(wanted.triangle_count, found.triangle_count);
+    dt_scene_look(file, &(struct dt_scene_camera){{1, 2, 3}, {1, 2, 0}, {0, 1, 0}, 1});
+    dt_scene_frame(file, 64, 48, &found);
+    assert_true(found.camera.position[0] == 1 && found.camera.position[1] == 2 &&
+                found.camera.position[2] == 3 && found.camera.direction[2] == -1);
     dt_scene_close(file);
     REFUSED(dt_scene_open("scenes/nowhere.yaml", NULL, &test_log), "nowhere.yaml");
 }
