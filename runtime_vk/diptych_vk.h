@@ -256,8 +256,9 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
 bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes);
 
-/* What commands of the host on the queue do with resources that the pipeline uses, too: imports, the
- * scene, and those of dt_vk_get_resource. Stages of semaphores around the commands count, too. */
+/* What other commands on the queue, of the host and of its other runtimes, do with resources that the
+ * pipeline uses, too: imports, the scene, and those of dt_vk_get_resource. Stages of semaphores around
+ * the commands count, too. */
 struct dt_vk_sync {
     /* in commands before, also after the frame before: stages that read or write; accesses that write.
      * 0: none */

@@ -325,14 +325,16 @@ static void wait_for(const struct vk_runtime *rt, VkCommandBuffer commands, enum
 }
 
 /* Moves an import between queue families, in its layout. The stages meet those of the semaphores that
- * the host waits for before, and signals after. */
+ * the host waits for before, and signals after; HOST is not allowed here. */
 static void exchange(const struct vk_runtime *rt, uint32_t resource, uint32_t from, uint32_t to)
 {
     const struct dt_vk_range *range = &rt->choices[resource].buffer;
     const struct vk_image *image = &vk_resource_at(rt, resource)->image;
     VkImageMemoryBarrier2 moved = vk_image_barrier(rt, image, image->layout);
-    moved.srcStageMask |= rt->narrow ? rt->sync.stages_before : 0;
-    moved.dstStageMask |= rt->narrow ? rt->sync.stages_after : 0;
+    if (rt->narrow) {
+        moved.srcStageMask |= rt->sync.stages_before & ~VK_PIPELINE_STAGE_2_HOST_BIT;
+        moved.dstStageMask |= rt->sync.stages_after & ~VK_PIPELINE_STAGE_2_HOST_BIT;
+    }
     moved.srcQueueFamilyIndex = from;
     moved.dstQueueFamilyIndex = to;
     VkBufferMemoryBarrier2 buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,

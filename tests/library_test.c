@@ -1134,8 +1134,10 @@ static VKAPI_ATTR VkResult VKAPI_CALL own_graphics(VkDevice device, VkPipelineCa
                : result;
 }
 
-static void count_owners(uint32_t from, uint32_t to)
+static void count_owners(uint32_t from, uint32_t to, VkPipelineStageFlags2 stages)
 {
+    own.stages |= stages;
+    assert_true(from == to || !(stages & VK_PIPELINE_STAGE_2_HOST_BIT)); /* as Vulkan demands */
     own.acquired += from == VK_QUEUE_FAMILY_EXTERNAL && to == 0;
     own.released += from == 0 && to == VK_QUEUE_FAMILY_EXTERNAL;
 }
@@ -1147,13 +1149,13 @@ static VKAPI_ATTR void VKAPI_CALL own_barrier(VkCommandBuffer commands,
         own.stages |= info->pMemoryBarriers[i].srcStageMask | info->pMemoryBarriers[i].dstStageMask;
     for (uint32_t i = 0; i < info->bufferMemoryBarrierCount; i++) {
         const VkBufferMemoryBarrier2 *barrier = &info->pBufferMemoryBarriers[i];
-        own.stages |= barrier->srcStageMask | barrier->dstStageMask;
-        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex);
+        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex,
+                     barrier->srcStageMask | barrier->dstStageMask);
     }
     for (uint32_t i = 0; i < info->imageMemoryBarrierCount; i++) {
         const VkImageMemoryBarrier2 *barrier = &info->pImageMemoryBarriers[i];
-        own.stages |= barrier->srcStageMask | barrier->dstStageMask;
-        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex);
+        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex,
+                     barrier->srcStageMask | barrier->dstStageMask);
     }
     vkCmdPipelineBarrier2(commands, info);
 }
@@ -1636,6 +1638,10 @@ static void vulkan_exchanges_imports(void **state)
                 dt_vk_exchange(rt, OUTSIDE_RESOURCE_PICTURE, external) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     memcpy((char *)vk.bytes + weights.offset, graded_alone, sizeof graded_alone);
+    dt_vk_narrow(rt, &(struct dt_vk_sync){.stages_after = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
+                                                          VK_PIPELINE_STAGE_2_HOST_BIT,
+                                          .accesses_after = VK_ACCESS_2_TRANSFER_READ_BIT |
+                                                            VK_ACCESS_2_HOST_READ_BIT});
     outside.commands = begin();
     write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
     write_grade(vulkan_writes, first_color);
