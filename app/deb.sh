@@ -11,7 +11,8 @@ DESTDIR=$PWD/$folder/root PREFIX=/usr sh app/install.sh "$version"
 printf 'Source: diptych\n\nPackage: diptych\nArchitecture: any\n' >$folder/debian/control
 needs=$(cd $folder && dpkg-shlibdeps -O -xdiptych -lroot/usr/lib \
     -eroot/usr/bin/diptych -eroot/usr/bin/diptych-gen -eroot/usr/lib/diptych/libdiptych_image.so \
-    -eroot/usr/lib/libdiptych_gl.so -eroot/usr/lib/libdiptych_vk.so -eroot/usr/lib/libdiptych_scene.so |
+    -eroot/usr/lib/libdiptych_gl.so -eroot/usr/lib/libdiptych_vk.so -eroot/usr/lib/libdiptych_scene.so \
+    -eroot/usr/lib/libdiptych_play.so |
     sed -n 's/^shlibs:Depends=//p')
 cat >$folder/root/DEBIAN/control <<END
 Package: diptych
@@ -20,12 +21,13 @@ Architecture: $architecture
 Maintainer: diptych contributors <diptych@localhost>
 Installed-Size: $(du -ks $folder/root | cut -f1)
 Depends: $needs
-Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc
+Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc, python3-numpy
+Provides: python3-diptych (= $version)
 Section: graphics
 Priority: optional
 Description: one description of a GPU pipeline, run by OpenGL and by Vulkan
  diptych-gen makes GLSL, SPIR-V and C code for both APIs from one spec. diptych
  runs pipelines with both and names the first pass that differs. The libraries
- take pipelines into other renderers.
+ take pipelines into other renderers, the Python module gives NumPy arrays.
 END
 dpkg-deb --root-owner-group --build $folder/root "build/diptych_${version}_$architecture.deb"

@@ -1,8 +1,8 @@
-# find_package(diptych): the targets diptych::vk, diptych::gl and diptych::scene, and diptych_generate(). Finds what belongs to
+# find_package(diptych): the targets diptych::vk, diptych::gl, diptych::scene and diptych::play, and diptych_generate(). Finds what belongs to
 # it from where it lies, so the installed tree can be moved.
 get_filename_component(DIPTYCH_PREFIX "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 set(DIPTYCH_GENERATOR "${DIPTYCH_PREFIX}/bin/diptych-gen")
-foreach(name IN ITEMS vk gl scene)
+foreach(name IN ITEMS vk gl scene play)
   if(NOT TARGET diptych::${name})
     add_library(diptych::${name} SHARED IMPORTED)
     set_target_properties(diptych::${name} PROPERTIES

@@ -78,12 +78,16 @@ put 644 build/libdiptych_image.so lib/diptych/libdiptych_image.so
 for name in gl vk scene; do
     put 644 build/library/libdiptych_$name.a lib/libdiptych_$name.a
     put 644 "build/library/libdiptych_$name.so.$version" "lib/libdiptych_$name.so.$version"
+done
+put 644 build/libdiptych_play.so "lib/libdiptych_play.so.$version"
+for name in gl vk scene play; do
     ln -sfn "libdiptych_$name.so.$version" "$root/lib/libdiptych_$name.so.$soversion"
     ln -sfn "libdiptych_$name.so.$soversion" "$root/lib/libdiptych_$name.so"
     printf 'lib/libdiptych_%s\n' "$name.so" "$name.so.$soversion" >>"$list"
 done
 put_output lib/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
 put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
+put_output lib/pkgconfig/diptych-play.pc package diptych-play "plays pipelines of diptych" "-ldiptych_play" ""
 put_output lib/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
     "-lassimp -lfyaml -ldl -lm -Wl,-rpath,\${libdir}/diptych"
 
@@ -101,9 +105,11 @@ put 644 LICENSE share/doc/diptych/LICENSE
 put_output share/doc/diptych/reference.md build/diptych-gen --reference
 
 for header in templates/c/diptych.h templates/c/panel.h templates/c/limit.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h \
-    scenes/diptych_scene.h; do
+    scenes/diptych_scene.h app/play/diptych_play.h; do
     put 644 $header "include/diptych/$(basename $header)"
 done
+
+put 644 app/play/diptych.py lib/python3/dist-packages/diptych.py
 
 # Scaffolds and headers are in the generator and in include/.
 find templates -type f ! -path 'templates/c/*' ! -name '*.ninja' | sort | while read -r file; do

@@ -22,16 +22,16 @@
 
 /* The shim stays loaded after its first use (RTLD_NODELETE), so every call can open it again
  * without global state. Search order: beside the executable; its parent folder (tests);
- * ../lib/diptych/ of an installation; diptych/ beside the library that contains this code; the path
- * of the loader. */
-static const char *const places[] = {"", "../", "../lib/diptych/", "diptych/"};
-enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 1 };
+ * ../lib/diptych/ of an installation; beside the library that contains this code, and diptych/ there;
+ * the path of the loader. */
+static const char *const places[] = {"", "../", "../lib/diptych/", "", "diptych/"};
+enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 2 };
 
 static bool shim_path(int place, char path[static PATH_MAX])
 {
     char file[PATH_MAX] = "";
     Dl_info library;
-    if (place == IN_LIBRARY && dladdr((const void *)places, &library))
+    if (place >= IN_LIBRARY && dladdr((const void *)places, &library))
         snprintf(file, sizeof file, "%s", library.dli_fname);
     else if (readlink("/proc/self/exe", file, sizeof file - 1) < 0)
         return false;

@@ -55,7 +55,7 @@ export PKG_CONFIG_PATH=$installed/lib/pkgconfig XDG_CACHE_HOME=$work/cache LD_LI
 # shellcheck disable=SC2317
 only_own_symbols() { # nothing defined but dt_..., no function of the graphics APIs needed
     local file
-    for file in "$installed"/lib/libdiptych_*.so; do
+    for file in "$installed"/lib/libdiptych_{gl,vk,scene}.so; do
         nm -D --defined-only "$file" | awk '{ print $3 }' | grep -v '^dt_' && return 1
         nm -D --undefined-only "$file" | grep -E ' U (vk|gl|egl)[A-Z]' && return 1
         readelf -d "$file" | grep -E 'NEEDED.*(stdc|vulkan|libGL|libEGL|glfw)' && return 1
@@ -69,6 +69,13 @@ only_own_symbols() { # nothing defined but dt_..., no function of the graphics A
     return 0
 }
 check "libraries define dt_ names alone, need no loader, keep no state and print nothing" only_own_symbols
+
+# shellcheck disable=SC2317
+player_exports() { # no names of the libraries within it: the linker's own begin with _
+    nm -D --defined-only "$installed/lib/libdiptych_play.so" | awk '$3 !~ /^_/ { print $3 }' | grep -v '^dt_play_' && return 1
+    readelf -d "$installed/lib/libdiptych_play.so" | grep -q "SONAME.*libdiptych_play.so.$soversion\]"
+}
+check "the player defines dt_play_ names alone" player_exports
 
 # ---- The command, from another folder ----
 
@@ -101,6 +108,19 @@ check "... a second time without a compiler" env PATH= "$(command -v env)" -u CC
     --scene "$installed/$scene" --backend vk --size 8x8 -o "$work/small.png"
 check "... caches where the user's files are" in_cache
 check "... made of what is installed" no_ego
+# shellcheck disable=SC2317
+python_renders() { # and finds the command's bits
+    hide env "PYTHONPATH=$installed/lib/python3/dist-packages" /usr/bin/python3 -c "
+import diptych
+pipeline = diptych.open('$installed/share/diptych/templates/ssvp.yaml', scene='$installed/$scene', size=(${size[0]}, ${size[1]}))
+pipeline.render()
+pipeline.render('display')['display'].tofile('$work/display.raw')" && cmp "$work/display.raw" "$work"/vk/*.display.raw
+}
+if /usr/bin/python3 -c 'import numpy' 2>"$work/output"; then
+    check "the installed Python module renders, too" python_renders
+else
+    skip "the installed Python module" "needs python3-numpy"
+fi
 check "the installed command compares, another pipeline" installed_diptych compare --scene "$installed/$scene" \
     --spec "$installed/share/diptych/templates/rsm.yaml"
 check "... and measures, limits included" installed_diptych bench --scene "$installed/$scene" --frames 1 --warmup 1 \
@@ -153,7 +173,7 @@ check "... and their arguments" completes_arguments
 check "manual pages have every option, and are well formed" manual_has_all
 # shellcheck disable=SC2317
 versions_agree() {
-    for name in gl vk scene; do
+    for name in gl vk scene play; do
         for program in diptych diptych-gen; do
             [ "$program $(pkg-config --modversion "diptych-$name")" = "$("$installed/bin/$program" --version)" ] || return
         done

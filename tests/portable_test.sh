@@ -9,12 +9,12 @@ mingw=x86_64-w64-mingw32
 # Vulkan's headers alone: other headers of this system are not for MinGW.
 mkdir "$work/include" "$work/hosts"
 ln -s /usr/include/vulkan /usr/include/vk_video "$work/include"
-folders=(-Itemplates/c -Iruntime_gl -Iruntime_vk -Iscenes)
+folders=(-Itemplates/c -Iruntime_gl -Iruntime_vk -Iscenes -Iapp/play)
 for spec in "${specs[@]}"; do
     "$build/diptych-gen" "templates/$spec.yaml" -o "$work/hosts" >/dev/null || exit
     echo "#include \"$spec.h\"" >>"$work/hosts/all.h"
 done
-printf '#include <%s.h>\n' diptych panel limit diptych_gl diptych_vk diptych_scene >>"$work/hosts/all.h"
+printf '#include <%s.h>\n' diptych panel limit diptych_gl diptych_vk diptych_scene diptych_play >>"$work/hosts/all.h"
 printf '#ifdef _WIN32\n#include <windows.h>\n#endif\n#include "all.h"\n' >"$work/hosts/all.c"
 cp "$work/hosts/all.c" "$work/hosts/all.cpp"
 

@@ -43,6 +43,11 @@ static void print_message(void *user, enum dt_level level, const char *message)
     struct place place;
     if (level == DT_ERROR)
         atomic_fetch_add(&console->errors, 1);
+    if (console->attached) {
+        if (console->host.message)
+            console->host.message(console->host.user, level, message);
+        return;
+    }
     if (level <= DT_INFO && console->quiet)
         return;
     bool placed = place_read(message, &place);
@@ -202,14 +207,25 @@ static void *watch(void *user)
     return NULL;
 }
 
-bool console_open(struct console *console)
+static void prepare(struct console *console)
 {
-    *console = (struct console){.terminal = isatty(STDERR_FILENO),
-                                .quiet = getenv("DIPTYCH_QUIET") != NULL};
     console->log = (struct dt_log){.message = print_message, .user = console};
     pthread_mutex_init(&console->lock, NULL);
     pthread_mutex_init(&console->writing, NULL);
     clock_gettime(CLOCK_MONOTONIC, &console->start);
+}
+
+void console_attach(struct console *console, const struct dt_log *host)
+{
+    *console = (struct console){.attached = true, .host = *host};
+    prepare(console);
+}
+
+bool console_open(struct console *console)
+{
+    *console = (struct console){.terminal = isatty(STDERR_FILENO),
+                                .quiet = getenv("DIPTYCH_QUIET") != NULL};
+    prepare(console);
     sigset_t set = watched_signals();
     int error = pthread_sigmask(SIG_BLOCK, &set, NULL);
     if (!error)

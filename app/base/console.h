@@ -18,6 +18,8 @@ enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8, CONSOLE_CAPTURES = 2 };
 
 struct console {
     struct dt_log log;
+    bool attached; /* of a library: `host` takes all messages; its message may be NULL */
+    struct dt_log host;
     atomic_uint errors; /* DT_ERROR messages so far, from any thread */
     pthread_mutex_t lock;
     pthread_mutex_t writing; /* held around short writes that a signal must not interrupt */
@@ -50,6 +52,8 @@ struct console {
  * for them: it lets a write in progress finish, ends the child, removes the temporaries and ends
  * the process with 128 + signal. */
 bool console_open(struct console *console);
+/* In a library: messages go to `host`. No signals are taken, nothing is printed. */
+void console_attach(struct console *console, const struct dt_log *host);
 void console_close(struct console *console);
 
 /* Logs through the console's log: printf without the trailing newline. */

@@ -40,6 +40,7 @@ struct options {
         };
     };
     struct text_list inputs; /* NAME=FILE each */
+    bool inputs_later;       /* no option: of a player, which gets inputs after inputs_load */
     uint32_t size[2];        /* this and frames: 0 with --against where not given */
     bool default_size;       /* size is the default, which an input may replace */
     uint32_t frames;         /* 0 with --motion where not given: all of it */

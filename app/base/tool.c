@@ -1,6 +1,7 @@
 /* Child processes; see tool.h. */
 #include "base/tool.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -71,6 +72,15 @@ static int start(pid_t *child, char *const argv[], const struct streams *streams
 void tool_tell(int file, bool failed, struct console *console)
 {
     char *text = file_contents(file);
+    if (console->attached) {
+        if (text && *text) {
+            text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
+            report_message(&console->log, failed ? DT_ERROR : DT_WARNING, "%s", text);
+        }
+        free(text);
+        close(file);
+        return;
+    }
     int captured = console_capturing(console);
     bool placed = captured >= 0; /* a capture keeps the text itself */
     struct place place;
@@ -241,9 +251,18 @@ bool tool_is_there(const char *name)
     return found;
 }
 
+/* The shared library that has this code, which dladdr finds by its path; else the executable. */
+static char *own_file(void)
+{
+    static const char here;
+    Dl_info own;
+    bool library = dladdr(&here, &own) && strstr(own.dli_fname, ".so");
+    return realpath(library ? own.dli_fname : "/proc/self/exe", NULL);
+}
+
 char *tools_folder(const struct dt_log *log)
 {
-    char *path = realpath("/proc/self/exe", NULL);
+    char *path = own_file();
     char *slash = path ? strrchr(path, '/') : NULL;
     if (!slash || slash == path) {
         report_error(log, "the executable's own folder cannot be found: %s", strerror(errno));

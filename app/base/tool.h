@@ -33,7 +33,7 @@ bool tool_lines(const struct tool *tool, char *const argv[],
 /* Whether there is a program of that name in a folder of PATH. */
 bool tool_is_there(const char *name);
 
-/* Folder of the executable, of diptych-gen, glad and the cache; NULL with the error logged;
+/* Folder of the executable, of diptych-gen, glad and the cache; in a library, its own folder; NULL with the error logged;
  * free(). */
 char *tools_folder(const struct dt_log *log);
 

@@ -434,6 +434,10 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
             add_hash(pipeline, &loading);
         return good;
     }
+    if (options->inputs_later) {
+        pipeline->input_count--;
+        return true;
+    }
     report_error(&console->log, "%s: the input %s has no content; give --input %s=FILE",
                  pipeline->info->name, resource->name, resource->name);
     return false;

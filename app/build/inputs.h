@@ -13,7 +13,8 @@ struct input {
 
 /* Reads the content of every input of the pipeline, pictures in a child process; pipeline_unload
  * frees it. With --input and without --size, the first input of --input that is an image as large
- * as the frame sets options->size. False: an error names the option, or the line of the spec. */
+ * as the frame sets options->size. With options->inputs_later, inputs without a file are left out.
+ * False: an error names the option, or the line of the spec. */
 bool inputs_load(struct pipeline *pipeline, struct console *console, struct options *options);
 
 /* The part of inputs_load that sets options->size; reads no content. */

@@ -1,6 +1,7 @@
 /* `diptych list`: the parameters, resources and passes of a pipeline, as a table and as JSON. Opens no
  * backend. */
-#include <cjson/cJSON.h>
+#include "build/list.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -10,7 +11,6 @@
 #include "base/live.h"
 #include "base/options.h"
 #include "base/texels.h"
-#include "build/pipeline.h"
 #include "result/dump.h"
 
 static const char *pass_kind(enum dt_pass_kind kind)
@@ -20,6 +20,15 @@ static const char *pass_kind(enum dt_pass_kind kind)
                                         [DT_PASS_DRAW_VERTICES] = "draw vertices",
                                         [DT_PASS_DISPATCH] = "dispatch"};
     return names[kind];
+}
+
+static const char *shape_name(enum dt_shape shape)
+{
+    static const char *const names[] = {[DT_SHAPE_2D] = "image",
+                                        [DT_SHAPE_3D] = "3D",
+                                        [DT_SHAPE_CUBE] = "cube",
+                                        [DT_SHAPE_CUBE_ARRAY] = "cubes"};
+    return names[shape];
 }
 
 /* The decimal number with the fewest digits that is the same float: 0.18, not 0.180000007. */
@@ -124,10 +133,6 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
     printf("\n%u resources, at %ux%u\n", info->resource_count, size[0], size[1]);
     for (uint32_t i = 0; i < info->resource_count; i++) {
         const struct dt_resource *resource = &info->resources[i];
-        static const char *const shapes[] = {[DT_SHAPE_2D] = "image",
-                                             [DT_SHAPE_3D] = "3D",
-                                             [DT_SHAPE_CUBE] = "cube",
-                                             [DT_SHAPE_CUBE_ARRAY] = "cubes"};
         bool buffer = resource->kind == DT_BUFFER;
         const char *type = !buffer                       ? format_name(resource->format)
                            : resource->fields[0].name[0] ? "struct"
@@ -142,7 +147,7 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
         if (resource->mips > 1)
             snprintf(shape + used, sizeof shape - (size_t)used, ", %u mips", resource->mips);
         print_line("  %-*s  %-6s  %-10s  %-14s  %-7s  %s", width, resource->name,
-                   buffer ? "buffer" : shapes[resource->shape], type, shape,
+                   buffer ? "buffer" : shape_name(resource->shape), type, shape,
                    resource->input     ? "input"
                    : resource->history ? "history"
                                        : "",
@@ -243,8 +248,11 @@ static cJSON *resource_json(const struct dt_pipeline *info, uint32_t index, cons
     dump_describe(item, resource, 0, extent);
     cJSON_DeleteItemFromObject(item, "resource");
     cJSON_DeleteItemFromObject(item, "mip");
-    if (resource->kind == DT_IMAGE)
+    if (resource->kind == DT_IMAGE) {
         cJSON_AddNumberToObject(item, "mips", resource->mips);
+        cJSON_AddStringToObject(item, "shape", shape_name(resource->shape));
+        cJSON_AddBoolToObject(item, "layered", resource->layered);
+    }
     cJSON_AddBoolToObject(item, "history", resource->history);
     cJSON_AddBoolToObject(item, "input", resource->input);
     if (resource->file)
@@ -271,7 +279,7 @@ static cJSON *pass_json(const struct dt_pipeline *info, const struct dt_pass *pa
     return item;
 }
 
-static cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2])
+cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2])
 {
     const struct dt_pipeline *info = pipeline->info;
     cJSON *root = cJSON_CreateObject();

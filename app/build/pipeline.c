@@ -9,8 +9,10 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "base/live.h"
 #include "base/tool.h"
 #include "build/inputs.h"
+#include "scenes/nearest.h"
 
 /* Processor time after which a spec hangs. */
 #define TRY_SECONDS "30"
@@ -182,4 +184,49 @@ void pipeline_unload(struct pipeline *pipeline)
     free(pipeline->spec);
     plan_free(pipeline->plan);
     *pipeline = (struct pipeline){0};
+}
+
+/* ---- By name --------------------------------------------------------------------------------- */
+
+/* Every `stride` bytes from `first` on stands a struct that begins with a name. */
+static void refuse_name(const struct dt_pipeline *info, const char *what, const char *name,
+                        const char *kind, const void *first, size_t stride, uint32_t count,
+                        const struct dt_log *log)
+{
+    const char **names = calloc(count + 1, sizeof *names);
+    for (uint32_t i = 0; names && i < count; i++)
+        memcpy(&names[i], (const char *)first + i * stride, sizeof *names);
+    const char *hint = names ? nearest_name(name, names, count) : NULL;
+    if (hint)
+        report_error(log, "%s %s: %s has no such %s; did you mean \"%s\"?", what, name, info->name,
+                     kind, hint);
+    else
+        report_error(log, "%s %s: %s has no such %s", what, name, info->name, kind);
+    free(names);
+}
+
+bool pipeline_find(const struct dt_pipeline *info, const char *what, const char *name,
+                   uint32_t *resource, const struct dt_log *log)
+{
+    for (uint32_t i = 0; i < info->resource_count; i++)
+        if (strcmp(info->resources[i].name, name) == 0) {
+            *resource = i;
+            return true;
+        }
+    refuse_name(info, what, name, "resource", info->resources, sizeof *info->resources,
+                info->resource_count, log);
+    return false;
+}
+
+const struct dt_param *pipeline_find_live(const struct dt_pipeline *info, const char *what,
+                                          const char *name, const struct dt_log *log)
+{
+    const struct dt_param *param = live_param(info, name);
+    if (!param)
+        refuse_name(info, what, name, "parameter", info->params, sizeof *info->params,
+                    info->param_count, log);
+    else if (!param->live)
+        report_error(log, "%s %s: it is not live: give its value when the spec is read", what,
+                     name);
+    return param && param->live ? param : NULL;
 }

@@ -34,4 +34,10 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
 bool pipeline_try(struct console *console, const struct options *options);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
+/* A resource or a live parameter by name. The error names `what` asks for it, and a similar name. */
+bool pipeline_find(const struct dt_pipeline *info, const char *what, const char *name,
+                   uint32_t *resource, const struct dt_log *log);
+const struct dt_param *pipeline_find_live(const struct dt_pipeline *info, const char *what,
+                                          const char *name, const struct dt_log *log);
+
 #endif

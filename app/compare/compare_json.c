@@ -3,19 +3,6 @@
 
 #include "compare/compare.h"
 
-/* `pass` false: the resource before the frame, with "pass": null. */
-static void add_place(cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass)
-{
-    const struct dt_resource *resource = &info->resources[row->resource];
-    if (pass)
-        cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
-    else
-        cJSON_AddNullToObject(root, "pass");
-    cJSON_AddStringToObject(root, "resource", resource->name);
-    if (resource->mips > 1)
-        cJSON_AddNumberToObject(root, "mip", row->mip);
-}
-
 static cJSON *picture_json(const struct dt_resource *resource, const struct result *result)
 {
     cJSON *root = cJSON_CreateObject();
@@ -34,7 +21,7 @@ static cJSON *result_json(const struct compare *compare, const struct pair *pair
     const struct dt_resource *resource = &info->resources[row->resource];
     const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
     cJSON *root = cJSON_CreateObject();
-    add_place(root, info, row, pass);
+    row_json(root, info, row, pass);
     cJSON_AddNumberToObject(root, "frame", result->frame);
     difference_json(root, &result->difference, resource, labels);
     if (!pass)
@@ -60,7 +47,7 @@ static cJSON *add_event(cJSON *root, const char *name, const struct compare *com
         return NULL;
     }
     cJSON *event = cJSON_AddObjectToObject(root, name);
-    add_place(event, compare->pipeline.info, row, pass);
+    row_json(event, compare->pipeline.info, row, pass);
     cJSON_AddNumberToObject(event, "frame", frame);
     return event;
 }

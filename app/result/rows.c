@@ -1,6 +1,7 @@
 /* Lists what passes write and find; see rows.h. */
 #include "result/rows.h"
 
+#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,6 +108,18 @@ bool rows_origin(const struct rows *rows, const struct row *input, uint32_t *ind
     while (*index < rows->history.count && !is_same(&rows->history.list[*index], input))
         ++*index;
     return false;
+}
+
+void row_json(cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass)
+{
+    const struct dt_resource *resource = &info->resources[row->resource];
+    if (pass)
+        cJSON_AddStringToObject(root, "pass", info->passes[row->pass].name);
+    else
+        cJSON_AddNullToObject(root, "pass");
+    cJSON_AddStringToObject(root, "resource", resource->name);
+    if (resource->mips > 1)
+        cJSON_AddNumberToObject(root, "mip", row->mip);
 }
 
 static void free_list(struct row_list *rows)

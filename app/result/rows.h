@@ -5,6 +5,8 @@
 
 #include "diptych.h"
 
+struct cJSON;
+
 struct row {
     uint32_t pass, resource, mip;
     char *name; /* of the resource, with the mip where there are several; owned by struct rows */
@@ -33,6 +35,10 @@ bool rows_make(struct rows *rows, const struct dt_pipeline *pipeline, const stru
 /* Finds the row that gave an input its content: true with its index in `outputs`, or false with its
  * index in `history` when no earlier pass of the frame wrote it. */
 bool rows_origin(const struct rows *rows, const struct row *input, uint32_t *index);
+
+/* Adds pass, resource and, where there are several, mip. `pass` false: the resource before the frame, with
+ * "pass": null. */
+void row_json(struct cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass);
 void rows_free(struct rows *rows); /* takes a zeroed one */
 
 #endif

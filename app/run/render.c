@@ -15,7 +15,6 @@
 #include "run/session.h"
 #include "run/timings.h"
 #include "scenes/image.h"
-#include "scenes/nearest.h"
 
 struct render {
     struct console *console;
@@ -99,31 +98,6 @@ static bool read_side(struct render *render)
            sides_heed(&render->side, 1, options, log);
 }
 
-static bool find_shown_by_name(struct render *render)
-{
-    const struct dt_pipeline *info = render->pipeline.info;
-    const struct dt_log *log = &render->console->log;
-    const char *wanted = render->options.show;
-    const char **names = calloc(info->resource_count + 1, sizeof *names);
-    for (uint32_t i = 0; i < info->resource_count; i++) {
-        if (strcmp(info->resources[i].name, wanted) == 0) {
-            render->shown = i;
-            free(names);
-            return true;
-        }
-        if (names)
-            names[i] = info->resources[i].name;
-    }
-    const char *hint = names ? nearest_name(wanted, names, info->resource_count) : NULL;
-    if (hint)
-        report_error(log, "--show %s: %s has no such resource; did you mean \"%s\"?", wanted,
-                     info->name, hint);
-    else
-        report_error(log, "--show %s: %s has no such resource", wanted, info->name);
-    free(names);
-    return false;
-}
-
 static bool find_shown(struct render *render)
 {
     const struct dt_pipeline *info = render->pipeline.info;
@@ -133,7 +107,7 @@ static bool find_shown(struct render *render)
     if (!render->options.output)
         return true;
     if (render->options.show) {
-        if (!find_shown_by_name(render))
+        if (!pipeline_find(info, "--show", render->options.show, &render->shown, log))
             return false;
     } else if (output < 0) {
         report_error(log, "%s names no %s output; pick a resource with --show", info->name,

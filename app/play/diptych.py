@@ -1,0 +1,349 @@
+"""Pipelines of diptych, with resources as NumPy arrays.
+
+    import diptych
+
+    vk = diptych.open("templates/rsm.yaml", scene="scenes/cornell.yaml", size=(320, 180))
+    gl = diptych.open("templates/rsm.yaml", scene="scenes/cornell.yaml", size=(320, 180), backend="gl")
+    frame = vk.render("indirect", "rsm_position")
+    frame["indirect"].shape                        # (180, 320, 4)
+    print(diptych.compare(gl, vk))
+
+Images are arrays of (height, width), with layers or depth in front and channels behind where there are
+several; row 0 is the bottom of the picture. Texels are numbers of the format: codes of unorm and snorm,
+float16 of half, one uint32 of a packed format. Buffers are arrays of scalars, vectors, or of a structured dtype
+as std430 lays it out: columns of a matrix are rows of the array, and elements of an array with padding between
+them have one field, `value`. This is the content of `diptych render --dump`."""
+import ctypes
+import json
+import os
+import re
+import warnings
+
+import numpy
+
+__all__ = ["Error", "Pipeline", "Comparison", "open", "compare"]
+
+
+class Error(Exception):
+    """A call failed; the text is that of the command line, for a wrong spec with places and carets."""
+
+
+# ---- diptych_play.h ----------------------------------------------------------------------------
+
+_LOG = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int, ctypes.c_char_p)
+_AFTER_PASS = ctypes.CFUNCTYPE(ctypes.c_bool, ctypes.c_void_p, ctypes.c_uint32)
+_WARNING, _ERROR = 2, 3
+
+
+class _Log(ctypes.Structure):
+    _fields_ = [("message", _LOG), ("user", ctypes.c_void_p)]
+
+
+class _Options(ctypes.Structure):
+    _fields_ = [
+        ("log", _Log),
+        ("spec", ctypes.c_char_p),
+        ("backend", ctypes.c_char_p),
+        ("scene", ctypes.c_char_p),
+        ("meshes", ctypes.c_char_p),
+        ("sets", ctypes.POINTER(ctypes.c_char_p)),
+        ("set_count", ctypes.c_uint32),
+        ("inputs", ctypes.POINTER(ctypes.c_char_p)),
+        ("input_count", ctypes.c_uint32),
+        ("width", ctypes.c_uint32),
+        ("height", ctypes.c_uint32),
+        ("debug", ctypes.c_bool),
+    ]
+
+
+class _Bytes(ctypes.Structure):
+    _fields_ = [("data", ctypes.c_void_p), ("size", ctypes.c_size_t), ("extent", ctypes.c_uint32 * 3)]
+
+
+def _load():
+    """The library: installed two folders above this file, or in the project's build folder."""
+    above = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
+    paths = [os.path.join(above, folder, "libdiptych_play.so") for folder in ("", "build")]
+    library = ctypes.CDLL(next(filter(os.path.exists, paths), "libdiptych_play.so"))
+    text, player, u32 = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_uint32
+    for name, result, *arguments in (
+        ("open", player, ctypes.POINTER(_Options)),
+        ("close", None, player),
+        ("describe", text, player),
+        ("set", ctypes.c_bool, player, text, text),
+        ("write", ctypes.c_bool, player, text, u32, ctypes.c_void_p, ctypes.c_size_t),
+        ("render", ctypes.c_bool, player, _AFTER_PASS, ctypes.c_void_p),
+        ("read", ctypes.c_bool, player, text, u32, ctypes.POINTER(_Bytes)),
+        ("compare", ctypes.c_void_p, player, player),
+    ):
+        function = getattr(library, "dt_play_" + name)
+        function.restype, function.argtypes = result, arguments
+    return library
+
+
+_library = _load()
+_free = ctypes.CDLL(None).free
+_free.restype, _free.argtypes = None, [ctypes.c_void_p]
+
+
+# ---- Types -------------------------------------------------------------------------------------
+
+_SCALARS = {"float": "f4", "int": "i4", "uint": "u4", "bool": "u4"}
+_VECTORS = {"vec": "f4", "ivec": "i4", "uvec": "u4"}
+_PACKED = ("r11g11b10f", "rgb10a2")
+
+
+def _type_dtype(name):
+    if name in _SCALARS:
+        return numpy.dtype("<" + _SCALARS[name])
+    if name == "mat4":
+        return numpy.dtype(("<f4", (4, 4)))
+    return numpy.dtype(("<" + _VECTORS[name[:-1]], (int(name[-1]),)))
+
+
+def _fields_dtype(fields, stride):
+    """A vector of three takes the room of four, as do elements of arrays with padding between them."""
+    types = [_type_dtype(field["type"]) for field in fields]
+    for i, field in enumerate(fields):
+        if "array_count" not in field:
+            continue
+        if field["array_stride"] != types[i].itemsize:
+            names = {"names": ["value"], "formats": [types[i]], "itemsize": field["array_stride"]}
+            types[i] = numpy.dtype(names)
+        types[i] = numpy.dtype((types[i], (field["array_count"],)))
+    if not fields[0]["name"]:
+        fields = [dict(fields[0], name="value")]
+    return numpy.dtype(
+        {
+            "names": [field["name"] for field in fields],
+            "formats": types,
+            "offsets": [field["offset"] for field in fields],
+            "itemsize": stride,
+        }
+    )
+
+
+def _format_dtype(name):
+    """The dtype of a channel, and how many there are."""
+    if name in _PACKED:
+        return numpy.dtype("<u4"), 1
+    if name == "d32f":
+        return numpy.dtype("<f4"), 1
+    channels, bits, kind = re.match(r"(r|rg|rgb|rgba)(8|16|32)(f|ui|i|_snorm|_srgb|)$", name).groups()
+    code = {"f": "f", "i": "i", "_snorm": "i"}.get(kind, "u")
+    return numpy.dtype(f"<{code}{int(bits) // 8}"), len(channels)
+
+
+def _extent(resource, mip):
+    """As dt_play_read tells it: elements, or width, height, and layers or depth."""
+    if resource["kind"] == "buffer":
+        return (resource["count"],)
+    shrinks = {"width": mip, "height": mip, "layers": mip if resource["shape"] == "3D" else 0}
+    return tuple(max(resource[key] >> by, 1) for key, by in shrinks.items())
+
+
+def _layout(resource, extent):
+    """dtype and shape of the bytes of a buffer or of a mip."""
+    if resource["kind"] == "buffer":
+        return _fields_dtype(resource["fields"], resource["stride"]), (extent[0],)
+    dtype, channels = _format_dtype(resource["format"])
+    shape = (extent[1], extent[0])
+    if resource["layered"]:
+        shape = (extent[2],) + shape
+    return dtype, shape + ((channels,) if channels > 1 else ())
+
+
+def _plain(array, resource):
+    """The numbers themselves of a buffer without a struct."""
+    plain = resource["kind"] == "buffer" and not resource["fields"][0]["name"]
+    return array["value"] if plain else array
+
+
+def _value(value):
+    """A number, bool or list as --set reads it."""
+    return json.dumps(numpy.asarray(value).tolist())
+
+
+# ---- Pipelines ---------------------------------------------------------------------------------
+
+
+class Pipeline:
+    """A pipeline with a device of its own; see open(). Use it from one thread."""
+
+    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug):
+        self._player = None
+        self._messages = []
+        self._log = _LOG(lambda user, level, text: self._messages.append((level, text.decode(errors="replace"))))
+        files = {name: value for name, value in inputs.items() if isinstance(value, (str, os.PathLike))}
+        texts = [f"{name}={_value(value)}" for name, value in sets.items()]
+        paths = [f"{name}={os.fspath(path)}" for name, path in files.items()]
+        options = _Options(
+            log=_Log(self._log, None),
+            spec=os.fsencode(spec),
+            backend=backend.encode(),
+            scene=os.fsencode(scene) if scene else None,
+            meshes=os.fsencode(meshes) if meshes else None,
+            sets=(ctypes.c_char_p * len(texts))(*map(str.encode, texts)),
+            set_count=len(texts),
+            inputs=(ctypes.c_char_p * len(paths))(*map(os.fsencode, paths)),
+            input_count=len(paths),
+            debug=debug,
+        )
+        options.width, options.height = size or (0, 0)
+        self._player = self._check(_library.dt_play_open(ctypes.byref(options)))
+        for name, value in inputs.items():
+            if name not in files:
+                self.write(name, value)
+
+    def _check(self, result):
+        """Raises the errors of the last call; warns of its warnings."""
+        messages, self._messages[:] = list(self._messages), []
+        if not result:
+            raise Error("\n".join(text for level, text in messages if level == _ERROR) or "out of memory")
+        for level, text in messages:
+            if level == _WARNING:
+                warnings.warn(text, stacklevel=4)
+        return result
+
+    @property
+    def description(self):
+        """What `diptych list --json` tells, with backend and device; parameters have their present values."""
+        return json.loads(self._check(_library.dt_play_describe(self._handle())))
+
+    def _handle(self):
+        if not self._player:
+            raise Error("the pipeline is closed")
+        return self._player
+
+    def _resource(self, name):
+        found = [item for item in self.description["resources"] if item["name"] == name]
+        return found[0] if found else None
+
+    def set(self, **params):
+        """Sets live parameters, from the next frame on: set(exposure=0.5, sky=[0, 0, 1])."""
+        for name, value in params.items():
+            self._check(_library.dt_play_set(self._handle(), name.encode(), _value(value).encode()))
+
+    def write(self, name, array, mip=0):
+        """Gives an input its content, which stays. The array has the shape that read gives, and numbers
+        that the resource's type holds without loss of kind: float64 for float32, but no floats for codes."""
+        resource = self._resource(name)
+        data = b""  # of an unknown name, which the library refuses
+        if resource:
+            dtype, shape = _layout(resource, _extent(resource, mip))
+            data = numpy.zeros(shape, dtype)
+            inside = _plain(data, resource)
+            array = numpy.asarray(array)
+            if array.shape != inside.shape:
+                raise Error(f"write {name}: the array has the shape {array.shape}, not {inside.shape}")
+            if array.dtype.names != inside.dtype.names:
+                raise Error(f"write {name}: the array has the type {array.dtype}, not {inside.dtype}")
+            try:
+                numpy.copyto(inside, array, casting="same_kind")
+            except TypeError as error:
+                raise Error(f"write {name}: {error}") from None
+            data = data.tobytes()
+        self._check(_library.dt_play_write(self._handle(), name.encode(), mip, data, len(data)))
+
+    def read(self, name, mip=0):
+        """The content of a resource: after a frame, of outputs, inputs and resources with `keep` or
+        `history`; within after_pass, also of what the pass wrote."""
+        content = _Bytes()
+        self._check(_library.dt_play_read(self._handle(), name.encode(), mip, ctypes.byref(content)))
+        resource = self._resource(name)
+        dtype, shape = _layout(resource, content.extent)
+        try:
+            array = numpy.frombuffer(ctypes.string_at(content.data, content.size), dtype)
+        finally:
+            _free(content.data)
+        return _plain(array.reshape(shape), resource).copy()
+
+    def render(self, *take, after_pass=None):
+        """Renders the next frame. Returns {NAME: array} of the resources to take, each as the last pass that
+        writes it leaves it; (NAME, MIP) takes another mip than 0. after_pass(NAME) is called after each
+        pass."""
+        passes = self.description["passes"]
+        taken, raised, last = {}, [], {}
+        for item in take:  # inputs have no writer
+            name = item if isinstance(item, str) else item[0]
+            writers = [i for i, entry in enumerate(passes) if name in entry["writes"]]
+            last.setdefault(writers[-1] if writers else None, []).append(item)
+
+        def take_all(number):
+            for item in last.get(number, []):
+                taken[item] = self.read(*([item] if isinstance(item, str) else item))
+
+        def after(_, number):
+            try:
+                if after_pass:
+                    after_pass(passes[number]["name"])
+                take_all(number)
+            except BaseException as error:  # of any kind: it cannot go through the library
+                raised.append(error)
+            return not raised
+
+        take_all(None)
+        watch = _AFTER_PASS(after) if take or after_pass else _AFTER_PASS()
+        good = _library.dt_play_render(self._handle(), watch, None)
+        if raised:
+            raise raised[0]
+        self._check(good)
+        return taken
+
+    def close(self):
+        """Closes the device; the pipeline cannot be used afterwards."""
+        player, self._player = self._player, None
+        if player:
+            _library.dt_play_close(player)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def __del__(self):
+        self.close()
+
+
+def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False):
+    """Reads a spec and opens a device, as the command line does.
+
+    backend: "gl", "vk", "vk@DEVICE", "gl+glsl". size: (width, height) of the frame; by default that of an
+    input file, else 1920x1080. sets: {PATH: VALUE} of --set. inputs: {NAME: array, or path of a file}.
+    meshes: folder of the scene's meshes. debug: validation messages are errors."""
+    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug)
+
+
+# ---- Compare -----------------------------------------------------------------------------------
+
+
+class Comparison:
+    """agree: whether all resources are within their contracts. results: a dict for each resource after each
+    pass, as `diptych compare --json` has it."""
+
+    def __init__(self, agree, results):
+        self.agree, self.results = agree, results
+
+    def __str__(self):
+        rows = [(r["pass"], r["resource"], str(r["differing"]), r["verdict"]) for r in self.results]
+        rows = [("pass", "resource", "differing", "verdict")] + rows
+        widths = [max(map(len, column)) for column in zip(*rows)]
+        return "\n".join("  ".join(map(str.ljust, row, widths)).rstrip() for row in rows)
+
+    def __bool__(self):
+        return self.agree
+
+
+def compare(a, b):
+    """Renders the next frame of two pipelines and compares every resource after every pass, under the
+    contracts of the spec. Both come from one spec, size and number of frames; live parameters may differ."""
+    text = _library.dt_play_compare(a._handle(), b._handle())
+    if not text and not any(level == _ERROR for level, _ in a._messages):
+        b._check(text)
+    a._check(text)
+    try:
+        result = json.loads(ctypes.string_at(text))
+    finally:
+        _free(text)
+    return Comparison(result["agree"], result["results"])

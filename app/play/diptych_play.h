@@ -1,0 +1,92 @@
+/* Plays pipelines of diptych in other programs, without a renderer of their own: reads a spec at run
+ * time, compiles its shaders, opens a device, and hands out results as bytes. diptych.py is the same
+ * for Python. A renderer uses diptych_vk.h or diptych_gl.h instead.
+ *
+ *     struct dt_player *player = dt_play_open(&(struct dt_play_options){
+ *         .log = log, .spec = "fog.yaml", .backend = "vk", .scene = "cornell.yaml",
+ *         .width = 640, .height = 360});
+ *     struct dt_bytes bytes;
+ *     dt_play_set(player, "reach", "0.2");
+ *     dt_play_render(player, NULL, NULL);
+ *     dt_play_read(player, "picture", 0, &bytes);
+ *     free(bytes.data);
+ *     dt_play_close(player);
+ *
+ * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason; for a wrong
+ * spec, the text of diptych-gen with all errors. After a failed render, call only close. There is no
+ * other output and no exit. With `debug`, each message of the validation layers or of KHR_debug is a
+ * DT_ERROR, too, and fails the render.
+ *
+ * OpenGL. Where Mesa has every extension of 4.6 but reports 4.5, open sets MESA_GL_VERSION_OVERRIDE and
+ * MESA_GLSL_VERSION_OVERRIDE in the environment of the process.
+ *
+ * Threads. The thread that opened a player uses it; dt_play_open itself is for one thread at a time. A
+ * pipeline of `file` pictures, or a scene with textures, is read by a child process of fork(). */
+#ifndef DIPTYCH_PLAYER_H
+#define DIPTYCH_PLAYER_H
+
+#include "diptych.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#pragma GCC visibility push(default) /* what the library exports */
+
+/* Strings are borrowed for the call of open. */
+struct dt_play_options {
+    struct dt_log log; /* message NULL: no log; may be called from threads of a driver */
+    const char *spec;
+    const char
+        *backend;       /* as --backend takes one: "gl", "vk", "vk@DEVICE", "gl+glsl"; NULL: "vk" */
+    const char *scene;  /* scene file; NULL: no pass uses the scene */
+    const char *meshes; /* folder of meshes; NULL: DIPTYCH_SCENES, or beside the scene file */
+    const char *const *sets; /* PATH=VALUE, as --set takes them */
+    uint32_t set_count;
+    const char *const *inputs; /* NAME=FILE, as --input takes them; others come by dt_play_write */
+    uint32_t input_count;
+    uint32_t width, height; /* of the frame; 0: that of an input of `inputs`, else 1920x1080 */
+    bool debug;             /* validation layers, KHR_debug */
+};
+
+struct dt_player;
+
+struct dt_player *dt_play_open(const struct dt_play_options *options);
+void dt_play_close(struct dt_player *player); /* takes NULL */
+
+/* Parameters, resources, passes and outputs: JSON of `diptych list --json`, with "backend" and
+ * "device". Valid until the next describe or close. NULL: out of memory. */
+const char *dt_play_describe(struct dt_player *player);
+
+/* Sets a live parameter from the next frame on: a number, true, false, or [a, b, ...]. */
+bool dt_play_set(struct dt_player *player, const char *param, const char *value);
+
+/* Hands in the content of an input: a buffer (mip 0), or one mip of an image, laid out as
+ * dt_play_read gives it. It stays until it is replaced; the first frame needs every input. */
+bool dt_play_write(struct dt_player *player, const char *resource, uint32_t mip, const void *data,
+                   size_t size);
+
+/* Renders the next frame; the first has index 0. after_pass, if not NULL, is called after each pass,
+ * in the order of describe, and returns false to fail the frame; then nothing is logged. */
+bool dt_play_render(struct dt_player *player, bool (*after_pass)(void *user, uint32_t pass),
+                    void *user);
+
+/* The content of a buffer (mip 0) or of one mip of an image: tightly packed, row 0 is the bottom of the
+ * picture, padding of structs is zero. After a frame: of outputs, inputs, and resources with `keep` or
+ * `history`, since others share memory. Within after_pass: also of what this pass wrote. The caller
+ * frees out->data. */
+bool dt_play_read(struct dt_player *player, const char *resource, uint32_t mip,
+                  struct dt_bytes *out);
+
+/* Renders the next frame with both players and compares every resource after every pass, under the
+ * contracts of the spec. They have one pipeline, size and number of frames so far. Keeps what the first
+ * one writes in memory. JSON: {"agree": bool, "results": [...]}, where results are those of `diptych
+ * compare --json`; free(). NULL after an error, which `a` logs or, where it comes from b, b. */
+char *dt_play_compare(struct dt_player *a, struct dt_player *b);
+
+#pragma GCC visibility pop
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,311 @@
+/* libdiptych_play: the rooms below as a library; see diptych_play.h. */
+#include "play/diptych_play.h"
+
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/live.h"
+#include "base/texels.h"
+#include "build/inputs.h"
+#include "build/list.h"
+#include "result/difference.h"
+#include "result/rows.h"
+#include "run/session.h"
+
+struct dt_player {
+    struct console console;
+    struct options options; /* strings are valid in open only */
+    struct side side;
+    struct pipeline pipeline;
+    struct scene scene;
+    struct session session;
+    char *description;
+    const struct dt_observer *observer; /* of the caller, while a frame is rendered */
+    uint32_t pass;                      /* the last one of that frame, or of the whole frame */
+};
+
+static bool fail(struct dt_player *player, const char *reason)
+{
+    report_error(&player->console.log, "%s", reason);
+    return false;
+}
+
+/* ---- Open and close -------------------------------------------------------------------------- */
+
+static struct options options_of(const struct dt_play_options *wanted)
+{
+    bool sized = wanted->width && wanted->height;
+    return (struct options){
+        .spec = wanted->spec,
+        .backend = wanted->backend ? wanted->backend : "vk",
+        .scene = wanted->scene,
+        .scenes = wanted->meshes,
+        .set_list = {(const char **)wanted->sets, wanted->set_count},
+        .inputs = {(const char **)wanted->inputs, wanted->input_count},
+        .inputs_later = true,
+        .default_size = !sized,
+        .size = {sized ? wanted->width : 1920, sized ? wanted->height : 1080},
+        .frames = 1,
+        .debug = wanted->debug,
+    };
+}
+
+static bool check_size(struct dt_player *player)
+{
+    const uint32_t *size = player->options.size;
+    if (size[0] <= OPTIONS_MAX_SIZE && size[1] <= OPTIONS_MAX_SIZE)
+        return true;
+    report_error(&player->console.log, "size %ux%u: must be at most %ux%u", size[0], size[1],
+                 OPTIONS_MAX_SIZE, OPTIONS_MAX_SIZE);
+    return false;
+}
+
+static bool start(struct dt_player *player)
+{
+    struct console *console = &player->console;
+    struct options *options = &player->options;
+    if (!check_size(player) ||
+        !side_read(&player->side, options->backend, options, &console->log) ||
+        !pipeline_load(&player->pipeline, console, options) ||
+        !inputs_load(&player->pipeline, console, options) ||
+        !session_load_scene(&player->scene, console, player->pipeline.info, options))
+        return false;
+    const struct session_info info = {.side = &player->side,
+                                      .console = console,
+                                      .options = options,
+                                      .pipeline = &player->pipeline,
+                                      .scene = &player->scene};
+    return session_open(&player->session, &info) && session_prepare(&player->session);
+}
+
+struct dt_player *dt_play_open(const struct dt_play_options *options)
+{
+    struct dt_player *player = calloc(1, sizeof *player);
+    if (!player)
+        return NULL;
+    console_attach(&player->console, &options->log);
+    player->options = options_of(options);
+    if (start(player))
+        return player;
+    dt_play_close(player);
+    return NULL;
+}
+
+void dt_play_close(struct dt_player *player)
+{
+    if (!player)
+        return;
+    session_close(&player->session);
+    scene_free(&player->scene);
+    pipeline_unload(&player->pipeline);
+    side_free(&player->side);
+    free(player->description);
+    console_close(&player->console);
+    free(player);
+}
+
+/* ---- Parameters and content ------------------------------------------------------------------ */
+
+const char *dt_play_describe(struct dt_player *player)
+{
+    cJSON *list = list_json(&player->pipeline, player->options.size);
+    cJSON_AddStringToObject(list, "backend", player->side.label);
+    cJSON_AddStringToObject(list, "device",
+                            player->session.runtime->device_name(player->session.handle));
+    free(player->description);
+    player->description = cJSON_PrintUnformatted(list);
+    cJSON_Delete(list);
+    if (!player->description)
+        fail(player, "out of memory");
+    return player->description;
+}
+
+bool dt_play_set(struct dt_player *player, const char *name, const char *value)
+{
+    const struct dt_param *param =
+        pipeline_find_live(player->pipeline.info, "set", name, &player->console.log);
+    return param && live_set(player->pipeline.info, player->pipeline.live, param, value,
+                             &player->console.log);
+}
+
+bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, const void *data,
+                   size_t size)
+{
+    const struct dt_pipeline *info = player->pipeline.info;
+    struct dt_bytes bytes = {.data = (uint8_t *)data, .size = size};
+    uint32_t index;
+    if (!pipeline_find(info, "write", name, &index, &player->console.log))
+        return false;
+    if (!info->resources[index].input) {
+        report_error(&player->console.log, "write %s: it is no input of %s", name, info->name);
+        return false;
+    }
+    resource_extent(info, index, player->options.size, mip, bytes.extent);
+    return player->session.runtime->write(player->session.handle, index, mip, &bytes);
+}
+
+/* Whether the mip has content that can be read at this moment. */
+static bool is_there(const struct dt_player *player, uint32_t index, uint32_t mip)
+{
+    const struct dt_pipeline *info = player->pipeline.info;
+    const struct dt_resource *resource = &info->resources[index];
+    const struct dt_log *log = &player->console.log;
+    bool lasts = resource->history || resource->keep || (int)index == info->linear_output ||
+                 (int)index == info->display_output;
+    if (!player->session.frame && !resource->input) {
+        report_error(log, "read %s: no frame was rendered", resource->name);
+        return false;
+    }
+    for (uint32_t i = 0; player->observer && i < info->passes[player->pass].write_count; i++)
+        lasts |= info->passes[player->pass].writes[i] == index;
+    if (!lasts)
+        report_error(log,
+                     "read %s: other passes may reuse its memory; read it after the pass that "
+                     "writes it, or give it `keep: true` in the spec",
+                     resource->name);
+    else if (mip > 31 || !(resource_mips(info, player->pass, index) >> mip & 1))
+        report_error(log, "read %s: no pass wrote mip %u so far", resource->name, mip);
+    else
+        return true;
+    return false;
+}
+
+bool dt_play_read(struct dt_player *player, const char *name, uint32_t mip, struct dt_bytes *out)
+{
+    const struct dt_pipeline *info = player->pipeline.info;
+    uint32_t index;
+    *out = (struct dt_bytes){0};
+    if (!pipeline_find(info, "read", name, &index, &player->console.log) ||
+        !is_there(player, index, mip) ||
+        !player->session.runtime->read(player->session.handle, index, mip, out))
+        return false;
+    return resource_clear_padding(&info->resources[index], out) || fail(player, "out of memory");
+}
+
+/* ---- Frames ---------------------------------------------------------------------------------- */
+
+static bool after_pass(void *user, uint32_t pass)
+{
+    struct dt_player *player = user;
+    player->pass = pass;
+    return player->observer->after_pass(player->observer->user, pass);
+}
+
+static bool render(struct dt_player *player, const struct dt_observer *observer)
+{
+    const struct dt_observer own = {.after_pass = after_pass, .user = player};
+    player->observer = observer->after_pass ? observer : NULL;
+    bool good = session_frame(&player->session, player->observer ? &own : NULL) &&
+                session_is_silent(&player->session);
+    player->observer = NULL;
+    player->pass = player->pipeline.info->pass_count - 1;
+    return good;
+}
+
+bool dt_play_render(struct dt_player *player, bool (*after)(void *user, uint32_t pass), void *user)
+{
+    return render(player, &(struct dt_observer){.after_pass = after, .user = user});
+}
+
+/* ---- Compare --------------------------------------------------------------------------------- */
+
+struct comparison {
+    struct dt_player *players[2];
+    struct rows rows;
+    struct dt_bytes *copies; /* of the first player, one per row of rows.outputs */
+    cJSON *results;
+    bool differ;
+};
+
+static bool read_row(struct dt_player *player, const struct row *row, struct dt_bytes *bytes)
+{
+    return player->session.runtime->read(player->session.handle, row->resource, row->mip, bytes);
+}
+
+static bool keep_copies(void *user, uint32_t pass)
+{
+    struct comparison *comparison = user;
+    const struct row_list *outputs = &comparison->rows.outputs;
+    for (uint32_t i = outputs->first[pass]; i < outputs->first[pass + 1]; i++)
+        if (!read_row(comparison->players[0], &outputs->list[i], &comparison->copies[i]))
+            return false;
+    return true;
+}
+
+static bool compare_row(struct comparison *comparison, uint32_t index)
+{
+    struct dt_player *player = comparison->players[1];
+    const struct row *row = &comparison->rows.outputs.list[index];
+    const struct dt_resource *resource = &player->pipeline.info->resources[row->resource];
+    const char *const labels[2] = {comparison->players[0]->side.label, player->side.label};
+    struct difference found;
+    struct dt_bytes copies[2] = {comparison->copies[index], {0}};
+    if (!read_row(player, row, &copies[1]))
+        return false;
+    bool good = difference_measure(&found, resource, player->session.frame - 1, copies);
+    cJSON *result = cJSON_CreateObject();
+    row_json(result, player->pipeline.info, row, true);
+    if (good)
+        difference_json(result, &found, resource, labels);
+    good = (good && cJSON_AddItemToArray(comparison->results, result)) ||
+           fail(player, "out of memory");
+    comparison->differ |= good && difference_verdict(&found) == VERDICT_DIFFERS;
+    free(copies[0].data);
+    free(copies[1].data);
+    comparison->copies[index].data = NULL;
+    return good;
+}
+
+static bool compare_pass(void *user, uint32_t pass)
+{
+    struct comparison *comparison = user;
+    const uint32_t *first = comparison->rows.outputs.first;
+    for (uint32_t i = first[pass]; i < first[pass + 1]; i++)
+        if (!compare_row(comparison, i))
+            return false;
+    return true;
+}
+
+static bool can_compare(struct dt_player *a, const struct dt_player *b)
+{
+    if (plan_hash(a->pipeline.plan) != plan_hash(b->pipeline.plan))
+        return fail(a, "compare: the players have different pipelines or values of parameters that "
+                       "are not live");
+    if (memcmp(a->options.size, b->options.size, sizeof a->options.size) != 0)
+        return fail(a, "compare: the players have frames of different sizes");
+    if (a->session.frame != b->session.frame)
+        return fail(a, "compare: the players have rendered different numbers of frames");
+    return true;
+}
+
+static char *compare_frames(struct comparison *comparison)
+{
+    struct dt_player **players = comparison->players;
+    const struct dt_observer keep = {.after_pass = keep_copies, .user = comparison},
+                             compare = {.after_pass = compare_pass, .user = comparison};
+    cJSON *root = cJSON_CreateObject();
+    comparison->copies = calloc(comparison->rows.outputs.count + 1, sizeof *comparison->copies);
+    comparison->results = cJSON_AddArrayToObject(root, "results");
+    bool good = (comparison->copies && comparison->results) || fail(players[0], "out of memory");
+    good = good && render(players[0], &keep) && render(players[1], &compare);
+    cJSON_AddBoolToObject(root, "agree", !comparison->differ);
+    char *text = good ? cJSON_PrintUnformatted(root) : NULL;
+    if (good && !text)
+        fail(players[0], "out of memory");
+    for (uint32_t i = 0; comparison->copies && i < comparison->rows.outputs.count; i++)
+        free(comparison->copies[i].data);
+    free(comparison->copies);
+    cJSON_Delete(root);
+    return text;
+}
+
+char *dt_play_compare(struct dt_player *a, struct dt_player *b)
+{
+    struct comparison comparison = {.players = {a, b}};
+    char *text = can_compare(a, b) && rows_make(&comparison.rows, a->pipeline.info, &a->console.log)
+                     ? compare_frames(&comparison)
+                     : NULL;
+    rows_free(&comparison.rows);
+    return text;
+}
