@@ -561,6 +561,8 @@ static bool add_parts(struct glsl *glsl)
         return false;
     if (!made)
         add_defines(glsl);
+    if (glsl->pass->layers && glsl->stage == STAGE_IS_VERTEX && glsl->backend == BACKEND_VK)
+        glsl_choose_layer(glsl);
     add_functions(glsl);
     glsl_resources(glsl);
     struct text *constants = &glsl->parts[PART_CONSTANTS];

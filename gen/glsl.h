@@ -68,6 +68,8 @@ const char *find_word(const char *text, const char *word);
 /* glsl_body.c: the author's file with includes expanded, other stages cut out, and #line; into
  * PART_BODY. */
 bool glsl_body(struct glsl *glsl);
+/* glsl_body.c: Vulkan's vertex stage of a layered draw drops vertices of layers that are not drawn. */
+void glsl_choose_layer(struct glsl *glsl);
 /* Place in a source file of a piece of PART_BODY. */
 struct loc glsl_body_loc(const struct glsl *glsl, const char *body, size_t offset, size_t length);
 /* glsl_range.c: expands `for (Type v : range) { ... }` in PART_BODY; adds declarations to

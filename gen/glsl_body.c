@@ -276,11 +276,28 @@ static void rename_for_exactness(struct text *text)
         rename_words(text, &renamings[i], true);
 }
 
+static const struct renaming main_to_body = {"main", "pass_main"};
+
+void glsl_choose_layer(struct glsl *glsl)
+{
+    struct text *body = &glsl->parts[PART_BODY];
+    const char *layer = glsl_uses(glsl, "gl_Layer") ? "gl_Layer" : "0";
+    rename_words(body, &main_to_body, true);
+    text_add(
+        body,
+        "\nlayout(push_constant) uniform Pass_layer {\n    int pass_layer; /* -1: all */\n};\n\n"
+        "/* A device without shaderOutputLayer draws each layer alone, and no vertex of others. "
+        "*/\n"
+        "void main()\n{\n    pass_main();\n"
+        "    if (pass_layer >= 0 && %s != pass_layer)\n"
+        "        gl_Position = vec4(65536.0, 0.0, 0.0, 1.0);\n}\n",
+        layer);
+}
+
 /* Rounds the colour targets where the body's main has returned. Blending reads what is stored, so a
  * target that is blended is rounded by the driver all the same. */
 static void round_targets(struct glsl *glsl)
 {
-    static const struct renaming main_to_body = {"main", "pass_main"};
     struct text statements = {0}, *body = &glsl->parts[PART_BODY];
     if (glsl_round_targets(glsl, &statements)) {
         rename_words(body, &main_to_body, true);

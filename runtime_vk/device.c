@@ -200,12 +200,16 @@ static bool has_feature(VkSubgroupFeatureFlags subgroups, struct vk_features *fe
     return false;
 }
 
+/* Without it, each layer is drawn alone: see next_layers in verbs.c. */
+static const char optional_feature[] = "shaderOutputLayer";
+
 /* The panel's first need without its feature; NULL: none. */
 static const struct dt_need *find_lack(VkSubgroupFeatureFlags subgroups,
                                        struct vk_features *features, const struct dt_panel *panel)
 {
     for (uint32_t i = 0; i < panel->need_count; i++)
-        if (!has_feature(subgroups, features, panel->needs[i].feature))
+        if (!has_feature(subgroups, features, panel->needs[i].feature) &&
+            strcmp(panel->needs[i].feature, optional_feature) != 0)
             return &panel->needs[i];
     return NULL;
 }

@@ -132,7 +132,8 @@ struct dt_vk_host {
     uint32_t frames;
 };
 
-/* Sets the features that the pipeline needs to VK_TRUE; changes no others. Call it for each
+/* Sets the features that the pipeline needs to VK_TRUE; changes no others. The host may clear
+ * shaderOutputLayer again: without it, each layer of a layered pass is drawn alone. Call it for each
  * pipeline on the feature structures for vkCreateDevice. If the device lacks a feature,
  * dt_vk_create logs the feature and the pass, and the pipeline before stays. */
 void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatures *core,

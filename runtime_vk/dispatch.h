@@ -40,6 +40,7 @@
     X(CmdEndRendering)                                                                             \
     X(CmdFillBuffer)                                                                               \
     X(CmdPipelineBarrier2)                                                                         \
+    X(CmdPushConstants)                                                                            \
     X(CmdResetQueryPool)                                                                           \
     X(CmdSetScissor)                                                                               \
     X(CmdSetViewport)                                                                              \

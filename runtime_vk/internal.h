@@ -72,6 +72,9 @@ struct vk_program {
     VkDescriptorSet set;
 };
 
+/* Of a layered program: the layer to draw, -1 for all. */
+extern const VkPushConstantRange vk_layer_range;
+
 /* Objects that the runtime provides to every pipeline. */
 struct vk_builtin {
     struct vk_buffer frame, live; /* uniform blocks */
@@ -168,6 +171,12 @@ static inline struct vk_runtime *vk_runtime_of(struct dt_core *core)
 static inline struct vk_resource *vk_resource_at(const struct vk_runtime *rt, uint32_t resource)
 {
     return dt_resource(&rt->core, resource);
+}
+
+/* Whether vertex shaders can choose the layer; if not, each layer is drawn alone. */
+static inline bool vk_has_layers(const struct vk_runtime *rt)
+{
+    return rt->features.vulkan12.shaderOutputLayer;
 }
 
 /* ---- Errors (errors.c) ----------------------------------------------------------------------- */

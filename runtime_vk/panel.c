@@ -275,7 +275,8 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
         .mips = resource->mips,
         .shape = resource->shape,
         .layered = resource->layered,
-        .by_layer = storage->by_layer,
+        .by_layer = storage->by_layer || (resource->layered && !vk_has_layers(rt) &&
+                                          storage->usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH)),
         .import = choice->image.image ? &choice->image : NULL,
     };
     return vk_image_create(rt, &vk_resource_at(rt, index)->image, &info);

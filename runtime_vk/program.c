@@ -2,7 +2,10 @@
  * creates one for every pass, present.c for the window; vk_program_bind then sets the resources. */
 #include "internal.h"
 
+#include <spirv/unified1/spirv.h>
+
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
@@ -41,6 +44,8 @@ static bool create_layouts(struct vk_runtime *rt, struct vk_pipeline *pipeline,
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .setLayoutCount = 1,
         .pSetLayouts = &pipeline->set_layout,
+        .pushConstantRangeCount = state->layered,
+        .pPushConstantRanges = &vk_layer_range,
     };
     return VK(rt,
               rt->vk.CreatePipelineLayout(rt->device, &layout, rt->callbacks, &pipeline->layout),
@@ -100,21 +105,74 @@ void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *progr
 
 /* ---- Pipelines ------------------------------------------------------------------------------- */
 
+const VkPushConstantRange vk_layer_range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(int32_t)};
+
+/* The type that a pointer type points to. */
+static uint32_t pointee(const uint32_t *words, size_t count, uint32_t pointer)
+{
+    size_t at = 5;
+    while (at < count && !((words[at] & 0xffff) == SpvOpTypePointer && words[at + 1] == pointer))
+        at += words[at] >> 16;
+    return at < count ? words[at + 3] : 0;
+}
+
+/* The module for a device without shaderOutputLayer: gl_Layer becomes a private variable. free();
+ * NULL: out of memory. */
+static uint32_t *without_layer(const uint32_t *words, size_t *size)
+{
+    size_t count = *size / sizeof *words, length = 5;
+    uint32_t layer = 0, *out = malloc(*size + 4 * sizeof *out);
+    if (!out)
+        return NULL;
+    memcpy(out, words, length * sizeof *out);
+    for (size_t at = 5, next; at < count; at = next) {
+        uint32_t opcode = words[at] & 0xffff;
+        next = at + (words[at] >> 16);
+        if (opcode == SpvOpCapability && words[at + 1] == SpvCapabilityShaderLayer)
+            continue;
+        if (opcode == SpvOpDecorate && words[at + 2] == SpvDecorationBuiltIn &&
+            words[at + 3] == SpvBuiltInLayer) {
+            layer = words[at + 1];
+            continue;
+        }
+        memcpy(out + length, words + at, (next - at) * sizeof *out);
+        if (opcode == SpvOpVariable && words[at + 2] == layer) {
+            const uint32_t type = out[3]++;
+            const uint32_t private[] = {4u << 16 | SpvOpTypePointer,
+                                        type,
+                                        SpvStorageClassPrivate,
+                                        pointee(words, count, words[at + 1]),
+                                        4u << 16 | SpvOpVariable,
+                                        type,
+                                        layer,
+                                        SpvStorageClassPrivate};
+            memcpy(out + length, private, sizeof private);
+            length += 4;
+        }
+        length += next - at;
+    }
+    *size = length * sizeof *out;
+    return out;
+}
+
 static struct vk_outcome create_module(const struct vk_runtime *rt, const struct dt_code *code,
                                        VkShaderModule *module)
 {
     struct vk_outcome outcome = {VK_SUCCESS, "vkCreateShaderModule"};
     if (code->size == 0)
         return outcome;
-    uint32_t *own;
+    uint32_t *own, *changed = NULL;
     VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = code->size,
         .pCode = dt_front_words(code, &own),
     };
+    if (info.pCode && !vk_has_layers(rt))
+        info.pCode = changed = without_layer(info.pCode, &info.codeSize);
     outcome.result = info.pCode
                          ? rt->vk.CreateShaderModule(rt->device, &info, rt->callbacks, module)
                          : VK_ERROR_OUT_OF_HOST_MEMORY;
+    free(changed);
     free(own);
     return outcome;
 }

@@ -242,14 +242,16 @@ static VkClearColorValue clear_color(const struct vk_image *image, const float c
     return value;
 }
 
+/* `layer`: one of a layered target; -1: all. */
 static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
-                                            const struct dt_target *target)
+                                            const struct dt_target *target, int32_t layer)
 {
     const struct vk_image *image = &vk_resource_at(rt, target->resource)->image;
     const float *clear = rt->core.panel->storage[target->resource].clear;
     VkRenderingAttachmentInfo info = {
         .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
-        .imageView = vk_image_view(image, target->mip, target->one_layer, target->layer),
+        .imageView = layer < 0 ? vk_image_view(image, target->mip, target->one_layer, target->layer)
+                               : vk_image_view(image, target->mip, true, (uint32_t)layer),
         .imageLayout = image->layout,
         .loadOp = target->load ? VK_ATTACHMENT_LOAD_OP_LOAD : VK_ATTACHMENT_LOAD_OP_CLEAR,
         .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
@@ -261,7 +263,8 @@ static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
     return info;
 }
 
-static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t layers)
+static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t layers,
+                            int32_t layer)
 {
     const struct dt_program *program = &rt->core.panel->programs[pass];
     VkRenderingAttachmentInfo colors[DT_MAX_COLOR_TARGETS], depth;
@@ -275,13 +278,13 @@ static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t
         (float)view.x, (float)view.y, (float)view.width, (float)view.height, 0, 1};
     VkRect2D scissor = {{cut.x, cut.y}, {cut.width, cut.height}};
     for (uint32_t i = 0; i < program->color_count; i++)
-        colors[i] = attachment(rt, &program->colors[i]);
+        colors[i] = attachment(rt, &program->colors[i], layer);
     if (program->depth)
-        depth = attachment(rt, program->depth);
+        depth = attachment(rt, program->depth, layer);
     VkRenderingInfo info = {
         .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
         .renderArea = area,
-        .layerCount = layers,
+        .layerCount = layer < 0 ? layers : 1,
         .colorAttachmentCount = program->color_count,
         .pColorAttachments = colors,
         .pDepthAttachment = program->depth ? &depth : NULL,
@@ -289,6 +292,25 @@ static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t
     rt->vk.CmdBeginRendering(rt->frame_commands, &info);
     rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
     rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
+}
+
+/* Begins to render into all layers, or, on a device without shaderOutputLayer, into one after the
+ * other; ends what it began before. False after the last. */
+static bool next_layers(const struct vk_runtime *rt, uint32_t pass, uint32_t layers, uint32_t *done)
+{
+    bool layered = rt->core.panel->programs[pass].layered, alone = layered && !vk_has_layers(rt);
+    int32_t layer = alone ? (int32_t)*done : -1;
+    const struct vk_program *program = dt_program(&rt->core, pass);
+    if (*done)
+        rt->vk.CmdEndRendering(rt->frame_commands);
+    if (*done == layers)
+        return false;
+    begin_rendering(rt, pass, layers, layer);
+    if (layered)
+        rt->vk.CmdPushConstants(rt->frame_commands, program->pipeline->layout,
+                                vk_layer_range.stageFlags, 0, sizeof layer, &layer);
+    *done = alone ? *done + 1 : layers;
+    return true;
 }
 
 bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute given[DT_ATTRIBUTES])
@@ -334,10 +356,9 @@ static void bind_scene(const struct vk_runtime *rt, const struct vk_buffer *indi
 static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
     const struct vk_runtime *rt = runtime;
-    begin_rendering(rt, pass, layers);
     bind_scene(rt, &rt->builtin.indices);
-    rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, layers, 0, 0, 0);
-    rt->vk.CmdEndRendering(rt->frame_commands);
+    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
+        rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, layers, 0, 0, 0);
     return true;
 }
 
@@ -362,20 +383,18 @@ static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_
         indices == DT_SCENE_INDICES ? &rt->builtin.indices : &vk_resource_at(rt, indices)->buffer;
     if (!counts_from_start(rt, pass, from))
         return false;
-    begin_rendering(rt, pass, layers);
     bind_scene(rt, from);
-    rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, draws->handle, draws->offset,
-                                  (uint32_t)(draws->size / DT_DRAW_BYTES), DT_DRAW_BYTES);
-    rt->vk.CmdEndRendering(rt->frame_commands);
+    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
+        rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, draws->handle, draws->offset,
+                                      (uint32_t)(draws->size / DT_DRAW_BYTES), DT_DRAW_BYTES);
     return true;
 }
 
 static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
     const struct vk_runtime *rt = runtime;
-    begin_rendering(rt, pass, layers);
-    rt->vk.CmdDraw(rt->frame_commands, 3, layers, 0, 0); /* one triangle that covers all */
-    rt->vk.CmdEndRendering(rt->frame_commands);
+    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
+        rt->vk.CmdDraw(rt->frame_commands, 3, layers, 0, 0); /* one triangle that covers all */
     return true;
 }
 
@@ -383,9 +402,8 @@ static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_
                           uint32_t instances)
 {
     const struct vk_runtime *rt = runtime;
-    begin_rendering(rt, pass, layers);
-    rt->vk.CmdDraw(rt->frame_commands, vertices, instances, 0, 0);
-    rt->vk.CmdEndRendering(rt->frame_commands);
+    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
+        rt->vk.CmdDraw(rt->frame_commands, vertices, instances, 0, 0);
     return true;
 }
 
@@ -394,10 +412,10 @@ static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers
 {
     const struct vk_runtime *rt = runtime;
     const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
-    begin_rendering(rt, pass, layers);
-    rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, draws->offset,
-                           (uint32_t)(draws->size / DT_VERTEX_DRAW_BYTES), DT_VERTEX_DRAW_BYTES);
-    rt->vk.CmdEndRendering(rt->frame_commands);
+    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
+        rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, draws->offset,
+                               (uint32_t)(draws->size / DT_VERTEX_DRAW_BYTES),
+                               DT_VERTEX_DRAW_BYTES);
     return true;
 }
 
@@ -406,8 +424,8 @@ static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
     const struct vk_runtime *rt = runtime;
-    begin_rendering(rt, pass, layers);
-    rt->vk.CmdEndRendering(rt->frame_commands);
+    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
+        continue;
     return true;
 }
 

@@ -44,7 +44,7 @@ fi
 check "every command that the runtime records is seen by the audit" \
     bash -c "for name in \$(grep -ohE 'vk\.?Cmd[A-Za-z0-9]+' '$root'/runtime_vk/*.c | tr -d . | sort -u); do
         case \$name in
-        vkCmdBeginDebugUtilsLabelEXT | vkCmdEndDebugUtilsLabelEXT | vkCmdResetQueryPool | vkCmdSetScissor | vkCmdSetViewport | vkCmdWriteTimestamp2 | \
+        vkCmdBeginDebugUtilsLabelEXT | vkCmdEndDebugUtilsLabelEXT | vkCmdPushConstants | vkCmdResetQueryPool | vkCmdSetScissor | vkCmdSetViewport | vkCmdWriteTimestamp2 | \
             vkCmdClearDepthStencilImage | vkCmdUpdateBuffer | vkCmdCopyImage) continue ;;
         esac
         grep -q \"^\(void\|VkResult\) \$name(\" '$root/tests/tape.c' || { echo \"\$name\"; exit 1; }
