@@ -1,43 +1,39 @@
-/* Reflective shadow map (Dachsbacher, Stamminger 2005): what the light sees. Position with w = 1 on
- * a surface, unit normal turned to the light, and albedo, or the flux of a texel where RSM_FLUX is
- * defined. */
+/* Reflective shadow map (Dachsbacher, Stamminger 2005), of the numbers of the triangles that the light
+ * sees. Position with w = 1 on a surface, unit normal turned to the light, and albedo, or the flux of
+ * a texel where RSM_FLUX is defined. */
 #include "space.glsl"
-
-#ifdef VERTEX
-layout(location = 0) out vec3 position;
-layout(location = 1) out vec3 normal;
-layout(location = 2) out vec2 uv;
-layout(location = 3) flat out uint material;
-
-void main()
-{
-    position = vertex_position;
-    normal = vertex_normal;
-    uv = vertex_uv;
-    material = vertex_material;
-    gl_Position = transform_point(view.view_projection, vertex_position);
-}
-#endif
-
-#ifdef FRAGMENT
 #include "surface.glsl"
 #include "lighting.glsl"
 
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
-layout(location = 3) flat in uint material;
+void store(ivec2 p, vec4 position, vec3 normal, vec4 color)
+{
+    rsm_position_store(p, position);
+    rsm_normal_store(p, vec4(normal, 0.0));
+#ifdef RSM_FLUX
+    rsm_flux_store(p, color);
+#else
+    rsm_albedo_store(p, color);
+#endif
+}
 
 void main()
 {
-    vec3 geometric = triangle_normal(position);
-    vec3 albedo = surface_albedo(material, uv);
-    rsm_position = vec4(position, 1.0);
-    rsm_normal = vec4(facing_normal(normal, geometric, to_light(position)), 0.0);
+    ivec2 p = invocation().xy;
+    if (any(greaterThanEqual(p, rsm_position_size())))
+        return;
+    uint triangle = number(p).x;
+    if (triangle == 0u) {
+        store(p, vec4(0.0), vec3(0.0), vec4(0.0));
+        return;
+    }
+    vec2 texel = vec2(2.0 / float(rsm_size));
+    Surface s =
+        surface_at(triangle - 1u, (vec2(p) + 0.5) * texel - 1.0, texel, light_view.view_projection);
 #ifdef RSM_FLUX
-    rsm_flux = vec4(albedo * sample_flux(position, float(rsm_size) * float(rsm_size)), 1.0);
+    vec3 color = s.albedo * sample_flux(s.position, float(rsm_size) * float(rsm_size));
 #else
-    rsm_albedo = vec4(albedo, 1.0);
+    vec3 color = s.albedo;
 #endif
+    store(p, vec4(s.position, 1.0), facing_normal(s.normal, s.geometric, to_light(s.position)),
+          vec4(color, 1.0));
 }
-#endif

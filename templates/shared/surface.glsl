@@ -1,20 +1,58 @@
-/* Albedo and normal of a fragment. Included by the fragment parts of all scene draws. */
-
-/* Albedo, 0..1; discards the holes of alpha-tested textures. */
-vec3 surface_albedo(uint material, vec2 uv)
-{
-    SceneMaterial m = scene_materials[material];
-    vec4 texel = scene_texture(uv, m.texture_layer);
-    if (texel.a < m.alpha_cutoff)
-        discard;
-    return clamp(m.albedo * texel.rgb, 0.0, 1.0);
-}
-
-/* Normal of the triangle itself, from the derivatives of the position, which lie in its plane; not
- * unit, either side. */
-vec3 triangle_normal(vec3 position)
-{
-    return cross(dFdx(position), dFdy(position));
-}
-
+/* The surface that a texel of a view shows, from the number of its triangle. Included by passes that
+ * read scene_vertices, scene_indices, scene_materials and scene_textures. */
 #include "facing.glsl"
+#include "texture.glsl"
+#include "triangle.glsl"
+
+struct Surface {
+    vec3 position;
+    vec3 normal;    /* interpolated; not unit */
+    vec3 geometric; /* of the triangle; not unit, either side */
+    vec3 albedo;    /* 0..1 */
+};
+
+/* Albedo of a triangle where its corners have these weights. right, up: change of the weights from
+ * texel to texel. */
+vec3 surface_albedo(Triangle t, vec3 weights, vec3 right, vec3 up)
+{
+    SceneMaterial m = scene_materials[t.a.material];
+    vec2 uv = corner_uv(t.a);
+    vec2 e = corner_uv(t.b) - uv;
+    vec2 f = corner_uv(t.c) - uv;
+    vec4 color =
+        texture_trilinear(uv + e * weights.y + f * weights.z, e * right.y + f * right.z,
+                          e * up.y + f * up.z, max(m.texture_layer, 0));
+    return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : color.rgb), 0.0, 1.0);
+}
+
+/* `place`: centre of the texel, NDC; `texel`: size of a texel, NDC. */
+Surface surface_at(uint number, vec2 place, vec2 texel, mat4 view_projection)
+{
+    Triangle t = triangle_of(number);
+    vec3 origin = corner_position(t.a);
+    vec4 a = transform_point(view_projection, origin);
+    vec4 b = transform_point(view_projection, corner_position(t.b));
+    vec4 c = transform_point(view_projection, corner_position(t.c));
+    vec3 w = vec3(a.w, b.w, c.w);
+    vec3 x = vec3(a.x, b.x, c.x) - place.x * w;
+    vec3 y = vec3(a.y, b.y, c.y) - place.y * w;
+    vec3 areas = ray_areas(x, y);
+    float sum = areas.x + areas.y + areas.z;
+    float scale = sum == 0.0 ? 0.0 : 1.0 / sum;
+    vec3 weights = areas * scale;
+    vec3 right = ray_areas(y, w); /* change of the areas with place.x */
+    vec3 up = ray_areas(w, x);
+    right = (right - weights * (right.x + right.y + right.z)) * (scale * texel.x);
+    up = (up - weights * (up.x + up.y + up.z)) * (scale * texel.y);
+    weights = within_triangle(weights);
+
+    Surface s;
+    vec3 e = corner_position(t.b) - origin;
+    vec3 f = corner_position(t.c) - origin;
+    s.position = origin + e * weights.y + f * weights.z;
+    s.geometric = cross(e, f);
+    s.normal = corner_normal(t.a) * weights.x + corner_normal(t.b) * weights.y +
+               corner_normal(t.c) * weights.z;
+    s.albedo = surface_albedo(t, weights, right, up);
+    return s;
+}
