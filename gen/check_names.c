@@ -50,7 +50,7 @@ static const char *const taken_words =
     " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
     "scene_textures"
     " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material "
-    "vertex_object scene_objects SceneObject "
+    "vertex_triangle scene_objects scene_object SceneObject "
     "dispatch_size invocation fullscreen_position"
     " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL "
     "VULKAN View Light Frame Live"

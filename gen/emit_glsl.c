@@ -397,9 +397,25 @@ static void add_fullscreen_position(const struct glsl *glsl, struct text *out)
              index, index);
 }
 
+static void add_scene_object(struct text *out)
+{
+    text_add(out, "/* Object of a triangle: objects have their triangles in order. */\n"
+                  "uint scene_object(uint triangle)\n{\n"
+                  "    uint low = 0u, high = uint(scene_objects.length());\n"
+                  "    while (high - low > 1u) {\n"
+                  "        uint middle = (low + high) / 2u;\n"
+                  "        bool later = scene_objects[middle].first_index <= 3u * triangle;\n"
+                  "        low = later ? middle : low;\n"
+                  "        high = later ? high : middle;\n"
+                  "    }\n"
+                  "    return low;\n}\n\n");
+}
+
 static void add_place(struct glsl *glsl)
 {
     struct text function = {0};
+    if (glsl_uses(glsl, "scene_object"))
+        add_scene_object(&function);
     if (glsl->stage == STAGE_IS_COMPUTE) {
         if (glsl->pass->interleave)
             add_interleave_place(glsl);
@@ -469,7 +485,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
                                             {"vec3", "vertex_normal"},
                                             {"vec2", "vertex_uv"},
                                             {"uint", "vertex_material"},
-                                            {"uint", "vertex_object"}};
+                                            {"uint", "vertex_triangle"}};
     for (int i = 0; i < 5 && glsl->pass->kind == PASS_SCENE; i++)
         if (glsl_uses(glsl, "%s", inputs[i][1]))
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);

@@ -33,7 +33,9 @@ static const struct body_name place_names[] = {
     {"vec3 vertex_normal", "vertex, `draw: scene`", "Unit normal."},
     {"vec2 vertex_uv", "vertex, `draw: scene`", "Texture coordinates."},
     {"uint vertex_material", "vertex, `draw: scene`", "Index into `scene_materials`."},
-    {"uint vertex_object", "vertex, `draw: scene`", "Index into `scene_objects`."},
+    {"uint vertex_triangle", "vertex, `draw: scene`",
+     "Number of the triangle. To hand on as `flat`: of a triangle, its first vertex alone has its "
+     "number."},
     {"gl_Position", "vertex", "To write: clip space of Vulkan."},
     {"gl_PointSize", "vertex, `topology: points`", "To write: texels along a side."},
     {"gl_Layer", "vertex, `layers`",
@@ -100,6 +102,8 @@ static const struct body_name scene_names[] = {
     {"SceneObject scene_objects[]", "`reads: [scene_objects]`",
      "Objects of the scene: a mesh of one material in one place. `scene_objects.length()` of "
      "them."},
+    {"uint scene_object(uint triangle)", "`reads: [scene_objects]`",
+     "Index into `scene_objects` of a triangle, by bisection."},
     {"sampler2DArray scene_textures", "`draw: scene`, or `reads: [scene_textures]`",
      "Textures, a layer each, linear colour when read."},
     {"vec4 scene_texture(vec2 uv, int layer)", "fragment, `draw: scene`",
@@ -108,7 +112,7 @@ static const struct body_name scene_names[] = {
     {"SceneVertex.nx", "any", "Unit normal: `nx`, `ny`, `nz`."},
     {"SceneVertex.u", "any", "Texture coordinates: `u`, `v`."},
     {"SceneVertex.material", "any", "Index into `scene_materials`."},
-    {"SceneVertex.object", "any", "Index into `scene_objects`."},
+    {"SceneVertex.triangle", "any", "Number of the triangle that has the vertex first."},
     {"SceneMaterial.albedo", "any", "Linear, 0 to 1; multiplies the texture."},
     {"SceneMaterial.texture_layer", "any", "Layer of `scene_textures`, or -1."},
     {"SceneMaterial.emission", "any", "Emitted radiance."},

@@ -213,7 +213,7 @@ static const VkVertexInputAttributeDescription vertex_attributes[DT_ATTRIBUTES] 
     {DT_NORMAL, DT_NORMAL, VK_FORMAT_R32G32B32_SFLOAT, 0},
     {DT_UV, DT_UV, VK_FORMAT_R32G32_SFLOAT, 0},
     {DT_MATERIAL, DT_MATERIAL, VK_FORMAT_R32_UINT, 0},
-    {DT_OBJECT, DT_OBJECT, VK_FORMAT_R32_UINT, 0},
+    {DT_TRIANGLE, DT_TRIANGLE, VK_FORMAT_R32_UINT, 0},
 };
 
 /* Those that the vertex shader reads: the validation layer names every other. */

@@ -46,6 +46,14 @@ void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scen
                       const struct dt_scene_extent *extent, uint32_t width, uint32_t height,
                       struct dt_frame *frame);
 
+/* Makes the first corner of each triangle the first of no other, as vertex_triangle needs: turns the
+ * corners, which keeps the winding, and adds copies of vertices. `triangles`: gets the `triangle` of
+ * struct dt_vertex for each vertex. `copied`: gets the vertex of which vertex_count + k is a copy.
+ * They have room for vertex_count + index_count / 3 and index_count / 3 elements; both are less than
+ * 2^32. Returns the new number of vertices. */
+uint32_t dt_number_triangles(uint32_t *indices, uint32_t index_count, uint32_t vertex_count,
+                             uint32_t *triangles, uint32_t *copied);
+
 /* ---- Scene files ----------------------------------------------------------------------------- */
 
 struct dt_scene_file;

@@ -4,6 +4,7 @@
 #include "mesh.h"
 
 #include "child.h"
+#include "diptych_scene.h"
 #include "input.h"
 
 #include <assimp/cfileio.h>
@@ -275,7 +276,7 @@ static void import_corner(const struct import *import, const struct aiMesh *part
     }
     vertex->material =
         part->mMaterialIndex < import->mesh->material_count ? part->mMaterialIndex : 0;
-    vertex->object = import->mesh->object_count;
+    vertex->triangle = import->mesh->object_count;
 }
 
 /* Adds an object, without bounds and triangles. */
@@ -596,18 +597,43 @@ void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float cen
     bound(mesh, mesh->indices, mesh->index_count, low, high, center, radius);
 }
 
+bool mesh_number(struct mesh *mesh, const struct dt_log *log)
+{
+    uint32_t count = mesh->index_count / 3;
+    uint32_t *triangles = malloc(((size_t)mesh->vertex_count + count) * sizeof *triangles);
+    uint32_t *copied = malloc(count * sizeof *copied);
+    uint32_t all = 0;
+    if (triangles && copied)
+        all = dt_number_triangles(mesh->indices, mesh->index_count, mesh->vertex_count, triangles,
+                                  copied);
+    struct dt_vertex *vertices = all ? realloc(mesh->vertices, all * sizeof *vertices) : NULL;
+    if (vertices)
+        mesh->vertices = vertices;
+    else
+        log_message(log, DT_ERROR, "out of memory while numbering the mesh's triangles");
+    for (uint32_t i = mesh->vertex_count; vertices && i < all; i++)
+        vertices[i] = vertices[copied[i - mesh->vertex_count]];
+    for (uint32_t i = 0; vertices && i < all; i++)
+        vertices[i].triangle = triangles[i];
+    mesh->vertex_count = vertices ? all : mesh->vertex_count;
+    free(triangles);
+    free(copied);
+    return vertices;
+}
+
 /* Triangles keep the order of import, object by object; two objects share no vertex. */
 void mesh_bound_objects(struct mesh *mesh)
 {
-    for (uint32_t first = 0, end; first < mesh->index_count; first = end) {
-        uint32_t number = mesh->vertices[mesh->indices[first]].object;
-        struct dt_object *object = &mesh->objects[number];
+    uint32_t end = 0;
+    for (uint32_t i = 0; i < mesh->object_count; i++) {
+        struct dt_object *object = &mesh->objects[i];
         float low[3], high[3];
-        end = first;
-        while (end < mesh->index_count && mesh->vertices[mesh->indices[end]].object == number)
+        object->first_index = end;
+        while (end < mesh->index_count && mesh->vertices[mesh->indices[end]].triangle == i)
             end += 3;
-        object->first_index = first;
-        object->index_count = end - first;
-        bound(mesh, &mesh->indices[first], end - first, low, high, object->center, &object->radius);
+        object->index_count = end - object->first_index;
+        if (object->index_count)
+            bound(mesh, &mesh->indices[object->first_index], object->index_count, low, high,
+                  object->center, &object->radius);
     }
 }

@@ -27,7 +27,7 @@ struct mesh_view {
 };
 
 struct mesh {
-    struct dt_vertex *vertices;
+    struct dt_vertex *vertices; /* `triangle` has the object until mesh_number */
     uint32_t vertex_count;
     uint32_t *indices; /* three per triangle, counter-clockwise seen from the front */
     uint32_t index_count;
@@ -59,6 +59,10 @@ void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float cen
 
 /* Completes the objects, when the triangles are final. */
 void mesh_bound_objects(struct mesh *mesh);
+
+/* Numbers the triangles for vertex_triangle, when they are final and the objects bound. False when
+ * out of memory. */
+bool mesh_number(struct mesh *mesh, const struct dt_log *log);
 
 /* Splits every edge longer than `longest_edge` in the middle, until none is left or the next round
  * would exceed `triangle_limit` triangles (a DT_WARNING reports the edge length reached). The split

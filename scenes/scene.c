@@ -248,6 +248,9 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
     ok = ok && texture_array(&scene->data, &mesh, settings->texture_size, log);
     if (ok) {
         mesh_bound_objects(&mesh);
+        ok = mesh_number(&mesh, log);
+    }
+    if (ok) {
         scene->source_triangles = mesh.source_triangles;
         scene->degenerate_triangles = mesh.degenerate_triangles;
         scene->data.vertices = mesh.vertices;

@@ -51,7 +51,7 @@ static uint64_t count_round(const struct mesh *mesh, double limit, uint64_t *spl
 
 static struct dt_vertex middle(const struct dt_vertex *a, const struct dt_vertex *b)
 {
-    struct dt_vertex m = {.material = a->material, .object = a->object};
+    struct dt_vertex m = {.material = a->material, .triangle = a->triangle};
     double n[3], square = 0;
     for (int i = 0; i < 3; i++) {
         m.position[i] = 0.5f * a->position[i] + 0.5f * b->position[i];

@@ -3,6 +3,7 @@
  * (reads scenes/ and build/scenes/); fixtures live in a temporary folder. The OpenImageIO shim
  * must lie beside this program or in the folder above it. */
 #include "child.h"
+#include "diptych_scene.h"
 #include "image.h"
 #include "mesh.h"
 #include "motion.h"
@@ -132,6 +133,13 @@ static void assert_normals(const struct scene *scene)
     }
 }
 
+/* So each triangle's first vertex is the first of no other. */
+static void assert_numbered(const struct scene *scene)
+{
+    for (uint32_t t = 0; t < scene->data.index_count / 3; t++)
+        assert_int_equal(scene->data.vertices[scene->data.indices[3 * t]].triangle, t);
+}
+
 static double longest_edge(const struct scene *scene)
 {
     double longest = 0;
@@ -200,6 +208,7 @@ static void box_is_subdivided_without_cracks(void **state)
     assert_true(longest_edge(&scene) <= 0.1 * radius * 1.000001);
     assert_true(is_watertight(&scene));
     assert_normals(&scene);
+    assert_numbered(&scene);
     const struct vec middle = {2, 0.5, 1.5};
     for (uint32_t t = 0; t < scene.data.index_count / 3; t++) {
         struct vec n = area_vector(&scene, t);
@@ -209,6 +218,29 @@ static void box_is_subdivided_without_cracks(void **state)
     }
     assert_true(fabs(area - 2 * (4 * 1 + 4 * 3 + 1 * 3)) < 1e-4);
     scene_free(&scene);
+}
+
+/* The closed box of 8 vertices and 12 triangles needs 4 more vertices; winding and corners stay. */
+static void triangles_are_numbered_by_their_first_vertex(void **state)
+{
+    (void)state;
+    static const uint32_t box[36] = {0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                                     2, 3, 7, 2, 7, 6, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
+    uint32_t indices[36], triangles[8 + 12], copied[12];
+    memcpy(indices, box, sizeof indices);
+    assert_int_equal(dt_number_triangles(indices, 36, 8, triangles, copied), 12);
+    for (uint32_t t = 0; t < 12; t++) {
+        uint32_t corner[3], turn = 0;
+        assert_int_equal(triangles[indices[3 * t]], t);
+        for (int k = 0; k < 3; k++) {
+            uint32_t vertex = indices[3 * t + (uint32_t)k];
+            corner[k] = vertex < 8 ? vertex : copied[vertex - 8];
+        }
+        while (turn < 3 && box[3 * t + turn] != corner[0])
+            turn++;
+        for (uint32_t k = 0; k < 3; k++)
+            assert_int_equal(corner[k], box[3 * t + (turn + k) % 3]);
+    }
 }
 
 static void subdivision_stops_at_its_limit_and_says_so(void **state)
@@ -1053,6 +1085,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(box_is_subdivided_without_cracks),
+        cmocka_unit_test(triangles_are_numbered_by_their_first_vertex),
         cmocka_unit_test(subdivision_stops_at_its_limit_and_says_so),
         cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
         cmocka_unit_test(gltf_nodes_are_flattened),

@@ -236,7 +236,7 @@ static bool check_scene(const struct evidence_case *evidence)
         good = scene->indices[i] < scene->vertex_count;
     for (uint32_t i = 0; good && i < scene->vertex_count; i++)
         good = scene->vertices[i].material < scene->material_count &&
-               scene->vertices[i].object < scene->object_count;
+               scene->vertices[i].triangle < scene->index_count / 3;
     for (uint32_t i = 0; good && i < scene->object_count; i++)
         good = scene->objects[i].material < scene->material_count &&
                (uint64_t)scene->objects[i].first_index + scene->objects[i].index_count <=

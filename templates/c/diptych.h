@@ -266,12 +266,12 @@ struct dt_vertex { /* GLSL: SceneVertex in std430, ten scalars; attributes at lo
     float normal[3]; /* unit */
     float uv[2];
     uint32_t material;
-    uint32_t object;
+    uint32_t triangle; /* that begins with this vertex; see dt_scene */
 };
 static_assert(sizeof(struct dt_vertex) == 40, "ten scalars, no padding");
 
 /* Its fields, in the order of their locations. */
-enum dt_attribute { DT_POSITION, DT_NORMAL, DT_UV, DT_MATERIAL, DT_OBJECT, DT_ATTRIBUTES };
+enum dt_attribute { DT_POSITION, DT_NORMAL, DT_UV, DT_MATERIAL, DT_TRIANGLE, DT_ATTRIBUTES };
 
 struct dt_material {    /* GLSL: SceneMaterial in std430 and std140 */
     float albedo[3];    /* linear, 0..1; multiplies the texture */
@@ -345,7 +345,10 @@ struct dt_frame {
 };
 static_assert(sizeof(struct dt_frame) == 288 * 3 + 64 + 48, "std140");
 
-/* All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with
+/* Draws whose bodies use vertex_triangle need triangles that each begin with a vertex of their own,
+ * whose `triangle` is the triangle's number; dt_number_triangles in diptych_scene.h makes them.
+ *
+ * All pointers are borrowed for the call that takes the struct. Texture texels are RGBA8 with
  * sRGB-encoded colour and linear alpha; all layers have one size and a full mip chain; texels hold
  * mip 0 of all layers, then mip 1, ... */
 struct dt_scene {
@@ -355,7 +358,7 @@ struct dt_scene {
     uint32_t index_count;
     const struct dt_material *materials;
     uint32_t material_count;
-    const struct dt_object *objects; /* by `object` of the vertices */
+    const struct dt_object *objects; /* in the order of their triangles */
     uint32_t object_count;           /* 0 if no pass reads them */
     const uint8_t *texels; /* at least one layer of 1x1, also for a scene without textures */
     uint32_t texture_width, texture_height, texture_layers, texture_mips;

@@ -481,7 +481,7 @@ const struct dt_field_place dt_attributes[DT_ATTRIBUTES] = {
     [DT_NORMAL] = {"vertex_normal", offsetof(struct dt_vertex, normal), 12},
     [DT_UV] = {"vertex_uv", offsetof(struct dt_vertex, uv), 8},
     [DT_MATERIAL] = {"vertex_material", offsetof(struct dt_vertex, material), 4},
-    [DT_OBJECT] = {"vertex_object", offsetof(struct dt_vertex, object), 4},
+    [DT_TRIANGLE] = {"vertex_triangle", offsetof(struct dt_vertex, triangle), 4},
 };
 
 bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride)

@@ -20,7 +20,7 @@ void main()
     points[i].place = vec3(v.px, v.py, v.pz);
     points[i].facing = vec3(v.nx, v.ny, v.nz);
     Point p = points[i];
-    SceneObject o = scene_objects[v.object];
+    SceneObject o = scene_objects[scene_object(v.triangle)];
     p.place += (o.transform * o.inverse * vec4(o.center, o.radius)).xyz;
     p.facing *= float(o.first_index + o.index_count + o.material + o.mesh + uint(scene_objects.length()));
     vec4 texel = textureLod(scene_textures, vec3(v.u, v.v, 0.0), 0.0) * scene_materials[v.material].alpha_cutoff;
