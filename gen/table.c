@@ -686,7 +686,7 @@ const struct key table_keys[] = {
      "draw's integer image, taken for their numbers, else by coverage. Of depth only coverage "
      "counts. `compare` then judges each pass on equal inputs. Between drivers of different makers "
      "all exact images of scene draws "
-     "have `raster: 1%`.",
+     "have `raster: 10%`.",
      "0.1%"},
     {SECTION_CONTRACT, "margin", KEY_MEMBER, SECTION_NONE, NULL, OPTIONAL, "none",
      "flips: a buffer of float, or a float field of one, `BUFFER.FIELD`, that holds for every "

@@ -140,7 +140,7 @@ static bool keep_edges(void *user, const struct dt_resource *resource,
 /* The contract in force: between strangers a scene draw's images need not be exact. */
 static struct dt_resource in_force(const struct judge *judge, const struct row *row)
 {
-    static const double default_share = 0.01;
+    static const double default_share = 0.1;
     const struct dt_pipeline *pipeline = judge->replay->rows->pipeline;
     struct dt_resource resource = pipeline->resources[row->resource];
     if (judge->replay->strangers && resource.contract.kind == DT_CONTRACT_EXACT &&
