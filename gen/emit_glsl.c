@@ -45,8 +45,7 @@ void glsl_binding(const struct glsl *glsl, int binding, struct text *out)
 
 /* ---- Parameters, constants, structs ---------------------------------------------------------- */
 
-/* A float literal with a point: the shortest that reads back as the same float. */
-static void add_float(double value, struct text *out)
+void glsl_add_float(double value, struct text *out)
 {
     char digits[40];
     for (int precision = 6; precision <= 9; precision++) {
@@ -68,7 +67,7 @@ static enum dt_type scalar_of(enum dt_type type)
 static void add_component(enum dt_type scalar, double value, struct text *out)
 {
     if (scalar == DT_TYPE_FLOAT)
-        add_float(value, out);
+        glsl_add_float(value, out);
     else if (scalar == DT_TYPE_BOOL)
         text_add(out, "%s", value != 0 ? "true" : "false");
     else
@@ -243,7 +242,7 @@ static void add_weight(const struct weight *weight, struct text *out)
     if (weight->param)
         text_add(out, "%s", weight->param);
     else
-        add_float(weight->value, out);
+        glsl_add_float(weight->value, out);
 }
 
 static void add_metric(struct glsl *glsl, const struct metric *metric)
@@ -260,7 +259,7 @@ static void add_metric(struct glsl *glsl, const struct metric *metric)
         text_add(out, ", frame.scene_radius");
     } else if (sscanf(scale, "%lf", &number) == 1) {
         text_add(out, ", ");
-        add_float(number, out);
+        glsl_add_float(number, out);
     }
     text_add(out, ");\n}\n\n");
     const struct pipeline *pipeline = glsl->pipeline;
@@ -472,9 +471,11 @@ static bool add_library(struct glsl *glsl)
     bool ok = !layout.failed;
     for (size_t i = 0; ok && i < DT_ARRAY_COUNT(from_the_end); i++)
         ok = glsl_library(glsl, from_the_end[i], layout.data);
-    ok = ok && glsl_library(glsl, "frame", layout.data) &&
-         (glsl->pipeline->fast ||
-          (glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data)));
+    ok = ok && glsl_library(glsl, "frame", layout.data);
+    if (ok && !glsl->pipeline->fast) {
+        glsl_exact(glsl);
+        ok = glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data);
+    }
     text_free(&layout);
     return ok;
 }

@@ -1,6 +1,6 @@
 /* What the files that write GLSL share: emit_glsl.c (the stage as a whole), glsl_access.c
  * (resources and their accessors), glsl_body.c (the author's text), glsl_range.c (loops over
- * ranges), glsl_library.c (templates/glsl).
+ * ranges), glsl_exact.c (portable arithmetic), glsl_library.c (templates/glsl).
  *
  * A stage is written from its end to its beginning: the body first, then the declarations that the
  * body uses, then those that these use. So each declaration can check whether later text uses it,
@@ -48,6 +48,8 @@ void glsl_put_before(struct text *part, struct text *front);
 /* Name of a type in GLSL. */
 const char *glsl_type(enum dt_type type);
 const char *glsl_element_type(const struct resource *buffer); /* struct or type name */
+/* A float literal with a point: the shortest that reads back as the same float. */
+void glsl_add_float(double value, struct text *out);
 
 /* ---- Scanning -------------------------------------------------------------------------------- */
 
@@ -83,6 +85,9 @@ bool glsl_check_accesses(struct glsl *glsl);
 bool glsl_round_targets(const struct glsl *glsl, struct text *out);
 /* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
 bool glsl_check_precise(const struct glsl *glsl);
+/* glsl_exact.c: in all parts, calls of functions that devices round differently, and divisions,
+ * become calls of templates/glsl/exact.glsl; sums and products of float literals are folded. */
+void glsl_exact(struct glsl *glsl);
 /* glsl_product.c: makes products with matrices calls, in the text of a whole stage. head: length of
  * PART_HEAD, behind which the called functions stand. */
 void glsl_products(struct text *text, size_t head);

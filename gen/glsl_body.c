@@ -255,27 +255,6 @@ static void rename_for_opengl(struct text *text, bool indirect)
         rename_words(text, &renamings[i], false);
 }
 
-/* Renames calls of built-in functions that are not exact. Macros would also change array.length(),
- * and glslang does not allow to redefine built-in functions for Vulkan. */
-static void rename_for_exactness(struct text *text)
-{
-    static const struct renaming renamings[] = {
-        {"dot", "exact_dot"},
-        {"length", "exact_length"},
-        {"distance", "exact_distance"},
-        {"mix", "exact_mix"},
-        {"reflect", "exact_reflect"},
-        {"normalize", "exact_normalize"},
-        {"refract", "exact_refract"},
-        {"asin", "exact_asin"},
-        {"faceforward", "exact_faceforward"},
-        {"acos", "exact_acos"},
-        {"atan", "exact_atan"},
-    };
-    for (size_t i = 0; i < DT_ARRAY_COUNT(renamings); i++)
-        rename_words(text, &renamings[i], true);
-}
-
 static const struct renaming main_to_body = {"main", "pass_main"};
 
 void glsl_choose_layer(struct glsl *glsl)
@@ -334,8 +313,6 @@ bool glsl_body(struct glsl *glsl)
         return false;
     if (glsl->pipeline->fast)
         glsl->subgroups = glsl->pass->kind == PASS_DISPATCH && has_subgroups(glsl);
-    else
-        rename_for_exactness(&glsl->parts[PART_BODY]);
     if (glsl->backend == BACKEND_GL && glsl->stage == STAGE_IS_VERTEX)
         rename_for_opengl(&glsl->parts[PART_BODY], glsl->pass->indirect_resource != NULL);
     if (glsl->stage == STAGE_IS_FRAGMENT)

@@ -23,7 +23,8 @@ static const char *skip_blank(const char *at)
             const char *end = strstr(at + 2, "*/");
             at = end ? end + 2 : at + strlen(at);
         } else if ((at[0] == '/' && at[1] == '/') || at[0] == '#') {
-            at += strcspn(at, "\n");
+            for (at += strcspn(at, "\n"); *at && at[-1] == '\\'; at += strcspn(at, "\n"))
+                at++;
         } else {
             return at;
         }
@@ -123,11 +124,15 @@ bool glsl_source_add(struct model *model, const struct source *source, uint32_t 
 
 /* ---- Definitions ----------------------------------------------------------------------------- */
 
-/* The name that a definition declares: after `struct`, before the final `;` of a `layout`, or
- * before the first `(` or `=`. */
+/* The name that a definition declares: after `#define`, after `struct`, before the final `;` of a
+ * `layout`, or before the first `(` or `=`. */
 static struct token defined_name(const char *text)
 {
-    const char *cursor = text;
+    const char *macro = strstr(text, "#define "), *cursor = text;
+    if (macro)
+        cursor = macro + strlen("#define ");
+    if (macro)
+        return token_next(&cursor);
     struct token token = token_next(&cursor), before = {0};
     if (token_is(token, "struct"))
         return token_next(&cursor);

@@ -226,9 +226,11 @@ static const struct body_group groups[] = {
      "Parameters and constants are there by their names, of the type that the spec gives them; a "
      "constant is an int. So are structs. The pass's `defines` are macros of integer literals. "
      "`#include \"FILE\"` looks beside the including file, "
-     "then in templates and templates/glsl. Without `exactness: fast`, `dot`, `length`, "
-     "`normalize`, `mix` and "
-     "other built-ins whose result depends on the driver are those of templates/glsl/exact.glsl.",
+     "then in templates and templates/glsl. Without `exactness: fast`, float division and the "
+     "built-in functions whose result depends on the driver are those of "
+     "templates/glsl/exact.glsl: "
+     "division, `sqrt` and `inversesqrt` within 2 ulp, other functions of one number within 4, "
+     "`sin` and `cos` for |x| up to 65536, `tan` up to 8192. Inputs below 2^-126 count as zero.",
      other_names},
 };
 

@@ -183,12 +183,14 @@ static void report_line(const struct model *model, const struct pass *pass, cons
         return;
     }
     struct loc loc = {model->glsl_sources[number - 1], (int)row, 1, 1};
-    static const char exact[] = "'exact_"; /* a prefix that glsl_body.c added */
+    static const char exact[] = "'exact_"; /* a prefix that glsl_exact.c added */
     size_t added = (size_t)(stop - text) > sizeof exact && !memcmp(text, exact, sizeof exact - 1)
                        ? sizeof exact - 2
                        : 0;
     const char *close = *text == '\'' ? memchr(text + 1, '\'', (size_t)(stop - text - 1)) : NULL;
-    if (close)
+    if (added && !strncmp(text + 1 + added, "divide'", 7))
+        find_in_line(&loc, "/", 1);
+    else if (close)
         find_in_line(&loc, text + 1 + added, (size_t)(close - text - 1) - added);
     if (close && report_subgroups(&model->pipeline, pass, loc, text + 1, diag))
         return;

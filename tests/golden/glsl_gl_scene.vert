@@ -26,26 +26,22 @@ mat4x4 exact_product(precise mat4x4 a, precise mat4x4 b) { { precise mat4x4 resu
 
 float exact_dot(precise float a, precise float b)
 {
-    precise float sum = a * b;
-    return sum;
+    { precise float result = a * b; return result; }
 }
 
 float exact_dot(precise vec2 a, precise vec2 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y;
-    return sum;
+    { precise float result = a.x * b.x + a.y * b.y; return result; }
 }
 
 float exact_dot(precise vec3 a, precise vec3 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
+    { precise float result = a.x * b.x + a.y * b.y + a.z * b.z; return result; }
 }
 
 float exact_dot(precise vec4 a, precise vec4 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-    return sum;
+    { precise float result = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; return result; }
 }
 
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */

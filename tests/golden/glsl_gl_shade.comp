@@ -25,28 +25,198 @@ struct Cell {
     vec3 normal;
 };
 
+/* Component by component. */
+#define exact_each(f) \
+vec2 f(vec2 x) { return vec2(f(x.x), f(x.y)); } \
+vec3 f(vec3 x) { return vec3(f(x.x), f(x.y), f(x.z)); } \
+vec4 f(vec4 x) { return vec4(f(x.x), f(x.y), f(x.z), f(x.w)); }
+
+#define exact_each_pair(f, V2, V3, V4) \
+V2 f(V2 x, V2 y) { return V2(f(x.x, y.x), f(x.y, y.y)); } \
+V3 f(V3 x, V3 y) { return V3(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z)); } \
+V4 f(V4 x, V4 y) { return V4(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z), f(x.w, y.w)); }
+
+#define exact_each_left(f, S, V2, V3, V4) \
+V2 f(V2 x, S y) { return V2(f(x.x, y), f(x.y, y)); } \
+V3 f(V3 x, S y) { return V3(f(x.x, y), f(x.y, y), f(x.z, y)); } \
+V4 f(V4 x, S y) { return V4(f(x.x, y), f(x.y, y), f(x.z, y), f(x.w, y)); }
+
+#define exact_each_right(f, S, V2, V3, V4) \
+V2 f(S x, V2 y) { return V2(f(x, y.x), f(x, y.y)); } \
+V3 f(S x, V3 y) { return V3(f(x, y.x), f(x, y.y), f(x, y.z)); } \
+V4 f(S x, V4 y) { return V4(f(x, y.x), f(x, y.y), f(x, y.z), f(x, y.w)); }
+
+/* 1 / y for |y| up to 2^64: an integer subtraction estimates it (Moroz et al. 2018), a polynomial
+ * in y r with relative error 2e-6 and a Newton step refine it. */
+float exact_reciprocal(precise float y)
+{
+    precise uint bits = floatBitsToUint(y);
+    precise float r = uintBitsToFloat(0x7eb50500u - bits);
+    precise float d = y * r;
+    r *= 4.17971835 - d * (5.82303075 - d * 2.70399363);
+    precise float error = 1.0 - y * r;
+    r += r * error;
+    precise float end = uintBitsToFloat((bits ^ 0x7f800000u) & 0xff800000u); /* of 0 and infinity */
+    { precise float result = abs(y) < 1.17549435e-38 || abs(y) > 3.40282347e38 ? end : r; return result; }
+}
+
+/* Keeps what lies between normal: 2^-64 for large |y|, else 1. */
+float exact_scale(precise float y)
+{
+    { precise float result = abs(y) > 18446744073709551616.0 ? 5.42101086242752217e-20 : 1.0; return result; }
+}
+
+#define exact_divide_by(T) \
+T exact_divide(T x, float y) \
+{ \
+    float scale = exact_scale(y); \
+    precise T q = (x * scale) * exact_reciprocal(y * scale); \
+    return q; \
+}
+
+/* Where the generator does not see that both sides are integers. */
+#define exact_divide_integers(S, V2, V3, V4) \
+S exact_divide(S x, S y) { return x / y; } \
+V2 exact_divide(V2 x, V2 y) { return x / y; } \
+V2 exact_divide(V2 x, S y) { return x / y; } \
+V2 exact_divide(S x, V2 y) { return x / y; } \
+V3 exact_divide(V3 x, V3 y) { return x / y; } \
+V3 exact_divide(V3 x, S y) { return x / y; } \
+V3 exact_divide(S x, V3 y) { return x / y; } \
+V4 exact_divide(V4 x, V4 y) { return x / y; } \
+V4 exact_divide(V4 x, S y) { return x / y; } \
+V4 exact_divide(S x, V4 y) { return x / y; }
+
+float exact_divide(precise float x, precise float y)
+{
+    precise float scale = exact_scale(y);
+    precise float q = (x * scale) * exact_reciprocal(y * scale);
+    return q;
+}
+exact_each_pair(exact_divide, vec2, vec3, vec4);
+exact_each_right(exact_divide, float, vec2, vec3, vec4);
+exact_divide_by(vec2);
+exact_divide_by(vec3);
+exact_divide_by(vec4);
+exact_divide_by(mat2);
+exact_divide_by(mat2x3);
+exact_divide_by(mat2x4);
+exact_divide_by(mat3x2);
+exact_divide_by(mat3);
+exact_divide_by(mat3x4);
+exact_divide_by(mat4x2);
+exact_divide_by(mat4x3);
+exact_divide_by(mat4);
+exact_divide_integers(int, ivec2, ivec3, ivec4);
+exact_divide_integers(uint, uvec2, uvec3, uvec4);
+
+/* 1 / sqrt(x) within 2e-5, for positive normal x. */
+float exact_root_estimate(precise float x)
+{
+    precise float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
+    precise float d = x * r * r;
+    r *= 2.102354969 - d * (1.760928667 - d * 0.6631531635);
+    return r;
+}
+
+float exact_sqrt(precise float x)
+{
+    precise float r = exact_root_estimate(x);
+    precise float s = x * r;
+    precise float error = 1.0 - s * r;
+    s += s * (0.5 * error);
+    s = x <= 3.40282347e38 ? s : x;
+    { precise float result = abs(x) < 1.17549435e-38 ? x * 0.0 : x < 0.0 ? uintBitsToFloat(0x7fc00000u) : s; return result; }
+}
+exact_each(exact_sqrt);
+
+/* The quadrant of x, 0 to 3, and x less its multiple of pi / 2, within pi / 4. The parts of pi / 2
+ * (Cody, Waite) have 8 bits: products with quadrants up to 2^16 are exact. Beyond |x| = 2^16 the
+ * rest is wrong; it is cut to |r| <= 1. */
+float exact_quadrant(precise float x, out precise float r)
+{
+    precise float n = roundEven(x * 0.636619772);
+    r = x - n * 1.5703125;
+    r -= n * 4.82559204e-4;
+    r -= n * 1.26659870e-6;
+    r -= n * 9.89530236e-10;
+    r -= n * 2.56334407e-12;
+    r = abs(r) > 1.0 ? 0.0 : r;
+    { precise float result = n - 4.0 * floor(n * 0.25); return result; }
+}
+
+/* Polynomials of Cephes (Moshier), for |r| <= pi / 4. */
+float exact_sine(precise float r)
+{
+    precise float z = r * r;
+    precise float p = (-1.9515295891e-4 * z + 8.3321608736e-3) * z - 1.6666654611e-1;
+    precise float sine = p * z * r + r;
+    return sine;
+}
+
+float exact_cosine(precise float r)
+{
+    precise float z = r * r;
+    precise float p = (2.443315711809948e-5 * z - 1.388731625493765e-3) * z + 4.166664568298827e-2;
+    precise float cosine = p * z * z - 0.5 * z + 1.0;
+    return cosine;
+}
+
+float exact_sin(precise float x)
+{
+    precise float r;
+    precise float quadrant = exact_quadrant(x, r);
+    precise float s = quadrant == 1.0 || quadrant == 3.0 ? exact_cosine(r) : exact_sine(r);
+    { precise float result = quadrant >= 2.0 ? -s : s; return result; }
+}
+exact_each(exact_sin);
+
+float exact_cos(precise float x)
+{
+    precise float r;
+    precise float quadrant = exact_quadrant(x, r);
+    precise float c = quadrant == 1.0 || quadrant == 3.0 ? exact_sine(r) : exact_cosine(r);
+    { precise float result = quadrant == 1.0 || quadrant == 2.0 ? -c : c; return result; }
+}
+exact_each(exact_cos);
+
+/* Where the generator does not see that arguments are integers. */
+#define exact_integers(f, g, S, V2, V3, V4) \
+S f(S x, S y) { return g(x, y); } \
+V2 f(V2 x, V2 y) { return g(x, y); } \
+V3 f(V3 x, V3 y) { return g(x, y); } \
+V4 f(V4 x, V4 y) { return g(x, y); } \
+V2 f(V2 x, S y) { return g(x, y); } \
+V3 f(V3 x, S y) { return g(x, y); } \
+V4 f(V4 x, S y) { return g(x, y); }
+
+float exact_max(precise float x, precise float y)
+{
+    return x > y ? x : y;
+}
+exact_each_pair(exact_max, vec2, vec3, vec4);
+exact_each_left(exact_max, float, vec2, vec3, vec4);
+exact_integers(exact_max, max, int, ivec2, ivec3, ivec4);
+exact_integers(exact_max, max, uint, uvec2, uvec3, uvec4);
+
 float exact_dot(precise float a, precise float b)
 {
-    precise float sum = a * b;
-    return sum;
+    { precise float result = a * b; return result; }
 }
 
 float exact_dot(precise vec2 a, precise vec2 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y;
-    return sum;
+    { precise float result = a.x * b.x + a.y * b.y; return result; }
 }
 
 float exact_dot(precise vec3 a, precise vec3 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
+    { precise float result = a.x * b.x + a.y * b.y + a.z * b.z; return result; }
 }
 
 float exact_dot(precise vec4 a, precise vec4 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-    return sum;
+    { precise float result = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; return result; }
 }
 
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */
@@ -92,7 +262,7 @@ layout(std140, binding = 4) uniform Frame {
  * all of them. */
 vec2 hammersley(precise int k, precise int n)
 {
-    { precise vec2 result = vec2(float(k) / float(n), float(bitfieldReverse(uint(k)) >> 8) * (1.0 / 16777216.0)); return result; }
+    { precise vec2 result = vec2(exact_divide(float(k), float(n)), float(bitfieldReverse(uint(k)) >> 8) * (5.9604645e-08)); return result; }
 }
 
 /* Concentric (Shirley, Chiu 1997): squares go to circles, with less distortion than polar. */
@@ -104,12 +274,12 @@ vec2 concentric_disk(precise vec2 u)
     precise float phi = 0.0;
     if (a * a > b * b) {
         r = a;
-        phi = 0.785398163397 * (b / a);
+        phi = 0.785398163397 * (exact_divide(b, a));
     } else if (b != 0.0) {
         r = b;
-        phi = 1.57079632679 - 0.785398163397 * (a / b);
+        phi = 1.57079632679 - 0.785398163397 * (exact_divide(a, b));
     }
-    { precise vec2 result = vec2(r * cos(phi), r * sin(phi)); return result; }
+    { precise vec2 result = vec2(r * exact_cos(phi), r * exact_sin(phi)); return result; }
 }
 
 /* Distance of two surface points for clustering: a weighted sum of how far they are apart, in
@@ -118,9 +288,9 @@ vec2 concentric_disk(precise vec2 u)
 float metric_one_minus_dot(precise vec3 pa, precise vec3 na, precise vec3 pb, precise vec3 nb, precise float position, precise float normal, precise float scale)
 {
     precise vec3 d = pa - pb;
-    precise float apart = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    precise float agreement = max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
-    { precise float result = position * (apart / scale) + normal * (1.0 - agreement); return result; }
+    precise float apart = exact_sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    precise float agreement = exact_max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
+    { precise float result = position * (exact_divide(apart, scale)) + normal * (1.0 - agreement); return result; }
 }
 
 /* Interleaved sampling (Keller, Heidrich 2001; Segovia et al. 2006): pixel p belongs to class
@@ -255,7 +425,7 @@ void main()
         v.flux = subset_flux[0];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
     {
@@ -265,7 +435,7 @@ void main()
         v.flux = subset_flux[1];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
     }
@@ -283,7 +453,7 @@ void main()
         v.flux = subset_flux[0];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
 }

@@ -9,26 +9,22 @@ out float gl_ClipDistance[1];
 
 float exact_dot(float a, float b)
 {
-    precise float sum = a * b;
-    return sum;
+    return a * b;
 }
 
 float exact_dot(vec2 a, vec2 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y;
-    return sum;
+    return a.x * b.x + a.y * b.y;
 }
 
 float exact_dot(vec3 a, vec3 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
+    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 float exact_dot(vec4 a, vec4 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-    return sum;
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */

@@ -24,28 +24,198 @@ struct Cell {
     vec3 normal;
 };
 
+/* Component by component. */
+#define exact_each(f) \
+vec2 f(vec2 x) { return vec2(f(x.x), f(x.y)); } \
+vec3 f(vec3 x) { return vec3(f(x.x), f(x.y), f(x.z)); } \
+vec4 f(vec4 x) { return vec4(f(x.x), f(x.y), f(x.z), f(x.w)); }
+
+#define exact_each_pair(f, V2, V3, V4) \
+V2 f(V2 x, V2 y) { return V2(f(x.x, y.x), f(x.y, y.y)); } \
+V3 f(V3 x, V3 y) { return V3(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z)); } \
+V4 f(V4 x, V4 y) { return V4(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z), f(x.w, y.w)); }
+
+#define exact_each_left(f, S, V2, V3, V4) \
+V2 f(V2 x, S y) { return V2(f(x.x, y), f(x.y, y)); } \
+V3 f(V3 x, S y) { return V3(f(x.x, y), f(x.y, y), f(x.z, y)); } \
+V4 f(V4 x, S y) { return V4(f(x.x, y), f(x.y, y), f(x.z, y), f(x.w, y)); }
+
+#define exact_each_right(f, S, V2, V3, V4) \
+V2 f(S x, V2 y) { return V2(f(x, y.x), f(x, y.y)); } \
+V3 f(S x, V3 y) { return V3(f(x, y.x), f(x, y.y), f(x, y.z)); } \
+V4 f(S x, V4 y) { return V4(f(x, y.x), f(x, y.y), f(x, y.z), f(x, y.w)); }
+
+/* 1 / y for |y| up to 2^64: an integer subtraction estimates it (Moroz et al. 2018), a polynomial
+ * in y r with relative error 2e-6 and a Newton step refine it. */
+float exact_reciprocal(float y)
+{
+    uint bits = floatBitsToUint(y);
+    float r = uintBitsToFloat(0x7eb50500u - bits);
+    float d = y * r;
+    r *= 4.17971835 - d * (5.82303075 - d * 2.70399363);
+    float error = 1.0 - y * r;
+    r += r * error;
+    float end = uintBitsToFloat((bits ^ 0x7f800000u) & 0xff800000u); /* of 0 and infinity */
+    return abs(y) < 1.17549435e-38 || abs(y) > 3.40282347e38 ? end : r;
+}
+
+/* Keeps what lies between normal: 2^-64 for large |y|, else 1. */
+float exact_scale(float y)
+{
+    return abs(y) > 18446744073709551616.0 ? 5.42101086242752217e-20 : 1.0;
+}
+
+#define exact_divide_by(T) \
+T exact_divide(T x, float y) \
+{ \
+    float scale = exact_scale(y); \
+    precise T q = (x * scale) * exact_reciprocal(y * scale); \
+    return q; \
+}
+
+/* Where the generator does not see that both sides are integers. */
+#define exact_divide_integers(S, V2, V3, V4) \
+S exact_divide(S x, S y) { return x / y; } \
+V2 exact_divide(V2 x, V2 y) { return x / y; } \
+V2 exact_divide(V2 x, S y) { return x / y; } \
+V2 exact_divide(S x, V2 y) { return x / y; } \
+V3 exact_divide(V3 x, V3 y) { return x / y; } \
+V3 exact_divide(V3 x, S y) { return x / y; } \
+V3 exact_divide(S x, V3 y) { return x / y; } \
+V4 exact_divide(V4 x, V4 y) { return x / y; } \
+V4 exact_divide(V4 x, S y) { return x / y; } \
+V4 exact_divide(S x, V4 y) { return x / y; }
+
+float exact_divide(float x, float y)
+{
+    float scale = exact_scale(y);
+    float q = (x * scale) * exact_reciprocal(y * scale);
+    return q;
+}
+exact_each_pair(exact_divide, vec2, vec3, vec4);
+exact_each_right(exact_divide, float, vec2, vec3, vec4);
+exact_divide_by(vec2);
+exact_divide_by(vec3);
+exact_divide_by(vec4);
+exact_divide_by(mat2);
+exact_divide_by(mat2x3);
+exact_divide_by(mat2x4);
+exact_divide_by(mat3x2);
+exact_divide_by(mat3);
+exact_divide_by(mat3x4);
+exact_divide_by(mat4x2);
+exact_divide_by(mat4x3);
+exact_divide_by(mat4);
+exact_divide_integers(int, ivec2, ivec3, ivec4);
+exact_divide_integers(uint, uvec2, uvec3, uvec4);
+
+/* 1 / sqrt(x) within 2e-5, for positive normal x. */
+float exact_root_estimate(float x)
+{
+    float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
+    float d = x * r * r;
+    r *= 2.102354969 - d * (1.760928667 - d * 0.6631531635);
+    return r;
+}
+
+float exact_sqrt(float x)
+{
+    float r = exact_root_estimate(x);
+    float s = x * r;
+    float error = 1.0 - s * r;
+    s += s * (0.5 * error);
+    s = x <= 3.40282347e38 ? s : x;
+    return abs(x) < 1.17549435e-38 ? x * 0.0 : x < 0.0 ? uintBitsToFloat(0x7fc00000u) : s;
+}
+exact_each(exact_sqrt);
+
+/* The quadrant of x, 0 to 3, and x less its multiple of pi / 2, within pi / 4. The parts of pi / 2
+ * (Cody, Waite) have 8 bits: products with quadrants up to 2^16 are exact. Beyond |x| = 2^16 the
+ * rest is wrong; it is cut to |r| <= 1. */
+float exact_quadrant(float x, out float r)
+{
+    float n = roundEven(x * 0.636619772);
+    r = x - n * 1.5703125;
+    r -= n * 4.82559204e-4;
+    r -= n * 1.26659870e-6;
+    r -= n * 9.89530236e-10;
+    r -= n * 2.56334407e-12;
+    r = abs(r) > 1.0 ? 0.0 : r;
+    return n - 4.0 * floor(n * 0.25);
+}
+
+/* Polynomials of Cephes (Moshier), for |r| <= pi / 4. */
+float exact_sine(float r)
+{
+    float z = r * r;
+    float p = (-1.9515295891e-4 * z + 8.3321608736e-3) * z - 1.6666654611e-1;
+    float sine = p * z * r + r;
+    return sine;
+}
+
+float exact_cosine(float r)
+{
+    float z = r * r;
+    float p = (2.443315711809948e-5 * z - 1.388731625493765e-3) * z + 4.166664568298827e-2;
+    float cosine = p * z * z - 0.5 * z + 1.0;
+    return cosine;
+}
+
+float exact_sin(float x)
+{
+    float r;
+    float quadrant = exact_quadrant(x, r);
+    float s = quadrant == 1.0 || quadrant == 3.0 ? exact_cosine(r) : exact_sine(r);
+    return quadrant >= 2.0 ? -s : s;
+}
+exact_each(exact_sin);
+
+float exact_cos(float x)
+{
+    float r;
+    float quadrant = exact_quadrant(x, r);
+    float c = quadrant == 1.0 || quadrant == 3.0 ? exact_sine(r) : exact_cosine(r);
+    return quadrant == 1.0 || quadrant == 2.0 ? -c : c;
+}
+exact_each(exact_cos);
+
+/* Where the generator does not see that arguments are integers. */
+#define exact_integers(f, g, S, V2, V3, V4) \
+S f(S x, S y) { return g(x, y); } \
+V2 f(V2 x, V2 y) { return g(x, y); } \
+V3 f(V3 x, V3 y) { return g(x, y); } \
+V4 f(V4 x, V4 y) { return g(x, y); } \
+V2 f(V2 x, S y) { return g(x, y); } \
+V3 f(V3 x, S y) { return g(x, y); } \
+V4 f(V4 x, S y) { return g(x, y); }
+
+float exact_max(float x, float y)
+{
+    return x > y ? x : y;
+}
+exact_each_pair(exact_max, vec2, vec3, vec4);
+exact_each_left(exact_max, float, vec2, vec3, vec4);
+exact_integers(exact_max, max, int, ivec2, ivec3, ivec4);
+exact_integers(exact_max, max, uint, uvec2, uvec3, uvec4);
+
 float exact_dot(float a, float b)
 {
-    precise float sum = a * b;
-    return sum;
+    return a * b;
 }
 
 float exact_dot(vec2 a, vec2 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y;
-    return sum;
+    return a.x * b.x + a.y * b.y;
 }
 
 float exact_dot(vec3 a, vec3 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
-    return sum;
+    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 float exact_dot(vec4 a, vec4 b)
 {
-    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-    return sum;
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */
@@ -91,7 +261,7 @@ layout(std140, set = 0, binding = 4) uniform Frame {
  * all of them. */
 vec2 hammersley(int k, int n)
 {
-    return vec2(float(k) / float(n), float(bitfieldReverse(uint(k)) >> 8) * (1.0 / 16777216.0));
+    return vec2(exact_divide(float(k), float(n)), float(bitfieldReverse(uint(k)) >> 8) * (5.9604645e-08));
 }
 
 /* Concentric (Shirley, Chiu 1997): squares go to circles, with less distortion than polar. */
@@ -103,12 +273,12 @@ vec2 concentric_disk(vec2 u)
     float phi = 0.0;
     if (a * a > b * b) {
         r = a;
-        phi = 0.785398163397 * (b / a);
+        phi = 0.785398163397 * (exact_divide(b, a));
     } else if (b != 0.0) {
         r = b;
-        phi = 1.57079632679 - 0.785398163397 * (a / b);
+        phi = 1.57079632679 - 0.785398163397 * (exact_divide(a, b));
     }
-    return vec2(r * cos(phi), r * sin(phi));
+    return vec2(r * exact_cos(phi), r * exact_sin(phi));
 }
 
 /* Distance of two surface points for clustering: a weighted sum of how far they are apart, in
@@ -117,9 +287,9 @@ vec2 concentric_disk(vec2 u)
 float metric_one_minus_dot(vec3 pa, vec3 na, vec3 pb, vec3 nb, float position, float normal, float scale)
 {
     vec3 d = pa - pb;
-    float apart = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    float agreement = max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
-    return position * (apart / scale) + normal * (1.0 - agreement);
+    float apart = exact_sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    float agreement = exact_max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
+    return position * (exact_divide(apart, scale)) + normal * (1.0 - agreement);
 }
 
 /* Interleaved sampling (Keller, Heidrich 2001; Segovia et al. 2006): pixel p belongs to class
@@ -253,7 +423,7 @@ void main()
         v.flux = subset_flux[0];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
     {
@@ -263,7 +433,7 @@ void main()
         v.flux = subset_flux[1];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
     }
@@ -281,7 +451,7 @@ void main()
         v.flux = subset_flux[0];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
 }
