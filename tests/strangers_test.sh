@@ -29,5 +29,22 @@ for driver in "${strangers[@]}"; do
         --set 'contracts.number={raster: 0}'
     check_status 1 "... a fault in what is computed is found" "$diptych" "${edges[@]}" --backend "$home,$driver" \
         --fault "$driver:count:bit"
+    # Every pipeline that ships; DIPTYCH_LONG has both scenes, at the defaults.
+    for spec in rsm ssvp ssdo taa deep clustered instant_radiosity; do
+        small=(--size 160x90 --set rsm_size=128)
+        case $spec in
+        ssvp) small+=(--set paraboloid_size=64 --set clusters=2 --set second_clusters=2 --set first_vpls=64 --set second_vpls=64) ;;
+        clustered) small+=(--set paraboloid_size=64 --set clusters=2 --set first_vpls=64) ;;
+        instant_radiosity) small+=(--set paraboloid_size=32 --set first_vpls=64) ;;
+        esac
+        scenes=(cornell)
+        [ -z "${DIPTYCH_LONG:-}" ] || { scenes=(cornell atrium) && small=(--size 320x180); }
+        for scene in "${scenes[@]}"; do
+            check "$driver: $spec, $scene: every pass that computes is exact" agrees '^on equal inputs' \
+                --spec "templates/$spec.yaml" --scene "scenes/$scene.yaml" --backend "$home,$driver" "${small[@]}"
+        done
+    done
+    check "$driver: post" "$diptych" compare --spec templates/post.yaml --input photo=templates/pictures/post.png --backend "$home,$driver"
+    check "$driver: machine" "$diptych" compare --spec templates/machine.yaml --size 64x64 --backend "$home,$driver"
 done
 finish
