@@ -19,7 +19,7 @@
 #include "app/base/live.h"
 #include "app/base/options.h"
 #include "app/base/texels.h"
-#include "app/report/fill.h"
+#include "app/base/fill.h"
 #include "app/result/dump.h"
 #include "app/result/picture.h"
 #include "scenes/nearest.h"

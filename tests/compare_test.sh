@@ -225,6 +225,21 @@ strays() { # a race comes out otherwise now and then only
 }
 check "a pipeline that is not the same twice" strays
 
+# ---- Pages -------------------------------------------------------------------------------------------------------------
+
+rsm=("$diptych" compare --scene "$scene" --spec templates/rsm.yaml --size 15x9 --set rsm_size=16 --set samples=4)
+check_status 1 "a fault, with a page and JUnit's XML" "${rsm[@]}" --fault vk:gather:texel --html "$work/page" --junit "$work/junit.xml"
+check "... which show it, and no other" python3 -B tests/compare_pages.py "$work/page" "$work/junit.xml"
+check "agreement, with a page and JUnit's XML" "${rsm[@]}" --backend gl,vk,gl+glsl --html "$work/agree" --junit "$work/agree.xml"
+# shellcheck disable=SC2317
+tells_pairs() {
+    [ "$(grep -c 'agree: every resource of every pass is within its contract' "$work/agree/index.html")" = 2 ] &&
+        [ "$(grep -c 'failures="0"' "$work/agree.xml")" = 2 ] && [ "$(grep -c '<testcase' "$work/agree.xml")" = 32 ]
+}
+check "... of two pairs" tells_pairs
+check "a page that cannot be written" refuses "Not a directory" "${rsm[@]}" --html "$work/junit.xml"
+check "an XML file that cannot be written" refuses "$work/none" "${rsm[@]}" --junit "$work/none/it.xml"
+
 # ---- Processes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317

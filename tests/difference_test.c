@@ -155,6 +155,29 @@ static void ulps_go_through_zero(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
 }
 
+/* Distances in ulp are those that nextafterf has. */
+static void histograms_count_ulps(void **state)
+{
+    (void)state;
+    const float next = nextafterf(1, 2);
+    float left[ELEMENTS][4] = {{1, 1, 0}, {1, 0x1p-149f, INFINITY}, {-1, 5, -3.4e38f}};
+    float right[ELEMENTS][4] = {{next, nextafterf(next, 2), -0.0f}, {2, 0, 1}, {-next, 5, 3.4e38f}};
+    const struct dt_resource resource = vectors(EXACT);
+    const struct dt_bytes copies[2] = {
+        {.data = (uint8_t *)left, .size = sizeof left, .extent = {ELEMENTS}},
+        {.data = (uint8_t *)right, .size = sizeof right, .extent = {ELEMENTS}}};
+    uint64_t bins[DIFFERENCE_BINS], expected[DIFFERENCE_BINS] = {0};
+    expected[0] = 1;                   /* 0 and -0 */
+    expected[1] = 2;                   /* 1 ulp */
+    expected[2] = 1;                   /* 2 */
+    expected[24] = 1;                  /* 2^23: 1 to 2 */
+    expected[DIFFERENCE_BINS - 2] = 1; /* beyond 2^32 - 2^25 */
+    expected[DIFFERENCE_BINS - 1] = 1; /* infinity */
+    assert_true(difference_histogram(bins, &resource, copies));
+    for (int i = 0; i < DIFFERENCE_BINS; i++)
+        assert_int_equal(bins[i], expected[i]);
+}
+
 static void nan_never_passes(void **state)
 {
     (void)state;
@@ -574,6 +597,7 @@ int main(void)
         cmocka_unit_test(tolerances_are_kept),
         cmocka_unit_test(denormals_count_as_zero),
         cmocka_unit_test(ulps_go_through_zero),
+        cmocka_unit_test(histograms_count_ulps),
         cmocka_unit_test(nan_never_passes),
         cmocka_unit_test(nan_is_found_anywhere),
         cmocka_unit_test(outliers_are_counted),

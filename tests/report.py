@@ -9,7 +9,7 @@ import os
 import sys
 import urllib.parse
 
-VOID = {"meta", "img", "br", "link", "hr"}
+VOID = {"meta", "img", "br", "link", "hr", "input"}
 SCENE = "a & box"
 VALUES = ["0.05", "0.1", "0.2"]
 PICTURES = ["dark", "shown"]
@@ -258,4 +258,5 @@ def main():
     assert any("--set level=0.1" in e[2] for e in page.all("pre")) and any("pipeline: grey" in e[2] for e in page.all("pre"))
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -36,6 +36,36 @@ struct seen {
     uint8_t *texels; /* RGBA */
 };
 
+/* The panels as files of their own have the texels of the strip, but for its yellow square. */
+static void compare_apart(const char *folder, const struct seen *seen,
+                          const struct dt_resource *resource, const struct dt_bytes copies[2])
+{
+    char *paths[3];
+    struct strip strip;
+    for (int i = 0; i < 3; i++)
+        assert_non_null(paths[i] = format_string("%s/%d.png", folder, i));
+    assert_true(strip_write_apart(&strip, (const char *const *)paths, resource, copies, &listener));
+    assert_true(strip.amplification == seen->strip.amplification &&
+                strip.layer == seen->strip.layer);
+    for (uint32_t panel = 0; panel < 3; panel++) {
+        uint32_t width = 0, height = 0;
+        uint8_t *codes;
+        assert_true(image_read_rgba8(paths[panel], &width, &height, &codes, &listener));
+        assert_int_equal(width * seen->scale, seen->panel);
+        assert_int_equal(height * seen->scale, seen->height);
+        for (uint32_t i = 0; i < width * height; i++) {
+            uint32_t x = panel * (seen->panel + SEPARATOR) + i % width * seen->scale;
+            const uint8_t *found =
+                seen->texels + ((size_t)(i / width * seen->scale) * seen->width + x) * 4;
+            bool yellow = panel == 2 && found[0] == 255 && found[1] == 255 && found[2] == 0;
+            if (!yellow)
+                assert_memory_equal(codes + (size_t)i * 4, found, 4);
+        }
+        free(codes);
+        free(paths[panel]);
+    }
+}
+
 static struct seen look(const struct dt_resource *resource, const void *left, const void *right,
                         size_t size, const uint32_t extent[3])
 {
@@ -52,6 +82,7 @@ static struct seen look(const struct dt_resource *resource, const void *left, co
     seen.scale = seen.height / extent[1];
     seen.panel = extent[0] * seen.scale;
     assert_int_equal(seen.width, 3 * seen.panel + 2 * SEPARATOR);
+    compare_apart(folder, &seen, resource, copies);
     file_remove_tree(folder);
     free(path);
     return seen;

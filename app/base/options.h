@@ -54,6 +54,8 @@ struct options {
     const char *context;
     const char *json;
     const char *pictures;
+    const char *html;                       /* folder */
+    const char *junit;                      /* file */
     uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
     const char *fault;
     const char *bisect; /* folder to write */

@@ -349,13 +349,20 @@ static bool allocate(struct compare *compare)
     return good;
 }
 
+static void free_result(struct result *result)
+{
+    free(result->picture);
+    for (int i = 0; i < SHOWN_PICTURES; i++)
+        free(result->shown[i]);
+}
+
 static void release(struct compare *compare)
 {
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         blame_free(&pair->blame);
         for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
-            free(pair->results[k].picture);
+            free_result(&pair->results[k]);
         free(pair->results);
         free(pair->history);
         free(pair->outputs_differ);
@@ -463,14 +470,17 @@ static bool run(struct compare *compare)
     const struct options *options = &compare->options;
     if (!sides_read(&compare->sides, options, &console->log))
         return false;
-    if (options->pictures && !file_make_folders(options->pictures, &console->log))
+    if ((options->pictures && !file_make_folders(options->pictures, &console->log)) ||
+        (options->html && !file_make_folders(options->html, &console->log)) ||
+        (options->junit && !file_can_write(options->junit, &console->log)))
         return false;
     if (!load(compare) || !allocate(compare))
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
     return compare->complete && find_blame(compare) && keep_evidence(compare) &&
-           atomic_load(&console->errors) == 0;
+           atomic_load(&console->errors) == 0 && (!options->html || compare_write_html(compare)) &&
+           (!options->junit || compare_write_junit(compare));
 }
 
 int verb_compare(struct console *console, const struct options *options)

@@ -12,6 +12,8 @@
 #include "result/strip.h"
 #include "run/source.h"
 
+enum { SHOWN_PICTURES = 3 };
+
 /* One row of one pair over all frames. */
 struct result {
     struct difference difference; /* of the frame with the largest difference */
@@ -19,6 +21,10 @@ struct result {
     uint32_t frames_differing;    /* frames in which bits differ */
     char *picture;                /* file of that frame's strip, NULL: none; owned */
     struct strip strip;           /* what it shows */
+    /* --html: files of first copy, second copy and difference in that frame; of equal copies the first;
+     * owned */
+    char *shown[SHOWN_PICTURES];
+    uint64_t bins[DIFFERENCE_BINS];
 };
 
 /* The first side, and one of the others. */
@@ -59,8 +65,8 @@ struct compare {
     const struct pair *bisected; /* of this pair */
 };
 
-/* --pictures: writes the strip of an image in this row of rows.outputs when the pair's last result
- * differs, and notes it in the result. Logs its error. */
+/* --pictures and --html: writes what they show of this row of rows.outputs in the pair's last result, and
+ * notes it in the kept one. Logs its error. */
 bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
 
 /* First row of a pair that broke its contract. */
@@ -69,5 +75,10 @@ const struct row *broken_row(const struct compare *compare, const struct pair *p
 void compare_print(const struct compare *compare); /* on stdout */
 
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
+struct cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair);
+
+/* --html and --junit; log their errors. */
+bool compare_write_html(const struct compare *compare);
+bool compare_write_junit(const struct compare *compare);
 
 #endif

@@ -103,6 +103,14 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
         cJSON_AddStringToObject(event, "side", blame->side->label);
 }
 
+cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair)
+{
+    cJSON *item = cJSON_CreateObject();
+    add_pair(item, compare, pair);
+    add_outcome(item, compare, pair);
+    return item;
+}
+
 /* A single pair stands in the root. Of several, each stands in "pairs", and the root has the
  * outcome of the first that differs. */
 cJSON *compare_json(const struct compare *compare)
@@ -122,10 +130,7 @@ cJSON *compare_json(const struct compare *compare)
     cJSON *pairs = compare->pair_count > 1 ? cJSON_AddArrayToObject(root, "pairs") : NULL;
     for (uint32_t i = 0; pairs && i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];
-        cJSON *item = cJSON_CreateObject();
-        add_pair(item, compare, pair);
-        add_outcome(item, compare, pair);
-        cJSON_AddItemToArray(pairs, item);
+        cJSON_AddItemToArray(pairs, compare_pair_json(compare, pair));
         told = pair->broken && !told->broken ? pair : told;
     }
     add_outcome(root, compare, told);

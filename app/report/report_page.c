@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "base/fill.h"
 #include "base/tool.h"
 #include "measure/plot.h"
-#include "report/fill.h"
 #include "report/report.h"
 
 /* ---- Head ------------------------------------------------------------------------------------ */
@@ -390,24 +390,10 @@ static cJSON *page_json(struct report *report)
 
 bool report_write_page(struct report *report)
 {
-    const struct dt_log *log = &report->steps.console->log;
-    char *folder = templates_folder(log);
-    char *template = folder ? format_string("%s/report/report.html", folder) : NULL;
     char *path = format_string("%s/index.html", report->steps.folder);
-    cJSON *page = template ? page_json(report) : NULL;
-    struct file_draft draft;
-    bool good = file_draft_begin(&draft, log) && page && template &&
-                fill_template(draft.out, template, page, log);
-    if (good) {
-        console_hold(report->steps.console);
-        good = file_draft_end(&draft, path, log);
-        console_release(report->steps.console);
-    } else {
-        file_draft_discard(&draft);
-    }
+    cJSON *page = page_json(report);
+    bool good = fill_page(report->steps.console, "report.html", path, page);
     cJSON_Delete(page);
     free(path);
-    free(template);
-    free(folder);
     return good;
 }

@@ -249,6 +249,40 @@ bool difference_measure_draw(struct difference *difference, const struct dt_reso
     return true;
 }
 
+/* ---- Histogram ------------------------------------------------------------------------------- */
+
+static int bin_of(double distance)
+{
+    int exponent;
+    frexp(distance, &exponent);
+    return !isfinite(distance)              ? DIFFERENCE_BINS - 1
+           : distance < 1                   ? 0
+           : exponent > DIFFERENCE_BINS - 2 ? DIFFERENCE_BINS - 2
+                                            : exponent;
+}
+
+bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resource *resource,
+                          const struct dt_bytes copies[2])
+{
+    struct numbers numbers;
+    bool good = numbers_of(&numbers, resource);
+    memset(bins, 0, DIFFERENCE_BINS * sizeof *bins);
+    for (size_t at = 0; good && at + numbers.stride <= copies[0].size; at += numbers.stride)
+        for (uint32_t c = 0; c < numbers.count; c++) {
+            const struct component *component = &numbers.components[c];
+            uint32_t bits[2];
+            double values[2];
+            for (int i = 0; i < 2; i++) {
+                bits[i] = number_bits(component->kind, copies[i].data + at + component->offset);
+                values[i] = number_of_bits(component->kind, bits[i]);
+            }
+            if (flushed(component->kind, bits[0]) != flushed(component->kind, bits[1]))
+                bins[bin_of(measure(DT_CONTRACT_ULP, component->kind, bits, values))]++;
+        }
+    free(numbers.components);
+    return good;
+}
+
 /* ---- Margins and verdict --------------------------------------------------------------------- */
 
 bool difference_needs_margins(const struct difference *difference,

@@ -72,6 +72,13 @@ bool difference_needs_margins(const struct difference *difference,
 void difference_add_margins(struct difference *difference, const struct dt_resource *resource,
                             const struct dt_resource *margin, const struct dt_bytes margins[2]);
 
+/* Numbers whose bits differ, by their distance in ulp, in codes, or of integers: none for zeros of two
+ * signs, then 2^(i-1) to 2^i - 1 in bin i; NaN and Inf in the last. Copies have one size. False when out
+ * of memory. */
+enum { DIFFERENCE_BINS = 34 };
+bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resource *resource,
+                          const struct dt_bytes copies[2]);
+
 enum verdict difference_verdict(const struct difference *difference);
 const char *verdict_name(enum verdict verdict); /* "equal", "within", "DIFFERS" */
 

@@ -287,8 +287,26 @@ static bool check_copies(const struct dt_resource *resource, const struct dt_byt
     return true;
 }
 
-bool strip_write(struct strip *strip, const char *path, const struct dt_resource *resource,
-                 const struct dt_bytes copies[2], const struct dt_log *log)
+/* Writes some columns of a picture. */
+static bool write_columns(const char *path, const struct pair *pair, const uint8_t *codes,
+                          uint32_t first_column, uint32_t row_columns, const struct dt_log *log)
+{
+    struct canvas canvas = {.width = pair->width, .height = pair->height, .scale = 1};
+    canvas.codes = allocate_codes(canvas.width, canvas.height);
+    if (!canvas.codes) {
+        report_error(log, "%s: out of memory for a picture", pair->resource->name);
+        return false;
+    }
+    place_panel(&canvas, 0, codes, first_column, row_columns, pair->width);
+    bool good = image_write_png(path, canvas.width, canvas.height, 3, canvas.codes, log);
+    free(canvas.codes);
+    return good;
+}
+
+/* One strip to `path`, or the panels to `paths`. */
+static bool write(struct strip *strip, const char *path, const char *const paths[3],
+                  const struct dt_resource *resource, const struct dt_bytes copies[2],
+                  const struct dt_log *log)
 {
     *strip = (struct strip){0};
     if (!check_copies(resource, copies, log))
@@ -298,10 +316,30 @@ bool strip_write(struct strip *strip, const char *path, const struct dt_resource
     if (!paint_copies(&both, &pair, log))
         return false;
     uint8_t *differences = paint_differences(strip, &pair);
+    bool good = differences;
     if (!differences)
         report_error(log, "%s: out of memory for a picture", resource->name);
-    bool good = differences && write_panels(path, &pair, &both, differences, log);
+    else if (path)
+        good = write_panels(path, &pair, &both, differences, log);
+    for (uint32_t i = 0; good && paths && i < 2; i++)
+        good = !paths[i] ||
+               write_columns(paths[i], &pair, both.codes, i * pair.width, both.width, log);
+    if (good && paths && paths[2])
+        good = write_columns(paths[2], &pair, differences, 0, pair.width, log);
     free(differences);
     picture_free(&both);
     return good;
+}
+
+bool strip_write(struct strip *strip, const char *path, const struct dt_resource *resource,
+                 const struct dt_bytes copies[2], const struct dt_log *log)
+{
+    return write(strip, path, NULL, resource, copies, log);
+}
+
+bool strip_write_apart(struct strip *strip, const char *const paths[3],
+                       const struct dt_resource *resource, const struct dt_bytes copies[2],
+                       const struct dt_log *log)
+{
+    return write(strip, NULL, paths, resource, copies, log);
 }

@@ -23,4 +23,10 @@ struct strip {
 bool strip_write(struct strip *strip, const char *path, const struct dt_resource *resource,
                  const struct dt_bytes copies[2], const struct dt_log *log);
 
+/* The same three as PNGs of their own, not enlarged and without the square: first copy, second copy,
+ * difference. For a NULL path nothing is written. */
+bool strip_write_apart(struct strip *strip, const char *const paths[3],
+                       const struct dt_resource *resource, const struct dt_bytes copies[2],
+                       const struct dt_log *log);
+
 #endif

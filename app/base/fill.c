@@ -1,11 +1,11 @@
 /* Templates; see fill.h. */
-#include "report/fill.h"
+#include "base/fill.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
 #include "base/files.h"
+#include "base/tool.h"
 
 struct filler {
     FILE *out;
@@ -190,5 +190,25 @@ bool fill_template(FILE *out, const char *path, const cJSON *data, const struct 
     const struct scope scope = {.value = data, .index = -1};
     bool good = text && fill_part(&filler, text, NULL, &scope, true);
     free(text);
+    return good;
+}
+
+bool fill_page(struct console *console, const char *name, const char *path, const cJSON *data)
+{
+    const struct dt_log *log = &console->log;
+    char *folder = templates_folder(log);
+    char *template = folder ? format_string("%s/report/%s", folder, name) : NULL;
+    struct file_draft draft;
+    bool good =
+        file_draft_begin(&draft, log) && template && fill_template(draft.out, template, data, log);
+    if (good) {
+        console_hold(console);
+        good = file_draft_end(&draft, path, log);
+        console_release(console);
+    } else {
+        file_draft_discard(&draft);
+    }
+    free(template);
+    free(folder);
     return good;
 }

@@ -1,4 +1,4 @@
-/* Fills a text template from JSON. Called by report_page.c.
+/* Fills a text template from JSON. Called by report and compare, for their pages.
  *
  *   {{name}}               the text or number of that name, escaped for HTML
  *   {{#name}}…{{/name}}    once for each item of a list; once inside an object, or when a value is true or a text
@@ -15,10 +15,13 @@
 #include <cjson/cJSON.h>
 #include <stdio.h>
 
-#include "diptych.h"
+#include "base/console.h"
 
 /* Reads the template at `path` and writes it, filled, to `out`. Logs what is wrong with its line: a section that is not
  * closed, a slot whose name the data lacks. */
 bool fill_template(FILE *out, const char *path, const cJSON *data, const struct dt_log *log);
+
+/* Fills the page `name` of the templates folder, and writes it as file_write does. Logs its error. */
+bool fill_page(struct console *console, const char *name, const char *path, const cJSON *data);
 
 #endif
