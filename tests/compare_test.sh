@@ -240,6 +240,43 @@ check "... of two pairs" tells_pairs
 check "a page that cannot be written" refuses "Not a directory" "${rsm[@]}" --html "$work/junit.xml"
 check "an XML file that cannot be written" refuses "$work/none" "${rsm[@]}" --junit "$work/none/it.xml"
 
+# ---- Golden ------------------------------------------------------------------------------------------------------------
+
+cp -r templates "$work/mine"
+mine=("$diptych" compare --scene "$scene" --spec "$work/mine/rsm.yaml" --set rsm_size=16 --set samples=4)
+kept="golden $work/golden: all resources are as kept"
+check "a golden folder" "${mine[@]}" --size 15x9 --frames 2 --golden "$work/golden" --update
+check "... keeps the pictures" "$diptych" render --scene "$scene" --spec "$work/mine/rsm.yaml" --set rsm_size=16 --set samples=4 \
+    --size 15x9 --frames 2 --backend vk --show indirect -o "$work/indirect.png"
+check "... that render shows" cmp "$work/indirect.png" "$work/golden/05.denoise_columns.indirect.png"
+check "... agrees, in its size and frames" ends 0 "$kept" "${mine[@]}" --golden "$work/golden"
+check "... with other drivers" ends 0 "$kept" "${mine[@]}" --golden "$work/golden" --backend osmesa,vk --json "$work/it.json"
+check "... which is in the JSON" holds "it['golden'] == [] and it['width'] == 15 and it['frames'] == 2"
+check "... refuses another size" refuses "holds a frame of 15x9" "${mine[@]}" --golden "$work/golden" --size 15x10
+check "... and other values" refuses "was made with --set" "${mine[@]}" --golden "$work/golden" --set samples=5
+check "... of a fault it keeps nothing" ends 1 "guilty: pass gather (shader rsm/gather.glsl): resource irradiance, in frame 0" "${mine[@]}" \
+    --size 15x9 --frames 2 --golden "$work/golden" --update --fault vk:gather:texel
+check "... is as it was" ends 0 "$kept" "${mine[@]}" --golden "$work/golden"
+sed -i 's/irradiance_rows/rows_of_it/g' "$work"/mine/*.yaml "$work"/mine/shared/*
+check "... knows new names" ends 1 \
+    "golden $work/golden: 2 resources are not as kept, first pass denoise_rows, resource rows_of_it: new; --update keeps the new ones" \
+    "${mine[@]}" --golden "$work/golden" --json "$work/it.json"
+check "... and old ones" holds "[(e['resource'], e['is']) for e in it['golden']] == [('rows_of_it', 'new'), ('irradiance_rows', 'gone')]"
+cp -r templates/. "$work/mine"
+sed -i 's/tile\.x));/tile.x) * 1.25);/' "$work/mine/shared/denoise_rows.glsl"
+check "a change that both sides agree on differs from the golden folder" ends 1 \
+    "golden $work/golden: 6 resources are not as kept, first pass denoise_rows, resource irradiance_rows: different; --update keeps the new ones" \
+    "${mine[@]}" --golden "$work/golden" --junit "$work/junit.xml" --html "$work/page"
+check "... in JUnit's XML" grep -A1 'name="rsm: golden" tests="6" failures="6"' "$work/junit.xml"
+check "... and on the page" grep -A2 'Not as kept in' "$work/page/index.html"
+check "... until it is updated" "${mine[@]}" --size 15x9 --frames 2 --golden "$work/golden" --update
+check "... then it agrees" ends 0 "$kept" "${mine[@]}" --golden "$work/golden"
+check "no golden folder" refuses "nothing is kept there; make it with --update" "${mine[@]}" --golden "$work/none"
+echo '{"golden": 1, "set": [], "results": [{}]}' >"$work/golden/manifest.json"
+check "a damaged golden folder" refuses "manifest.json: was not written by --golden" "${mine[@]}" --golden "$work/golden"
+check "another folder" refuses "was not written by" "${mine[@]}" --size 8x8 --golden "$work/page" --update
+check "--update alone" refuses "needs --golden" "${mine[@]}" --size 8x8 --update
+
 # ---- Processes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317

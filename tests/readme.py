@@ -6,6 +6,8 @@ A fenced block says by its first line what the test does with it:
     ```sh no-test     runs the block with programs that read their options and do nothing else
     ```console        runs the line behind each `$ `; the lines below must be printed, in this order
     ```yaml FILE      every line stands in FILE
+    ```yaml workflow  the steps that run diptych succeed
+    ```python         left to python_test.py
 
 `<!-- before: COMMAND -->` in the line before a block runs COMMAND first, and gives the block a copy of the project of its own.
 
@@ -22,6 +24,8 @@ import re
 import shutil
 import subprocess
 import sys
+
+import yaml
 
 ROOT, BUILD, WORK = sys.argv[1:]
 READMES = ("README.md", "scenes/README.md", "templates/README.md", "templates/ssvp/README.md")
@@ -161,6 +165,15 @@ def check_quote(block, path):
     result(not strange, f"{block.place}: lines of {path}", *strange)
 
 
+def run_workflow(block, folder):
+    jobs = yaml.safe_load(block.text)["jobs"].values()
+    commands = [step["run"] for job in jobs for step in job["steps"] if step.get("run", "").startswith("diptych ")]
+    result(commands, f"{block.place}: runs diptych")
+    for command in commands:
+        run = bash(command, folder, PATH=f"{folder}/build:{os.environ['PATH']}")
+        result(run.returncode == 0, f"{block.place}: {command}", f"exit status {run.returncode}", run.stdout, run.stderr)
+
+
 def run_block(block, folder, stubs):
     """Returns the lines that it prints, as far as the test looks at them."""
     if block.before:
@@ -171,6 +184,8 @@ def run_block(block, folder, stubs):
         return run_console(block, folder)
     if block.kind == "sh" and block.words in ([], ["no-test"]):
         run_script(block, folder, stubs)
+    elif block.kind == "yaml" and block.words == ["workflow"]:
+        run_workflow(block, folder)
     elif block.kind == "yaml" and len(block.words) == 1:
         check_quote(block, block.words[0])
     elif block.kind != "python":  # python_test.py runs those

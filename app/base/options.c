@@ -94,6 +94,10 @@ static const struct option_row rows[] = {
      "write a page: of each image both sides, by slider and in turn, and their difference"},
     {"--junit", OPTION_STRING, AT(junit), VERB_COMPARE, 0, "FILE",
      "write a test case per resource, as JUnit's XML"},
+    {"--golden", OPTION_STRING, AT(golden), VERB_COMPARE, 0, "DIR",
+     "also compare the first side with the hashes in this folder, which set size and frames"},
+    {"--update", OPTION_FLAG, AT(update), VERB_COMPARE, 0, NULL,
+     "--golden: write the folder, with hashes and pictures, if the sides agree"},
     {"--json", OPTION_STRING, AT(json), TELLING, 0, "FILE",
      "also write the result, or the errors, as JSON"},
     {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
@@ -199,7 +203,7 @@ static struct command_line command_of(const struct verb *verb)
                                  .row_count = DT_ARRAY_COUNT(rows)};
 }
 
-/* Defaults of options that a dump of --against would set. */
+/* Defaults of options that a dump of --against, or --golden, would set. */
 static void fill_in(struct options *options, const struct verb *verb)
 {
     if (!options->size[0]) {
@@ -218,7 +222,7 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
     const struct command_line command = command_of(verb);
     if (!command_parse(&command, options, argc, argv, log))
         return false;
-    if (!options->against)
+    if (!options->against && (!options->golden || options->update))
         fill_in(options, verb);
     return options->help || command_is_complete(&command, options, log);
 }

@@ -54,8 +54,10 @@ struct options {
     const char *context;
     const char *json;
     const char *pictures;
-    const char *html;                       /* folder */
-    const char *junit;                      /* file */
+    const char *html;   /* folder */
+    const char *junit;  /* file */
+    const char *golden; /* folder */
+    bool update;
     uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
     const char *fault;
     const char *bisect; /* folder to write */

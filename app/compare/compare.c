@@ -8,7 +8,6 @@
 #include "base/files.h"
 #include "build/inputs.h"
 #include "compare/bisect.h"
-#include "result/identity.h"
 
 /* Fills resources without history before the first frame: memory that no pass has written then
  * differs in every pair. */
@@ -113,6 +112,8 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
     const struct row *row = &compare->rows.outputs.list[index];
     uint64_t hash = 0;
     if (!compare_copies(compare, row, frame, &hash))
+        return false;
+    if (compare->options.golden && !golden_add(compare, index, frame, hash))
         return false;
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
@@ -341,7 +342,8 @@ static bool allocate(struct compare *compare)
     compare->sources = calloc(sides, sizeof *compare->sources);
     compare->devices = calloc(sides, sizeof *compare->devices);
     compare->pairs = calloc(compare->pair_count, sizeof *compare->pairs);
-    bool good = compare->sources && compare->devices && compare->pairs;
+    compare->golden.hashes = calloc(compare->rows.outputs.count, sizeof *compare->golden.hashes);
+    bool good = compare->sources && compare->devices && compare->pairs && compare->golden.hashes;
     for (uint32_t i = 0; i < compare->pair_count && good; i++)
         good = allocate_pair(compare, i);
     if (!good)
@@ -376,6 +378,7 @@ static void release(struct compare *compare)
     free(compare->devices);
     free(compare->sources);
     dump_reader_close(&compare->dump);
+    golden_free(&compare->golden);
     rows_free(&compare->rows);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
@@ -447,7 +450,7 @@ static bool load(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
-    if (options->against && !open_dump(compare))
+    if ((options->against && !open_dump(compare)) || (options->golden && !golden_open(compare)))
         return false;
     if (options->bisect && !evidence_can_write(console, options->bisect))
         return false;
@@ -468,6 +471,10 @@ static bool run(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
+    if (options->update && !options->golden) {
+        report_error(&console->log, "--update: needs --golden DIR, the folder that it writes");
+        return false;
+    }
     if (!sides_read(&compare->sides, options, &console->log))
         return false;
     if ((options->pictures && !file_make_folders(options->pictures, &console->log)) ||
@@ -479,7 +486,8 @@ static bool run(struct compare *compare)
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
     return compare->complete && find_blame(compare) && keep_evidence(compare) &&
-           atomic_load(&console->errors) == 0 && (!options->html || compare_write_html(compare)) &&
+           atomic_load(&console->errors) == 0 && (!options->golden || golden_end(compare)) &&
+           (!options->html || compare_write_html(compare)) &&
            (!options->junit || compare_write_junit(compare));
 }
 
@@ -492,8 +500,11 @@ int verb_compare(struct console *console, const struct options *options)
     if (compare.complete && options->json)
         console->result = compare_json(&compare);
     console_status(console, "%s", "");
-    if (compare.complete)
+    if (compare.complete) {
         compare_print(&compare);
+        golden_print(&compare);
+        differ = golden_differs(&compare);
+    }
     for (uint32_t i = 0; i < compare.pair_count; i++)
         differ |= compare.pairs && compare.pairs[i].broken;
     release(&compare);

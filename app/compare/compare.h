@@ -3,10 +3,12 @@
 #ifndef DIPTYCH_COMPARE_H
 #define DIPTYCH_COMPARE_H
 
+#include "base/folder.h"
 #include "base/options.h"
 #include "build/pipeline.h"
 #include "compare/blame.h"
 #include "result/difference.h"
+#include "result/identity.h"
 #include "result/region.h"
 #include "result/rows.h"
 #include "result/strip.h"
@@ -25,6 +27,14 @@ struct result {
      * owned */
     char *shown[SHOWN_PICTURES];
     uint64_t bins[DIFFERENCE_BINS];
+};
+
+/* The folder of --golden: hashes of what the first side leaves in all frames, and its pictures. */
+struct golden {
+    struct folder folder;    /* --update: being written */
+    struct cJSON *kept;      /* its manifest */
+    uint64_t *hashes;        /* one per row of rows.outputs */
+    struct cJSON *differing; /* [{"pass", "resource", "mip", "is": "different", "new" or "gone"}] */
 };
 
 /* The first side, and one of the others. */
@@ -48,6 +58,7 @@ struct compare {
     struct console *console;
     struct options options;  /* with the frame of --against */
     struct dump_reader dump; /* the first side, with --against */
+    struct golden golden;
     struct sides sides;
     struct pipeline pipeline;
     struct scene scene;
@@ -71,6 +82,17 @@ bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t 
 
 /* First row of a pair that broke its contract. */
 const struct row *broken_row(const struct compare *compare, const struct pair *pair);
+
+/* Takes size and frames from the folder, or begins to write it; before the pipeline is loaded. These
+ * three log their errors. */
+bool golden_open(struct compare *compare);
+/* Takes what the first side left in a row of rows.outputs, by its fingerprint; at the stop after its pass. */
+bool golden_add(struct compare *compare, uint32_t output, uint32_t frame, uint64_t hash);
+/* Finds what differs; --update: puts the new folder in its place, if the sides agree. */
+bool golden_end(struct compare *compare);
+bool golden_differs(const struct compare *compare);
+void golden_print(const struct compare *compare); /* on stdout */
+void golden_free(struct golden *golden);          /* takes a zeroed one */
 
 void compare_print(const struct compare *compare); /* on stdout */
 

@@ -116,6 +116,12 @@ bool compare_write_html(const struct compare *compare)
     cJSON *pairs = cJSON_AddArrayToObject(page, "pairs");
     for (uint32_t i = 0; i < compare->pair_count; i++)
         cJSON_AddItemToArray(pairs, pair_page(compare, i));
+    cJSON *golden = cJSON_AddObjectToObject(page, "golden");
+    if (compare->options.golden && !compare->options.update) {
+        cJSON_AddStringToObject(golden, "folder", compare->options.golden);
+        cJSON_AddItemToObject(golden, "differing",
+                              cJSON_Duplicate(compare->golden.differing, true));
+    }
     bool good = fill_page(compare->console, "compare.html", path, page);
     cJSON_Delete(page);
     free(path);

@@ -134,5 +134,7 @@ cJSON *compare_json(const struct compare *compare)
         told = pair->broken && !told->broken ? pair : told;
     }
     add_outcome(root, compare, told);
+    if (compare->options.golden)
+        cJSON_AddItemToObject(root, "golden", cJSON_Duplicate(compare->golden.differing, true));
     return root;
 }

@@ -1,4 +1,5 @@
 /* JUnit's XML of `compare`; see compare.h. */
+#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -79,6 +80,27 @@ static void put_suite(FILE *out, const struct compare *compare, uint32_t index)
     free(name);
 }
 
+/* A case per resource that differs, else one. */
+static void put_golden(FILE *out, const struct compare *compare)
+{
+    int count = cJSON_GetArraySize(compare->golden.differing);
+    const cJSON *item;
+    fprintf(out, "<testsuite name=\"%s: golden\" tests=\"%d\" failures=\"%d\">\n",
+            compare->pipeline.info->name, count ? count : 1, count);
+    if (!count)
+        fputs("<testcase classname=\"golden\" name=\"all resources are as kept\"/>\n", out);
+    cJSON_ArrayForEach(item, compare->golden.differing)
+    {
+        fputs("<testcase", out);
+        put_attribute(out, "classname", cJSON_GetStringValue(cJSON_GetObjectItem(item, "pass")));
+        put_attribute(out, "name", cJSON_GetStringValue(cJSON_GetObjectItem(item, "resource")));
+        fputs("><failure", out);
+        put_attribute(out, "message", cJSON_GetStringValue(cJSON_GetObjectItem(item, "is")));
+        fputs("/></testcase>\n", out);
+    }
+    fputs("</testsuite>\n", out);
+}
+
 bool compare_write_junit(const struct compare *compare)
 {
     struct file_draft draft;
@@ -89,6 +111,8 @@ bool compare_write_junit(const struct compare *compare)
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", draft.out);
     for (uint32_t i = 0; i < compare->pair_count; i++)
         put_suite(draft.out, compare, i);
+    if (compare->options.golden && !compare->options.update)
+        put_golden(draft.out, compare);
     fputs("</testsuites>\n", draft.out);
     console_hold(compare->console);
     bool good = file_draft_end(&draft, compare->options.junit, &compare->console->log);
