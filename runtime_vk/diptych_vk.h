@@ -233,7 +233,7 @@ bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct 
  * halves on a queue of `family`, with the same families, and puts semaphores between:
  *   - a release before, in layout_before, or of the range that was imported. None for an image with
  *     layout_before UNDEFINED, whose content is lost;
- *   - an acquire after, in the layout that dt_vk_resource then tells, or of the range.
+ *   - an acquire after, in the layout that dt_vk_get_resource then tells, or of the range.
  * Call after the import, before a frame. VK_QUEUE_FAMILY_IGNORED cancels it. */
 bool dt_vk_exchange(struct vk_runtime *rt, uint32_t resource, uint32_t family);
 
