@@ -2,6 +2,7 @@
  * Included by passes that sample the maps. */
 #include "../shared/space.glsl"
 #include "../shared/facing.glsl"
+#include "../shared/texture.glsl"
 #include "../shared/triangle.glsl"
 #include "texel.glsl"
 
@@ -20,12 +21,12 @@ vec3 albedo_of(Triangle t, vec3 weights, float extent)
     vec2 uv = corner_uv(t.a) + e * weights.y + f * weights.z;
     vec2 size = vec2(textureSize(scene_textures, 0).xy);
     float texels = abs(e.x * f.y - e.y * f.x) * size.x * size.y * extent;
-    float level = 0.0;
-    for (int k = 0; k < 12; k++) {
-        level += texels > 2.0 ? 1.0 : 0.0;
+    int level = 0;
+    for (int k = 1; k < textureQueryLevels(scene_textures); k++) {
+        level += texels > 2.0 ? 1 : 0;
         texels *= 0.25;
     }
-    vec4 texel = textureLod(scene_textures, vec3(uv, float(max(m.texture_layer, 0))), level);
+    vec4 texel = texture_bilinear(uv - floor(uv), max(m.texture_layer, 0), level);
     return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : texel.rgb), 0.0, 1.0);
 }
 
