@@ -109,6 +109,33 @@ for kind in m["ldr"], m["hdr"]:
 assert m["ldr"]["yee"]["failing"] == 0' "$work/metrics.json"
 }
 check "a picture has no error against itself" no_error
+refused 1 'names one picture' "${metrics[@]}" --test "$work/a.exr" --frames 2
+refused 1 'needs exactly one %d' "${metrics[@]}" --test "$work/%d%d.exr" --frames 2
+cp "$work/a.exr" "$work/absent_0.exr"
+refused 1 'absent_1.exr' "${metrics[@]}" --test "$work/absent_%d.exr" --frames 2
+# shellcheck disable=SC2317
+several() { # numbers of two pictures are the means and standard errors of those of each
+    local frame
+    "$diptych" render --scene "$scene" --size 16x8 --backend vk --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
+    for frame in 0 1; do
+        "${metrics[@]}" --test "$work/several_$frame.exr" --json "$work/several_$frame.json" || return
+    done
+    "${metrics[@]}" --test "$work/several_%d.exr" --frames 2 --json "$work/several.json" &&
+        python3 -c 'import json, statistics, sys
+both, one, two = (json.load(open(name)) for name in sys.argv[1:])
+assert both["pictures"] == 2 and "standard_errors" not in one
+for kind in "hdr", "ldr":
+    for key, value in both[kind].items():
+        if key in ("flip", "yee", "not_finite"):
+            continue
+        pair = [one[kind][key], two[kind][key]]
+        for got, right in (value, statistics.mean(pair)), (both["standard_errors"][kind][key], statistics.stdev(pair) / 2 ** 0.5):
+            assert abs(got - right) <= 1e-9 * abs(pair[0]), (key, got, right)
+    assert abs(both[kind]["flip"]["mean"] - (one[kind]["flip"]["mean"] + two[kind]["flip"]["mean"]) / 2) < 1e-9
+assert both["standard_errors"]["hdr"]["mean_reference"] == 0 < both["standard_errors"]["hdr"]["smape"]' \
+            "$work/several.json" "$work/several_0.json" "$work/several_1.json"
+}
+check "several pictures are averaged" several
 
 # A pipeline of one's own is planned on the spot, without a C compiler. Its cache is its own, too: a copy of the tools.
 mkdir -p "$work/project/build" "$work/spec"

@@ -325,10 +325,89 @@ static void errors_of_two_constants(void **state)
     f->test[4] = NAN;
     f->reference[9] = INFINITY;
     errors = image_errors_measure(&reference, &test);
-    assert_int_equal(errors.not_finite, 2);
+    assert_float_equal(errors.not_finite, 2, 0);
     assert_float_equal(errors.mean_absolute, 0.2 / 3, 1e-7);
     errors = image_errors_measure(&test, &test);
     assert_true(errors.rmse == 0 && isinf(errors.psnr));
+}
+
+/* Worked out by hand, pixel by pixel; what is NaN or Inf in either picture leaves no trace. */
+static void darkness_shows(void **state)
+{
+    (void)state;
+    static const float right[] = {1, 1, 1, 0, 0, 0, 0, 0,   0, 2, 2, 2,
+                                  0, 1, 0, 1, 0, 0, 1, NAN, 1, 1, 1, 1};
+    static const float given[] = {.125f,  .125f, .125f, 0,  0, 0, .0625f,   .0625f,
+                                  .0625f, 16,    16,    16, 0, 0, 1,        0,
+                                  0,      1,     0,     0,  0, 0, INFINITY, 0};
+    const struct rgb_image reference = {8, 1, right}, test = {8, 1, given};
+    struct image_errors errors = image_errors_measure(&reference, &test);
+    assert_float_equal(errors.not_finite, 2, 0);
+    /* an eighth, and green that became blue: 0.7152 to 0.0722; red to blue is a third */
+    assert_float_equal(errors.darker, 2.0 / 6, 1e-12);
+    assert_float_equal(errors.brighter, 2.0 / 6, 1e-12); /* black that is lit, and eight times */
+    assert_float_equal(errors.ratio, (3 * 16.1875 + 2) / (3 * 3.0 + 2), 1e-12);
+    double smape = 3 * (.875 / 1.135 + .0625 / .0725 + 14 / 18.01) + 4 * (1 / 1.01);
+    assert_float_equal(errors.smape, smape / 18, 1e-12);
+    struct image_errors swapped = image_errors_measure(&test, &reference);
+    assert_float_equal(swapped.smape, errors.smape, 1e-15);
+    assert_float_equal(swapped.ratio * errors.ratio, 1, 1e-12);
+    assert_true(swapped.darker == errors.brighter && swapped.brighter == errors.darker);
+}
+
+/* Of 6.25 times too dark and as many times too bright, relative MSE sees the first as less than a
+ * twentieth of the second; the symmetric error sees both alike. */
+static void too_dark_counts_as_too_bright(void **state)
+{
+    struct fixture *f = *state;
+    const struct rgb_image reference = image_of(f->reference), test = image_of(f->test);
+    fill(f->reference, 100, 100, 100);
+    fill(f->test, 16, 16, 16);
+    struct image_errors dark = image_errors_measure(&reference, &test);
+    fill(f->test, 625, 625, 625);
+    struct image_errors bright = image_errors_measure(&reference, &test);
+    assert_float_equal(dark.smape, bright.smape, 1e-3);
+    assert_true(dark.relative_mse < 1 && bright.relative_mse > 20 * dark.relative_mse);
+    assert_true(dark.darker == 1 && dark.brighter == 0 && bright.darker == 0 &&
+                bright.brighter == 1);
+}
+
+static void a_black_reference_has_no_ratio(void **state)
+{
+    struct fixture *f = *state;
+    const struct rgb_image reference = image_of(f->reference), test = image_of(f->test);
+    fill(f->reference, 0, 0, 0);
+    fill(f->test, 0, 0, 0);
+    struct image_errors errors = image_errors_measure(&reference, &test);
+    assert_true(isnan(errors.ratio) && errors.smape == 0 && errors.darker == 0 &&
+                errors.brighter == 0);
+    fill(f->test, NAN, 0, 0);
+    errors = image_errors_measure(&reference, &test);
+    assert_true(errors.not_finite == PIXELS && errors.smape == 0 && errors.relative_mse == 0);
+}
+
+/* Each name leads to its number. */
+static void names_and_numbers(void **state)
+{
+    (void)state;
+    const struct image_errors errors = {.relative_mse = 1,
+                                        .smape = 2,
+                                        .flip = 3,
+                                        .ratio = 4,
+                                        .darker = 5,
+                                        .brighter = 6,
+                                        .rmse = 7,
+                                        .psnr = 8,
+                                        .mean_absolute = 9,
+                                        .mean_test = 10,
+                                        .mean_reference = 11};
+    static const char *const names[] = {"relative_mse",  "smape",     "flip",          "ratio",
+                                        "darker",        "brighter",  "rmse",          "psnr",
+                                        "mean_absolute", "mean_test", "mean_reference"};
+    for (int i = 0; i < IMAGE_NUMBERS; i++) {
+        assert_string_equal(image_numbers[i].name, names[i]);
+        assert_float_equal(image_number_of(&errors, &image_numbers[i]), i + 1, 0);
+    }
 }
 
 static void distributions(void **state)
@@ -423,6 +502,10 @@ int main(void)
         cmocka_unit_test(hdr_exposures_span_median_to_brightest),
         cmocka_unit_test(hdr_sees_into_the_dark),
         cmocka_unit_test(errors_of_two_constants),
+        cmocka_unit_test(darkness_shows),
+        cmocka_unit_test(too_dark_counts_as_too_bright),
+        cmocka_unit_test(a_black_reference_has_no_ratio),
+        cmocka_unit_test(names_and_numbers),
         cmocka_unit_test(distributions),
         cmocka_unit_test(tone_mapping_follows_reinhard),
         cmocka_unit_test(magma_is_black_to_pale_and_grows_lighter),

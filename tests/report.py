@@ -14,6 +14,8 @@ SCENE = "a & box"
 VALUES = ["0.05", "0.1", "0.2"]
 PICTURES = ["dark", "shown"]
 MOTION = "t % n"
+HEADLINES = [("relative MSE", "hdr.relative_mse"), ("SMAPE", "hdr.smape"), ("FLIP", "ldr.flip.mean"), ("mean / reference", "hdr.ratio"),
+             ("darker than 1/5", "hdr.darker"), ("brighter than 5 times", "hdr.brighter")]
 
 
 def error_file(picture, value, ending=""):
@@ -85,11 +87,12 @@ def check_links(page, folder):
 
 def check_numbers(page, results, missing, values):
     marked = page.all("data")
-    # two in the overview and under each of two pictures, if they are there; samples; two of the map; three tables of errors,
-    # two pictures each
+    # the headlines in the overview and under each of two pictures, if they are there; samples; two of the map; a table of each
+    # headline and one against the last value, two pictures each
     shown = 2 - (f"{SCENE}/dark.json" in missing)
     # and four of each run of the motion, and of the noise
-    assert len(marked) == 2 * 2 + 2 * shown + 1 + 2 + 2 * 3 * len(values) + 3 * 4, len(marked)
+    headlines = len(HEADLINES)
+    assert len(marked) == headlines * (2 + shown) + 1 + 2 + 2 * (headlines + 1) * len(values) + 3 * 4, len(marked)
     for _, attributes, text in marked:
         file, path = attributes["value"].split("#")
         if file in missing:
@@ -143,12 +146,13 @@ def check_overview(page, results):
     assert len(rows) == 3 and rows[1][1] == "Dark, < 0.2"
     for row, name, level in ((rows[1], "dark", 0.1), (rows[2], "shown", 0.2)):
         if f"{SCENE}/{name}.json" not in results:
-            assert row[-3:] == ["\u2013"] * 3
+            assert row[-len(HEADLINES):] == ["\u2013"] * len(HEADLINES)
             continue
         linear = results[f"{SCENE}/{name}.json"]["hdr"]
-        near(row[-3], linear["relative_mse"], "relative MSE")
-        near(row[-2], results[f"{SCENE}/{name}.json"]["ldr"]["flip"]["mean"], "FLIP")
-        near(row[-1], linear["mean_test"] / linear["mean_reference"], "ratio")
+        assert rows[0][2:] == [title for title, _ in HEADLINES], rows[0]
+        for text, (title, path) in zip(row[-len(HEADLINES):], HEADLINES):
+            near(text, follow(results[f"{SCENE}/{name}.json"], path), title)
+        near(row[-3], linear["mean_test"] / linear["mean_reference"], "ratio")
         # the picture is grey at that level, and exposed
         near(str(linear["mean_test"]), level * results[f"{SCENE}/{name}.json"]["exposure"], name)
 
@@ -191,7 +195,8 @@ def check_csv(folder, results):
             near(row["relative_mse"], result["hdr"]["relative_mse"], "CSV")
             near(row["rmse"], result["hdr"]["rmse"], "CSV")
             near(row["psnr"], result["ldr"]["psnr"], "CSV")
-            near(row["flip"], result["ldr"]["flip"]["mean"], "CSV")
+            for _, path in HEADLINES:
+                near(row[path.split(".")[1]], follow(result, path), "CSV")
         else:
             assert row["relative_mse"] == row["flip"] == row["own_flip"] == "", row
         assert bool(row["own_flip"]) == (bool(own) and row["backend"] == "gl"), row

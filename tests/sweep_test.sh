@@ -185,10 +185,11 @@ for row in rows:
     name = folder + "/a scene/16x9_passes.show.local_%s_level_%s_" % (row["passes.show.local"].translate(str.maketrans("[],", "___")), row["level"])
     told = json.load(open(name + row["backend"] + ".json"))
     for column, value in (("relative_mse", told["hdr"]["relative_mse"]), ("rmse", told["hdr"]["rmse"]),
-                          ("psnr", told["ldr"]["psnr"]), ("flip", told["ldr"]["flip"]["mean"])):
-        assert abs(float(row[column]) / value - 1) < 1e-5, (row, column, value)
+                          ("psnr", told["ldr"]["psnr"]), ("flip", told["ldr"]["flip"]["mean"]), ("smape", told["hdr"]["smape"]),
+                          ("ratio", told["hdr"]["ratio"]), ("darker", told["hdr"]["darker"]), ("brighter", told["hdr"]["brighter"])):
+        assert abs(float(row[column]) - value) <= 1e-5 * abs(value), (row, column, value)
     assert told["hdr"]["flip"] is None
-    ratio = float(row["mean"]) / told["exposure"]
+    ratio = float(row["mean_test"]) / told["exposure"]
     assert abs(ratio / float(row["level"]) - 1) < 1e-5, row
     side = json.load(open(name + "bench.json"))["sides"][row["backend"] == "vk"]
     for column, spread in [("frame_ms", side["frame_ms"])] + [(p["pass"] + "_ms", p["ms"]) for p in side["passes"]]:
@@ -214,7 +215,7 @@ else
         last_line "8 rows in $folder/measured/rows.csv: 8 done, 0 failed" "${measured[@]}" --json "$folder/measured.json"
     check "... which are right" /usr/bin/python3 -c "$rows" "$folder/measured" "0.1 0.4"
     check "... and JSON" grep -q '"own_relative_mse"' "$folder/measured.json"
-    for plot in frame_ms relative_mse flip own_relative_mse; do
+    for plot in frame_ms relative_mse smape flip ratio darker brighter own_relative_mse; do
         # shellcheck disable=SC2016
         check "... and a plot of $plot, along the levels, with a line for each of the rest" /usr/bin/python3 -c 'import sys, xml.etree.ElementTree
 text = " ".join(xml.etree.ElementTree.parse(sys.argv[1]).getroot().itertext())
@@ -230,6 +231,19 @@ assert "level" in text and all(f"a scene, passes.show.local {l}, {b}" in text fo
 good, bad = csv.DictReader(open(sys.argv[1], newline=""))
 assert good["status"] == "done" and good["flip"] and bad["status"] == "failed" and not bad["flip"], (good, bad)
 assert "level" in bad["reason"] and "," not in bad["level"], bad' "$folder/measured/rows.csv"
+
+    # A folder with a percent sign, which patterns must not take for a frame number. Grey is the same in every frame.
+    # shellcheck disable=SC2054
+    every=("${grey[@]}" -o "$folder/50%" --measure error --backend vk --grid level=0.1,0.4 --every-frame)
+    check "errors of every frame" last_line "2 rows in $folder/50%/rows.csv: 2 done, 0 failed" "${every[@]}" --frames 3
+    # shellcheck disable=SC2016
+    check "... with their standard errors" /usr/bin/python3 -c 'import csv, json, sys
+folder = sys.argv[1]
+for row in csv.DictReader(open(folder + "/rows.csv", newline="")):
+    told = json.load(open("%s/a scene/16x9_level_%s_vk.json" % (folder, row["level"])))
+    assert told["pictures"] == 3 and float(row["smape_standard_error"]) == told["standard_errors"]["hdr"]["smape"] < 1e-9, row
+    assert abs(float(row["smape"]) / told["hdr"]["smape"] - 1) < 1e-5, row' "$folder/50%"
+    check "... of which there must be two" refused "needs two --frames at least" "${every[@]}"
 
     # So many samples take minutes.
     # shellcheck disable=SC2317

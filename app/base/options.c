@@ -72,7 +72,9 @@ static const struct option_row rows[] = {
     {"--reference", OPTION_STRING, AT(reference), VERB_METRICS, VERB_METRICS, "FILE",
      "the reference picture: .exr (linear), or .png"},
     {"--test", OPTION_STRING, AT(test), VERB_METRICS, VERB_METRICS, "FILE",
-     "the picture to measure"},
+     "the picture to measure; with %04d in the name, pictures of --frames frames"},
+    {"--frames", OPTION_COUNT, AT(frames), VERB_METRICS, 0, "N",
+     "frames to measure, from 0: means over them, and standard errors (default: 1)"},
     {"-o", OPTION_STRING, AT(output), VERB_METRICS, 0, "DIR",
      "folder for the error maps flip_ldr.png, flip_hdr.png and the tone-mapped reference.png, "
      "test.png"},
@@ -169,6 +171,8 @@ static const struct option_row rows[] = {
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_SWEEP, 0, "N",
      "frames of each run (default: --random: random; --grid: 1); times are of all of them, errors "
      "of the last"},
+    {"--every-frame", OPTION_FLAG, AT(every_frame), VERB_SWEEP, 0, NULL,
+     "--measure error: errors are means over all frames, with standard errors"},
     {"--measure", OPTION_STRING, AT(measure), VERB_SWEEP, 0, "LIST",
      "one or more of agree, time (bench), error (against a path-traced reference), own (against "
      "the picture with the last value); writes rows.csv and plots (default: agree)"},

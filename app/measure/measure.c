@@ -82,9 +82,26 @@ bool measure_add_reference(struct steps *steps, const struct reference *referenc
         &command);
 }
 
+/* Of a picture's file without its ending. */
+static int stem_length(const char *file)
+{
+    return (int)(strrchr(file, '.') - file);
+}
+
+/* The last picture of a numbered sequence; takes over `file`. */
+static char *last_of(char *file, uint32_t frames)
+{
+    char *last = file ? format_string("%.*s_%03u.exr", stem_length(file), file, frames - 1) : NULL;
+    free(file);
+    return last;
+}
+
 bool measure_add_render(struct steps *steps, const struct rendering *rendering, char *file)
 {
     struct command command;
+    char *stem = file ? strndup(file, (size_t)stem_length(file)) : NULL;
+    if (rendering->every_frame)
+        file = last_of(file, rendering->frames);
     char *told = format_string("%s.json", file ? file : "");
     if (command_begin(&command, steps, "render")) {
         command_scene(&command, rendering->scene);
@@ -95,10 +112,11 @@ bool measure_add_render(struct steps *steps, const struct rendering *rendering, 
             fprintf(command.out, " --frames %u", rendering->frames);
         if (rendering->show)
             quote_option(command.out, "--show", rendering->show);
-        command_file(&command, "-o", file);
+        command_pattern(&command, "-o", stem, rendering->every_frame ? "_%03d.exr" : ".exr");
         command_file(&command, "--json", told);
     }
     free(told);
+    free(stem);
     return steps_add(
         steps, &(struct step){.scene = rendering->scene, .part = rendering->part, .file = file},
         &command);
@@ -112,23 +130,30 @@ static char *picture_of(const char *file)
     return json ? format_string("%.*s.exr", (int)length - 5, file) : strdup(file);
 }
 
-bool measure_add_metrics(struct steps *steps, int part, const char *picture, const char *against,
-                         const char *maps, char *file)
+bool measure_add_metrics(struct steps *steps, const struct measurement *measurement, char *file)
 {
     struct command command;
+    const char *picture = measurement->picture, *against = measurement->against;
+    uint32_t frames = measurement->frames;
     char *reference = picture_of(against);
+    /* of a sequence, without the last frame's number, too */
+    size_t length = (size_t)(strrchr(picture, frames ? '_' : '.') - picture);
+    char *stem = strndup(picture, length);
     if (command_begin(&command, steps, "metrics")) {
         command_file(&command, "--reference", reference);
-        command_file(&command, "--test", picture);
-        if (maps)
-            command_file(&command, "-o", maps);
+        command_pattern(&command, "--test", stem, frames ? "_%03d.exr" : ".exr");
+        if (frames)
+            fprintf(command.out, " --frames %u", frames);
+        if (measurement->maps)
+            command_file(&command, "-o", measurement->maps);
         fprintf(command.out, " --flip ldr"); /* the picture of the other side is not used */
         command_file(&command, "--json", file);
     }
+    free(stem);
     free(reference);
     return steps_add(steps,
                      &(struct step){.scene = steps_find(steps, picture)->scene,
-                                    .part = part,
+                                    .part = measurement->part,
                                     .file = file,
                                     .needs = {picture, against}},
                      &command);
@@ -181,12 +206,19 @@ static bool add_picture(struct grid *grid, const struct grid_point *point, uint3
                                         .side = grid->steps->sides.list[side].label,
                                         .show = grid->show,
                                         .frames = grid->frames,
+                                        .every_frame = grid->every_frame,
                                         .part = grid->part_error};
-    return measure_add_render(grid->steps, &rendering, grid_picture_file(grid, point, side)) &&
-           (!(point->measures & MEASURE_ERROR) ||
-            measure_add_metrics(grid->steps, grid->part_error, steps_last(grid->steps),
-                                steps_find(grid->steps, point->reference)->file, NULL,
-                                grid_error_file(grid, point, side)));
+    if (!measure_add_render(grid->steps, &rendering, grid_picture_file(grid, point, side)))
+        return false;
+    if (!(point->measures & MEASURE_ERROR))
+        return true;
+    return measure_add_metrics(
+        grid->steps,
+        &(struct measurement){.part = grid->part_error,
+                              .picture = steps_last(grid->steps),
+                              .against = steps_find(grid->steps, point->reference)->file,
+                              .frames = grid->every_frame ? grid->frames : 0},
+        grid_error_file(grid, point, side));
 }
 
 /* Behind the pictures of all points. */
@@ -194,10 +226,13 @@ static bool add_own_error(struct grid *grid, const struct grid_point *point, uin
 {
     char *picture = grid_picture_file(grid, point, side);
     char *last = grid_picture_file(grid, point->last, side);
-    bool good = picture && last &&
-                measure_add_metrics(
-                    grid->steps, grid->part_error, steps_find(grid->steps, picture)->file,
-                    steps_find(grid->steps, last)->file, NULL, grid_own_file(grid, point, side));
+    bool good =
+        picture && last &&
+        measure_add_metrics(grid->steps,
+                            &(struct measurement){.part = grid->part_error,
+                                                  .picture = steps_find(grid->steps, picture)->file,
+                                                  .against = steps_find(grid->steps, last)->file},
+                            grid_own_file(grid, point, side));
     free(last);
     free(picture);
     return good;

@@ -5,6 +5,7 @@
 #define DIPTYCH_MEASURE_H
 
 #include "measure/steps.h"
+#include "truth/image_metrics.h"
 
 enum {
     MEASURE_AGREE = 1, /* whether all backends agree, by compare */
@@ -33,6 +34,7 @@ struct grid {
     unsigned measures; /* of any point */
     uint32_t pictured; /* number of sides, from the first, whose pictures are measured */
     uint32_t frames;   /* frames to run; the picture is of the last. 0: 1 */
+    bool every_frame;  /* errors are means over all frames, with standard errors */
     const char *show;  /* image to measure; NULL: the spec's output */
     int part_time, part_error, part_agree; /* of the steps */
     char **passes;                         /* passes that any run has times of, in order */
@@ -61,13 +63,20 @@ struct rendering {
     const cJSON *sets;
     const char *side, *show;
     uint32_t frames;
+    bool every_frame; /* a picture of each: `file` becomes FILE_000.exr, FILE_001.exr, ... */
     int part;
 };
 bool measure_add_render(struct steps *steps, const struct rendering *rendering, char *file);
-/* Adds a step that compares the picture of one step with another's: a reference (named by its JSON)
- * or a rendering. `maps`: folder for error maps, or NULL. Takes over `file`. */
-bool measure_add_metrics(struct steps *steps, int part, const char *picture, const char *against,
-                         const char *maps, char *file);
+/* A step that compares the picture of one step with another's: a reference (named by its JSON) or a
+ * rendering. */
+struct measurement {
+    const char *picture, *against;
+    const char *maps; /* folder for error maps, or NULL */
+    uint32_t frames;  /* all frames of a rendering with every_frame; 0: one picture */
+    int part;
+};
+/* Takes over `file`. */
+bool measure_add_metrics(struct steps *steps, const struct measurement *measurement, char *file);
 bool measure_add_comparison(struct steps *steps, const struct rendering *rendering, char *file);
 
 /* Adds the steps of points first to end - 1; their last points, if others, among them. */
@@ -82,9 +91,12 @@ char *grid_picture_file(const struct grid *grid, const struct grid_point *point,
 char *grid_error_file(const struct grid *grid, const struct grid_point *point, uint32_t side);
 char *grid_own_file(const struct grid *grid, const struct grid_point *point, uint32_t side);
 
-/* A number by the name of its column, such as frame_ms or relative_mse; NAN where there is none. */
+/* A number by the name of its column, such as frame_ms, own_flip or, with every_frame,
+ * flip_standard_error; NAN where there is none. */
 double grid_number(const struct grid *grid, const struct grid_point *point, uint32_t side,
-                   const char *column);
+                   const char *name);
+/* Path of a number in the JSON of `metrics`, such as hdr.relative_mse; free(). */
+char *measure_path(const struct image_number *number);
 /* Of a pass: "median", "p5" or "p95", milliseconds. */
 double grid_pass_ms(const struct grid *grid, const struct grid_point *point, uint32_t side,
                     const char *pass, const char *of);

@@ -48,32 +48,60 @@ char *grid_own_file(const struct grid *grid, const struct grid_point *point, uin
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* A column with one number, and its path in the JSON of the measure's command. */
-static const struct quantity {
-    const char *name;
+/* A column with one number. */
+struct column {
+    char name[64];
     unsigned measure;
-    const char *path;
-} quantities[] = {
-    {"frame_ms", MEASURE_TIME, "frame_ms.median"},
-    {"frame_ms_p5", MEASURE_TIME, "frame_ms.p5"},
-    {"frame_ms_p95", MEASURE_TIME, "frame_ms.p95"},
-    {"relative_mse", MEASURE_ERROR, "hdr.relative_mse"},
-    {"rmse", MEASURE_ERROR, "hdr.rmse"},
-    {"psnr", MEASURE_ERROR, "ldr.psnr"},
-    {"flip", MEASURE_ERROR, "ldr.flip.mean"},
-    {"mean", MEASURE_ERROR, "hdr.mean_test"},
-    {"mean_reference", MEASURE_ERROR, "hdr.mean_reference"},
-    {"own_relative_mse", MEASURE_OWN, "hdr.relative_mse"},
-    {"own_rmse", MEASURE_OWN, "hdr.rmse"},
-    {"own_flip", MEASURE_OWN, "ldr.flip.mean"},
+    char path[64]; /* in the JSON of the measure's command; of a time, in `frame_ms` */
 };
 
-static const struct quantity *find_quantity(const char *name)
+/* One of the columns of times: 0 to TIME_COLUMNS - 1. */
+enum { TIME_COLUMNS = 3 };
+static struct column time_column(uint32_t index)
 {
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
-        if (strcmp(quantities[i].name, name) == 0)
-            return &quantities[i];
-    return NULL;
+    static const struct column columns[TIME_COLUMNS] = {
+        {"frame_ms", MEASURE_TIME, "median"},
+        {"frame_ms_p5", MEASURE_TIME, "p5"},
+        {"frame_ms_p95", MEASURE_TIME, "p95"},
+    };
+    return columns[index];
+}
+
+char *measure_path(const struct image_number *number)
+{
+    return format_string("%s.%s%s", number->mapped ? "ldr" : "hdr", number->name,
+                         strcmp(number->name, "flip") == 0 ? ".mean" : "");
+}
+
+static struct column error_column(unsigned measure, uint32_t index, bool standard_error)
+{
+    const struct image_number *number = &image_numbers[index];
+    struct column column = {.measure = measure};
+    char *path = measure_path(number);
+    snprintf(column.name, sizeof column.name, "%s%s%s", measure == MEASURE_OWN ? "own_" : "",
+             number->name, standard_error ? "_standard_error" : "");
+    snprintf(column.path, sizeof column.path, "%s%s", standard_error ? "standard_errors." : "",
+             path ? path : "");
+    free(path);
+    return column;
+}
+
+/* The columns that the grid has, in order, from index 0; false beyond the last. */
+static bool column_at(const struct grid *grid, uint32_t index, struct column *column)
+{
+    uint32_t times = grid->measures & MEASURE_TIME ? TIME_COLUMNS : 0;
+    uint32_t each = grid->every_frame ? 2 : 1;
+    uint32_t errors = grid->measures & MEASURE_ERROR ? each * IMAGE_NUMBERS : 0;
+    uint32_t own = grid->measures & MEASURE_OWN ? IMAGE_NUMBERS : 0;
+    if (index < times)
+        *column = time_column(index);
+    else if ((index -= times) < errors)
+        *column = error_column(MEASURE_ERROR, index / each, index % each);
+    else if ((index -= errors) < own)
+        *column = error_column(MEASURE_OWN, index, false);
+    else
+        return false;
+    return true;
 }
 
 static const cJSON *bench_side(const struct grid *grid, const struct grid_point *point,
@@ -91,22 +119,31 @@ static double member(const cJSON *object, const char *name)
     return cJSON_IsNumber(item) ? item->valuedouble : NAN;
 }
 
-double grid_number(const struct grid *grid, const struct grid_point *point, uint32_t side,
-                   const char *column)
+/* NAN where the point does not have it. */
+static double column_number(const struct grid *grid, const struct grid_point *point, uint32_t side,
+                            const struct column *column)
 {
-    const struct quantity *quantity = find_quantity(column);
-    if (!quantity || !(point->measures & quantity->measure))
+    if (!(point->measures & column->measure))
         return NAN;
-    if (quantity->measure == MEASURE_TIME)
-        return member(cJSON_GetObjectItem(bench_side(grid, point, side), "frame_ms"),
-                      quantity->path + strlen("frame_ms."));
+    if (column->measure == MEASURE_TIME)
+        return member(cJSON_GetObjectItem(bench_side(grid, point, side), "frame_ms"), column->path);
     if (side >= grid->pictured)
         return NAN;
-    char *file = quantity->measure == MEASURE_OWN ? grid_own_file(grid, point, side)
-                                                  : grid_error_file(grid, point, side);
-    double value = file ? steps_number(grid->steps, file, quantity->path) : NAN;
+    char *file = column->measure == MEASURE_OWN ? grid_own_file(grid, point, side)
+                                                : grid_error_file(grid, point, side);
+    double value = file ? steps_number(grid->steps, file, column->path) : NAN;
     free(file);
     return value;
+}
+
+double grid_number(const struct grid *grid, const struct grid_point *point, uint32_t side,
+                   const char *name)
+{
+    struct column column;
+    for (uint32_t i = 0; column_at(grid, i, &column); i++)
+        if (strcmp(column.name, name) == 0)
+            return column_number(grid, point, side, &column);
+    return NAN;
 }
 
 double grid_pass_ms(const struct grid *grid, const struct grid_point *point, uint32_t side,
@@ -210,6 +247,7 @@ static void put_number(FILE *out, double value)
 static void put_heads(FILE *out, const struct grid *grid)
 {
     static const char *const endings[] = {"_ms", "_ms_p5", "_ms_p95"};
+    struct column column;
     fputs("scene,backend,width,height", out);
     for (uint32_t i = 0; i < grid->column_count; i++) {
         fputc(',', out);
@@ -218,9 +256,8 @@ static void put_heads(FILE *out, const struct grid *grid)
     fputs(",status,reason", out);
     if (grid->measures & MEASURE_AGREE)
         fputs(",agree", out);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
-        if (grid->measures & quantities[i].measure)
-            fprintf(out, ",%s", quantities[i].name);
+    for (uint32_t i = 0; column_at(grid, i, &column); i++)
+        fprintf(out, ",%s", column.name);
     for (size_t i = 0; i < grid->pass_count * DT_ARRAY_COUNT(endings); i++)
         fprintf(out, ",%s%s", grid->passes[i / DT_ARRAY_COUNT(endings)],
                 endings[i % DT_ARRAY_COUNT(endings)]);
@@ -231,6 +268,7 @@ static void put_row(FILE *out, const struct grid *grid, const struct grid_point 
                     uint32_t side)
 {
     static const char *const spread[] = {"median", "p5", "p95"};
+    struct column column;
     char *reason = grid_reason(grid, point, side);
     put_field(out, point->scene->name);
     fputc(',', out);
@@ -245,9 +283,8 @@ static void put_row(FILE *out, const struct grid *grid, const struct grid_point 
     free(reason);
     if (grid->measures & MEASURE_AGREE)
         fprintf(out, ",%s", agreement(grid, point));
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
-        if (grid->measures & quantities[i].measure)
-            put_number(out, grid_number(grid, point, side, quantities[i].name));
+    for (uint32_t i = 0; column_at(grid, i, &column); i++)
+        put_number(out, column_number(grid, point, side, &column));
     for (size_t i = 0; i < grid->pass_count * DT_ARRAY_COUNT(spread); i++)
         put_number(out, grid_pass_ms(grid, point, side, grid->passes[i / DT_ARRAY_COUNT(spread)],
                                      spread[i % DT_ARRAY_COUNT(spread)]));
@@ -284,6 +321,7 @@ static void add_number(cJSON *row, const char *name, double value)
 static cJSON *row_json(const struct grid *grid, const struct grid_point *point, uint32_t side)
 {
     cJSON *row = cJSON_CreateObject();
+    struct column column;
     char *reason = grid_reason(grid, point, side);
     cJSON_AddStringToObject(row, "scene", point->scene->path);
     cJSON_AddStringToObject(row, "backend", grid->steps->sides.list[side].label);
@@ -297,8 +335,8 @@ static cJSON *row_json(const struct grid *grid, const struct grid_point *point, 
         cJSON_AddStringToObject(row, "reason", reason);
     if (*agreement(grid, point))
         cJSON_AddStringToObject(row, "agree", agreement(grid, point));
-    for (size_t i = 0; i < DT_ARRAY_COUNT(quantities); i++)
-        add_number(row, quantities[i].name, grid_number(grid, point, side, quantities[i].name));
+    for (uint32_t i = 0; column_at(grid, i, &column); i++)
+        add_number(row, column.name, column_number(grid, point, side, &column));
     cJSON *passes = point->measures & MEASURE_TIME ? cJSON_AddObjectToObject(row, "passes") : NULL;
     for (uint32_t i = 0; i < grid->pass_count && passes; i++)
         add_number(passes, grid->passes[i],

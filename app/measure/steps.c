@@ -240,6 +240,24 @@ void command_file(struct command *command, const char *option, const char *file)
     free(path);
 }
 
+void command_pattern(struct command *command, const char *option, const char *file,
+                     const char *ending)
+{
+    char *path = file ? format_string("%s/%s", command->steps->folder, file) : NULL;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    for (const char *at = path; at && *at && out; at++)
+        fputs(*at == '%' ? "%%" : (char[2]){*at}, out);
+    if (out) {
+        fputs(ending, out);
+        fclose(out);
+    }
+    quote_option(command->out, option, text ? text : "");
+    free(text);
+    free(path);
+}
+
 void command_scene(struct command *command, const struct step_scene *scene)
 {
     if (*scene->path)

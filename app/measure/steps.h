@@ -81,6 +81,10 @@ struct command {
 char *step_input(const char *input);
 bool command_begin(struct command *command, const struct steps *steps, const char *verb);
 void command_file(struct command *command, const char *option, const char *file);
+/* The same of a name that may be a pattern: percent signs of the folder are doubled. `ending` stands
+ * behind the file, such as _%03d.exr. */
+void command_pattern(struct command *command, const char *option, const char *file,
+                     const char *ending);
 void command_scene(struct command *command, const struct step_scene *scene);
 void command_size(struct command *command, const uint32_t size[2]);
 /* --spec and --set of `sets`, which may be NULL. The command line's own --set come last, and

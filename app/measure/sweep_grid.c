@@ -87,6 +87,10 @@ static bool check_options(const struct measured_sweep *sweep, const struct optio
         : !options->scene_list.count && (sweep->measures & MEASURE_ERROR)
             ? "--measure error needs at least one --scene FILE"
         : options->show && !(sweep->measures & errors) ? "--show goes with --measure error or own"
+        : options->every_frame && (!(sweep->measures & MEASURE_ERROR) ||
+                                   (sweep->measures & MEASURE_OWN) || options->run_frames < 2)
+            ? "--every-frame goes with --measure error, without own, and needs two --frames at "
+              "least"
         : options->warmup && !(sweep->measures & MEASURE_TIME) ? "--warmup goes with --measure time"
                                                                : NULL;
     if (wrong)
@@ -240,6 +244,7 @@ static bool plan(struct measured_sweep *sweep)
                                 .column_count = sweep->axis_count,
                                 .pictured = steps->sides.count,
                                 .frames = options->run_frames,
+                                .every_frame = options->every_frame,
                                 .show = options->show};
     if (!(sweep->measures & (MEASURE_ERROR | MEASURE_OWN)))
         sweep->grid.pictured = 0;
@@ -257,14 +262,10 @@ static bool plan(struct measured_sweep *sweep)
 
 /* ---- Plots ----------------------------------------------------------------------------------- */
 
-static const struct plotted {
+struct plotted {
     const char *column, *low, *high; /* the last two: of a bar, or NULL */
     const char *label;
-} plotted[] = {
-    {"frame_ms", "frame_ms_p5", "frame_ms_p95", "milliseconds per frame"},
-    {"relative_mse", NULL, NULL, "relative MSE against the reference"},
-    {"flip", NULL, NULL, "FLIP against the reference"},
-    {"own_relative_mse", NULL, NULL, "relative MSE against the last value"},
+    bool from_zero;
 };
 
 /* Title of a line: scene, size, backend and values of other axes, where there are several. */
@@ -315,6 +316,7 @@ static bool draw_plot(struct measured_sweep *sweep, const struct plotted *what)
                         .y_label = what->label,
                         .values = (const char *const *)x->values,
                         .value_count = x->count,
+                        .from_zero = what->from_zero,
                         .beside = true};
     if (lines * LINE_HEIGHT + 60 > PLOT_HEIGHT)
         plot.height = (int)(lines * LINE_HEIGHT + 60);
@@ -330,45 +332,89 @@ static bool draw_plot(struct measured_sweep *sweep, const struct plotted *what)
     return good;
 }
 
-/* ---- The table ------------------------------------------------------------------------------- */
-
-static const char *const table_columns[] = {"frame_ms", "relative_mse", "flip", "own_relative_mse"};
-
-static bool has_column(const struct measured_sweep *sweep, size_t column)
+/* Of times, of each headline, and of the error against the last value. */
+static bool draw_plots(struct measured_sweep *sweep)
 {
-    static const unsigned measures[] = {MEASURE_TIME, MEASURE_ERROR, MEASURE_ERROR, MEASURE_OWN};
-    return sweep->measures & measures[column];
+    static const struct plotted others[] = {
+        {"frame_ms", "frame_ms_p5", "frame_ms_p95", "milliseconds per frame", false},
+        {"own_relative_mse", NULL, NULL, "relative MSE against the last value", false},
+    };
+    bool good = true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(others) && good; i++)
+        good = draw_plot(sweep, &others[i]);
+    for (size_t i = 0; i < IMAGE_HEADLINES && good; i++)
+        good = draw_plot(sweep, &(struct plotted){.column = image_numbers[i].name,
+                                                  .label = image_numbers[i].title,
+                                                  .from_zero = image_numbers[i].share});
+    return good;
+}
+
+/* ---- The table: Markdown ---------------------------------------------------------------------- */
+
+/* The columns of the table; returns their number. */
+static uint32_t find_columns(const struct measured_sweep *sweep,
+                             const char *names[IMAGE_HEADLINES + 2])
+{
+    uint32_t count = 0;
+    if (sweep->measures & MEASURE_TIME)
+        names[count++] = "frame_ms";
+    for (uint32_t i = 0; i < IMAGE_HEADLINES && (sweep->measures & MEASURE_ERROR); i++)
+        names[count++] = image_numbers[i].name;
+    if (sweep->measures & MEASURE_OWN)
+        names[count++] = "own_relative_mse";
+    return count;
+}
+
+static void print_head(const struct measured_sweep *sweep, const char *const names[],
+                       uint32_t count)
+{
+    printf("| %-10s | %-7s | %9s |", "scene", "backend", "size");
+    for (uint32_t i = 0; i < sweep->axis_count; i++)
+        printf(" %s |", sweep->axes[i].path);
+    for (uint32_t i = 0; i < count; i++)
+        printf(" %*s |", sweep->grid.every_frame ? 18 : 12, names[i]);
+    printf("\n|");
+    for (uint32_t i = 0; i < 3 + sweep->axis_count + count; i++)
+        printf("---|");
+    printf("\n");
+}
+
+static void print_cell(const struct measured_sweep *sweep, const struct grid_point *point,
+                       uint32_t side, const char *column)
+{
+    char *name = format_string("%s_standard_error", column);
+    double value = grid_number(&sweep->grid, point, side, column);
+    double error = name ? grid_number(&sweep->grid, point, side, name) : NAN;
+    free(name);
+    if (!isnan(error))
+        printf(" %8.4f \u00b1 %-7.1g |", value, error);
+    else if (isnan(value))
+        printf(" %*s |", sweep->grid.every_frame ? 18 : 12, "-");
+    else
+        printf(" %12.5g |", value);
 }
 
 static void print_row(const struct measured_sweep *sweep, const struct grid_point *point,
                       uint32_t side, const char *reason)
 {
+    const char *names[IMAGE_HEADLINES + 2];
+    uint32_t count = find_columns(sweep, names);
     char size[32];
     snprintf(size, sizeof size, "%ux%u", point->size[0], point->size[1]);
-    printf("%-14s %-8s %9s", point->scene->name, sweep->steps.sides.list[side].label, size);
+    printf("| %-10s | %-7s | %9s |", point->scene->name, sweep->steps.sides.list[side].label, size);
     for (uint32_t i = 0; i < sweep->axis_count; i++)
-        printf("  %*s", (int)strlen(sweep->axes[i].path), point->values[i]);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(table_columns); i++) {
-        double value = grid_number(&sweep->grid, point, side, table_columns[i]);
-        if (has_column(sweep, i) && isnan(value))
-            printf("  %16s", "-");
-        else if (has_column(sweep, i))
-            printf("  %16.5g", value);
-    }
-    printf("%s%s\n", reason ? "  " : "", reason ? reason : "");
+        printf(" %*s |", (int)strlen(sweep->axes[i].path), point->values[i]);
+    for (uint32_t i = 0; i < count; i++)
+        print_cell(sweep, point, side, names[i]);
+    printf("%s%s\n", reason ? " " : "", reason ? reason : "");
 }
 
 /* Prints the rows; returns the number of incomplete ones. */
 static uint32_t print_table(const struct measured_sweep *sweep)
 {
+    const char *names[IMAGE_HEADLINES + 2];
     uint32_t failed = 0, rows = 0;
-    printf("%-14s %-8s %9s", "scene", "backend", "size");
-    for (uint32_t i = 0; i < sweep->axis_count; i++)
-        printf("  %s", sweep->axes[i].path);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(table_columns); i++)
-        if (has_column(sweep, i))
-            printf("  %16s", table_columns[i]);
-    printf("\n");
+    print_head(sweep, names, find_columns(sweep, names));
     for (uint32_t i = 0; i < sweep->grid.count; i++) {
         for (uint32_t side = 0; side < sweep->steps.sides.count; side++, rows++) {
             char *reason = grid_reason(&sweep->grid, &sweep->grid.points[i], side);
@@ -412,8 +458,7 @@ static int summarise(struct measured_sweep *sweep)
     console_hold(console);
     good = good && csv && grid_write_csv(&sweep->grid, csv);
     console_release(console);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(plotted) && good && sweep->axis_count; i++)
-        good = draw_plot(sweep, &plotted[i]);
+    good = good && (!sweep->axis_count || draw_plots(sweep));
     free(csv);
     if (!good)
         return EXIT_USAGE;

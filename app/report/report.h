@@ -73,6 +73,8 @@ void report_add_number(cJSON *item, const char *key, double value);
 /* The same with the file and the place in it that it was read from: {"from": "FILE#PATH", "text"}. */
 void report_add_result(cJSON *item, const char *key, struct report *report, const char *file,
                        const char *path);
+/* The headlines of image_metrics.h: a list of {"from", "text", "what"}. */
+void report_add_headlines(cJSON *item, const char *key, struct report *report, const char *file);
 void report_add_errors(cJSON *page, struct report *report);
 void report_add_flicker(cJSON *item, struct report *report, const struct step_scene *scene,
                         const cJSON *motion);

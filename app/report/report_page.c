@@ -157,11 +157,7 @@ static cJSON *picture_json(struct report *report, const struct step_scene *scene
     const char *file = result ? result : "";
     cJSON *item = cJSON_CreateObject();
     cJSON_AddStringToObject(item, "picture", step_text(picture, "title"));
-    report_add_result(item, "mse", report, file, "hdr.relative_mse");
-    report_add_result(item, "flip", report, file, "ldr.flip.mean");
-    report_add_number(item, "ratio",
-                      steps_number(&report->steps, file, "hdr.mean_test") /
-                          steps_number(&report->steps, file, "hdr.mean_reference"));
+    report_add_headlines(item, "errors", report, file);
     if (steps_result(&report->steps, file)) {
         add_image(item, scene, name, "test");
     } else {
@@ -229,6 +225,18 @@ static void add_plot(cJSON *item, const char *key, const struct report *report, 
     }
     free(link);
     free(path);
+}
+
+/* The names of the headlines, and their plots. */
+static void add_headlines(cJSON *page, const struct report *report)
+{
+    cJSON *list = cJSON_AddArrayToObject(page, "headlines");
+    for (int i = 0; i < IMAGE_HEADLINES; i++) {
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "what", image_numbers[i].title);
+        add_plot(item, "plot", report, PLOT_HEIGHT, image_numbers[i].name);
+        cJSON_AddItemToArray(list, item);
+    }
 }
 
 /* Of what was published: an error at each value. */
@@ -375,8 +383,7 @@ static cJSON *page_json(struct report *report)
     for (uint32_t i = 0; i < report->steps.scene_count; i++)
         if (report->steps.scenes[i].mesh)
             cJSON_AddItemToArray(scenes, scene_json(report, &report->steps.scenes[i]));
-    add_plot(page, "plot_errors", report, PLOT_HEIGHT, "errors");
-    add_plot(page, "plot_flip", report, PLOT_HEIGHT, "flip");
+    add_headlines(page, report);
     add_plot(page, "plot_own_errors", report, PLOT_HEIGHT, "own_errors");
     add_published_error(page, report, published);
     report_add_errors(page, report);

@@ -55,6 +55,7 @@ static struct plot plot_of_values(const struct report *report, const struct valu
 /* One of the plots of errors. */
 struct error_plot {
     const char *name, *label, *column;
+    bool from_zero;
 };
 
 static bool has_errors(const struct report *report, const struct step_scene *scene,
@@ -62,7 +63,8 @@ static bool has_errors(const struct report *report, const struct step_scene *sce
 {
     bool any = false;
     for (int i = 0; i < report_value_count(report); i++)
-        any |= grid_number(&report->grid, report_point(report, scene, picture, i), 0, column) > 0;
+        any |=
+            !isnan(grid_number(&report->grid, report_point(report, scene, picture, i), 0, column));
     return any;
 }
 
@@ -93,6 +95,7 @@ static bool draw_errors(struct report *report, const struct value_texts *values,
 {
     struct plot plot = plot_of_values(report, values, what->label);
     uint32_t colour = 0;
+    plot.from_zero = what->from_zero;
     bool good = plot_begin(&plot, &report->steps.console->log);
     for (uint32_t i = 0; i < report->steps.scene_count && good; i++) {
         const struct step_scene *scene = &report->steps.scenes[i];
@@ -107,14 +110,16 @@ static bool draw_errors(struct report *report, const struct value_texts *values,
 /* Against the reference, and against the same picture at the last value, which has no error of its own. */
 static bool draw_all_errors(struct report *report, const struct value_texts *values)
 {
-    static const struct error_plot plots[] = {
-        {"errors", "relative MSE against the reference", "relative_mse"},
-        {"flip", "FLIP against the reference", "flip"},
-        {"own_errors", "relative MSE against the last value", "own_relative_mse"},
-    };
-    bool good = true;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(plots) && good; i++)
-        good = draw_errors(report, values, &plots[i]);
+    bool good =
+        draw_errors(report, values,
+                    &(struct error_plot){"own_errors", "relative MSE against the last value",
+                                         "own_relative_mse", false});
+    for (int i = 0; i < IMAGE_HEADLINES && good; i++) {
+        const struct image_number *number = &image_numbers[i];
+        good = draw_errors(
+            report, values,
+            &(struct error_plot){number->name, number->title, number->name, number->share});
+    }
     return good;
 }
 

@@ -68,8 +68,12 @@ static bool add_picture(struct report *report, const struct step_scene *scene, c
                                         .part = PART_PICTURES};
     char *maps = report_file(scene, name, "");
     bool good = measure_add_render(&report->steps, &rendering, report_file(scene, name, ".exr")) &&
-                measure_add_metrics(&report->steps, PART_PICTURES, steps_last(&report->steps),
-                                    reference, maps, report_file(scene, name, ".json"));
+                measure_add_metrics(&report->steps,
+                                    &(struct measurement){.part = PART_PICTURES,
+                                                          .picture = steps_last(&report->steps),
+                                                          .against = reference,
+                                                          .maps = maps},
+                                    report_file(scene, name, ".json"));
     free(maps);
     return good;
 }
@@ -172,24 +176,11 @@ static void put_motion(struct command *command, const struct report *report,
     free(file);
 }
 
-/* A pattern of frame names; doubles percent signs in the folder's name. */
 static void put_frames_of(struct command *command, const char *option,
                           const struct step_scene *scene, const cJSON *motion, const char *name)
 {
     char *file = report_motion_file(scene, motion, name, "");
-    char *path = file ? format_string("%s/%s", command->steps->folder, file) : NULL;
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    for (const char *at = path; at && *at && out; at++)
-        fputs(*at == '%' ? "%%" : (char[2]){*at}, out);
-    if (out) {
-        fputs("_%03d.exr", out);
-        fclose(out);
-    }
-    quote_option(command->out, option, text ? text : "");
-    free(text);
-    free(path);
+    command_pattern(command, option, file, "_%03d.exr");
     free(file);
 }
 

@@ -64,6 +64,18 @@ void report_add_result(cJSON *item, const char *key, struct report *report, cons
     cJSON_AddItemToObject(item, key, result_json(report, file, path, false));
 }
 
+void report_add_headlines(cJSON *item, const char *key, struct report *report, const char *file)
+{
+    cJSON *list = cJSON_AddArrayToObject(item, key);
+    for (int i = 0; i < IMAGE_HEADLINES; i++) {
+        char *path = measure_path(&image_numbers[i]);
+        cJSON *number = result_json(report, file, path ? path : "", false);
+        cJSON_AddStringToObject(number, "what", image_numbers[i].title);
+        cJSON_AddItemToArray(list, number);
+        free(path);
+    }
+}
+
 /* ---- Errors over the sweep ------------------------------------------------------------------- */
 
 /* One of the tables of errors: which files, and where in them. */
@@ -111,20 +123,22 @@ static cJSON *error_table_json(struct report *report, const struct error_table *
 
 void report_add_errors(cJSON *page, struct report *report)
 {
-    static const struct error_table tables[] = {
-        {"Relative MSE against the reference", "hdr.relative_mse", grid_error_file},
-        {"FLIP against the reference", "ldr.flip.mean", grid_error_file},
-        {"Relative MSE against the same picture of the last column", "hdr.relative_mse",
-         grid_own_file},
-    };
+    const struct error_table own = {"relative MSE against the same picture of the last column",
+                                    "hdr.relative_mse", grid_own_file};
     char buffer[32];
     cJSON *values = cJSON_AddArrayToObject(page, "values");
     for (int i = 0; i < report_value_count(report); i++)
         cJSON_AddItemToArray(values,
                              cJSON_CreateString(report_item(report_values(report), i, buffer)));
     cJSON *list = cJSON_AddArrayToObject(page, "error_tables");
-    for (size_t i = 0; i < DT_ARRAY_COUNT(tables); i++)
-        cJSON_AddItemToArray(list, error_table_json(report, &tables[i]));
+    for (int i = 0; i < IMAGE_HEADLINES; i++) {
+        char *path = measure_path(&image_numbers[i]);
+        const struct error_table table = {image_numbers[i].title, path ? path : "",
+                                          grid_error_file};
+        cJSON_AddItemToArray(list, error_table_json(report, &table));
+        free(path);
+    }
+    cJSON_AddItemToArray(list, error_table_json(report, &own));
 }
 
 /* ---- Flicker --------------------------------------------------------------------------------- */

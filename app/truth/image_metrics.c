@@ -11,34 +11,72 @@ static bool is_finite_pixel(const float *texel)
     return isfinite(texel[0]) && isfinite(texel[1]) && isfinite(texel[2]);
 }
 
+static double luminance(const float *texel)
+{
+    return 0.2126 * (double)texel[0] + 0.7152 * (double)texel[1] + 0.0722 * (double)texel[2];
+}
+
+#define AT(member) offsetof(struct image_errors, member)
+const struct image_number image_numbers[IMAGE_NUMBERS] = {
+    {"relative_mse", "relative MSE", AT(relative_mse), false, false},
+    {"smape", "SMAPE", AT(smape), false, false},
+    {"flip", "FLIP", AT(flip), true, false},
+    {"ratio", "mean / reference", AT(ratio), false, false},
+    {"darker", "darker than 1/5", AT(darker), false, true},
+    {"brighter", "brighter than 5 times", AT(brighter), false, true},
+    {"rmse", "RMSE", AT(rmse), false, false},
+    {"psnr", "PSNR, dB", AT(psnr), true, false},
+    {"mean_absolute", "mean absolute error", AT(mean_absolute), false, false},
+    {"mean_test", "mean", AT(mean_test), false, false},
+    {"mean_reference", "mean of the reference", AT(mean_reference), false, false},
+};
+
+double image_number_of(const struct image_errors *errors, const struct image_number *number)
+{
+    return *(const double *)((const char *)errors + number->offset);
+}
+
+/* Adds a pixel to the sums; returns the sum of its squared errors. */
+static double add_pixel(struct image_errors *sums, const float *right, const float *given)
+{
+    const double epsilon = 0.01, factor = 5;
+    double squares = 0;
+    for (int channel = 0; channel < 3; channel++) {
+        double truth = (double)right[channel], value = (double)given[channel];
+        double error = fabs(value - truth);
+        sums->mean_reference += truth;
+        sums->mean_test += value;
+        sums->mean_absolute += error;
+        sums->smape += error / (fabs(value) + fabs(truth) + epsilon);
+        sums->relative_mse += error * error / (truth * truth + epsilon);
+        squares += error * error;
+    }
+    sums->darker += factor * luminance(given) < luminance(right);
+    sums->brighter += luminance(given) > factor * luminance(right);
+    return squares;
+}
+
 struct image_errors image_errors_measure(const struct rgb_image *reference,
                                          const struct rgb_image *test)
 {
-    const double epsilon = 0.01;
-    struct image_errors sums = {0};
+    struct image_errors sums = {.flip = NAN};
     uint64_t count = (uint64_t)reference->width * reference->height;
-    double squares = 0, numbers;
+    double squares = 0;
     for (uint64_t i = 0; i < count; i++) {
         const float *right = reference->texels + 3 * i, *given = test->texels + 3 * i;
-        if (!is_finite_pixel(right) || !is_finite_pixel(given)) {
+        if (is_finite_pixel(right) && is_finite_pixel(given))
+            squares += add_pixel(&sums, right, given);
+        else
             sums.not_finite++;
-            continue;
-        }
-        for (int channel = 0; channel < 3; channel++) {
-            double truth = right[channel], value = given[channel];
-            double square = (value - truth) * (value - truth);
-            sums.mean_reference += truth;
-            sums.mean_test += value;
-            sums.mean_absolute += fabs(value - truth);
-            sums.relative_mse += square / (truth * truth + epsilon);
-            squares += square;
-        }
     }
-    numbers = 3.0 * (double)(count - sums.not_finite);
-    numbers = numbers > 0 ? numbers : 1;
+    double pixels = fmax((double)count - sums.not_finite, 1), numbers = 3 * pixels;
+    sums.ratio = sums.mean_test / sums.mean_reference;
+    sums.darker /= pixels;
+    sums.brighter /= pixels;
     sums.mean_reference /= numbers;
     sums.mean_test /= numbers;
     sums.mean_absolute /= numbers;
+    sums.smape /= numbers;
     sums.relative_mse /= numbers;
     sums.rmse = sqrt(squares / numbers);
     sums.psnr = squares > 0 ? -10 * log10(squares / numbers) : INFINITY;
@@ -65,11 +103,6 @@ bool distribution_measure(struct distribution *distribution, const float *values
     }
     free(sorted);
     return true;
-}
-
-static double luminance(const float *texel)
-{
-    return 0.2126 * (double)texel[0] + 0.7152 * (double)texel[1] + 0.0722 * (double)texel[2];
 }
 
 double exposure_of(const struct rgb_image *image)
