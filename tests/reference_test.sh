@@ -52,6 +52,23 @@ check "a checkpoint of another seed is refused" refuses 1 'is a checkpoint with 
     -o "$work/a.exr" --checkpoint "$work/sums" --spp 1000000 --seed 2
 check "a checkpoint that knows more is refused" refuses 1 'give more than --spp 1' -o "$work/a.exr" --checkpoint "$work/sums" --spp 1
 
+# The Cornell Box with a texture on every surface.
+sed "s|^mesh: .*|mesh: box.obj|" "$root/scenes/cornell.yaml" >"$work/box.yaml"
+sed "s|^mtllib .*|mtllib box.mtl|" "$root/scenes/cornell.obj" >"$work/box.obj"
+sed "s|^newmtl.*|&\nmap_Kd view.png|" "$root/scenes/cornell.mtl" >"$work/box.mtl"
+cp "$root/scenes/view.png" "$work"
+# shellcheck disable=SC2317
+filters() { # filter scene argument...
+    local filter=$1 scene=$2
+    shift 2
+    "${reference[@]}" --scene "$scene" --spp 1 --json "$work/filter.json" -o "$work/filter.exr" "$@" &&
+        grep -q "filter=$filter " "$work/filter.json"
+}
+check "radiance of a scene with textures is filtered over the pixel" filters box "$work/box.yaml"
+check "... unless the option says otherwise" filters centre "$work/box.yaml" --filter centre
+check "irradiance is sampled at the pixel's centre" filters centre "$work/box.yaml" --quantity irradiance
+check "so is a scene without textures" filters centre "$root/scenes/cornell.yaml"
+
 # shellcheck disable=SC2317
 noise_is_reached() {
     "${reference[@]}" --noise 0.05 --json "$work/a.json" -o "$work/a.exr" &&

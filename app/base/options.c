@@ -142,7 +142,8 @@ static const struct option_row rows[] = {
      "radiance towards the eye, or irradiance at the surface, without its albedo (default: "
      "radiance)"},
     {"--filter", OPTION_CHOICE, AT(filter), VERB_REFERENCE, 0, "centre|box",
-     "sample the centre of a pixel, as the rasterizer does, or its area (default: centre)"},
+     "sample the centre of a pixel, as the rasterizer does, or its area (default: box for radiance "
+     "of a scene with textures, which rasterizers filter; else centre)"},
     {"--emission", OPTION_FLAG, AT(emission), VERB_REFERENCE, 0, NULL,
      "include emission of materials, which the shipped pipelines leave out"},
     {"--sampler", OPTION_CHOICE, AT(sampler), VERB_REFERENCE, 0, "sobol|random",

@@ -109,7 +109,6 @@ static bool check_options(struct reference *reference)
         .output = options->quantity && strcmp(options->quantity, "irradiance") == 0
                       ? TRACER_IRRADIANCE
                       : TRACER_RADIANCE,
-        .box_filter = options->filter && strcmp(options->filter, "box") == 0,
         .emission = options->emission,
         .sequence = options->sampler && strcmp(options->sampler, "random") == 0 ? SEQUENCE_RANDOM
                                                                                 : SEQUENCE_SOBOL,
@@ -307,6 +306,19 @@ static bool write_results(const struct reference *reference)
     return good;
 }
 
+/* By default radiance of a scene with textures is filtered over the pixel, because a rasterizer
+ * filters its textures, too. Elsewhere both sample the pixel's centre. */
+static bool filters_pixel(const struct reference *reference)
+{
+    const char *filter = reference->options->filter;
+    const struct dt_scene *scene = &reference->scene.data;
+    bool textured = false;
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        textured |= scene->materials[i].texture >= 0;
+    return filter ? strcmp(filter, "box") == 0
+                  : textured && reference->info.output == TRACER_RADIANCE;
+}
+
 static bool prepare(struct reference *reference)
 {
     const struct options *options = reference->options;
@@ -319,6 +331,7 @@ static bool prepare(struct reference *reference)
                    &reference->frame);
     reference->frame.width = options->size[0];
     reference->frame.height = options->size[1];
+    reference->info.box_filter = filters_pixel(reference);
     reference->settings = describe_settings(reference);
     if (!reference->settings) {
         report_error(log, "out of memory");
