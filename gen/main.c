@@ -23,7 +23,7 @@ struct options {
     const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
         *variations, *seed, *memory;
     struct text_list sets;
-    bool check, prove, names, glsl, schema, reference, help, version;
+    bool check, prove, needs, names, glsl, schema, reference, help, version;
 };
 
 #define ROW(name, kind, field, argument, help)                                                     \
@@ -46,6 +46,9 @@ static const struct option_row option_rows[] = {
         "check only, and prove that the pipeline is exact: an error for each operation and input "
         "whose bits the standards leave open, in passes that write a resource whose contract is "
         "exact"),
+    ROW("--needs", OPTION_FLAG, needs, NULL,
+        "check only, and print what the passes need of a Vulkan device, against the profiles "
+        "Roadmap 2022, Android baseline 2022 and what MoltenVK has"),
     ROW("--graph", OPTION_STRING, graph, "FILE.dot",
         "draw passes, what they read and write and wait for, for Graphviz: dot -Tsvg"),
     ROW("--lifetimes", OPTION_STRING, lifetimes, "FILE.dot",
@@ -78,8 +81,9 @@ static const struct command_line command = {
     .program = "diptych-gen",
     .bit = 1,
     .summary = "generate GLSL, SPIR-V and C for OpenGL and Vulkan from a pipeline spec",
-    .details = "-o, --check, --prove, --graph, --lifetimes or --variations says what to make.\n"
-               "Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried.",
+    .details =
+        "-o, --check, --prove, --needs, --graph, --lifetimes or --variations says what to make.\n"
+        "Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried.",
     .rows = option_rows,
     .row_count = DT_ARRAY_COUNT(option_rows),
 };
@@ -107,7 +111,7 @@ static bool parse_options(int count, char **words, struct options *options)
         return true;
     if (!command_is_complete(&command, options, &log))
         return false;
-    if (!options->out && !options->check && !options->prove && !options->graph &&
+    if (!options->out && !options->check && !options->prove && !options->needs && !options->graph &&
         !options->lifetimes && !options->variations)
         return usage_error("-o DIR is missing for %s", options->spec);
     if (options->json && options->variations)
@@ -295,6 +299,18 @@ static bool read_number(const char *name, const char *text, uint64_t least, uint
     return false;
 }
 
+/* Prints the text, and frees it. */
+static enum status print_text(struct text *text)
+{
+    if (text->failed)
+        fputs("diptych-gen: error: out of memory\n", stderr);
+    else
+        fwrite(text->data, 1, text->length, stdout); /* main checks the stream */
+    enum status status = text->failed ? STATUS_FAILED : STATUS_DONE;
+    text_free(text);
+    return status;
+}
+
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
@@ -308,8 +324,13 @@ static enum status generate(struct generation *g)
                                    .prove = options->prove,
                                    .seconds = (unsigned)seconds,
                                    .cache = options->cache};
-    if (!spec_load(&g->spec, &request, options->out, g->diag))
+    if (!spec_load(&g->spec, &request, options->out || options->needs, g->diag))
         return STATUS_WRONG_SPEC;
+    if (options->needs) {
+        struct text text = {0};
+        emit_device_needs(g->spec.tables, &text);
+        return print_text(&text);
+    }
     enum status status = options->check || options->prove ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
         print_summary(&g->spec.model.pipeline);
@@ -332,11 +353,10 @@ static enum status print_variations(struct generation *g)
                                    .count = (uint32_t)count,
                                    .seed = seed,
                                    .bytes = memory << 20};
-    bool good = vary(&request, &text, g->diag);
-    if (good)
-        fwrite(text.data, 1, text.length, stdout); /* main checks the stream */
+    if (vary(&request, &text, g->diag))
+        return print_text(&text);
     text_free(&text);
-    return good ? STATUS_DONE : STATUS_WRONG_SPEC;
+    return STATUS_WRONG_SPEC;
 }
 
 /* The given folder, else `templates` in the working folder. Else the one that belongs to the
@@ -426,24 +446,12 @@ static enum status run(const struct options *options)
     return status;
 }
 
-static enum status print_text(void (*emit)(struct text *out))
-{
-    struct text text = {0};
-    emit(&text);
-    if (text.failed)
-        fputs("diptych-gen: error: out of memory\n", stderr);
-    else
-        fwrite(text.data, 1, text.length, stdout); /* main checks the stream */
-    enum status status = text.failed ? STATUS_FAILED : STATUS_DONE;
-    text_free(&text);
-    return status;
-}
-
 /* ---- The command line ------------------------------------------------------------------------ */
 
 static enum status run_words(int argc, char **argv)
 {
     struct options options = {0};
+    struct text text = {0};
     enum status status = STATUS_DONE;
     if (!parse_options(argc, argv, &options))
         status = STATUS_FAILED;
@@ -451,12 +459,12 @@ static enum status run_words(int argc, char **argv)
         command_help(&command);
     else if (options.version)
         printf("diptych-gen " VERSION "\n"); /* build.ninja defines VERSION */
-    else if (options.schema)
-        status = print_text(emit_schema);
-    else if (options.reference)
-        status = print_text(emit_reference);
-    else
+    else if (options.schema || options.reference) {
+        (options.schema ? emit_schema : emit_reference)(&text);
+        status = print_text(&text);
+    } else {
         status = run(&options);
+    }
     free(options.sets.items);
     return status;
 }

@@ -73,8 +73,10 @@ void emit_c_shaders(const struct lowered *tables, enum backend backend, bool nam
 void emit_limit(const struct pass *pass, struct text *out);   /* limit/NAME.PASS.c; emit_panel.c */
 void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
-void emit_schema(struct text *out);                               /* schema.c */
-void emit_reference(struct text *out);                            /* reference.c: Markdown */
+/* needs.c: --needs, Markdown. */
+void emit_device_needs(const struct lowered *tables, struct text *out);
+void emit_schema(struct text *out);         /* schema.c */
+void emit_reference(struct text *out);      /* reference.c: Markdown */
 void emit_body_reference(struct text *out); /* reference_body.c: its chapter on pass bodies */
 
 /* vary.c: `count` valid variations of a spec, as JSON; the same for the same seed on every machine.

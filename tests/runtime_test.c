@@ -772,6 +772,15 @@ static void limits_of_programs(struct transcript *transcript, const struct bench
     WRONG(runtime->create(rt, &v->shaders), "pass scene: 3 clip distances, but ");
     *limits = own;
     v->programs[PROBE_SCENE].clip_distances = 0;
+    struct dt_binding bindings[DT_MAX_BINDINGS];
+    memcpy(bindings, v->programs[PROBE_SCENE].bindings,
+           v->programs[PROBE_SCENE].binding_count * sizeof *bindings);
+    v->programs[PROBE_SCENE].bindings = bindings;
+    bindings[0].kind = DT_BIND_UNIFORM;
+    limits->uniform_bytes = 65535;
+    WRONG(runtime->create(rt, &v->shaders), "pass scene: 65536 bytes of materials, but ");
+    *limits = own;
+    v->programs[PROBE_SCENE].bindings = probe_panel.programs[PROBE_SCENE].bindings;
     v->sampler.anisotropy = 16;
     limits->anisotropy = 4;
     WRONG(runtime->create(rt, &v->shaders), "sampler linear: anisotropy 16, but ");

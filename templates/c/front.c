@@ -73,8 +73,18 @@ static bool check_bindings(const struct dt_core *core, const struct dt_panel *pa
     if (program->binding_count > DT_MAX_BINDINGS)
         return dt_error(core, "pass %s: %u resources, but at most %d can be bound; split the pass",
                         name, program->binding_count, DT_MAX_BINDINGS);
-    for (uint32_t i = 0; i < program->binding_count; i++)
-        count[program->bindings[i].kind]++;
+    for (uint32_t i = 0; i < program->binding_count; i++) {
+        const struct dt_binding *binding = &program->bindings[i];
+        const size_t materials = DT_MAX_MATERIALS * sizeof(struct dt_material);
+        count[binding->kind]++;
+        if (binding->resource == DT_SCENE_MATERIALS && binding->kind == DT_BIND_UNIFORM &&
+            core->limits.uniform_bytes < materials)
+            return dt_error(core,
+                            "pass %s: %zu bytes of materials, but %s allows %llu in a uniform "
+                            "block; use another device",
+                            name, materials, core->device_name,
+                            (unsigned long long)core->limits.uniform_bytes);
+    }
     for (size_t kind = 0; kind < DT_ARRAY_COUNT(kinds); kind++)
         if (count[kind] > core->limits.bindings[kind])
             return dt_error(core, "pass %s: %u %s, but %s binds at most %u; split the pass", name,
