@@ -474,7 +474,8 @@ static bool add_library(struct glsl *glsl)
     ok = ok && glsl_library(glsl, "frame", layout.data);
     if (ok && !glsl->pipeline->fast) {
         glsl_exact(glsl);
-        ok = glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data);
+        ok = glsl_library(glsl, "filter", layout.data) &&
+             glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data);
     }
     text_free(&layout);
     return ok;

@@ -115,6 +115,12 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 
 /* ---- Functions ------------------------------------------------------------------------------- */
 
+/* Whether exact pipelines decode it themselves. */
+static bool is_srgb(const struct glsl *glsl, const struct access *access)
+{
+    return !glsl->pipeline->fast && access->resource->format == DT_FORMAT_RGBA8_SRGB;
+}
+
 /* Reads a texel by position. Only the first access of a name gets this function. If an access sees
  * one mip, the texture is a view of this mip, its level 0, so the pass may write another one. */
 static void add_texel(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -123,14 +129,17 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
     const char *position = is_layered(access) ? "ivec3" : "ivec2";
-    bool depth = image->format == DT_FORMAT_D32F;
+    bool depth = image->format == DT_FORMAT_D32F, srgb = is_srgb(glsl, access);
     if (is_storage(access))
         text_add(out, "%svec4 %s(%s p)\n{\n    return imageLoad(%s, p);\n}\n\n", prefix,
                  access_word(access), position, variable);
     else
-        text_add(out, "%s%s %s(%s p)\n{\n    return texelFetch(%s, p, 0)%s;\n}\n\n",
+        text_add(out, "%s%s %s(%s p)\n{\n    return %stexelFetch(%s, p, 0)%s;\n}\n\n",
                  depth ? "" : prefix, depth ? "float" : "vec4", access_word(access), position,
-                 variable, depth ? ".x" : "");
+                 srgb ? "filter_srgb(" : "", variable,
+                 depth  ? ".x"
+                 : srgb ? ")"
+                        : "");
 }
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -142,6 +151,34 @@ static void add_size(const struct glsl *glsl, const struct access *access, struc
              access_word(access), call, variable_name(glsl, access), mip, swizzle);
 }
 
+/* Whether exact pipelines filter it themselves, see templates/glsl/filter.glsl: fragments choose a
+ * level of detail of their own, where there is more than one. */
+static bool is_ours(const struct glsl *glsl, const struct access *access, bool chooses)
+{
+    const struct resource *image = access->resource;
+    bool single = access->mip || !image->mips;
+    return !glsl->pipeline->fast && (is(access, "2D") || is(access, "2DArray")) &&
+           !format_info(image->format)->integer && access->filter->anisotropy <= 1 &&
+           (!chooses || single || glsl->stage != STAGE_IS_FRAGMENT);
+}
+
+/* The call of filter_sample, up to the end of its statement. */
+static void add_own_sample(const struct glsl *glsl, const struct access *access, const char *lod,
+                           const char *tail, struct text *out)
+{
+    const struct sampler *filter = access->filter;
+    const char *name = format_info(access->resource->format)->name;
+    bool green = strchr(name, 'g'), blue = strchr(name, 'b'), alpha = strchr(name, 'a');
+    bool white = filter->border == DT_BORDER_OPAQUE_WHITE;
+    bool opaque = filter->border != DT_BORDER_TRANSPARENT_BLACK || !alpha;
+    char border[32]; /* a channel that the format lacks is 0, alpha 1 */
+    snprintf(border, sizeof border, "%d, %d, %d, %d", white, white && green, white && blue, opaque);
+    text_add(out, "    return filter_sample(%s, %s, %s, %s, %s, %d, vec4(%s))%s;\n}\n\n",
+             variable_name(glsl, access), is_layered(access) ? "uv" : "vec3(uv, 0.0)", lod,
+             filter->linear_mip ? "true" : "false", filter->linear ? "true" : "false",
+             (int)filter->wrap | (is_srgb(glsl, access) ? 4 : 0), border, tail);
+}
+
 static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
@@ -151,15 +188,19 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
-    if (!access->mip && glsl_uses(glsl, "%s_sample_lod", access_word(access)))
-        text_add(
-            out,
-            "%s %s_sample_lod(%s uv, float lod)\n{\n    return textureLod(%s, uv, lod)%s;\n}\n\n",
-            type, access_word(access), uv, variable, tail);
+    if (!access->mip && glsl_uses(glsl, "%s_sample_lod", access_word(access))) {
+        text_add(out, "%s %s_sample_lod(%s uv, float lod)\n{\n", type, access_word(access), uv);
+        if (is_ours(glsl, access, false))
+            add_own_sample(glsl, access, "lod", tail, out);
+        else
+            text_add(out, "    return textureLod(%s, uv, lod)%s;\n}\n\n", variable, tail);
+    }
     if (!glsl_uses(glsl, "%s_sample", access_word(access)))
         return;
     text_add(out, "%s %s_sample(%s uv)\n{\n", type, access_word(access), uv);
-    if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
+    if (is_ours(glsl, access, true))
+        add_own_sample(glsl, access, "0.0", tail, out);
+    else if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
         text_add(out, "    return texture(%s, uv)%s;\n}\n\n", variable, tail);
     else
         text_add(out, "    return textureLod(%s, uv, 0.0)%s;\n}\n\n", variable, tail);
