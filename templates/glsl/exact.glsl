@@ -98,15 +98,20 @@ float exact_root_estimate(float x)
     return r;
 }
 
+/* A value for positive normal x; negative x: all bits set, a NaN; zero and infinity: `end`. */
+float exact_root_value(float x, float value, uint end)
+{
+    uint negative = uint(floatBitsToInt(x) >> 31);
+    float root = uintBitsToFloat(floatBitsToUint(value) | negative);
+    return abs(x) < 1.17549435e-38 || x > 3.40282347e38 ? uintBitsToFloat(end & 0xff800000u) : root;
+}
+
 float exact_inversesqrt(float x)
 {
     float r = exact_root_estimate(x);
     float error = 1.0 - x * r * r;
     r += r * (0.5 * error);
-    float none = uintBitsToFloat(0x7fc00000u);
-    float infinite = uintBitsToFloat((floatBitsToUint(x) & 0x80000000u) | 0x7f800000u);
-    r = x <= 3.40282347e38 ? r : x > 0.0 ? 0.0 : none;
-    return abs(x) < 1.17549435e-38 ? infinite : x < 0.0 ? none : r;
+    return exact_root_value(x, r, floatBitsToUint(x) ^ 0x7f800000u);
 }
 exact_each(exact_inversesqrt);
 
@@ -116,8 +121,7 @@ float exact_sqrt(float x)
     float s = x * r;
     float error = 1.0 - s * r;
     s += s * (0.5 * error);
-    s = x <= 3.40282347e38 ? s : x;
-    return abs(x) < 1.17549435e-38 ? x * 0.0 : x < 0.0 ? uintBitsToFloat(0x7fc00000u) : s;
+    return exact_root_value(x, s, floatBitsToUint(x));
 }
 exact_each(exact_sqrt);
 
@@ -177,7 +181,10 @@ float exact_tan(float x)
     float quadrant = exact_quadrant(x, r);
     float s = exact_sine(r), c = exact_cosine(r);
     bool odd = quadrant == 1.0 || quadrant == 3.0;
-    return exact_divide(odd ? -c : s, odd ? s : c);
+    float above = odd ? -c : s, below = odd ? s : c;
+    float q = exact_divide(above, below);
+    q += exact_divide(above - q * below, below);
+    return q;
 }
 exact_each(exact_tan);
 

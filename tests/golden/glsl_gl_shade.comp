@@ -119,14 +119,21 @@ float exact_root_estimate(precise float x)
     return r;
 }
 
+/* A value for positive normal x; negative x: all bits set, a NaN; zero and infinity: `end`. */
+float exact_root_value(precise float x, precise float value, precise uint end)
+{
+    precise uint negative = uint(floatBitsToInt(x) >> 31);
+    precise float root = uintBitsToFloat(floatBitsToUint(value) | negative);
+    { precise float result = abs(x) < 1.17549435e-38 || x > 3.40282347e38 ? uintBitsToFloat(end & 0xff800000u) : root; return result; }
+}
+
 float exact_sqrt(precise float x)
 {
     precise float r = exact_root_estimate(x);
     precise float s = x * r;
     precise float error = 1.0 - s * r;
     s += s * (0.5 * error);
-    s = x <= 3.40282347e38 ? s : x;
-    { precise float result = abs(x) < 1.17549435e-38 ? x * 0.0 : x < 0.0 ? uintBitsToFloat(0x7fc00000u) : s; return result; }
+    { precise float result = exact_root_value(x, s, floatBitsToUint(x)); return result; }
 }
 exact_each(exact_sqrt);
 

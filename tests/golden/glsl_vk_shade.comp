@@ -118,14 +118,21 @@ float exact_root_estimate(float x)
     return r;
 }
 
+/* A value for positive normal x; negative x: all bits set, a NaN; zero and infinity: `end`. */
+float exact_root_value(float x, float value, uint end)
+{
+    uint negative = uint(floatBitsToInt(x) >> 31);
+    float root = uintBitsToFloat(floatBitsToUint(value) | negative);
+    return abs(x) < 1.17549435e-38 || x > 3.40282347e38 ? uintBitsToFloat(end & 0xff800000u) : root;
+}
+
 float exact_sqrt(float x)
 {
     float r = exact_root_estimate(x);
     float s = x * r;
     float error = 1.0 - s * r;
     s += s * (0.5 * error);
-    s = x <= 3.40282347e38 ? s : x;
-    return abs(x) < 1.17549435e-38 ? x * 0.0 : x < 0.0 ? uintBitsToFloat(0x7fc00000u) : s;
+    return exact_root_value(x, s, floatBitsToUint(x));
 }
 exact_each(exact_sqrt);
 
