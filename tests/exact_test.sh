@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Exact mode function by function: tests/specs/exact.yaml runs everything that it replaces, and what it leaves, over some
-# thousand inputs with special values among them. exact_accuracy_test.c holds the same results against double precision.
+# Exact mode function by function: tests/specs/exact.yaml and arithmetic.yaml run everything that it replaces, over
+# some thousand inputs with special values among them. exact_accuracy_test.c holds the same results against double precision.
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
 specs=$root/tests/specs
@@ -43,6 +43,9 @@ for spec in "$specs/features.yaml" "$root/templates/ssvp.yaml" "$root/templates/
         "$diptych" compare --scene "$root/scenes/atrium.yaml" --spec "$spec" --size 37x23 --glsl
 done
 
+arithmetic=("$diptych" compare --spec "$specs/arithmetic.yaml" --size 8x8 --set finite=true)
+check "division and functions agree over all exponents" "${arithmetic[@]}"
+check "... with OpenGL fed GLSL text" "${arithmetic[@]}" --glsl
 # A control: the same way of looking sees what exact mode removes.
 check_status 1 "fast mode differs" dumps --set exactness=fast
 check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"
@@ -60,4 +63,11 @@ for backend in gl vk; do
     check "subgroups reduce, or $backend tells what it lacks" reduces $backend
 done
 check "exact, the body takes the other way" "$diptych" compare --spec "$specs/subgroups.yaml" --size 16x16 --set exactness=exact
+
+. "$root/tests/drivers.sh"
+if [ ${#strangers[@]} -gt 0 ]; then
+    check "division and functions agree on ${strangers[*]}" "${arithmetic[@]}" --backend "vk@llvmpipe,${strangers[0]}"
+else
+    skip "division and functions agree on another driver" "$no_strangers"
+fi
 finish

@@ -1,4 +1,3 @@
-/* Functions that exact mode leaves to the drivers. */
 void main()
 {
     int i = invocation().x;

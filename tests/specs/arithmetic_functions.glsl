@@ -1,0 +1,36 @@
+const float THIRD = 1.0 / 3.0;
+#define RATIO(a, b) ((a) / (b))
+
+void main()
+{
+    int i = invocation().x;
+    if (i >= cases)
+        return;
+    Arguments a = arguments[i];
+    Functions f;
+    f.quotient = RATIO(a.x, a.y);
+    f.sqrt = sqrt(a.x);
+    f.inversesqrt = inversesqrt(a.x);
+    f.sin = sin(a.angle);
+    f.cos = cos(a.angle);
+    f.tan = tan(a.angle);
+    f.asin = asin(a.unit);
+    f.acos = acos(a.unit);
+    f.atan = atan(a.x);
+    f.atan2 = atan(a.angle, a.unit);
+    f.exp = exp(a.exponent);
+    f.exp2 = exp2(a.exponent);
+    f.log = log(a.x);
+    f.log2 = log2(a.x);
+    f.pow = pow(abs(a.x), a.unit);
+    f.sinh = sinh(a.exponent);
+    f.cosh = cosh(a.exponent);
+    f.tanh = tanh(a.exponent);
+    f.asinh = asinh(a.x);
+    f.acosh = acosh(a.above_one);
+    f.atanh = atanh(a.unit);
+    f.mod = mod(a.angle, 0.375);
+    f.halved = unpackHalf2x16(packHalf2x16(vec2(a.angle, a.unit))).x;
+    f.literals = a.unit + 0.1 * 0.2 * 0.3 + THIRD * 0.7 - 1.1 / 1.3 / 0.9;
+    functions[i] = f;
+}
