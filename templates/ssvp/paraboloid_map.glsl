@@ -6,8 +6,9 @@
  * of positions stay linear in space.
  *
  * Most triangles are smaller than a texel, so a fragment must be cheap. Vertices provide positions
- * in the cluster's frame, where the texel's direction is known without a transform. Depth is that
- * of the triangle's plane along the texel's direction, as reach.glsl has it. */
+ * in the cluster's frame, in lengths of 8 scene radii, where the texel's direction is known without a
+ * transform. Depth is that of the triangle's plane along the texel's direction, as reach.glsl has it,
+ * times the length of texel_ray, at most 3. */
 
 #ifdef VERTEX
 layout(location = 0) out vec3 local;
@@ -28,6 +29,7 @@ void main()
     float w = length(d) + local.z;
     gl_Position = vec4(local.xy, 0.5 * w, w);
     gl_ClipDistance[0] = views[c].member < 0 ? -1.0 : local.z; /* clips all of an empty cluster */
+    local *= 0.125 / frame.scene_radius;
     gl_Layer = c;
 }
 #endif
@@ -48,10 +50,11 @@ void main()
     if (is_hole(uv, texture_layer, alpha_cutoff, 0))
         discard;
     vec3 normal = cross(dFdx(local), dFdy(local)); /* of the triangle; not unit, either side */
-    float interpolated = length(local);
-    float cut = dot(local, normal) / dot(texel_direction(gl_FragCoord.xy), normal);
+    vec3 ray = texel_ray(gl_FragCoord.xy);
+    float interpolated = dot(local, ray);
+    float cut = dot(local, normal) * dot(ray, ray) / dot(ray, normal);
     bool sound = cut > 0.5 * interpolated && cut < 2.0 * interpolated;
     number = uvec4(triangle + 1u, 0u, 0u, 1u);
-    gl_FragDepth = clamp((sound ? cut : interpolated) / (2.5 * frame.scene_radius), 0.0, 1.0);
+    gl_FragDepth = clamp(sound ? cut : interpolated, 0.0, 1.0);
 }
 #endif

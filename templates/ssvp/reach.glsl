@@ -14,7 +14,7 @@ float reach_along(vec3 d, vec3 a, vec3 b, vec3 c)
     vec3 areas = ray_areas(vec3(dot(a, right), dot(b, right), dot(c, right)),
                            vec3(dot(a, up), dot(b, up), dot(c, up)));
     float sum = areas.x + areas.y + areas.z;
-    vec3 weights = sum == 0.0 ? vec3(0.0) : areas / sum;
+    vec3 weights = areas * (sum == 0.0 ? 0.0 : 1.0 / sum);
     float cut = dot(weights, vec3(dot(a, d), dot(b, d), dot(c, d)));
     weights = within_triangle(weights);
     float nearby = length(a * weights.x + b * weights.y + c * weights.z);
