@@ -372,7 +372,7 @@ static void print_head(const struct measured_sweep *sweep, const char *const nam
     for (uint32_t i = 0; i < sweep->axis_count; i++)
         printf(" %s |", sweep->axes[i].path);
     for (uint32_t i = 0; i < count; i++)
-        printf(" %*s |", sweep->grid.every_frame ? 18 : 12, names[i]);
+        printf(" %*s |", sweep->grid.every_frame ? 17 : 12, names[i]);
     printf("\n|");
     for (uint32_t i = 0; i < 3 + sweep->axis_count + count; i++)
         printf("---|");
@@ -387,9 +387,9 @@ static void print_cell(const struct measured_sweep *sweep, const struct grid_poi
     double error = name ? grid_number(&sweep->grid, point, side, name) : NAN;
     free(name);
     if (!isnan(error))
-        printf(" %8.4f \u00b1 %-7.1g |", value, error);
+        printf(" %8.4f \u00b1 %.4f |", value, error);
     else if (isnan(value))
-        printf(" %*s |", sweep->grid.every_frame ? 18 : 12, "-");
+        printf(" %*s |", sweep->grid.every_frame ? 17 : 12, "-");
     else
         printf(" %12.5g |", value);
 }
