@@ -476,6 +476,15 @@ static bool find_loops(const struct glsl *glsl, struct loops *loops)
     return true;
 }
 
+/* Whether the word names a constant; an instance's has `_` for each dot. */
+static bool is_constant(struct token token, const char *name)
+{
+    for (size_t i = 0; i < token.length; i++)
+        if (!name[i] || token.text[i] != (name[i] == '.' ? '_' : name[i]))
+            return false;
+    return !name[token.length];
+}
+
 /* Whether a range's `first` has the same value anywhere in main(). */
 static bool is_global(const struct glsl *glsl, const char *first)
 {
@@ -487,7 +496,7 @@ static bool is_global(const struct glsl *glsl, const char *first)
         for (uint32_t i = 0; i < pipeline->param_count && !known; i++)
             known = token_is(token, pipeline->params[i].name);
         for (uint32_t i = 0; i < pipeline->constant_count && !known; i++)
-            known = token_is(token, pipeline->constants[i].name);
+            known = is_constant(token, pipeline->constants[i].name);
         for (uint32_t i = 0; i < glsl->pass->define_count && !known; i++)
             known = token_is(token, glsl->pass->defines[i].name);
         if (!known)
