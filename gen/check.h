@@ -11,6 +11,7 @@ struct token {
     struct loc loc;
     /* the nearest non-space characters; before: 'a' for a word, '0' for a number; 0: none */
     char before, after;
+    int depth; /* of braces */
 };
 
 struct body { /* the tokens of a pass's shader and of what it includes */

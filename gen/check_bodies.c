@@ -58,6 +58,8 @@ static const char *body_name(struct checker *c, const char *name, struct loc loc
     return name;
 }
 
+enum { MAX_CALLS = 16 }; /* GLSL has no recursion; a limit for wrong bodies */
+
 /* ---- Identifiers ----------------------------------------------------------------------------- */
 
 struct scan {
@@ -65,12 +67,13 @@ struct scan {
     struct body *body;
     const struct source *source;
     const char *at, *end, *line_start;
-    int line;
+    int line, depth; /* of braces */
     char before;
 };
 
+/* depth: of includes; level: of braces around the include. */
 static void scan_source(struct checker *c, struct body *body, const struct source *source,
-                        int depth);
+                        int depth, int level);
 
 static void add_token(struct scan *s, const char *text, int length)
 {
@@ -90,7 +93,7 @@ static void add_token(struct scan *s, const char *text, int length)
         next++;
     struct loc loc = {s->source, s->line, (int)(text - s->line_start) + 1, length};
     body->tokens[body->count++] =
-        (struct token){text, length, loc, s->before, next < s->end ? *next : '\0'};
+        (struct token){text, length, loc, s->before, next < s->end ? *next : '\0', s->depth};
 }
 
 static bool skip_comment(struct scan *s)
@@ -135,15 +138,15 @@ static bool take_include(struct scan *s, int depth)
         source = path ? source_read(s->c->model, path, &reason) : NULL;
     }
     if (source)
-        scan_source(s->c, s->body, source, depth + 1);
+        scan_source(s->c, s->body, source, depth + 1, s->depth);
     return true;
 }
 
 static void scan_source(struct checker *c, struct body *body, const struct source *source,
-                        int depth)
+                        int depth, int level)
 {
-    struct scan s = {c, body, source, source->text, source->text + source->length, source->text,
-                     1, 0};
+    struct scan s = {c, body,  source, source->text, source->text + source->length, source->text,
+                     1, level, 0};
     while (s.at < s.end) {
         unsigned char first = (unsigned char)*s.at;
         if (skip_comment(&s) || (first == '#' && take_include(&s, depth)))
@@ -166,6 +169,7 @@ static void scan_source(struct checker *c, struct body *body, const struct sourc
             s.line++;
             s.line_start = s.at + 1;
         }
+        s.depth += (first == '{') - (first == '}');
         if (!isspace(first))
             s.before = (char)first;
         s.at++;
@@ -305,13 +309,20 @@ static void check_foreign_word(struct checker *c, const struct pass *pass, const
 }
 
 /* The place where the body declares a function of this name; NULL: it does not. */
-static const struct token *function_of(const struct body *body, const char *name)
+static const struct token *function_named(const struct body *body, const char *name, int length)
 {
     for (size_t i = 1; i < body->count; i++)
         if (body->tokens[i].before == 'a' && body->tokens[i].after == '(' &&
-            token_is(&body->tokens[i], name) && !is_keyword(&body->tokens[i - 1]))
+            body->tokens[i].length == length &&
+            !memcmp(body->tokens[i].text, name, (size_t)length) &&
+            !is_keyword(&body->tokens[i - 1]))
             return &body->tokens[i];
     return NULL;
+}
+
+static const struct token *function_of(const struct body *body, const char *name)
+{
+    return function_named(body, name, (int)strlen(name));
 }
 
 /* Atomic functions need an update of a format that both APIs have them for. */
@@ -470,6 +481,46 @@ static bool minds_group(const struct body *body)
     return false;
 }
 
+static bool reads_image(const struct pass *pass, const struct token *token)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        if (access->resource && access->resource->kind == DT_IMAGE && token->before != '.' &&
+            (token_is(token, access_word(access)) ||
+             is_derived(token, access_word(access), image_words)))
+            return true;
+    }
+    return false;
+}
+
+/* Whether the block behind the token reads an image, itself or in a function of the body. */
+static bool block_reads_images(const struct pass *pass, const struct body *body,
+                               const struct token *token, int calls)
+{
+    const struct token *end = body->tokens + body->count;
+    int depth = token->depth;
+    while (token < end && token->depth <= depth)
+        token++;
+    for (; token < end && token->depth > depth; token++) {
+        const struct token *function =
+            token->after == '(' ? function_named(body, token->text, token->length) : NULL;
+        if (reads_image(pass, token) ||
+            (function && calls < MAX_CALLS && block_reads_images(pass, body, function, calls + 1)))
+            return true;
+    }
+    return false;
+}
+
+/* Notes the ranges whose loops read images. */
+static void note_images(struct pass *pass, const struct body *body)
+{
+    for (uint32_t i = 0; i < pass->range_count; i++)
+        for (size_t k = 0; k < body->count; k++)
+            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], pass->ranges[i].name) &&
+                block_reads_images(pass, body, &body->tokens[k], 0))
+                pass->ranges[i].reads_images = true;
+}
+
 static void check_body(struct checker *c, struct pass *pass, struct body *body)
 {
     const struct pipeline *p = c->pipeline;
@@ -486,8 +537,9 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
         return;
     pass->shader =
         pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
-    scan_source(c, body, pass->body, 0);
+    scan_source(c, body, pass->body, 0, 0);
     pass->minds_group = minds_group(body);
+    note_images(pass, body);
     pass->own_vertices = mentions(body, "VERTEX");
     if (pass->kind == PASS_VERTICES && !pass->own_vertices)
         diag_error(c->diag, pass->shader_loc,

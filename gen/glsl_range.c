@@ -357,12 +357,47 @@ static void add_counted(const struct loop *loop, struct text *out)
     add_body(loop, out);
 }
 
+/* Writes `count` elements after the first `done`. */
+static void add_block(const struct glsl *glsl, const struct loop *loop, uint32_t done,
+                      uint32_t count, struct text *out)
+{
+    char base[96] = "", offset[96] = "";
+    if (done) {
+        snprintf(offset, sizeof offset, " + %u", done);
+        snprintf(base, sizeof base, "%u + ", done);
+    }
+    add_late_copy(glsl, loop, count, offset, out);
+    add_elements(loop, count, base, out);
+}
+
+/* A loop over full blocks. */
+static void add_blocks(const struct glsl *glsl, const struct loop *loop, uint32_t chunks,
+                       uint32_t chunk, struct text *out)
+{
+    const char *name = loop->range->name;
+    char base[96], offset[96];
+    text_add(out, "    for (int %s_base = 0; %s_base < %u; %s_base += %u) {\n", name, name,
+             chunks * chunk, name, chunk);
+    snprintf(offset, sizeof offset, " + %s_base", name);
+    snprintf(base, sizeof base, "%s_base + ", name);
+    add_late_copy(glsl, loop, chunk, offset, out);
+    add_elements(loop, chunk, base, out);
+    text_add(out, "    }\n");
+}
+
+/* Whether the blocks follow each other without a loop around them. CPU drivers read shared memory
+ * lane by lane inside of loops, even at literal indices. */
+static bool is_straight(const struct glsl *glsl, const struct range *range)
+{
+    return is_shared(range) && range->loop == LOOP_UNROLL && !glsl->pipeline->gpu &&
+           range->count_value <= UNROLLED_LIMIT;
+}
+
 static void add_loop(const struct glsl *glsl, const struct loop *loop, struct text *out)
 {
     const struct range *range = loop->range;
     uint32_t count = (uint32_t)range->count_value, chunk = chunk_of(range);
-    uint32_t chunks = count ? count / chunk : 0, rest = count - chunks * chunk;
-    char base[96], offset[96];
+    uint32_t chunks = count ? count / chunk : 0, done = 0;
     if (range->counted)
         text_add(out, "{ /* range %s of %s */\n", range->name, access_word(range->access));
     else
@@ -372,25 +407,13 @@ static void add_loop(const struct glsl *glsl, const struct loop *loop, struct te
         add_first(range, out);
     if (range->counted) {
         add_counted(loop, out);
-        chunks = rest = 0;
-    } else if (chunks == 1) {
-        add_late_copy(glsl, loop, chunk, "", out);
-        add_elements(loop, chunk, "", out);
-    } else if (chunks > 1) {
-        text_add(out, "    for (int %s_base = 0; %s_base < %u; %s_base += %u) {\n", range->name,
-                 range->name, chunks * chunk, range->name, chunk);
-        snprintf(offset, sizeof offset, " + %s_base", range->name);
-        snprintf(base, sizeof base, "%s_base + ", range->name);
-        add_late_copy(glsl, loop, chunk, offset, out);
-        add_elements(loop, chunk, base, out);
-        text_add(out, "    }\n");
+        done = count;
+    } else if (chunks > 1 && !is_straight(glsl, range)) {
+        add_blocks(glsl, loop, chunks, chunk, out);
+        done = chunks * chunk;
     }
-    if (rest) {
-        snprintf(offset, sizeof offset, " + %u", chunks * chunk);
-        snprintf(base, sizeof base, "%u + ", chunks * chunk);
-        add_late_copy(glsl, loop, rest, offset, out);
-        add_elements(loop, rest, base, out);
-    }
+    for (; done < count; done += chunk)
+        add_block(glsl, loop, done, count - done < chunk ? count - done : chunk, out);
     text_add(out, "}\n#line %d %u\n", loop->close_loc.line, loop->close_number);
 }
 

@@ -225,8 +225,9 @@ struct range {
     int64_t count_value;   /* check */
     enum storage_class storage;
     enum loop_shape loop;
-    uint32_t chunk; /* plan: elements per copy and per unrolled block */
-    bool counted;   /* plan: the shader reads the count, so all counts share one shader */
+    bool reads_images; /* check: a loop over it reads images */
+    uint32_t chunk;    /* plan: elements per copy and per unrolled block */
+    bool counted;      /* plan: the shader reads the count, so all counts share one shader */
 };
 
 struct define { /* a macro of the body */

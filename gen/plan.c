@@ -242,34 +242,40 @@ static void check_uniform(const struct range *range, const struct resource *buff
     }
 }
 
-/* Chooses what the spec leaves open. CPU drivers are fastest with a copy in shared memory that is
- * read at literal indices, for up to one unrolled block of 32 elements; longer ranges they read in
- * place, in a loop. A GPU reads shared memory as fast in a loop, and long unrolled code only fills
- * its instruction cache. */
-static void choose_range(struct range *range, uint64_t count, uint32_t stride, bool gpu)
+static uint64_t count_of(const struct range *range)
 {
-    bool one_block = count <= UNROLLED_BLOCK && range->loop != LOOP_ROLL;
-
-    if (range->storage == STORAGE_AUTO && (gpu || one_block) && stride <= SHARED_MEMORY_LIMIT / 8)
-        range->storage = STORAGE_SHARED;
-    if (range->loop == LOOP_AUTO)
-        range->loop = count > (gpu ? 2 * UNROLLED_BLOCK : UNROLLED_BLOCK) ? LOOP_ROLL : LOOP_UNROLL;
+    return range->count_value > 0 ? (uint64_t)range->count_value : 1;
 }
 
-static void plan_range(struct range *range, const struct pipeline *pipeline)
+static uint32_t stride_of(const struct range *range)
 {
     const struct resource *buffer = range->access ? range->access->resource : NULL;
-    uint32_t stride = buffer ? buffer->stride : sizeof(struct dt_material);
-    uint64_t count = range->count_value > 0 ? (uint64_t)range->count_value : 1;
-    uint32_t limit;
 
-    choose_range(range, count, stride, pipeline->gpu);
-    limit = range->loop == LOOP_ROLL ? 2 * UNROLLED_BLOCK : UNROLLED_BLOCK;
+    return buffer ? buffer->stride : sizeof(struct dt_material);
+}
+
+/* Chooses what the spec leaves open. CPU drivers read shared memory fast at literal indices and
+ * outside of loops only; what is not unrolled they read in place. A GPU reads shared memory as fast
+ * in a loop, and long unrolled code only fills its instruction cache. */
+static void choose_range(struct range *range, bool unrolled, bool gpu)
+{
+    if (range->storage == STORAGE_AUTO && (gpu || (unrolled && range->loop != LOOP_ROLL)) &&
+        stride_of(range) <= SHARED_MEMORY_LIMIT / 8)
+        range->storage = STORAGE_SHARED;
+    if (range->loop == LOOP_AUTO)
+        range->loop = unrolled ? LOOP_UNROLL : LOOP_ROLL;
+}
+
+static void plan_chunk(struct range *range)
+{
+    uint32_t limit = range->loop == LOOP_ROLL ? 2 * UNROLLED_BLOCK : UNROLLED_BLOCK;
+    uint32_t stride = stride_of(range);
+
     if (range->storage == STORAGE_SHARED) {
         limit = stride * limit > SHARED_MEMORY_LIMIT ? SHARED_MEMORY_LIMIT / stride : limit;
         limit = limit ? limit : 1;
     }
-    range->chunk = chunk_of(count, limit);
+    range->chunk = chunk_of(count_of(range), limit);
     range->counted = range->loop == LOOP_ROLL && range->storage != STORAGE_SHARED &&
                      !expr_is_literal(range->count);
 }
@@ -309,13 +315,45 @@ static void plan_local(struct pass *pass, const struct pipeline *pipeline)
     }
 }
 
-static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
+/* The shortest range without a chunk, the first of equals. */
+static struct range *next_range(struct pass *pass)
 {
-    plan_local(pass, pipeline);
+    struct range *next = NULL;
+
     for (uint32_t i = 0; i < pass->range_count; i++) {
         struct range *range = &pass->ranges[i];
 
-        plan_range(range, pipeline);
+        if (!range->chunk && (!next || count_of(range) < count_of(next)))
+            next = range;
+    }
+    return next;
+}
+
+/* Whether to unroll a range. others: elements of long ranges that are unrolled already. Code that
+ * reads an image is long, and CPU drivers take several times as long to compile it as arithmetic. */
+static bool may_unroll(const struct range *range, uint64_t others, bool gpu)
+{
+    uint64_t count = count_of(range);
+
+    if (gpu)
+        return count <= 2 * UNROLLED_BLOCK;
+    return count <= UNROLLED_BLOCK || (!range->reads_images && count + others <= UNROLLED_LIMIT);
+}
+
+/* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. */
+static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
+{
+    uint64_t unrolled = 0;
+    struct range *range;
+
+    plan_local(pass, pipeline);
+    for (uint32_t i = 0; i < pass->range_count; i++)
+        pass->ranges[i].chunk = 0;
+    while ((range = next_range(pass))) {
+        choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+        plan_chunk(range);
+        if (range->loop == LOOP_UNROLL && count_of(range) > UNROLLED_BLOCK)
+            unrolled += count_of(range);
     }
     check_shared(pass, diag);
 }

@@ -64,6 +64,10 @@ enum {
 };                                       /* bytes; every device of both APIs has as many */
 enum { SOFTWARE_UNIFORM_LIMIT = 65536 }; /* bytes; on CPU drivers and desktop devices */
 
+/* Most elements that a pass unrolls for CPU drivers in all its long ranges together: these drivers
+ * take some milliseconds to compile one. */
+enum { UNROLLED_LIMIT = 256 };
+
 /* ---- The plan's parts; plan.c calls them in this order --------------------------------------- */
 
 bool plan_order(struct model *model, struct diag *diag); /* order.c: pipeline->order, pass->index */

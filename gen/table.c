@@ -644,14 +644,17 @@ const struct key table_keys[] = {
      "\"interleave_class() * 32\""},
     {SECTION_RANGE, "storage", KEY_CHOICE, SECTION_NONE, "auto|shared|buffer|uniform", OPTIONAL,
      "auto",
-     "Where the elements are read from. `auto`: from a copy in shared memory where the loop is "
-     "unrolled over up to 32 elements, and with `target: gpu`; else in place, from a uniform block "
-     "if one can hold the buffer (64 KiB, elements a multiple of 16 bytes; up to nine blocks per "
-     "pass), or a storage buffer.",
+     "Where the elements are read from. `auto`: from a copy in shared memory if `loop: auto` "
+     "unrolls the loop, and with `target: gpu`; else in place, from a uniform block if one can "
+     "hold "
+     "the buffer (64 KiB, elements a multiple of 16 bytes; up to nine blocks per pass), or a "
+     "storage "
+     "buffer.",
      "shared"},
     {SECTION_RANGE, "loop", KEY_CHOICE, SECTION_NONE, "auto|unroll|roll", OPTIONAL, "auto",
-     "How the loop is written. `auto`: unrolled up to 32 elements (`target: gpu`: 64), else "
-     "rolled.",
+     "How the loop is written. `auto` unrolls up to 32 elements (`target: gpu`: 64) and rolls "
+     "longer loops. Without `target: gpu` longer loops that read no image are unrolled, too, the "
+     "shortest first, as long as they have at most 256 elements together.",
      "unroll"},
 
     /* assertions, contracts, output */

@@ -503,7 +503,7 @@ static void test_range_shapes(void **state)
         enum storage_class storage;
         enum loop_shape loop;
         uint32_t chunk, copies, barriers;
-    } cases[] = {{STORAGE_SHARED, LOOP_UNROLL, 5, 5, 1}, {STORAGE_SHARED, LOOP_UNROLL, 2, 3, 4},
+    } cases[] = {{STORAGE_SHARED, LOOP_UNROLL, 5, 5, 1}, {STORAGE_SHARED, LOOP_UNROLL, 2, 5, 6},
                  {STORAGE_SHARED, LOOP_ROLL, 5, 1, 1},   {STORAGE_SHARED, LOOP_ROLL, 2, 2, 4},
                  {STORAGE_BUFFER, LOOP_ROLL, 2, 1, 0},   {STORAGE_BUFFER, LOOP_UNROLL, 8, 5, 0}};
     struct fixture *f = *state;
@@ -519,8 +519,18 @@ static void test_range_shapes(void **state)
         bool caches = cases[i].storage == STORAGE_SHARED; /* of the one field that the body names */
         assert_int_equal(occurrences(shader.glsl.data, "shared uint subset_kind["), caches);
         assert_int_equal(occurrences(shader.glsl.data, "shared "), caches);
+        assert_true(cases[i].loop == LOOP_ROLL || cases[i].storage == STORAGE_BUFFER ||
+                    !strstr(shader.glsl.data, "for ("));
         shader_free(&shader);
     }
+    f->model.pipeline.gpu = true; /* a loop over full blocks of two, then the last */
+    f->ranges[0].storage = STORAGE_SHARED;
+    f->ranges[0].chunk = 2;
+    set_body(f, SHADE, "shade.glsl", body);
+    struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    assert_int_equal(occurrences(shader.glsl.data, "result_store(ivec2(v.kind)"), 3);
+    assert_int_equal(occurrences(shader.glsl.data, "for ("), 1);
+    shader_free(&shader);
 }
 
 /* The shader reads how many there are, so the number itself is nowhere in it. */

@@ -362,7 +362,7 @@ static void test_uniform_blocks_are_few(void **state)
         r->type = DT_TYPE_VEC4;
         touch(fill, r, MODE_WRITE);
         ranges[i] =
-            (struct range){.name = "r", .count_value = 64, .access = touch(p, r, MODE_READ)};
+            (struct range){.name = "r", .count_value = 300, .access = touch(p, r, MODE_READ)};
     }
     assert_true(plan(f));
     assert_int_equal(uniform_blocks(p), 9);
@@ -447,9 +447,41 @@ static void test_long_range_is_rolled_in_place(void **state)
         assert_int_not_equal(range.storage, STORAGE_SHARED);
         assert_int_equal(range.access->kind, cases[i].kind);
     }
-    range = (struct range){.name = "r", .count_value = 33, .access = range.access};
+}
+
+/* Of long ranges the shortest are unrolled, up to 256 elements together; none that reads images. */
+static void test_shortest_ranges_are_unrolled(void **state)
+{
+    static const struct {
+        int64_t count;
+        bool reads_images;
+        enum loop_shape loop;
+    } cases[] = {{200, false, LOOP_ROLL},
+                 {33, true, LOOP_ROLL},
+                 {32, true, LOOP_UNROLL},
+                 {100, false, LOOP_UNROLL},
+                 {156, false, LOOP_UNROLL}};
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "512");
+    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct range ranges[sizeof cases / sizeof *cases];
+    struct access *access;
+
+    touch(w, a, MODE_WRITE);
+    access = touch(p, a, MODE_READ);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ranges[i] = (struct range){.name = "r",
+                                   .count_value = cases[i].count,
+                                   .access = access,
+                                   .reads_images = cases[i].reads_images};
+    }
+    p->ranges = ranges;
+    p->range_count = sizeof cases / sizeof *cases;
     assert_true(plan(f));
-    assert_int_equal(range.loop, LOOP_ROLL);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_int_equal(ranges[i].loop, cases[i].loop);
+        assert_int_equal(ranges[i].storage == STORAGE_SHARED, cases[i].loop == LOOP_UNROLL);
+    }
 }
 
 static void test_a_range_follows_the_spec(void **state)
@@ -901,6 +933,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_draws_read_small_buffers_as_uniform_blocks, setup,
                                         teardown),
         cmocka_unit_test_setup_teardown(test_short_range_is_copied_and_unrolled, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_shortest_ranges_are_unrolled, setup, teardown),
         cmocka_unit_test_setup_teardown(test_long_range_is_rolled_in_place, setup, teardown),
         cmocka_unit_test_setup_teardown(test_a_range_follows_the_spec, setup, teardown),
         cmocka_unit_test_setup_teardown(test_draw_then_load_then_load, setup, teardown),

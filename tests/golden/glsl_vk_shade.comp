@@ -415,16 +415,15 @@ void main()
     vec3 sum = vec3(0.0);
     { /* range subset: 5 of lights */
     int subset_first = interleave_class() * 5;
-    for (int subset_base = 0; subset_base < 4; subset_base += 2) {
     barrier();
     if (gl_LocalInvocationIndex < 2u) {
         int i = int(gl_LocalInvocationIndex);
-        subset_position[i] = lights[subset_first + subset_base + i].position;
-        subset_flux[i] = lights[subset_first + subset_base + i].flux;
+        subset_position[i] = lights[subset_first + i].position;
+        subset_flux[i] = lights[subset_first + i].flux;
     }
     barrier();
     {
-        int subset_index = subset_base + 0;
+        const int subset_index = 0;
         Light2 v;
         v.position = subset_position[0];
         v.flux = subset_flux[0];
@@ -434,7 +433,7 @@ void main()
     
     }
     {
-        int subset_index = subset_base + 1;
+        const int subset_index = 1;
         Light2 v;
         v.position = subset_position[1];
         v.flux = subset_flux[1];
@@ -443,6 +442,32 @@ void main()
         sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
+    barrier();
+    if (gl_LocalInvocationIndex < 2u) {
+        int i = int(gl_LocalInvocationIndex);
+        subset_position[i] = lights[subset_first + 2 + i].position;
+        subset_flux[i] = lights[subset_first + 2 + i].flux;
+    }
+    barrier();
+    {
+        int subset_index = 2 + 0;
+        Light2 v;
+        v.position = subset_position[0];
+        v.flux = subset_flux[0];
+#line 6 1
+
+        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+    
+    }
+    {
+        int subset_index = 2 + 1;
+        Light2 v;
+        v.position = subset_position[1];
+        v.flux = subset_flux[1];
+#line 6 1
+
+        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+    
     }
     barrier();
     if (gl_LocalInvocationIndex < 1u) {
