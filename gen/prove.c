@@ -15,11 +15,11 @@
 #include "spirv.h"
 
 enum verdict {
-    OPEN,
-    REPLACED, /* open, and exact mode has its own for direct calls */
-    ROUNDED,  /* correctly rounded; open without NoContraction */
-    MEMORY,   /* exact in memory; the result is open */
-    INPUT     /* open if it reads an input of the driver */
+    OPEN,    /* arithmetic that exact mode replaces, but not in macros */
+    DRIVER,  /* a value of the rasterizer, of a texture unit or of the scheduler */
+    ROUNDED, /* correctly rounded; open without NoContraction */
+    MEMORY,  /* exact in memory; the result is open */
+    INPUT    /* open if it reads an input of the driver */
 };
 
 struct rule {
@@ -32,7 +32,6 @@ struct rule {
 /* ---- Tables ---------------------------------------------------------------------------------- */
 
 #define ORDER    "its operations have no fixed order"
-#define MACRO    "it is called by a macro, and only direct calls are replaced"
 #define CONTRACT "it may be contracted with other operations"
 #define BOUND    "its error has a bound, its result is open"
 #define ZEROS    "of -0.0 and 0.0 it may give either"
@@ -186,28 +185,28 @@ static const struct rule operations[] = {
     {SpvOpOuterProduct, ROUNDED, "outerProduct", CONTRACT},
     {SpvOpFDiv, OPEN, "/", "it may err by 2.5 ulp"},
     {SpvOpFMod, OPEN, "mod", BOUND},
-    {SpvOpDot, REPLACED, "dot", MACRO},
+    {SpvOpDot, OPEN, "dot", ORDER},
     {SpvOpVectorTimesMatrix, OPEN, "*", ORDER},
     {SpvOpMatrixTimesVector, OPEN, "*", ORDER},
     {SpvOpMatrixTimesMatrix, OPEN, "*", ORDER},
-    {SpvOpImageSampleImplicitLod, OPEN, "texture", LEVEL},
-    {SpvOpImageSampleExplicitLod, OPEN, "texture", FILTER},
-    {SpvOpImageSampleDrefImplicitLod, OPEN, "texture", LEVEL},
-    {SpvOpImageSampleDrefExplicitLod, OPEN, "texture", FILTER},
-    {SpvOpImageSampleProjImplicitLod, OPEN, "textureProj", LEVEL},
-    {SpvOpImageSampleProjExplicitLod, OPEN, "textureProjLod", FILTER},
-    {SpvOpImageGather, OPEN, "textureGather", FILTER},
-    {SpvOpImageDrefGather, OPEN, "textureGather", FILTER},
-    {SpvOpImageQueryLod, OPEN, "textureQueryLod", LEVEL},
-    {SpvOpDPdx, OPEN, "dFdx", NEAR},
-    {SpvOpDPdy, OPEN, "dFdy", NEAR},
-    {SpvOpFwidth, OPEN, "fwidth", NEAR},
-    {SpvOpDPdxFine, OPEN, "dFdxFine", NEAR},
-    {SpvOpDPdyFine, OPEN, "dFdyFine", NEAR},
-    {SpvOpFwidthFine, OPEN, "fwidthFine", NEAR},
-    {SpvOpDPdxCoarse, OPEN, "dFdxCoarse", NEAR},
-    {SpvOpDPdyCoarse, OPEN, "dFdyCoarse", NEAR},
-    {SpvOpFwidthCoarse, OPEN, "fwidthCoarse", NEAR},
+    {SpvOpImageSampleImplicitLod, DRIVER, "texture", LEVEL},
+    {SpvOpImageSampleExplicitLod, DRIVER, "texture", FILTER},
+    {SpvOpImageSampleDrefImplicitLod, DRIVER, "texture", LEVEL},
+    {SpvOpImageSampleDrefExplicitLod, DRIVER, "texture", FILTER},
+    {SpvOpImageSampleProjImplicitLod, DRIVER, "textureProj", LEVEL},
+    {SpvOpImageSampleProjExplicitLod, DRIVER, "textureProjLod", FILTER},
+    {SpvOpImageGather, DRIVER, "textureGather", FILTER},
+    {SpvOpImageDrefGather, DRIVER, "textureGather", FILTER},
+    {SpvOpImageQueryLod, DRIVER, "textureQueryLod", LEVEL},
+    {SpvOpDPdx, DRIVER, "dFdx", NEAR},
+    {SpvOpDPdy, DRIVER, "dFdy", NEAR},
+    {SpvOpFwidth, DRIVER, "fwidth", NEAR},
+    {SpvOpDPdxFine, DRIVER, "dFdxFine", NEAR},
+    {SpvOpDPdyFine, DRIVER, "dFdyFine", NEAR},
+    {SpvOpFwidthFine, DRIVER, "fwidthFine", NEAR},
+    {SpvOpDPdxCoarse, DRIVER, "dFdxCoarse", NEAR},
+    {SpvOpDPdyCoarse, DRIVER, "dFdyCoarse", NEAR},
+    {SpvOpFwidthCoarse, DRIVER, "fwidthCoarse", NEAR},
     /* Integers: what these leave in memory does not depend on the order. */
     {SpvOpAtomicIAdd, MEMORY, "atomicAdd", RACE},
     {SpvOpAtomicISub, MEMORY, "atomicSub", RACE},
@@ -218,11 +217,11 @@ static const struct rule operations[] = {
     {SpvOpAtomicAnd, MEMORY, "atomicAnd", RACE},
     {SpvOpAtomicOr, MEMORY, "atomicOr", RACE},
     {SpvOpAtomicXor, MEMORY, "atomicXor", RACE},
-    {SpvOpAtomicLoad, OPEN, "atomicLoad", RACE},
-    {SpvOpAtomicStore, OPEN, "atomicStore", RACE},
-    {SpvOpAtomicExchange, OPEN, "atomicExchange", RACE},
-    {SpvOpAtomicCompareExchange, OPEN, "atomicCompSwap", RACE},
-    {SpvOpAtomicFAddEXT, OPEN, "atomicAdd", RACE},
+    {SpvOpAtomicLoad, DRIVER, "atomicLoad", RACE},
+    {SpvOpAtomicStore, DRIVER, "atomicStore", RACE},
+    {SpvOpAtomicExchange, DRIVER, "atomicExchange", RACE},
+    {SpvOpAtomicCompareExchange, DRIVER, "atomicCompSwap", RACE},
+    {SpvOpAtomicFAddEXT, DRIVER, "atomicAdd", RACE},
 };
 
 static const uint16_t exact_functions[] = {
@@ -241,10 +240,10 @@ static const struct rule functions[] = {
     {GLSLstd450Sin, OPEN, "sin", "it may err by 2^-11"},
     {GLSLstd450Cos, OPEN, "cos", "it may err by 2^-11"},
     {GLSLstd450Tan, OPEN, "tan", BOUND},
-    {GLSLstd450Asin, REPLACED, "asin", MACRO},
-    {GLSLstd450Acos, REPLACED, "acos", MACRO},
-    {GLSLstd450Atan, REPLACED, "atan", MACRO},
-    {GLSLstd450Atan2, REPLACED, "atan", MACRO},
+    {GLSLstd450Asin, OPEN, "asin", BOUND},
+    {GLSLstd450Acos, OPEN, "acos", BOUND},
+    {GLSLstd450Atan, OPEN, "atan", "it may err by 4096 ulp"},
+    {GLSLstd450Atan2, OPEN, "atan", "it may err by 4096 ulp"},
     {GLSLstd450Sinh, OPEN, "sinh", BOUND},
     {GLSLstd450Cosh, OPEN, "cosh", BOUND},
     {GLSLstd450Tanh, OPEN, "tanh", BOUND},
@@ -263,7 +262,7 @@ static const struct rule functions[] = {
     {GLSLstd450FMin, OPEN, "min", ZEROS},
     {GLSLstd450FMax, OPEN, "max", ZEROS},
     {GLSLstd450FClamp, OPEN, "clamp", ZEROS},
-    {GLSLstd450FMix, REPLACED, "mix", MACRO},
+    {GLSLstd450FMix, OPEN, "mix", BOUND},
     {GLSLstd450SmoothStep, OPEN, "smoothstep", BOUND},
     {GLSLstd450Fma, OPEN, "fma", "it may round once or twice"},
     {GLSLstd450Ldexp, OPEN, "ldexp", "GLSL has no bound for its error"},
@@ -277,16 +276,16 @@ static const struct rule functions[] = {
     {GLSLstd450UnpackHalf2x16, OPEN, "unpackHalf2x16", "denormals may become 0"},
     {GLSLstd450UnpackSnorm4x8, OPEN, "unpackSnorm4x8", "its division may err"},
     {GLSLstd450UnpackUnorm4x8, OPEN, "unpackUnorm4x8", "its division may err"},
-    {GLSLstd450Length, REPLACED, "length", MACRO},
-    {GLSLstd450Distance, REPLACED, "distance", MACRO},
+    {GLSLstd450Length, OPEN, "length", ORDER},
+    {GLSLstd450Distance, OPEN, "distance", ORDER},
     {GLSLstd450Cross, OPEN, "cross", BOUND},
-    {GLSLstd450Normalize, REPLACED, "normalize", MACRO},
-    {GLSLstd450FaceForward, REPLACED, "faceforward", MACRO},
-    {GLSLstd450Reflect, REPLACED, "reflect", MACRO},
-    {GLSLstd450Refract, REPLACED, "refract", MACRO},
-    {GLSLstd450InterpolateAtCentroid, OPEN, "interpolateAtCentroid", BETWEEN},
-    {GLSLstd450InterpolateAtSample, OPEN, "interpolateAtSample", BETWEEN},
-    {GLSLstd450InterpolateAtOffset, OPEN, "interpolateAtOffset", BETWEEN},
+    {GLSLstd450Normalize, OPEN, "normalize", ORDER},
+    {GLSLstd450FaceForward, OPEN, "faceforward", ORDER},
+    {GLSLstd450Reflect, OPEN, "reflect", ORDER},
+    {GLSLstd450Refract, OPEN, "refract", ORDER},
+    {GLSLstd450InterpolateAtCentroid, DRIVER, "interpolateAtCentroid", BETWEEN},
+    {GLSLstd450InterpolateAtSample, DRIVER, "interpolateAtSample", BETWEEN},
+    {GLSLstd450InterpolateAtOffset, DRIVER, "interpolateAtOffset", BETWEEN},
 };
 
 /* Inputs of a shader; others are unknown. */
@@ -300,8 +299,8 @@ static const uint16_t exact_inputs[] = {
 
 static const struct rule inputs[] = {
     {SpvBuiltInFragCoord, INPUT, "gl_FragCoord", "depth depends on the driver; x and y are exact"},
-    {SpvBuiltInPointCoord, OPEN, "gl_PointCoord", BETWEEN},
-    {SpvBuiltInHelperInvocation, OPEN, "gl_HelperInvocation", "it depends on the driver"},
+    {SpvBuiltInPointCoord, DRIVER, "gl_PointCoord", BETWEEN},
+    {SpvBuiltInHelperInvocation, DRIVER, "gl_HelperInvocation", "it depends on the driver"},
 };
 
 /* ---- Look-ups -------------------------------------------------------------------------------- */
@@ -335,7 +334,7 @@ static bool has_number(const uint16_t *numbers, size_t count, uint32_t number)
 /* The rule for a number that is not exact. */
 static const struct rule *find_rule(const struct rule *rules, size_t count, uint32_t number)
 {
-    static const struct rule unknown = {0, OPEN, "an operation", "the proof does not know it"};
+    static const struct rule unknown = {0, DRIVER, "an operation", "the proof does not know it"};
     for (size_t i = 0; i < count; i++)
         if (rules[i].number == number)
             return &rules[i];
@@ -500,7 +499,7 @@ static void check_instruction(struct proof *proof, const uint32_t *instruction)
         check_input(proof, instruction);
     else if (!(rule->verdict == ROUNDED && proof->ids[result].no_contraction) &&
              !(rule->verdict == MEMORY && all_uses(proof, result, 0, drops)))
-        tell(proof, rule->word, rule->why, rule->verdict == REPLACED);
+        tell(proof, rule->word, rule->why, rule->verdict == OPEN);
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */

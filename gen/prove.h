@@ -11,7 +11,7 @@ struct open_operation {
     uint32_t file, line; /* by OpLine, whose file is a number; 0: none */
     const char *word;    /* how a body has it, or a description */
     const char *why;     /* what is open */
-    bool wrong;          /* exact mode has a function for it, which the body missed */
+    bool wrong;          /* exact mode replaces it, but not in macros */
 };
 
 /* Calls `found` for each open operation of a module, in the order of the module. False when out of

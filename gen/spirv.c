@@ -581,7 +581,8 @@ static void report_open(void *user, const struct open_operation *operation)
     }
     struct loc loc = {model->glsl_sources[operation->file - 1], (int)operation->line, 1, 1};
     find_in_line(&loc, operation->word, strlen(operation->word));
-    diag_error(proving->diag, loc, "`%s` is not exact: %s", operation->word, operation->why);
+    diag_error(proving->diag, loc, "`%s` is not exact: %s%s", operation->word, operation->why,
+               operation->wrong ? "; exact mode replaces it, but not in a macro" : "");
 }
 
 /* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
