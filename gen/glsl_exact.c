@@ -42,6 +42,7 @@ struct rewrite {
 static struct value sum(struct rewrite *rewrite);
 static struct value sequence(struct rewrite *rewrite, const char *ends);
 static void copy_blank(struct rewrite *rewrite, const char *end);
+static void add_name(struct rewrite *rewrite, const char *text, size_t length, struct value value);
 
 /* ---- Tokens ---------------------------------------------------------------------------------- */
 
@@ -90,8 +91,11 @@ static const char *copy_directive(struct rewrite *rewrite, const char *at)
     if (text) {
         struct rewrite inner = *rewrite;
         inner.cursor = text;
-        sequence(&inner, "");
+        struct value value = sequence(&inner, "");
         copy_blank(&inner, text + strlen(text));
+        value.literal = false; /* another branch of #if may define it otherwise */
+        if (body == name.text + name.length)
+            add_name(&inner, name.text, name.length, value);
         rewrite->names = inner.names;
         rewrite->name_count = inner.name_count;
         rewrite->name_room = inner.name_room;

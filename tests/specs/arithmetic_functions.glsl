@@ -1,5 +1,7 @@
 const float THIRD = 1.0 / 3.0;
 #define RATIO(a, b) ((a) / (b))
+#define PARTS 6
+#define HALF  (PARTS / 2) /* stays a constant expression */
 
 void main()
 {
@@ -31,6 +33,7 @@ void main()
     f.atanh = atanh(a.unit);
     f.mod = mod(a.angle, 0.375);
     f.halved = unpackHalf2x16(packHalf2x16(vec2(a.angle, a.unit))).x;
-    f.literals = a.unit + 0.1 * 0.2 * 0.3 + THIRD * 0.7 - 1.1 / 1.3 / 0.9;
+    float parts[HALF] = float[HALF](0.1, a.unit, 0.3);
+    f.literals = parts[HALF - 2] + 0.1 * 0.2 * 0.3 + THIRD * 0.7 - 1.1 / 1.3 / 0.9;
     functions[i] = f;
 }
