@@ -458,7 +458,7 @@ void main()
         v.flux = subset_flux[0];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
     {
@@ -468,7 +468,7 @@ void main()
         v.flux = subset_flux[1];
 #line 6 1
 
-        sum += v.flux * max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
+        sum += v.flux * exact_max(exact_dot(n, v.position), 0.0) * float(subset_index + 1);
     
     }
     barrier();
