@@ -229,12 +229,13 @@ check "a pipeline that is not the same twice" strays
 
 rsm=("$diptych" compare --scene "$scene" --spec templates/rsm.yaml --size 15x9 --set rsm_size=16 --set samples=4)
 check_status 1 "a fault, with a page and JUnit's XML" "${rsm[@]}" --fault vk:gather:texel --html "$work/page" --junit "$work/junit.xml"
-check "... which show it, and no other" python3 -B tests/compare_pages.py "$work/page" "$work/junit.xml"
+check "... of a pipeline" "$diptych" list --spec templates/rsm.yaml --json "$work/list.json"
+check "... which show it, and no other" python3 -B tests/compare_pages.py "$work/page" "$work/junit.xml" "$work/list.json"
 check "agreement, with a page and JUnit's XML" "${rsm[@]}" --backend gl,vk,gl+glsl --html "$work/agree" --junit "$work/agree.xml"
 # shellcheck disable=SC2317
 tells_pairs() {
     [ "$(grep -c 'agree: every resource of every pass is within its contract' "$work/agree/index.html")" = 2 ] &&
-        [ "$(grep -c 'failures="0"' "$work/agree.xml")" = 2 ] && [ "$(grep -c '<testcase' "$work/agree.xml")" = 32 ]
+        [ "$(grep -c 'failures="0"' "$work/agree.xml")" = 2 ] && [ "$(grep -c '<testcase' "$work/agree.xml")" = $((2 * $(grep -c "<testcase" "$work/junit.xml"))) ]
 }
 check "... of two pairs" tells_pairs
 check "a page that cannot be written" refuses "Not a directory" "${rsm[@]}" --html "$work/junit.xml"
@@ -248,7 +249,7 @@ kept="golden $work/golden: all resources are as kept"
 check "a golden folder" "${mine[@]}" --size 15x9 --frames 2 --golden "$work/golden" --update
 check "... keeps the pictures" "$diptych" render --scene "$scene" --spec "$work/mine/rsm.yaml" --set rsm_size=16 --set samples=4 \
     --size 15x9 --frames 2 --backend vk --show indirect -o "$work/indirect.png"
-check "... that render shows" cmp "$work/indirect.png" "$work/golden/05.denoise_columns.indirect.png"
+check "... that render shows" cmp "$work/indirect.png" "$work"/golden/*.denoise_columns.indirect.png
 check "... agrees, in its size and frames" ends 0 "$kept" "${mine[@]}" --golden "$work/golden"
 check "... with other drivers" ends 0 "$kept" "${mine[@]}" --golden "$work/golden" --backend osmesa,vk --json "$work/it.json"
 check "... which is in the JSON" holds "it['golden'] == [] and it['width'] == 15 and it['frames'] == 2"
