@@ -1,6 +1,16 @@
 /* Filtering of scene_textures by texel fetches: the same bits on every device. Included by passes
  * that read scene_textures. */
 
+/* Drivers decode sRGB to a few bits. */
+vec4 texture_texel(ivec2 p, int layer, int level)
+{
+    vec4 texel = texelFetch(scene_textures, ivec3(p, layer), level);
+#ifdef EXACT
+    texel = filter_srgb(texel);
+#endif
+    return texel;
+}
+
 /* Bilinear between the texels around `uv`, with repeat. `uv`: 0..1. */
 vec4 texture_bilinear(vec2 uv, int layer, int level)
 {
@@ -13,10 +23,10 @@ vec4 texture_bilinear(vec2 uv, int layer, int level)
     ivec2 high = low + 1;
     low = mix(low, low + size, lessThan(low, ivec2(0)));
     high = mix(high, high - size, greaterThanEqual(high, size));
-    vec4 a = texelFetch(scene_textures, ivec3(low, layer), level);
-    vec4 b = texelFetch(scene_textures, ivec3(high.x, low.y, layer), level);
-    vec4 c = texelFetch(scene_textures, ivec3(low.x, high.y, layer), level);
-    vec4 d = texelFetch(scene_textures, ivec3(high, layer), level);
+    vec4 a = texture_texel(low, layer, level);
+    vec4 b = texture_texel(ivec2(high.x, low.y), layer, level);
+    vec4 c = texture_texel(ivec2(low.x, high.y), layer, level);
+    vec4 d = texture_texel(high, layer, level);
     vec4 upper = a + (b - a) * part.x;
     vec4 lower = c + (d - c) * part.x;
     return upper + (lower - upper) * part.y;
