@@ -275,7 +275,7 @@ def rename_everything(pipeline):
         return replace_words(node, words) if isinstance(node, str) and key not in ("doc", "shader", "limit") else node
 
     def rename_body(text):
-        own = r"(?:frame|view|m|seen)(?:\.\w+)*"   # structs that the generator or a body declares
+        own = r"(?:frame|view|camera|m|seen)(?:\.\w+)*"   # structs that the generator or a body declares
         text = re.sub(rf"(?<![\w.])({own})|\.({WORD})",
                       lambda found: found.group(1) or "." + members.get(found.group(2), found.group(2)), text)
         return replace_words(text, words)

@@ -39,7 +39,7 @@ if [ -n "$long" ]; then
     done
 else
     agree ssvp 6 4 12
-    agree rsm 12 1 12
+    agree rsm 12 2 12
     for pipeline in ssdo deep clustered taa; do
         agree $pipeline 2 1 12
     done

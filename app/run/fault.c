@@ -237,13 +237,20 @@ static uint32_t with_other_sign(enum number_kind kind, uint32_t bits)
     return bits ^ 1u << (number_width(kind) - 1); /* of snorm, code 0 becomes -1.0 */
 }
 
+/* The last bit; of a float that counts as zero that of the exponent, as denormals count so, too. */
+static uint32_t with_other_bit(enum number_kind kind, uint32_t bits)
+{
+    bool zero = kind == NUMBER_FLOAT && !(bits & 0x7f800000u);
+    return bits ^ (zero ? 0x00800000u : 1u);
+}
+
 /* Depth stays between 0 and 1: the APIs reject other values. */
 static uint32_t spoil_depth(enum fault_kind fault, uint32_t bits)
 {
     float depth;
     memcpy(&depth, &bits, sizeof depth);
     if (fault == FAULT_BIT)
-        return depth == 1.0f ? bits - 1 : bits ^ 1;
+        return depth == 1.0f ? bits - 1 : with_other_bit(NUMBER_FLOAT, bits);
     return float_bits(depth == 0.5f ? 0 : 1 - depth);
 }
 
@@ -257,7 +264,7 @@ static uint32_t spoil(const struct dt_resource *resource, enum fault_kind fault,
         return bits ^ 1;
     if (resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F)
         return spoil_depth(fault, bits);
-    return fault == FAULT_BIT ? bits ^ 1 : with_other_sign(kind, bits);
+    return fault == FAULT_BIT ? with_other_bit(kind, bits) : with_other_sign(kind, bits);
 }
 
 /* Changes one number, or all of its element; *change gets the place and the bits. */

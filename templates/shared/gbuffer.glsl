@@ -18,9 +18,9 @@ void main()
     vec2 texel = 2.0 / vec2(position_size());
     Surface s =
         surface_at(triangle - 1u, (vec2(p) + 0.5) * texel - 1.0, texel, camera.view_projection);
-    float depth = max(dot(s.position - camera.position, camera.direction), 1e-12);
-    vec3 to_eye = unit_or(camera.position - s.position, -camera.direction);
-    position_store(p, vec4(s.position, depth));
-    normal_store(p, vec4(facing_normal(s.normal, s.geometric, to_eye), 0.0));
-    albedo_store(p, vec4(s.albedo, 1.0));
+    float depth = max(dot(s.hit_position - camera.position, camera.direction), 1e-12);
+    vec3 to_eye = unit_or(camera.position - s.hit_position, -camera.direction);
+    position_store(p, vec4(s.hit_position, depth));
+    normal_store(p, vec4(facing_normal(s.hit_normal, s.geometric, to_eye), 0.0));
+    albedo_store(p, vec4(s.hit_albedo, 1.0));
 }

@@ -30,10 +30,10 @@ void main()
     Surface s =
         surface_at(triangle - 1u, (vec2(p) + 0.5) * texel - 1.0, texel, light_view.view_projection);
 #ifdef RSM_FLUX
-    vec3 color = s.albedo * sample_flux(s.position, float(rsm_size) * float(rsm_size));
+    vec3 color = s.hit_albedo * sample_flux(s.hit_position, float(rsm_size) * float(rsm_size));
 #else
-    vec3 color = s.albedo;
+    vec3 color = s.hit_albedo;
 #endif
-    store(p, vec4(s.position, 1.0), facing_normal(s.normal, s.geometric, to_light(s.position)),
+    store(p, vec4(s.hit_position, 1.0), facing_normal(s.hit_normal, s.geometric, to_light(s.hit_position)),
           vec4(color, 1.0));
 }

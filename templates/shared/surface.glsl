@@ -5,10 +5,10 @@
 #include "triangle.glsl"
 
 struct Surface {
-    vec3 position;
-    vec3 normal;    /* interpolated; not unit */
+    vec3 hit_position;
+    vec3 hit_normal; /* interpolated; not unit */
     vec3 geometric; /* of the triangle; not unit, either side */
-    vec3 albedo;    /* 0..1 */
+    vec3 hit_albedo; /* 0..1 */
 };
 
 /* Albedo of a triangle where its corners have these weights. right, up: change of the weights from
@@ -49,10 +49,10 @@ Surface surface_at(uint number, vec2 place, vec2 texel, mat4 view_projection)
     Surface s;
     vec3 e = corner_position(t.b) - origin;
     vec3 f = corner_position(t.c) - origin;
-    s.position = origin + e * weights.y + f * weights.z;
+    s.hit_position = origin + e * weights.y + f * weights.z;
     s.geometric = cross(e, f);
-    s.normal = corner_normal(t.a) * weights.x + corner_normal(t.b) * weights.y +
+    s.hit_normal = corner_normal(t.a) * weights.x + corner_normal(t.b) * weights.y +
                corner_normal(t.c) * weights.z;
-    s.albedo = surface_albedo(t, weights, right, up);
+    s.hit_albedo = surface_albedo(t, weights, right, up);
     return s;
 }
