@@ -1,6 +1,6 @@
 #!/bin/sh
 # Compares every pipeline that diptych ships on every device of this machine, measures them, and leaves one folder: ./run [FOLDER [WIDTHxHEIGHT]].
-# Needs glibc 2.36 or newer and the drivers; no network. Send the folder back: `diptych report --collect FOLDER... -o page.html`.
+# Needs glibc 2.36 or newer and the drivers; no network. summary.txt in the folder has verdicts and frame times.
 here=$(cd "$(dirname "$0")" && pwd)
 out=${1:-$here/results-$(uname -n)}
 size=${2:-640x360}
@@ -33,7 +33,11 @@ done
 rm -f "$out/probe.png" "$out/probe.txt"
 sides=${sides#,}
 [ -n "$sides" ] || { echo "run: neither Vulkan nor OpenGL runs here; the reasons are in $out" >&2 && exit 2; }
-echo "devices: $sides"
+say() {
+    echo "$*" | tee -a "$out/summary.txt"
+}
+: >"$out/summary.txt"
+say "devices: $sides"
 
 status=0
 for spec in "$specs"/*.yaml; do
@@ -50,11 +54,12 @@ for spec in "$specs"/*.yaml; do
         *,*)
             "$diptych" compare "$@" --backend "$sides" --json "$out/$name-$scene.json" \
                 >"$out/$name-$scene.txt" 2>"$out/$name-$scene.log" || status=1
-            echo "$name, $scene: $(tail -n 1 "$out/$name-$scene.txt")"
+            say "$name, $scene: $(tail -n 1 "$out/$name-$scene.txt")"
             ;;
         esac
         "$diptych" bench "$@" --frames 10 --backend "$sides" --json "$out/$name-$scene.bench.json" \
-            >"$out/$name-$scene.bench.txt" 2>>"$out/$name-$scene.log" || echo "$name, $scene: bench failed"
+            >"$out/$name-$scene.bench.txt" 2>>"$out/$name-$scene.log"
+        say "$name, $scene: ms a frame, median, p5, p95 of $sides: $(sed -n 's/^frame  *//p' "$out/$name-$scene.bench.txt")"
     done
 done
 echo "results: $out"
