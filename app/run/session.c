@@ -25,7 +25,7 @@ bool session_open(struct session *session, const struct session_info *info)
     session->handle = session->runtime->open(&(struct dt_runtime_options){
         .log = session->log,
         .device = side->device,
-        .panel = info->pipeline->vk->panel,
+        .panel = info->pipeline->vk ? info->pipeline->vk->panel : NULL,
         .context = side->context,
         .debug = options->debug,
         .glsl = side->glsl,

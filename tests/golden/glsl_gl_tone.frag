@@ -190,14 +190,14 @@ float filter_decode(precise float light)
     precise float u = exact_sqrt(light);
     precise float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
         - 0.03925529;
-    precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * (1.0 / 255.0);
-    precise float base = (code + 0.055) * (1.0 / 1.055);
-    { precise float result = code <= 0.04045 ? code * (1.0 / 12.92) : exact_pow(base, 2.4); return result; }
+    precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * 0.00392156862745;
+    precise float base = (code + 0.055) * 0.947867298578;
+    { precise float result = code <= 0.04045 ? code * 0.0773993808050 : exact_pow(base, 2.4); return result; }
 }
 
 vec4 filter_srgb(precise vec4 texel)
 {
-    precise float alpha = roundEven(255.0 * texel.a) * (1.0 / 255.0);
+    precise float alpha = roundEven(255.0 * texel.a) * 0.00392156862745;
     { precise vec4 result = vec4(filter_decode(texel.r), filter_decode(texel.g), filter_decode(texel.b), alpha); return result; }
 }
 
