@@ -186,10 +186,10 @@ static void find_inherited(struct blame *blame, const struct rows *rows,
 
 /* Whether differences at edges are allowed anywhere: then passes behind them are judged on equal
  * inputs alone. */
-static bool has_raster(const struct judge *judge)
+static bool has_raster(const struct replay *replay)
 {
-    const struct dt_pipeline *pipeline = judge->replay->rows->pipeline;
-    bool found = judge->replay->strangers;
+    const struct dt_pipeline *pipeline = replay->rows->pipeline;
+    bool found = replay->strangers;
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
         found |= pipeline->resources[i].contract.kind == DT_CONTRACT_RASTER;
     return found;
@@ -216,9 +216,9 @@ static void judge_all(const struct judge *judge)
     }
     bool repeats = judge->first->early || blame->own[blame->row].differing ||
                    blame->inputs_differ[outputs->list[blame->row].pass];
-    blame->outcome = judge->first->early ? BLAME_EARLIER
-                     : has_raster(judge) ? BLAME_WITHIN
-                                         : BLAME_INHERITED;
+    blame->outcome = judge->first->early  ? BLAME_EARLIER
+                     : has_raster(replay) ? BLAME_WITHIN
+                                          : BLAME_INHERITED;
     if (!repeats) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[1].session.side;
@@ -229,7 +229,8 @@ bool blame_find(struct blame *blame, const struct replay *replay, const struct f
 {
     const struct rows *rows = replay->rows;
     struct judge judge = {.blame = blame, .replay = replay, .first = first, .repeated = true};
-    const struct replay_viewer viewer = {.edges = keep_edges, .output = weigh, .user = &judge};
+    const struct replay_viewer viewer = {
+        .edges = has_raster(replay) ? keep_edges : NULL, .output = weigh, .user = &judge};
     *blame = (struct blame){.frame = replay->frame};
     blame->inputs_differ = calloc(rows->pipeline->pass_count, sizeof *blame->inputs_differ);
     blame->own = calloc(rows->outputs.count, sizeof *blame->own);
