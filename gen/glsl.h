@@ -86,7 +86,8 @@ bool glsl_round_targets(const struct glsl *glsl, struct text *out);
 /* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
 bool glsl_check_precise(const struct glsl *glsl);
 /* glsl_exact.c: in all parts, calls of functions that devices round differently, and divisions,
- * become calls of templates/glsl/exact.glsl; sums and products of float literals are folded. */
+ * become calls of templates/glsl/exact.glsl; sums and products of float literals are folded. For
+ * OpenGL, operations become calls where glsl_precise cannot mark them. */
 void glsl_exact(struct glsl *glsl);
 /* glsl_product.c: makes products with matrices calls, in the text of a whole stage. head: length of
  * PART_HEAD, behind which the called functions stand. */

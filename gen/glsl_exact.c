@@ -3,6 +3,11 @@
  * constants are folded here, in float, since glslang folds in double. Called by emit_glsl.c on
  * every part that may compute, before exact.glsl is added.
  *
+ * In OpenGL's GLSL text, `precise` marks what is assigned to a variable (glsl_precise.c). It does
+ * not reach arguments of functions, operands of divisions, conditions and indices. There, of two
+ * operations of which one takes the other's result, one becomes a call such as exact_add(a, b), so
+ * that compilers find no two that they may reorder. What macros stand for is not covered.
+ *
  * The text is read as tokens. Only sums, products and calls are parsed; types are known of literals,
  * constructors and declared names. So a division that cannot be seen to be of integers becomes
  * exact_divide, which has overloads for integers. */
@@ -19,6 +24,7 @@ struct value {
     bool integer;  /* certainly of an integer type */
     bool constant; /* certainly a constant expression */
     bool literal;  /* a scalar constant: `number` */
+    bool unmarked; /* the result of an operation that `precise` does not reach */
     double number;
 };
 
@@ -37,6 +43,8 @@ struct rewrite {
     bool integer;   /* in an array's brackets or an integer's constant: operators are of integers */
     unsigned depth; /* of sequences and signs */
     bool called;    /* since a `const`: a call that is no constant expression */
+    bool marks;     /* the text is for OpenGL */
+    bool unmarked;  /* `precise` does not reach operations here */
 };
 
 static struct value sum(struct rewrite *rewrite);
@@ -91,6 +99,7 @@ static const char *copy_directive(struct rewrite *rewrite, const char *at)
     if (text) {
         struct rewrite inner = *rewrite;
         inner.cursor = text;
+        inner.unmarked = false;
         struct value value = sequence(&inner, "");
         copy_blank(&inner, text + strlen(text));
         value.literal = false; /* another branch of #if may define it otherwise */
@@ -230,13 +239,14 @@ static void put_literal(struct rewrite *rewrite, size_t at, float number)
     text_free(&literal);
 }
 
-/* Opens a call at `at`; `operator` is the place of the operator, which becomes a comma. */
-static void put_division(struct rewrite *rewrite, size_t at, size_t operator)
+/* Makes a call of an operation; `operator` is the place of its operator, which becomes a comma. */
+static void put_call(struct rewrite *rewrite, const char *function, size_t at, size_t operator)
 {
     bool blank = !rewrite->out->failed && rewrite->out->data[operator - 1] == ' ' &&
                  rewrite->out->data[operator - 2] != ' ';
     replace(rewrite->out, operator- blank, 1 + blank, ",");
-    replace(rewrite->out, at, 0, "exact_divide(");
+    replace(rewrite->out, at, 0, "(");
+    replace(rewrite->out, at, 0, function);
     text_add(rewrite->out, ")");
     rewrite->called = true;
 }
@@ -279,15 +289,27 @@ static struct value join(struct rewrite *rewrite, struct value left, struct valu
     if (operator== '/' && right.literal && !right.integer && is_power_of_two(right.number)) {
         put_literal(rewrite, place.operator+ 1, (float)(1 / right.number));
         replace(rewrite->out, place.operator, 1, "* ");
+        operator= '*';
     } else if (operator== '/') {
-        put_division(rewrite, place.begin, place.operator);
+        put_call(rewrite, "exact_divide", place.begin, place.operator);
         value.constant = false;
+        return value;
     } else if (value.constant) {
         replace(rewrite->out, place.end, 0, ")");
         replace(rewrite->out, place.begin, 0, "exact_value(");
         rewrite->called = true;
         value.constant = false;
+        return value;
     }
+    bool chained = left.unmarked || right.unmarked;
+    if (rewrite->marks && chained && !value.constant)
+        put_call(rewrite,
+                 operator== '+' ? "exact_add" :
+                 operator== '-' ? "exact_subtract"
+                                : "exact_multiply",
+                 place.begin, place.operator);
+    /* glsl_product.c does not see that a call is a matrix: factors of a call become its arguments */
+    value.unmarked = rewrite->unmarked && (operator== '*' || !chained);
     return value;
 }
 
@@ -318,11 +340,12 @@ static struct value name_value(struct rewrite *rewrite, struct token token)
 /* `[i]`: what stands there is an integer. */
 static void index_of(struct rewrite *rewrite)
 {
-    bool outer = rewrite->integer;
+    bool outer = rewrite->integer, unmarked = rewrite->unmarked;
     copy(rewrite);
-    rewrite->integer = true;
+    rewrite->integer = rewrite->unmarked = true;
     sequence(rewrite, "]");
     rewrite->integer = outer;
+    rewrite->unmarked = unmarked;
     copy(rewrite);
 }
 
@@ -346,15 +369,17 @@ static bool is_constructor(struct token token)
     return is_integer_type(token);
 }
 
-/* Of integers, min, max and clamp stay as they are. */
+/* Of integers, min, max and clamp stay as they are. `if` and `while` are calls, too. */
 static struct value call(struct rewrite *rewrite, struct token token)
 {
-    bool replaced = is_replaced(token), called = rewrite->called;
+    bool replaced = is_replaced(token), called = rewrite->called, unmarked = rewrite->unmarked;
     size_t at = rewrite->out->length;
     text_add(rewrite->out, replaced ? "exact_" : "");
     text_add_bytes(rewrite->out, token.text, token.length);
     rewrite->called = false;
+    rewrite->unmarked |= !is_constructor(token);
     struct value value = arguments(rewrite);
+    rewrite->unmarked = unmarked;
     const struct name *name = find_name(rewrite, token);
     bool plain = replaced && value.integer &&
                  (token_is(token, "min") || token_is(token, "max") || token_is(token, "clamp"));
@@ -364,10 +389,12 @@ static struct value call(struct rewrite *rewrite, struct token token)
     if (token_is(token, "float"))
         return (struct value){.constant = value.constant,
                               .literal = value.literal,
+                              .unmarked = value.unmarked,
                               .number = (double)(float)value.number};
     return (struct value){.integer =
                               is_integer_type(token) || plain || (name && name->value.integer),
-                          .constant = is_constructor(token) && value.constant};
+                          .constant = is_constructor(token) && value.constant,
+                          .unmarked = value.unmarked && !replaced && !name};
 }
 
 /* A name, or a call of it. */
@@ -436,16 +463,43 @@ static struct value unary(struct rewrite *rewrite)
     return value;
 }
 
+static bool compares(struct token token)
+{
+    return strchr("<>", *token.text) || (strchr("=!", *token.text) && token.text[1] == '=');
+}
+
+/* Whether the next product is divided, or the next sum compared. */
+static bool is_ahead(const struct rewrite *rewrite, bool division)
+{
+    const char *cursor = rewrite->cursor;
+    struct token token, before = {0};
+    for (int depth = 0; depth >= 0 && (token = token_next(&cursor)).length; before = token) {
+        depth += strchr("([", *token.text) ? 1 : strchr(")]", *token.text) ? -1 : 0;
+        if (depth)
+            continue;
+        bool sign = !before.length || strchr("*/%+-", *before.text);
+        if (division ? *token.text == '/' : compares(token))
+            return true;
+        if (strchr("{}?:,;&|^=", *token.text) ||
+            (division && (compares(token) || (!sign && strchr("+-", *token.text)))))
+            return false;
+    }
+    return false;
+}
+
 /* Behind `a`: `/= b` becomes `= exact_divide(a, b)`. at: begin of a in the output. */
 static void divide_into(struct rewrite *rewrite, size_t at, bool integer)
 {
     struct text *out = rewrite->out, value = {0};
     char *left = out->failed || !out->data ? NULL : strdup(out->data + at);
     struct token slash = pass(rewrite);
+    bool unmarked = rewrite->unmarked;
     size_t operator_at = out->length;
     text_add(out, "/=");
     rewrite->cursor = slash.text + 2;
+    rewrite->unmarked = true;
     struct value right = sequence(rewrite, ",;)");
+    rewrite->unmarked = unmarked;
     out->failed |= !left;
     if (!out->failed && !(integer && right.integer)) {
         text_add(&value, "= exact_divide(%s,", left);
@@ -463,6 +517,8 @@ static struct value product(struct rewrite *rewrite)
     struct token first = peek(rewrite);
     copy_blank(rewrite, first.text);
     size_t at = rewrite->out->length;
+    bool unmarked = rewrite->unmarked;
+    rewrite->unmarked |= is_ahead(rewrite, true);
     struct value left = unary(rewrite);
     while (rewrite->out->length > at) {
         struct token token = peek(rewrite);
@@ -477,6 +533,7 @@ static struct value product(struct rewrite *rewrite)
         place.operator= rewrite->out->length - 1;
         left = join(rewrite, left, unary(rewrite), place);
     }
+    rewrite->unmarked = unmarked;
     return left;
 }
 
@@ -564,6 +621,7 @@ static struct value sequence(struct rewrite *rewrite, const char *ends)
     struct value value = {.integer = true, .constant = true};
     struct token before = {0}, token;
     int items = 0;
+    bool unmarked = rewrite->unmarked, compared = false, any = false;
     rewrite->depth++;
     for (; (token = peek(rewrite)).length && !strchr(ends, *token.text); before = token, items++) {
         size_t length = rewrite->out->length;
@@ -579,7 +637,10 @@ static struct value sequence(struct rewrite *rewrite, const char *ends)
                 copy(rewrite);
         } else if (is_word(token) || is_number(token) || strchr("(+-!~", *token.text)) {
             declare(rewrite, before, token);
+            rewrite->unmarked = unmarked || compared || is_ahead(rewrite, false);
             struct value item = sum(rewrite);
+            rewrite->unmarked = unmarked;
+            any |= item.unmarked;
             item.integer &= value.integer;
             item.constant &= value.constant;
             value = item;
@@ -587,6 +648,7 @@ static struct value sequence(struct rewrite *rewrite, const char *ends)
             copy(rewrite);
         } else {
             value.constant = false;
+            compared = compares(token) || (compared && !strchr("?:;&|{}", *token.text));
             copy(rewrite);
         }
         if (rewrite->out->length == length && rewrite->cursor == token.text)
@@ -596,7 +658,9 @@ static struct value sequence(struct rewrite *rewrite, const char *ends)
     }
     rewrite->depth--;
     if (items != 1)
-        value = (struct value){items && value.integer, items && value.constant, false, 0};
+        value =
+            (struct value){.integer = items && value.integer, .constant = items && value.constant};
+    value.unmarked = any;
     return value;
 }
 
@@ -618,7 +682,7 @@ static void add_params(struct rewrite *rewrite, const struct pipeline *pipeline)
 
 void glsl_exact(struct glsl *glsl)
 {
-    struct rewrite rewrite = {.arena = glsl->model->arena};
+    struct rewrite rewrite = {.arena = glsl->model->arena, .marks = glsl->backend == BACKEND_GL};
     struct text params = {0};
     rewrite.out = &params;
     add_params(&rewrite, glsl->pipeline);

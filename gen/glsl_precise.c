@@ -1,8 +1,8 @@
 /* Exactness of OpenGL's GLSL text. SPIR-V can mark every operation (spirv.c); GLSL can only mark
  * variables, with `precise`. So every variable and parameter that a stage declares gets the
  * qualifier, and function results go through such a variable. Buffers and gl_Position are marked
- * where they are declared. Values that no variable holds cannot be marked: arithmetic in the
- * condition of an `if`. Called by emit_glsl.c on the complete text; line numbers do not change. */
+ * where they are declared. For values that no variable holds, such as arguments, glsl_exact.c writes
+ * calls. Called by emit_glsl.c on the complete text; line numbers do not change. */
 #include "glsl.h"
 
 #include <ctype.h>

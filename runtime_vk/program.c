@@ -2,10 +2,20 @@
  * creates one for every pass, present.c for the window; vk_program_bind then sets the resources. */
 #include "internal.h"
 
-#include <spirv/unified1/spirv.h>
-
 #include <stdlib.h>
 #include <string.h>
+
+/* Numbers of the SPIR-V specification; its header is not there for every compiler. */
+enum {
+    SPIRV_CAPABILITY = 17,
+    SPIRV_TYPE_POINTER = 32,
+    SPIRV_VARIABLE = 59,
+    SPIRV_DECORATE = 71,
+    SPIRV_SHADER_LAYER = 69, /* capability */
+    SPIRV_BUILTIN = 11,      /* decoration */
+    SPIRV_LAYER = 9,         /* built-in */
+    SPIRV_PRIVATE = 6        /* storage class */
+};
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
@@ -111,7 +121,7 @@ const VkPushConstantRange vk_layer_range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeo
 static uint32_t pointee(const uint32_t *words, size_t count, uint32_t pointer)
 {
     size_t at = 5;
-    while (at < count && !((words[at] & 0xffff) == SpvOpTypePointer && words[at + 1] == pointer))
+    while (at < count && !((words[at] & 0xffff) == SPIRV_TYPE_POINTER && words[at + 1] == pointer))
         at += words[at] >> 16;
     return at < count ? words[at + 3] : 0;
 }
@@ -128,24 +138,24 @@ static uint32_t *without_layer(const uint32_t *words, size_t *size)
     for (size_t at = 5, next; at < count; at = next) {
         uint32_t opcode = words[at] & 0xffff;
         next = at + (words[at] >> 16);
-        if (opcode == SpvOpCapability && words[at + 1] == SpvCapabilityShaderLayer)
+        if (opcode == SPIRV_CAPABILITY && words[at + 1] == SPIRV_SHADER_LAYER)
             continue;
-        if (opcode == SpvOpDecorate && words[at + 2] == SpvDecorationBuiltIn &&
-            words[at + 3] == SpvBuiltInLayer) {
+        if (opcode == SPIRV_DECORATE && words[at + 2] == SPIRV_BUILTIN &&
+            words[at + 3] == SPIRV_LAYER) {
             layer = words[at + 1];
             continue;
         }
         memcpy(out + length, words + at, (next - at) * sizeof *out);
-        if (opcode == SpvOpVariable && words[at + 2] == layer) {
+        if (opcode == SPIRV_VARIABLE && words[at + 2] == layer) {
             const uint32_t type = out[3]++;
-            const uint32_t private[] = {4u << 16 | SpvOpTypePointer,
+            const uint32_t private[] = {4u << 16 | SPIRV_TYPE_POINTER,
                                         type,
-                                        SpvStorageClassPrivate,
+                                        SPIRV_PRIVATE,
                                         pointee(words, count, words[at + 1]),
-                                        4u << 16 | SpvOpVariable,
+                                        4u << 16 | SPIRV_VARIABLE,
                                         type,
                                         layer,
-                                        SpvStorageClassPrivate};
+                                        SPIRV_PRIVATE};
             memcpy(out + length, private, sizeof private);
             length += 4;
         }

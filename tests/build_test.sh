@@ -74,13 +74,13 @@ check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
 echo 'int extra(void);' >gen/extra.c
 # shellcheck disable=SC2016 # the variable is ninja's
 echo 'build $obj/gen/extra.o: cc gen/extra.c' >>gen/build.ninja
-check "a new source file is one line" edges 4 26 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
+check "a new source file is one line" edges 4 28 'build/obj/gen[/.]|build/diptych|build/libdiptych_play|GENERATE' ninja
 check "... and is linked" bash -c 'ar t build/obj/gen.a | grep -Fx extra.o'
 sed -i '/extra[.]o/d' gen/build.ninja
-check "without it ..." edges 3 25 'build/obj/gen[/.]|build/diptych|GENERATE' ninja
+check "without it ..." edges 3 27 'build/obj/gen[/.]|build/diptych|build/libdiptych_play|GENERATE' ninja
 check "... it is not linked" bash -c '! ar t build/obj/gen.a | grep -Fx extra.o'
 touch gen/plan.h
 check "a touched header concerns those that include it" \
-    edges 3 120 'build/obj/gen[/.]|build/obj/app/build[/.]|build/diptych|GENERATE|build/obj/pipelines[/.]' ninja -n
+    edges 3 120 'build/obj/gen[/.]|build/obj/app/build[/.]|build/diptych|build/libdiptych_play|GENERATE|build/obj/pipelines[/.]' ninja -n
 check "... the planner among them" grep -F 'CC build/obj/gen/plan.o' "$work/edges"
 finish

@@ -34,8 +34,8 @@ same_bits_of_text() {
         diff -rq --exclude=manifest.json "$work/gl" "$work/vk"
 }
 
-check "every function gives the same bits, validation silent" same_bits 7 --debug
-check "... and over other inputs" same_bits 7 --set cases=20000
+check "every function gives the same bits, validation silent" same_bits 8 --debug
+check "... and over other inputs" same_bits 8 --set cases=20000
 check "every function gives the same bits with OpenGL fed GLSL text" same_bits_of_text
 # On cornell they do in compare_test.sh.
 for spec in "$specs/features.yaml" "$root/templates/ssvp.yaml" "$root/templates/rsm.yaml"; do
@@ -46,6 +46,8 @@ done
 arithmetic=("$diptych" compare --spec "$specs/arithmetic.yaml" --size 8x8 --set finite=true)
 check "division and functions agree over all exponents" "${arithmetic[@]}"
 check "... with OpenGL fed GLSL text" "${arithmetic[@]}" --glsl
+check "arithmetic in arguments agrees with OpenGL fed GLSL text" \
+    "$diptych" compare --spec "$root/templates/machine.yaml" --scene "$scene" --size 32x32 --glsl
 # A control: the same way of looking sees what exact mode removes.
 check_status 1 "fast mode differs" dumps --set exactness=fast
 check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"

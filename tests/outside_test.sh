@@ -102,7 +102,7 @@ check "a number that the format cannot hold" told 1 "its texel (1, 0), from the 
     "$diptych" render --spec formats.yaml --input bones=bones.npy --backend gl --dump large --set images.exr.file=large.exr
 check "nothing half written" test ! -e none.png -a ! -e large
 check "a pipeline that draws the scene" told 1 \
-    "--scene FILE is missing: the pass gbuffer of rsm uses the scene" "$diptych" render --spec "$root/templates/rsm.yaml" --backend gl -o none.png
+    "--scene FILE is missing: the pass gbuffer_triangles of rsm uses the scene" "$diptych" render --spec "$root/templates/rsm.yaml" --backend gl -o none.png
 
 # ---- Who it was
 

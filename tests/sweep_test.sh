@@ -38,8 +38,8 @@ if [ -n "$long" ]; then
         agree rsm 50 $seed 64
     done
 else
-    agree ssvp 6 4 12
-    agree rsm 12 2 12
+    agree ssvp 4 4 12
+    agree rsm 12 4 12
     for pipeline in ssdo deep clustered taa; do
         agree $pipeline 2 1 12
     done

@@ -183,7 +183,8 @@ float exact_tan(float x)
     bool odd = quadrant == 1.0 || quadrant == 3.0;
     float above = odd ? -c : s, below = odd ? s : c;
     float q = exact_divide(above, below);
-    q += exact_divide(above - q * below, below);
+    float rest = above - q * below;
+    q += exact_divide(rest, below);
     return q;
 }
 exact_each(exact_tan);
@@ -286,7 +287,8 @@ float exact_pow(float x, float y)
     float n;
     float m = exact_mantissa(x, n);
     float r = exact_reciprocal(m + 1.0);
-    float s = exact_upper((m - 1.0) * r);
+    float ratio = (m - 1.0) * r;
+    float s = exact_upper(ratio);
     float d = exact_upper(m + 1.0);
     float below = m - (d - 1.0); /* m + 1 = d + below */
     float s_low = ((m - 1.0 - s * d) - s * below) * r;
@@ -548,7 +550,8 @@ float exact_acosh(float x)
     float p = (((1.7596881071e-3 * z - 7.5272886713e-3) * z + 2.6454905019e-2) * z - 1.1784741703e-1) * z + 1.4142135263;
     float near = p * exact_sqrt(z);
     float far = exact_log(x) + 0.693147181;
-    float r = exact_log(x + exact_sqrt(z * (x + 1.0)));
+    float square = z * (x + 1.0);
+    float r = exact_log(x + exact_sqrt(square));
     return x > 1e9 ? far : z < 0.5 ? near : r;
 }
 exact_each(exact_acosh);
@@ -891,3 +894,105 @@ vec4 exact_unpackSnorm4x8(uint p)
     ivec4 i = ivec4(uvec4(p << 24, p << 16, p << 8, p)) >> 24;
     return exact_max(exact_divide(vec4(i), 127.0), -1.0);
 }
+
+/* Sums, differences and products that `precise` does not reach in OpenGL's GLSL text. The generator does not know types:
+ * these are all, but for products of two matrices that are not square. */
+#define exact_operation(f, o, T, A, B) \
+T f(A a, B b) \
+{ \
+    precise T value = a o b; \
+    return value; \
+}
+
+#define exact_vector_operation(f, o, T, S) \
+exact_operation(f, o, T, T, T) \
+exact_operation(f, o, T, T, S) \
+exact_operation(f, o, T, S, T)
+
+#define exact_operations(f, o, S, V2, V3, V4) \
+exact_operation(f, o, S, S, S) \
+exact_vector_operation(f, o, V2, S) \
+exact_vector_operation(f, o, V3, S) \
+exact_vector_operation(f, o, V4, S)
+
+#define exact_matrix_operations(f, o) \
+exact_vector_operation(f, o, mat2, float) \
+exact_vector_operation(f, o, mat2x3, float) \
+exact_vector_operation(f, o, mat2x4, float) \
+exact_vector_operation(f, o, mat3x2, float) \
+exact_vector_operation(f, o, mat3, float) \
+exact_vector_operation(f, o, mat3x4, float) \
+exact_vector_operation(f, o, mat4x2, float) \
+exact_vector_operation(f, o, mat4x3, float) \
+exact_vector_operation(f, o, mat4, float)
+
+/* With vectors of as many components as M has columns, C, and rows, R. */
+#define exact_matrix_product(M, C, R) \
+R exact_multiply(M m, C v) \
+{ \
+    precise R value = m[0] * v[0]; \
+    for (int i = 1; i < m.length(); i++) \
+        value += m[i] * v[i]; \
+    return value; \
+} \
+C exact_multiply(R v, M m) \
+{ \
+    precise C value; \
+    for (int i = 0; i < m.length(); i++) \
+        value[i] = exact_dot(v, m[i]); \
+    return value; \
+} \
+M exact_multiply(M m, float s) \
+{ \
+    for (int i = 0; i < m.length(); i++) \
+        m[i] = exact_multiply(m[i], s); \
+    return m; \
+} \
+M exact_multiply(float s, M m) { return exact_multiply(m, s); }
+
+#define exact_square_product(M) \
+M exact_multiply(M a, M b) \
+{ \
+    M value; \
+    for (int i = 0; i < a.length(); i++) \
+        value[i] = exact_multiply(a, b[i]); \
+    return value; \
+}
+
+#ifdef GL_SPIRV
+#define exact_add(a, b) ((a) + (b))
+#else
+exact_operations(exact_add, +, float, vec2, vec3, vec4);
+exact_operations(exact_add, +, int, ivec2, ivec3, ivec4);
+exact_operations(exact_add, +, uint, uvec2, uvec3, uvec4);
+exact_matrix_operations(exact_add, +);
+#endif
+
+#ifdef GL_SPIRV
+#define exact_subtract(a, b) ((a) - (b))
+#else
+exact_operations(exact_subtract, -, float, vec2, vec3, vec4);
+exact_operations(exact_subtract, -, int, ivec2, ivec3, ivec4);
+exact_operations(exact_subtract, -, uint, uvec2, uvec3, uvec4);
+exact_matrix_operations(exact_subtract, -);
+#endif
+
+#ifdef GL_SPIRV
+#define exact_multiply(a, b) ((a) * (b))
+#else
+exact_operations(exact_multiply, *, float, vec2, vec3, vec4);
+exact_operations(exact_multiply, *, int, ivec2, ivec3, ivec4);
+exact_operations(exact_multiply, *, uint, uvec2, uvec3, uvec4);
+exact_matrix_product(mat2, vec2, vec2);
+exact_matrix_product(mat2x3, vec2, vec3);
+exact_matrix_product(mat2x4, vec2, vec4);
+exact_matrix_product(mat3x2, vec3, vec2);
+exact_matrix_product(mat3, vec3, vec3);
+exact_matrix_product(mat3x4, vec3, vec4);
+exact_matrix_product(mat4x2, vec4, vec2);
+exact_matrix_product(mat4x3, vec4, vec3);
+exact_matrix_product(mat4, vec4, vec4);
+exact_square_product(mat2);
+exact_square_product(mat3);
+exact_square_product(mat4);
+#endif

@@ -226,6 +226,46 @@ float exact_dot(precise vec4 a, precise vec4 b)
     { precise float result = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; return result; }
 }
 
+/* Sums, differences and products that `precise` does not reach in OpenGL's GLSL text. The generator does not know types:
+ * these are all, but for products of two matrices that are not square. */
+#define exact_operation(f, o, T, A, B) \
+T f(A a, B b) \
+{ \
+    precise T value = a o b; \
+    return value; \
+}
+
+#define exact_vector_operation(f, o, T, S) \
+exact_operation(f, o, T, T, T) \
+exact_operation(f, o, T, T, S) \
+exact_operation(f, o, T, S, T)
+
+#define exact_operations(f, o, S, V2, V3, V4) \
+exact_operation(f, o, S, S, S) \
+exact_vector_operation(f, o, V2, S) \
+exact_vector_operation(f, o, V3, S) \
+exact_vector_operation(f, o, V4, S)
+
+#define exact_matrix_operations(f, o) \
+exact_vector_operation(f, o, mat2, float) \
+exact_vector_operation(f, o, mat2x3, float) \
+exact_vector_operation(f, o, mat2x4, float) \
+exact_vector_operation(f, o, mat3x2, float) \
+exact_vector_operation(f, o, mat3, float) \
+exact_vector_operation(f, o, mat3x4, float) \
+exact_vector_operation(f, o, mat4x2, float) \
+exact_vector_operation(f, o, mat4x3, float) \
+exact_vector_operation(f, o, mat4, float)
+
+#ifdef GL_SPIRV
+#define exact_add(a, b) ((a) + (b))
+#else
+exact_operations(exact_add, +, float, vec2, vec3, vec4);
+exact_operations(exact_add, +, int, ivec2, ivec3, ivec4);
+exact_operations(exact_add, +, uint, uvec2, uvec3, uvec4);
+exact_matrix_operations(exact_add, +);
+#endif
+
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */
 struct View {
     mat4 view;
@@ -295,8 +335,8 @@ vec2 concentric_disk(precise vec2 u)
 float metric_one_minus_dot(precise vec3 pa, precise vec3 na, precise vec3 pb, precise vec3 nb, precise float position, precise float normal, precise float scale)
 {
     precise vec3 d = pa - pb;
-    precise float apart = exact_sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    precise float agreement = exact_max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
+    precise float apart = exact_sqrt(exact_add(exact_add(d.x * d.x, d.y * d.y), d.z * d.z));
+    precise float agreement = exact_max(exact_add(exact_add(na.x * nb.x, na.y * nb.y), na.z * nb.z), 0.0);
     { precise float result = position * (exact_divide(apart, scale)) + normal * (1.0 - agreement); return result; }
 }
 

@@ -100,7 +100,8 @@ float exact_pow(precise float x, precise float y)
     precise float n;
     precise float m = exact_mantissa(x, n);
     precise float r = exact_reciprocal(m + 1.0);
-    precise float s = exact_upper((m - 1.0) * r);
+    precise float ratio = (m - 1.0) * r;
+    precise float s = exact_upper(ratio);
     precise float d = exact_upper(m + 1.0);
     precise float below = m - (d - 1.0); /* m + 1 = d + below */
     precise float s_low = ((m - 1.0 - s * d) - s * below) * r;

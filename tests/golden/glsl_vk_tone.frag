@@ -99,7 +99,8 @@ float exact_pow(float x, float y)
     float n;
     float m = exact_mantissa(x, n);
     float r = exact_reciprocal(m + 1.0);
-    float s = exact_upper((m - 1.0) * r);
+    float ratio = (m - 1.0) * r;
+    float s = exact_upper(ratio);
     float d = exact_upper(m + 1.0);
     float below = m - (d - 1.0); /* m + 1 = d + below */
     float s_low = ((m - 1.0 - s * d) - s * below) * r;
