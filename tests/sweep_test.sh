@@ -38,10 +38,10 @@ if [ -n "$long" ]; then
         agree rsm 50 $seed 64
     done
 else
-    agree ssvp 4 4 12
+    agree ssvp 6 4 12
     agree rsm 12 4 12
     for pipeline in ssdo deep clustered taa; do
-        agree $pipeline 2 1 12
+        agree $pipeline 1 1 12
     done
     check "variations of post agree" "$diptych" sweep --random 2 --seed 1 --memory 12 --spec "$root/templates/post.yaml" \
         --input photo="$root/templates/post/table.png" -o "$work/post"
