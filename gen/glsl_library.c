@@ -78,7 +78,7 @@ static bool in_comment(const char *text, const char *at)
 const char *find_word(const char *text, const char *word)
 {
     size_t length = strlen(word);
-    for (const char *at = text; at && (at = strstr(at, word)); at += length) {
+    for (const char *at = text; at && length && (at = strstr(at, word)); at += length) {
         bool starts = at == text || (!is_word(at[-1]) && at[-1] != '.');
         if (starts && !is_word(at[length]) && !in_comment(text, at))
             return at;
