@@ -1,5 +1,5 @@
-/* Implements image.h: finds and loads the OpenImageIO shim; writes files by temporary name and
- * rename. Called by texture.c and by the app. */
+/* Implements image.h: PNG by libpng, all else by the OpenImageIO shim, which it finds and loads;
+ * writes files by temporary name and rename. Called by texture.c and by the app. */
 #include "image.h"
 
 #include "child.h"
@@ -11,6 +11,7 @@
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
+#include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,21 +54,6 @@ static void *shim_open(const struct dt_log *log)
                     "cannot read or write images: " SHIM " is not beside the executable (%s)",
                     dlerror());
     return shim;
-}
-
-static void ignore_message(void *user, enum dt_level level, const char *message)
-{
-    (void)user;
-    (void)level;
-    (void)message;
-}
-
-void image_load(void)
-{
-    const struct dt_log silent = {.message = ignore_message};
-    void *shim = shim_open(&silent);
-    if (shim)
-        dlclose(shim);
 }
 
 static void *shim_function(void *shim, const char *name, const struct dt_log *log)
@@ -155,47 +141,65 @@ static bool sync_and_rename(const char *from, const char *to, struct image_error
     return ok;
 }
 
-static bool image_write(const char *path, const char *format, uint32_t width, uint32_t height,
-                        uint32_t channels, const void *texels, const struct dt_log *log)
+/* By libpng's simplified interface. */
+static bool write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                      const void *texels, struct image_error *error)
+{
+    static const png_uint_32 formats[] = {0, PNG_FORMAT_GRAY, PNG_FORMAT_GA, PNG_FORMAT_RGB,
+                                          PNG_FORMAT_RGBA};
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = width,
+                       .height = height,
+                       .format = formats[channels]};
+    bool good = png_image_write_to_file(&image, path, 0, texels, 0, NULL);
+    if (!good)
+        snprintf(error->text, sizeof error->text, "%s", image.message);
+    return good;
+}
+
+static bool image_write(const char *path, image_oiio_write_fn *write, uint32_t width,
+                        uint32_t height, uint32_t channels, const void *texels,
+                        const struct dt_log *log)
 {
     if (width == 0 || height == 0 || channels == 0 || channels > 4) {
         log_message(log, DT_ERROR, "cannot write %s: no picture of %ux%u texels with %u channels",
                     path, width, height, channels);
         return false;
     }
-    void *shim = shim_open(log);
-    if (!shim)
-        return false;
-    image_oiio_write_fn *write =
-        (image_oiio_write_fn *)shim_function(shim, "image_oiio_write", log);
     char *temporary = temporary_path(path);
     struct image_error error = {"out of memory"};
-    bool ok = write && temporary;
+    bool ok = temporary;
     if (ok) {
         temporary_sweep(path, unlink);
         errno = 0;
-        ok = write(temporary, format, width, height, channels, texels, &error) &&
+        ok = write(temporary, width, height, channels, texels, &error) &&
              sync_and_rename(temporary, path, &error);
         if (!ok)
             unlink(temporary);
     }
-    if (write && !ok)
+    if (!ok)
         log_message(log, DT_ERROR, "cannot write %s: %s", path, error.text);
     free(temporary);
-    dlclose(shim);
     return ok;
 }
 
 bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
                      const uint8_t *texels, const struct dt_log *log)
 {
-    return image_write(path, "png", width, height, channels, texels, log);
+    return image_write(path, write_png, width, height, channels, texels, log);
 }
 
 bool image_write_exr(const char *path, uint32_t width, uint32_t height, uint32_t channels,
                      const float *texels, const struct dt_log *log)
 {
-    return image_write(path, "openexr", width, height, channels, texels, log);
+    void *shim = shim_open(log);
+    if (!shim)
+        return false;
+    image_oiio_write_fn *write =
+        (image_oiio_write_fn *)shim_function(shim, "image_oiio_write", log);
+    bool ok = write && image_write(path, write, width, height, channels, texels, log);
+    dlclose(shim);
+    return ok;
 }
 
 bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,

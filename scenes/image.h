@@ -1,5 +1,5 @@
-/* C interface to image files. OpenImageIO is loaded on first use, from a shared object beside the
- * executable, since its libraries cost half a second at process start. Called by scenes (textures)
+/* C interface to image files. OpenImageIO reads all and writes EXR; it is loaded on first use, from a
+ * shared object beside the executable, since its 260 libraries cost a third of a second. Called by scenes (textures)
  * and by the app (pictures). */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H
@@ -12,10 +12,6 @@
  * 255 where the file has none. */
 bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,
                       const struct dt_log *log);
-
-/* Loads OpenImageIO in advance, for example on another thread; this takes a quarter of a second.
- * The first function that needs it logs any error. */
-void image_load(void);
 
 /* Width and height of an image file, from its header alone. */
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log);

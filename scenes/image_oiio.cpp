@@ -124,20 +124,16 @@ try {
     return fail(error, exception.what());
 }
 
-extern "C" bool image_oiio_write(const char *path, const char *format, uint32_t width,
-                                 uint32_t height, uint32_t channels, const void *texels,
-                                 image_error *error)
+extern "C" bool image_oiio_write(const char *path, uint32_t width, uint32_t height,
+                                 uint32_t channels, const void *texels, image_error *error)
 try {
-    auto output = OIIO::ImageOutput::create(format);
+    auto output = OIIO::ImageOutput::create("openexr");
     if (!output)
         return fail(error, OIIO::geterror());
-    bool is_float = std::string(format) == "openexr";
-    OIIO::TypeDesc type = is_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
-    OIIO::ImageSpec spec((int)width, (int)height, (int)channels, type);
-    spec.attribute("oiio:ColorSpace", is_float ? "Linear" : "sRGB");
+    OIIO::ImageSpec spec((int)width, (int)height, (int)channels, OIIO::TypeDesc::FLOAT);
+    spec.attribute("oiio:ColorSpace", "Linear");
     spec.attribute("oiio:UnassociatedAlpha", 1);
-    if (is_float)
-        spec.attribute("compression", "zip");
+    spec.attribute("compression", "zip");
     /* By default OpenImageIO writes the current time into an EXR; equal pictures must be equal
      * files. */
     spec.attribute("DateTime", "");
@@ -145,7 +141,7 @@ try {
     OIIO::Filesystem::IOVecOutput memory;
     if (!output->set_ioproxy(&memory) || !output->open(path, spec))
         return fail(error, output->geterror());
-    if (!output->write_image(type, texels)) {
+    if (!output->write_image(OIIO::TypeDesc::FLOAT, texels)) {
         std::string reason = output->geterror();
         output->close();
         return fail(error, reason);

@@ -13,7 +13,7 @@ build_host() {
         "-I$gen/ssvp" "-I$gen/rsm" tests/hosts/host_vk.c tests/hosts/renderer_vk.c templates/c/front.c \
         runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c \
         "$gen"/{ssvp/ssvp,ssvp/ssvp_vk_shaders,rsm/rsm,rsm/rsm_vk_shaders}.c \
-        "$build/library/libdiptych_scene.a" -lvulkan -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/host"
+        "$build/library/libdiptych_scene.a" -lvulkan -lpng -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/host"
 }
 # shellcheck disable=SC2317
 runs_in_silence() {

@@ -1,5 +1,4 @@
 /* `diptych render`: one scene, one backend, one picture; on request a dump and timings. */
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -33,8 +32,6 @@ struct render {
     /* last pass that writes it; read then, since resources may share memory. pass_count: no picture */
     uint32_t shown_pass;
     struct dt_bytes picture; /* its bytes */
-    pthread_t images;        /* loads the image library in the background */
-    bool loads_images;
 };
 
 static bool ends_with(const char *text, const char *tail)
@@ -290,13 +287,6 @@ static bool can_write_picture(const struct render *render)
     return good;
 }
 
-static void *load_images(void *unused)
-{
-    (void)unused;
-    image_load();
-    return NULL;
-}
-
 static bool prepare(struct render *render)
 {
     const struct options *options = &render->options;
@@ -309,8 +299,6 @@ static bool prepare(struct render *render)
         !inputs_load(&render->pipeline, render->console, &render->options) ||
         !session_load_scene(&render->scene, render->console, render->pipeline.info, options))
         return false;
-    render->loads_images = /* after the scene, whose child process would inherit a held lock */
-        options->output && pthread_create(&render->images, NULL, load_images, NULL) == 0;
     render->options.frames = session_frames(options, &render->scene);
     if (options->timings &&
         !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
@@ -370,8 +358,6 @@ int verb_render(struct console *console, const struct options *options)
     session_close(&render.session);
     good = good && atomic_load(&console->errors) ==
                        0; /* messages while the device was torn down count, too */
-    if (render.loads_images)
-        pthread_join(render.images, NULL);
     if (good && options->output && !render.numbered)
         good = write_picture(&render, options->output);
     good = dump_end(&render.dump, good) && good;
