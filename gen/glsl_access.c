@@ -162,21 +162,47 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
            (!chooses || single || glsl->stage != STAGE_IS_FRAGMENT);
 }
 
-/* The call of filter_sample, up to the end of its statement. */
-static void add_own_sample(const struct glsl *glsl, const struct access *access, const char *lod,
-                           const char *tail, struct text *out)
+/* The colour of the border, as arguments of vec4: a channel that the format lacks is 0, alpha 1. */
+static const char *border_of(const struct glsl *glsl, const struct access *access)
 {
     const struct sampler *filter = access->filter;
     const char *name = format_info(access->resource->format)->name;
     bool green = strchr(name, 'g'), blue = strchr(name, 'b'), alpha = strchr(name, 'a');
     bool white = filter->border == DT_BORDER_OPAQUE_WHITE;
     bool opaque = filter->border != DT_BORDER_TRANSPARENT_BLACK || !alpha;
-    char border[32]; /* a channel that the format lacks is 0, alpha 1 */
-    snprintf(border, sizeof border, "%d, %d, %d, %d", white, white && green, white && blue, opaque);
-    text_add(out, "    return filter_sample(%s, %s, %s, %s, %s, %d, vec4(%s))%s;\n}\n\n",
-             variable_name(glsl, access), is_layered(access) ? "uv" : "vec3(uv, 0.0)", lod,
-             filter->linear_mip ? "true" : "false", filter->linear ? "true" : "false",
-             (int)filter->wrap | (is_srgb(glsl, access) ? 4 : 0), border, tail);
+    return arena_printf(glsl->model->arena, "%d, %d, %d, %d", white, white && green, white && blue,
+                        opaque);
+}
+
+/* Functions of one image, by macros of filter.glsl: filter_texel_NAME, filter_level_NAME, and
+ * filter_lod_NAME if the pass chooses levels. */
+static void add_filter(const struct glsl *glsl, const struct access *access, bool lod,
+                       struct text *out)
+{
+    static const char *const wraps[] = {[WRAP_CLAMP] = "clamp",
+                                        [WRAP_REPEAT] = "repeat",
+                                        [WRAP_MIRROR] = "mirror",
+                                        [WRAP_BORDER] = "clamp"};
+    const struct sampler *filter = access->filter;
+    const char *name = access_word(access), *kind = is_layered(access) ? "2DArray" : "2D";
+    text_add(out, "filter_%s(filter_texel_%s, sampler%s, filter_%s, filter_%s, filter_%s);\n",
+             filter->wrap == WRAP_BORDER ? "border" : "texel", name, kind, kind,
+             is_srgb(glsl, access) ? "srgb" : "plain", wraps[filter->wrap]);
+    text_add(out, "filter_%s(filter_level_%s, sampler%s, filter_texel_%s);\n",
+             filter->linear ? "linear" : "nearest", name, kind, name);
+    if (lod)
+        text_add(out, "filter_%s_mip(filter_lod_%s, sampler%s, filter_level_%s);\n",
+                 filter->linear_mip ? "linear" : "nearest", name, kind, name);
+    text_add(out, "\n");
+}
+
+static void add_own_sample(const struct glsl *glsl, const struct access *access, bool lod,
+                           const char *tail, struct text *out)
+{
+    text_add(out, "    return filter_%s_%s(%s, %s, %s, vec4(%s))%s;\n}\n\n", lod ? "lod" : "level",
+             access_word(access), variable_name(glsl, access),
+             is_layered(access) ? "uv" : "vec3(uv, 0.0)", lod ? "lod" : "0",
+             border_of(glsl, access), tail);
 }
 
 static void add_sample(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -188,18 +214,23 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
-    if (!access->mip && glsl_uses(glsl, "%s_sample_lod", access_word(access))) {
+    bool lod = !access->mip && glsl_uses(glsl, "%s_sample_lod", access_word(access));
+    bool plain = glsl_uses(glsl, "%s_sample", access_word(access));
+    bool our_lod = lod && is_ours(glsl, access, false), our = plain && is_ours(glsl, access, true);
+    if (our_lod || our)
+        add_filter(glsl, access, our_lod, out);
+    if (lod) {
         text_add(out, "%s %s_sample_lod(%s uv, float lod)\n{\n", type, access_word(access), uv);
-        if (is_ours(glsl, access, false))
-            add_own_sample(glsl, access, "lod", tail, out);
+        if (our_lod)
+            add_own_sample(glsl, access, true, tail, out);
         else
             text_add(out, "    return textureLod(%s, uv, lod)%s;\n}\n\n", variable, tail);
     }
-    if (!glsl_uses(glsl, "%s_sample", access_word(access)))
+    if (!plain)
         return;
     text_add(out, "%s %s_sample(%s uv)\n{\n", type, access_word(access), uv);
-    if (is_ours(glsl, access, true))
-        add_own_sample(glsl, access, "0.0", tail, out);
+    if (our)
+        add_own_sample(glsl, access, false, tail, out);
     else if (glsl->stage == STAGE_IS_FRAGMENT && !access->mip)
         text_add(out, "    return texture(%s, uv)%s;\n}\n\n", variable, tail);
     else

@@ -1,6 +1,7 @@
 /* Filtering of images in floats, by texel fetches: the same bits on every device, whose own filters
- * round weights to a few bits. What NAME_sample and NAME_sample_lod of exact pipelines call.
- * mode: 0 clamp, 1 repeat, 2 mirror, 3 border; and 4 for sRGB. */
+ * round weights to a few bits. What NAME_sample and NAME_sample_lod of exact pipelines call. The
+ * generator has a macro define the functions of each image, with what its sampler needs and nothing
+ * else: drivers take long over code that they remove later. */
 
 /* Drivers decode sRGB to a few bits. So the code of 8 bits is found again from what they give, by a
  * fit of the encoding that is 0.12 codes off, and decoded here (IEC 61966-2-1). */
@@ -20,16 +21,31 @@ vec4 filter_srgb(vec4 texel)
     return vec4(filter_decode(texel.r), filter_decode(texel.g), filter_decode(texel.b), alpha);
 }
 
+vec4 filter_plain(vec4 texel)
+{
+    return texel;
+}
+
 /* p modulo n, 0 to n - 1. GLSL leaves the remainder of negative numbers open. */
 int filter_modulo(int p, int n)
 {
     return p < 0 ? n - 1 - (-1 - p) % n : p % n;
 }
 
-int filter_wrap(int p, int n, int wrap)
+int filter_clamp(int p, int n)
+{
+    return clamp(p, 0, n - 1);
+}
+
+int filter_repeat(int p, int n)
+{
+    return filter_modulo(p, n);
+}
+
+int filter_mirror(int p, int n)
 {
     int q = filter_modulo(p, 2 * n);
-    return wrap == 1 ? filter_modulo(p, n) : wrap == 2 ? (q < n ? q : 2 * n - 1 - q) : clamp(p, 0, n - 1);
+    return q < n ? q : 2 * n - 1 - q;
 }
 
 /* Mesa's CPU drivers take the level of one invocation for the textureSize of all. */
@@ -38,82 +54,72 @@ ivec2 filter_size(ivec2 finest, int level)
     return max(finest >> level, ivec2(1));
 }
 
-vec4 filter_texel(sampler2D image, ivec3 p, int level, int mode, vec4 border)
-{
-    ivec2 size = filter_size(textureSize(image, 0), level);
-    ivec2 q = ivec2(filter_wrap(p.x, size.x, mode & 3), filter_wrap(p.y, size.y, mode & 3));
-    vec4 texel = texelFetch(image, q, level);
-    texel = (mode & 4) != 0 ? filter_srgb(texel) : texel;
-    return (mode & 3) == 3 && q != p.xy ? border : texel;
-}
-
-vec4 filter_texel(sampler2DArray image, ivec3 p, int level, int mode, vec4 border)
-{
-    ivec3 finest = textureSize(image, 0);
-    ivec2 size = filter_size(finest.xy, level);
-    ivec2 q = ivec2(filter_wrap(p.x, size.x, mode & 3), filter_wrap(p.y, size.y, mode & 3));
-    vec4 texel = texelFetch(image, ivec3(q, clamp(p.z, 0, finest.z - 1)), level);
-    texel = (mode & 4) != 0 ? filter_srgb(texel) : texel;
-    return (mode & 3) == 3 && q != p.xy ? border : texel;
-}
-
 vec4 filter_blend(vec4 a, vec4 b, float share)
 {
     precise vec4 blend = a + (b - a) * share;
     return blend;
 }
 
-/* One level. place: uv, and the layer of an array; its layers are not filtered. */
-vec4 filter_level(sampler2D image, vec3 place, int level, bool linear, int mode, vec4 border)
-{
-    ivec2 size = filter_size(textureSize(image, 0).xy, level);
-    precise vec2 at = place.xy * vec2(size) - (linear ? 0.5 : 0.0);
-    ivec3 p = ivec3(floor(at), roundEven(place.z));
-    precise vec2 part = at - floor(at);
-    vec4 a = filter_texel(image, p, level, mode, border);
-    if (!linear)
-        return a;
-    vec4 b = filter_texel(image, p + ivec3(1, 0, 0), level, mode, border);
-    vec4 c = filter_texel(image, p + ivec3(0, 1, 0), level, mode, border);
-    vec4 d = filter_texel(image, p + ivec3(1, 1, 0), level, mode, border);
-    return filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y);
+/* Texel q; layers of arrays end as edges do. */
+#define filter_2D(image, q, layer) q
+
+#define filter_2DArray(image, q, layer) ivec3(q, clamp(layer, 0, textureSize(image, 0).z - 1))
+
+/* A texel: `place` is one of the two above, `decode` filter_srgb or filter_plain. */
+#define filter_texel(NAME, SAMPLER, place, decode, wrap) \
+vec4 NAME(SAMPLER image, ivec3 p, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    ivec2 q = ivec2(wrap(p.x, size.x), wrap(p.y, size.y)); \
+    return decode(texelFetch(image, place(image, q, p.z), level)); \
 }
 
-vec4 filter_level(sampler2DArray image, vec3 place, int level, bool linear, int mode, vec4 border)
-{
-    ivec2 size = filter_size(textureSize(image, 0).xy, level);
-    precise vec2 at = place.xy * vec2(size) - (linear ? 0.5 : 0.0);
-    ivec3 p = ivec3(floor(at), roundEven(place.z));
-    precise vec2 part = at - floor(at);
-    vec4 a = filter_texel(image, p, level, mode, border);
-    if (!linear)
-        return a;
-    vec4 b = filter_texel(image, p + ivec3(1, 0, 0), level, mode, border);
-    vec4 c = filter_texel(image, p + ivec3(0, 1, 0), level, mode, border);
-    vec4 d = filter_texel(image, p + ivec3(1, 1, 0), level, mode, border);
-    return filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y);
+/* With a border outside. */
+#define filter_border(NAME, SAMPLER, place, decode, wrap) \
+vec4 NAME(SAMPLER image, ivec3 p, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    ivec2 q = ivec2(wrap(p.x, size.x), wrap(p.y, size.y)); \
+    return q != p.xy ? border : decode(texelFetch(image, place(image, q, p.z), level)); \
 }
 
-vec4 filter_sample(sampler2D image, vec3 place, float lod, bool linear_mip, bool linear, int mode, vec4 border)
-{
-    int last = textureQueryLevels(image) - 1;
-    float level = exact_clamp(lod, 0.0, float(last));
-    if (!linear_mip)
-        return filter_level(image, place, int(floor(level + 0.5)), linear, mode, border);
-    int fine = int(floor(level));
-    precise float share = level - floor(level);
-    return filter_blend(filter_level(image, place, fine, linear, mode, border),
-                        filter_level(image, place, min(fine + 1, last), linear, mode, border), share);
+/* One level. at: uv, and the layer of an array; its layers are not filtered. */
+#define filter_nearest(NAME, SAMPLER, texel) \
+vec4 NAME(SAMPLER image, vec3 at, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    precise vec2 place = at.xy * vec2(size); \
+    return texel(image, ivec3(floor(place), roundEven(at.z)), level, border); \
 }
 
-vec4 filter_sample(sampler2DArray image, vec3 place, float lod, bool linear_mip, bool linear, int mode, vec4 border)
-{
-    int last = textureQueryLevels(image) - 1;
-    float level = exact_clamp(lod, 0.0, float(last));
-    if (!linear_mip)
-        return filter_level(image, place, int(floor(level + 0.5)), linear, mode, border);
-    int fine = int(floor(level));
-    precise float share = level - floor(level);
-    return filter_blend(filter_level(image, place, fine, linear, mode, border),
-                        filter_level(image, place, min(fine + 1, last), linear, mode, border), share);
+#define filter_linear(NAME, SAMPLER, texel) \
+vec4 NAME(SAMPLER image, vec3 at, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    precise vec2 place = at.xy * vec2(size) - 0.5; \
+    precise vec2 part = place - floor(place); \
+    ivec3 p = ivec3(floor(place), roundEven(at.z)); \
+    vec4 a = texel(image, p, level, border); \
+    vec4 b = texel(image, p + ivec3(1, 0, 0), level, border); \
+    vec4 c = texel(image, p + ivec3(0, 1, 0), level, border); \
+    vec4 d = texel(image, p + ivec3(1, 1, 0), level, border); \
+    return filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y); \
+}
+
+/* All levels. */
+#define filter_nearest_mip(NAME, SAMPLER, level_of) \
+vec4 NAME(SAMPLER image, vec3 at, float lod, vec4 border) \
+{ \
+    float level = exact_clamp(lod, 0.0, float(textureQueryLevels(image) - 1)); \
+    return level_of(image, at, int(floor(level + 0.5)), border); \
+}
+
+#define filter_linear_mip(NAME, SAMPLER, level_of) \
+vec4 NAME(SAMPLER image, vec3 at, float lod, vec4 border) \
+{ \
+    int last = textureQueryLevels(image) - 1; \
+    float level = exact_clamp(lod, 0.0, float(last)); \
+    int fine = int(floor(level)); \
+    precise float share = level - floor(level); \
+    return filter_blend(level_of(image, at, fine, border), level_of(image, at, min(fine + 1, last), border), share); \
 }

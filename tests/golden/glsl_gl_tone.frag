@@ -4,214 +4,14 @@
 #define OPENGL
 #define EXACT
 
-/* Component by component. */
-#define exact_each(f) \
-vec2 f(vec2 x) { return vec2(f(x.x), f(x.y)); } \
-vec3 f(vec3 x) { return vec3(f(x.x), f(x.y), f(x.z)); } \
-vec4 f(vec4 x) { return vec4(f(x.x), f(x.y), f(x.z), f(x.w)); }
-
-#define exact_each_pair(f, V2, V3, V4) \
-V2 f(V2 x, V2 y) { return V2(f(x.x, y.x), f(x.y, y.y)); } \
-V3 f(V3 x, V3 y) { return V3(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z)); } \
-V4 f(V4 x, V4 y) { return V4(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z), f(x.w, y.w)); }
-
-#define exact_each_left(f, S, V2, V3, V4) \
-V2 f(V2 x, S y) { return V2(f(x.x, y), f(x.y, y)); } \
-V3 f(V3 x, S y) { return V3(f(x.x, y), f(x.y, y), f(x.z, y)); } \
-V4 f(V4 x, S y) { return V4(f(x.x, y), f(x.y, y), f(x.z, y), f(x.w, y)); }
-
-/* 1 / y for |y| up to 2^64: an integer subtraction estimates it (Moroz et al. 2018), a polynomial
- * in y r with relative error 2e-6 and a Newton step refine it. */
-float exact_reciprocal(precise float y)
+vec4 filter_plain(precise vec4 texel)
 {
-    precise uint bits = floatBitsToUint(y);
-    precise float r = uintBitsToFloat(0x7eb50500u - bits);
-    precise float d = y * r;
-    r *= 4.17971835 - d * (5.82303075 - d * 2.70399363);
-    precise float error = 1.0 - y * r;
-    r += r * error;
-    precise float end = uintBitsToFloat((bits ^ 0x7f800000u) & 0xff800000u); /* of 0 and infinity */
-    { precise float result = abs(y) < 1.17549435e-38 || abs(y) > 3.40282347e38 ? end : r; return result; }
+    return texel;
 }
 
-/* 1 / sqrt(x) within 2e-5, for positive normal x. */
-float exact_root_estimate(precise float x)
+int filter_clamp(precise int p, precise int n)
 {
-    precise float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
-    precise float d = x * r * r;
-    r *= 2.102354969 - d * (1.760928667 - d * 0.6631531635);
-    return r;
-}
-
-/* A value for positive normal x; negative x: all bits set, a NaN; zero and infinity: `end`. */
-float exact_root_value(precise float x, precise float value, precise uint end)
-{
-    precise uint negative = uint(floatBitsToInt(x) >> 31);
-    precise float root = uintBitsToFloat(floatBitsToUint(value) | negative);
-    { precise float result = abs(x) < 1.17549435e-38 || x > 3.40282347e38 ? uintBitsToFloat(end & 0xff800000u) : root; return result; }
-}
-
-float exact_sqrt(precise float x)
-{
-    precise float r = exact_root_estimate(x);
-    precise float s = x * r;
-    precise float error = 1.0 - s * r;
-    s += s * (0.5 * error);
-    { precise float result = exact_root_value(x, s, floatBitsToUint(x)); return result; }
-}
-exact_each(exact_sqrt);
-
-/* x 2^n for n from -252 to 254. */
-float exact_ldexp_two(precise float x, precise int n)
-{
-    precise int half_n = n >> 1;
-    x *= uintBitsToFloat(uint(half_n + 127) << 23);
-    x *= uintBitsToFloat(uint(n - half_n + 127) << 23);
-    return x;
-}
-
-/* 2^(n + f) for |f| <= 0.5. */
-float exact_power_of_two(precise float n, precise float f)
-{
-    precise float p = (((((1.54699666e-4 * f + 1.33910965e-3) * f + 9.61803009e-3) * f + 5.55035667e-2) * f + 2.40226511e-1) * f
-        + 6.93147188e-1) * f + 1.0;
-    { precise float result = exact_ldexp_two(p, int(n)); return result; }
-}
-
-/* m and n with x = m 2^n, sqrt(1/2) <= m < sqrt(2), for positive normal x. */
-float exact_mantissa(precise float x, out precise float n)
-{
-    precise uint above = floatBitsToUint(x) - 0x3f3504f3u;
-    n = float(int(above) >> 23);
-    { precise float result = uintBitsToFloat((above & 0x007fffffu) + 0x3f3504f3u); return result; }
-}
-
-/* The upper 12 bits of a mantissa: products of two such numbers are exact. */
-float exact_upper(precise float x)
-{
-    { precise float result = uintBitsToFloat(floatBitsToUint(x) & 0xfffff000u); return result; }
-}
-
-/* x^y = 2^(y log2(x)), the logarithm and the product as sums of an upper and a lower part, as in
- * fdlibm's e_powf.c: log2(m) = 2 / ln(2) atanh((m - 1) / (m + 1)). NaN for negative x. */
-float exact_pow(precise float x, precise float y)
-{
-    y = abs(y) < 1.17549435e-38 ? 0.0 : y;
-    precise float n;
-    precise float m = exact_mantissa(x, n);
-    precise float r = exact_reciprocal(m + 1.0);
-    precise float ratio = (m - 1.0) * r;
-    precise float s = exact_upper(ratio);
-    precise float d = exact_upper(m + 1.0);
-    precise float below = m - (d - 1.0); /* m + 1 = d + below */
-    precise float s_low = ((m - 1.0 - s * d) - s * below) * r;
-    precise float all = s + s_low;
-    precise float z = all * all;
-    precise float series = (((0.1166606973 * z + 0.1427537773) * z + 0.2000006123) * z + 0.3333333328) * z * all;
-    precise float high = 2.88476562 * s;
-    precise float low = 0.000624456778 * s + 2.88539008 * (s_low + series);
-    precise float sum = n + high;
-    low += high - (sum - n);
-    high = exact_upper(sum + low);
-    low += sum - high;
-    precise float by = y > 1e12 ? 1e12 : y < -1e12 ? -1e12 : y;
-    precise float by_high = exact_upper(by);
-    precise float p_low = (by - by_high) * high + by * low;
-    precise float p = by_high * high;
-    precise float power = p + p_low;
-    power = power > 160.0 ? 160.0 : power < -160.0 ? -160.0 : power;
-    precise float whole = roundEven(power);
-    precise float f = (p - whole) + p_low;
-    f = abs(power) < 160.0 ? f : 0.0;
-    power = exact_power_of_two(whole, f);
-    precise float infinity = uintBitsToFloat(0x7f800000u);
-    power = x > 3.40282347e38 ? y > 0.0 ? infinity : 0.0 : power;
-    power = abs(x) < 1.17549435e-38 ? y > 0.0 ? 0.0 : infinity : x < 0.0 || x != x || y != y ? uintBitsToFloat(0x7fc00000u) : power;
-    return y == 0.0 ? 1.0 : power;
-}
-exact_each_pair(exact_pow, vec2, vec3, vec4);
-
-/* Where the generator does not see that arguments are integers. */
-#define exact_integers(f, g, S, V2, V3, V4) \
-S f(S x, S y) { return g(x, y); } \
-V2 f(V2 x, V2 y) { return g(x, y); } \
-V3 f(V3 x, V3 y) { return g(x, y); } \
-V4 f(V4 x, V4 y) { return g(x, y); } \
-V2 f(V2 x, S y) { return g(x, y); } \
-V3 f(V3 x, S y) { return g(x, y); } \
-V4 f(V4 x, S y) { return g(x, y); }
-
-float exact_min(precise float x, precise float y)
-{
-    return x < y ? x : y;
-}
-exact_each_pair(exact_min, vec2, vec3, vec4);
-exact_each_left(exact_min, float, vec2, vec3, vec4);
-exact_integers(exact_min, min, int, ivec2, ivec3, ivec4);
-exact_integers(exact_min, min, uint, uvec2, uvec3, uvec4);
-
-float exact_max(precise float x, precise float y)
-{
-    return x > y ? x : y;
-}
-exact_each_pair(exact_max, vec2, vec3, vec4);
-exact_each_left(exact_max, float, vec2, vec3, vec4);
-exact_integers(exact_max, max, int, ivec2, ivec3, ivec4);
-exact_integers(exact_max, max, uint, uvec2, uvec3, uvec4);
-
-#define exact_clamp_of(T, S) \
-T exact_clamp(T x, S low, S high) { return exact_min(exact_max(x, low), high); }
-
-#define exact_clamp_integers(S, V2, V3, V4) \
-S exact_clamp(S x, S low, S high) { return clamp(x, low, high); } \
-V2 exact_clamp(V2 x, V2 low, V2 high) { return clamp(x, low, high); } \
-V3 exact_clamp(V3 x, V3 low, V3 high) { return clamp(x, low, high); } \
-V4 exact_clamp(V4 x, V4 low, V4 high) { return clamp(x, low, high); } \
-V2 exact_clamp(V2 x, S low, S high) { return clamp(x, low, high); } \
-V3 exact_clamp(V3 x, S low, S high) { return clamp(x, low, high); } \
-V4 exact_clamp(V4 x, S low, S high) { return clamp(x, low, high); }
-
-float exact_clamp(precise float x, precise float low, precise float high)
-{
-    { precise float result = exact_min(exact_max(x, low), high); return result; }
-}
-exact_clamp_of(vec2, vec2);
-exact_clamp_of(vec3, vec3);
-exact_clamp_of(vec4, vec4);
-exact_clamp_of(vec2, float);
-exact_clamp_of(vec3, float);
-exact_clamp_of(vec4, float);
-exact_clamp_integers(int, ivec2, ivec3, ivec4);
-exact_clamp_integers(uint, uvec2, uvec3, uvec4);
-
-/* Drivers decode sRGB to a few bits. So the code of 8 bits is found again from what they give, by a
- * fit of the encoding that is 0.12 codes off, and decoded here (IEC 61966-2-1). */
-float filter_decode(precise float light)
-{
-    precise float u = exact_sqrt(light);
-    precise float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
-        - 0.03925529;
-    precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * 0.00392156862745;
-    precise float base = (code + 0.055) * 0.947867298578;
-    { precise float result = code <= 0.04045 ? code * 0.0773993808050 : exact_pow(base, 2.4); return result; }
-}
-
-vec4 filter_srgb(precise vec4 texel)
-{
-    precise float alpha = roundEven(255.0 * texel.a) * 0.00392156862745;
-    { precise vec4 result = vec4(filter_decode(texel.r), filter_decode(texel.g), filter_decode(texel.b), alpha); return result; }
-}
-
-/* p modulo n, 0 to n - 1. GLSL leaves the remainder of negative numbers open. */
-int filter_modulo(precise int p, precise int n)
-{
-    { precise int result = p < 0 ? n - 1 - (-1 - p) % n : p % n; return result; }
-}
-
-int filter_wrap(precise int p, precise int n, precise int wrap)
-{
-    precise int q = filter_modulo(p, 2 * n);
-    { precise int result = wrap == 1 ? filter_modulo(p, n) : wrap == 2 ? (q < n ? q : 2 * n - 1 - q) : clamp(p, 0, n - 1); return result; }
+    { precise int result = clamp(p, 0, n - 1); return result; }
 }
 
 /* Mesa's CPU drivers take the level of one invocation for the textureSize of all. */
@@ -220,84 +20,25 @@ ivec2 filter_size(precise ivec2 finest, precise int level)
     { precise ivec2 result = max(finest >> level, ivec2(1)); return result; }
 }
 
-vec4 filter_texel(precise sampler2D image, precise ivec3 p, precise int level, precise int mode, precise vec4 border)
-{
-    precise ivec2 size = filter_size(textureSize(image, 0), level);
-    precise ivec2 q = ivec2(filter_wrap(p.x, size.x, mode & 3), filter_wrap(p.y, size.y, mode & 3));
-    precise vec4 texel = texelFetch(image, q, level);
-    texel = (mode & 4) != 0 ? filter_srgb(texel) : texel;
-    { precise vec4 result = (mode & 3) == 3 && q != p.xy ? border : texel; return result; }
+/* Texel q; layers of arrays end as edges do. */
+#define filter_2D(image, q, layer) q
+
+/* A texel: `place` is one of the two above, `decode` filter_srgb or filter_plain. */
+#define filter_texel(NAME, SAMPLER, place, decode, wrap) \
+vec4 NAME(SAMPLER image, ivec3 p, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    ivec2 q = ivec2(wrap(p.x, size.x), wrap(p.y, size.y)); \
+    return decode(texelFetch(image, place(image, q, p.z), level)); \
 }
 
-vec4 filter_texel(precise sampler2DArray image, precise ivec3 p, precise int level, precise int mode, precise vec4 border)
-{
-    precise ivec3 finest = textureSize(image, 0);
-    precise ivec2 size = filter_size(finest.xy, level);
-    precise ivec2 q = ivec2(filter_wrap(p.x, size.x, mode & 3), filter_wrap(p.y, size.y, mode & 3));
-    precise vec4 texel = texelFetch(image, ivec3(q, clamp(p.z, 0, finest.z - 1)), level);
-    texel = (mode & 4) != 0 ? filter_srgb(texel) : texel;
-    { precise vec4 result = (mode & 3) == 3 && q != p.xy ? border : texel; return result; }
-}
-
-vec4 filter_blend(precise vec4 a, precise vec4 b, precise float share)
-{
-    precise vec4 blend = a + (b - a) * share;
-    return blend;
-}
-
-/* One level. place: uv, and the layer of an array; its layers are not filtered. */
-vec4 filter_level(precise sampler2D image, precise vec3 place, precise int level, precise bool linear, precise int mode, precise vec4 border)
-{
-    precise ivec2 size = filter_size(textureSize(image, 0).xy, level);
-    precise vec2 at = place.xy * vec2(size) - (linear ? 0.5 : 0.0);
-    precise ivec3 p = ivec3(floor(at), roundEven(place.z));
-    precise vec2 part = at - floor(at);
-    precise vec4 a = filter_texel(image, p, level, mode, border);
-    if (!linear)
-        return a;
-    precise vec4 b = filter_texel(image, p + ivec3(1, 0, 0), level, mode, border);
-    precise vec4 c = filter_texel(image, p + ivec3(0, 1, 0), level, mode, border);
-    precise vec4 d = filter_texel(image, p + ivec3(1, 1, 0), level, mode, border);
-    { precise vec4 result = filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y); return result; }
-}
-
-vec4 filter_level(precise sampler2DArray image, precise vec3 place, precise int level, precise bool linear, precise int mode, precise vec4 border)
-{
-    precise ivec2 size = filter_size(textureSize(image, 0).xy, level);
-    precise vec2 at = place.xy * vec2(size) - (linear ? 0.5 : 0.0);
-    precise ivec3 p = ivec3(floor(at), roundEven(place.z));
-    precise vec2 part = at - floor(at);
-    precise vec4 a = filter_texel(image, p, level, mode, border);
-    if (!linear)
-        return a;
-    precise vec4 b = filter_texel(image, p + ivec3(1, 0, 0), level, mode, border);
-    precise vec4 c = filter_texel(image, p + ivec3(0, 1, 0), level, mode, border);
-    precise vec4 d = filter_texel(image, p + ivec3(1, 1, 0), level, mode, border);
-    { precise vec4 result = filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y); return result; }
-}
-
-vec4 filter_sample(precise sampler2D image, precise vec3 place, precise float lod, precise bool linear_mip, precise bool linear, precise int mode, precise vec4 border)
-{
-    precise int last = textureQueryLevels(image) - 1;
-    precise float level = exact_clamp(lod, 0.0, float(last));
-    if (!linear_mip)
-        { precise vec4 result = filter_level(image, place, int(floor(level + 0.5)), linear, mode, border); return result; }
-    precise int fine = int(floor(level));
-    precise float share = level - floor(level);
-    { precise vec4 result = filter_blend(filter_level(image, place, fine, linear, mode, border),
-                        filter_level(image, place, min(fine + 1, last), linear, mode, border), share); return result; }
-}
-
-vec4 filter_sample(precise sampler2DArray image, precise vec3 place, precise float lod, precise bool linear_mip, precise bool linear, precise int mode, precise vec4 border)
-{
-    precise int last = textureQueryLevels(image) - 1;
-    precise float level = exact_clamp(lod, 0.0, float(last));
-    if (!linear_mip)
-        { precise vec4 result = filter_level(image, place, int(floor(level + 0.5)), linear, mode, border); return result; }
-    precise int fine = int(floor(level));
-    precise float share = level - floor(level);
-    { precise vec4 result = filter_blend(filter_level(image, place, fine, linear, mode, border),
-                        filter_level(image, place, min(fine + 1, last), linear, mode, border), share); return result; }
+/* One level. at: uv, and the layer of an array; its layers are not filtered. */
+#define filter_nearest(NAME, SAMPLER, texel) \
+vec4 NAME(SAMPLER image, vec3 at, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    precise vec2 place = at.xy * vec2(size); \
+    return texel(image, ivec3(floor(place), roundEven(at.z)), level, border); \
 }
 
 layout(binding = 2) uniform sampler2D result_texture;
@@ -309,9 +50,12 @@ vec4 result(precise ivec2 p)
     { precise vec4 result = texelFetch(result_texture, p, 0); return result; }
 }
 
+filter_texel(filter_texel_depth, sampler2D, filter_2D, filter_plain, filter_clamp);
+filter_nearest(filter_level_depth, sampler2D, filter_texel_depth);
+
 float depth_sample(precise vec2 uv)
 {
-    { precise float result = filter_sample(depth_texture, vec3(uv, 0.0), 0.0, false, false, 0, vec4(0, 0, 0, 1)).x; return result; }
+    { precise float result = filter_level_depth(depth_texture, vec3(uv, 0.0), 0, vec4(0, 0, 0, 1)).x; return result; }
 }
 
 #line 1 1

@@ -3,214 +3,14 @@
 #define FRAGMENT
 #define EXACT
 
-/* Component by component. */
-#define exact_each(f) \
-vec2 f(vec2 x) { return vec2(f(x.x), f(x.y)); } \
-vec3 f(vec3 x) { return vec3(f(x.x), f(x.y), f(x.z)); } \
-vec4 f(vec4 x) { return vec4(f(x.x), f(x.y), f(x.z), f(x.w)); }
-
-#define exact_each_pair(f, V2, V3, V4) \
-V2 f(V2 x, V2 y) { return V2(f(x.x, y.x), f(x.y, y.y)); } \
-V3 f(V3 x, V3 y) { return V3(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z)); } \
-V4 f(V4 x, V4 y) { return V4(f(x.x, y.x), f(x.y, y.y), f(x.z, y.z), f(x.w, y.w)); }
-
-#define exact_each_left(f, S, V2, V3, V4) \
-V2 f(V2 x, S y) { return V2(f(x.x, y), f(x.y, y)); } \
-V3 f(V3 x, S y) { return V3(f(x.x, y), f(x.y, y), f(x.z, y)); } \
-V4 f(V4 x, S y) { return V4(f(x.x, y), f(x.y, y), f(x.z, y), f(x.w, y)); }
-
-/* 1 / y for |y| up to 2^64: an integer subtraction estimates it (Moroz et al. 2018), a polynomial
- * in y r with relative error 2e-6 and a Newton step refine it. */
-float exact_reciprocal(float y)
+vec4 filter_plain(vec4 texel)
 {
-    uint bits = floatBitsToUint(y);
-    float r = uintBitsToFloat(0x7eb50500u - bits);
-    float d = y * r;
-    r *= 4.17971835 - d * (5.82303075 - d * 2.70399363);
-    float error = 1.0 - y * r;
-    r += r * error;
-    float end = uintBitsToFloat((bits ^ 0x7f800000u) & 0xff800000u); /* of 0 and infinity */
-    return abs(y) < 1.17549435e-38 || abs(y) > 3.40282347e38 ? end : r;
+    return texel;
 }
 
-/* 1 / sqrt(x) within 2e-5, for positive normal x. */
-float exact_root_estimate(float x)
+int filter_clamp(int p, int n)
 {
-    float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
-    float d = x * r * r;
-    r *= 2.102354969 - d * (1.760928667 - d * 0.6631531635);
-    return r;
-}
-
-/* A value for positive normal x; negative x: all bits set, a NaN; zero and infinity: `end`. */
-float exact_root_value(float x, float value, uint end)
-{
-    uint negative = uint(floatBitsToInt(x) >> 31);
-    float root = uintBitsToFloat(floatBitsToUint(value) | negative);
-    return abs(x) < 1.17549435e-38 || x > 3.40282347e38 ? uintBitsToFloat(end & 0xff800000u) : root;
-}
-
-float exact_sqrt(float x)
-{
-    float r = exact_root_estimate(x);
-    float s = x * r;
-    float error = 1.0 - s * r;
-    s += s * (0.5 * error);
-    return exact_root_value(x, s, floatBitsToUint(x));
-}
-exact_each(exact_sqrt);
-
-/* x 2^n for n from -252 to 254. */
-float exact_ldexp_two(float x, int n)
-{
-    int half_n = n >> 1;
-    x *= uintBitsToFloat(uint(half_n + 127) << 23);
-    x *= uintBitsToFloat(uint(n - half_n + 127) << 23);
-    return x;
-}
-
-/* 2^(n + f) for |f| <= 0.5. */
-float exact_power_of_two(float n, float f)
-{
-    float p = (((((1.54699666e-4 * f + 1.33910965e-3) * f + 9.61803009e-3) * f + 5.55035667e-2) * f + 2.40226511e-1) * f
-        + 6.93147188e-1) * f + 1.0;
-    return exact_ldexp_two(p, int(n));
-}
-
-/* m and n with x = m 2^n, sqrt(1/2) <= m < sqrt(2), for positive normal x. */
-float exact_mantissa(float x, out float n)
-{
-    uint above = floatBitsToUint(x) - 0x3f3504f3u;
-    n = float(int(above) >> 23);
-    return uintBitsToFloat((above & 0x007fffffu) + 0x3f3504f3u);
-}
-
-/* The upper 12 bits of a mantissa: products of two such numbers are exact. */
-float exact_upper(float x)
-{
-    return uintBitsToFloat(floatBitsToUint(x) & 0xfffff000u);
-}
-
-/* x^y = 2^(y log2(x)), the logarithm and the product as sums of an upper and a lower part, as in
- * fdlibm's e_powf.c: log2(m) = 2 / ln(2) atanh((m - 1) / (m + 1)). NaN for negative x. */
-float exact_pow(float x, float y)
-{
-    y = abs(y) < 1.17549435e-38 ? 0.0 : y;
-    float n;
-    float m = exact_mantissa(x, n);
-    float r = exact_reciprocal(m + 1.0);
-    float ratio = (m - 1.0) * r;
-    float s = exact_upper(ratio);
-    float d = exact_upper(m + 1.0);
-    float below = m - (d - 1.0); /* m + 1 = d + below */
-    float s_low = ((m - 1.0 - s * d) - s * below) * r;
-    float all = s + s_low;
-    float z = all * all;
-    float series = (((0.1166606973 * z + 0.1427537773) * z + 0.2000006123) * z + 0.3333333328) * z * all;
-    float high = 2.88476562 * s;
-    float low = 0.000624456778 * s + 2.88539008 * (s_low + series);
-    float sum = n + high;
-    low += high - (sum - n);
-    high = exact_upper(sum + low);
-    low += sum - high;
-    float by = y > 1e12 ? 1e12 : y < -1e12 ? -1e12 : y;
-    float by_high = exact_upper(by);
-    float p_low = (by - by_high) * high + by * low;
-    float p = by_high * high;
-    float power = p + p_low;
-    power = power > 160.0 ? 160.0 : power < -160.0 ? -160.0 : power;
-    float whole = roundEven(power);
-    float f = (p - whole) + p_low;
-    f = abs(power) < 160.0 ? f : 0.0;
-    power = exact_power_of_two(whole, f);
-    float infinity = uintBitsToFloat(0x7f800000u);
-    power = x > 3.40282347e38 ? y > 0.0 ? infinity : 0.0 : power;
-    power = abs(x) < 1.17549435e-38 ? y > 0.0 ? 0.0 : infinity : x < 0.0 || x != x || y != y ? uintBitsToFloat(0x7fc00000u) : power;
-    return y == 0.0 ? 1.0 : power;
-}
-exact_each_pair(exact_pow, vec2, vec3, vec4);
-
-/* Where the generator does not see that arguments are integers. */
-#define exact_integers(f, g, S, V2, V3, V4) \
-S f(S x, S y) { return g(x, y); } \
-V2 f(V2 x, V2 y) { return g(x, y); } \
-V3 f(V3 x, V3 y) { return g(x, y); } \
-V4 f(V4 x, V4 y) { return g(x, y); } \
-V2 f(V2 x, S y) { return g(x, y); } \
-V3 f(V3 x, S y) { return g(x, y); } \
-V4 f(V4 x, S y) { return g(x, y); }
-
-float exact_min(float x, float y)
-{
-    return x < y ? x : y;
-}
-exact_each_pair(exact_min, vec2, vec3, vec4);
-exact_each_left(exact_min, float, vec2, vec3, vec4);
-exact_integers(exact_min, min, int, ivec2, ivec3, ivec4);
-exact_integers(exact_min, min, uint, uvec2, uvec3, uvec4);
-
-float exact_max(float x, float y)
-{
-    return x > y ? x : y;
-}
-exact_each_pair(exact_max, vec2, vec3, vec4);
-exact_each_left(exact_max, float, vec2, vec3, vec4);
-exact_integers(exact_max, max, int, ivec2, ivec3, ivec4);
-exact_integers(exact_max, max, uint, uvec2, uvec3, uvec4);
-
-#define exact_clamp_of(T, S) \
-T exact_clamp(T x, S low, S high) { return exact_min(exact_max(x, low), high); }
-
-#define exact_clamp_integers(S, V2, V3, V4) \
-S exact_clamp(S x, S low, S high) { return clamp(x, low, high); } \
-V2 exact_clamp(V2 x, V2 low, V2 high) { return clamp(x, low, high); } \
-V3 exact_clamp(V3 x, V3 low, V3 high) { return clamp(x, low, high); } \
-V4 exact_clamp(V4 x, V4 low, V4 high) { return clamp(x, low, high); } \
-V2 exact_clamp(V2 x, S low, S high) { return clamp(x, low, high); } \
-V3 exact_clamp(V3 x, S low, S high) { return clamp(x, low, high); } \
-V4 exact_clamp(V4 x, S low, S high) { return clamp(x, low, high); }
-
-float exact_clamp(float x, float low, float high)
-{
-    return exact_min(exact_max(x, low), high);
-}
-exact_clamp_of(vec2, vec2);
-exact_clamp_of(vec3, vec3);
-exact_clamp_of(vec4, vec4);
-exact_clamp_of(vec2, float);
-exact_clamp_of(vec3, float);
-exact_clamp_of(vec4, float);
-exact_clamp_integers(int, ivec2, ivec3, ivec4);
-exact_clamp_integers(uint, uvec2, uvec3, uvec4);
-
-/* Drivers decode sRGB to a few bits. So the code of 8 bits is found again from what they give, by a
- * fit of the encoding that is 0.12 codes off, and decoded here (IEC 61966-2-1). */
-float filter_decode(float light)
-{
-    precise float u = exact_sqrt(light);
-    precise float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
-        - 0.03925529;
-    precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * 0.00392156862745;
-    precise float base = (code + 0.055) * 0.947867298578;
-    return code <= 0.04045 ? code * 0.0773993808050 : exact_pow(base, 2.4);
-}
-
-vec4 filter_srgb(vec4 texel)
-{
-    precise float alpha = roundEven(255.0 * texel.a) * 0.00392156862745;
-    return vec4(filter_decode(texel.r), filter_decode(texel.g), filter_decode(texel.b), alpha);
-}
-
-/* p modulo n, 0 to n - 1. GLSL leaves the remainder of negative numbers open. */
-int filter_modulo(int p, int n)
-{
-    return p < 0 ? n - 1 - (-1 - p) % n : p % n;
-}
-
-int filter_wrap(int p, int n, int wrap)
-{
-    int q = filter_modulo(p, 2 * n);
-    return wrap == 1 ? filter_modulo(p, n) : wrap == 2 ? (q < n ? q : 2 * n - 1 - q) : clamp(p, 0, n - 1);
+    return clamp(p, 0, n - 1);
 }
 
 /* Mesa's CPU drivers take the level of one invocation for the textureSize of all. */
@@ -219,84 +19,25 @@ ivec2 filter_size(ivec2 finest, int level)
     return max(finest >> level, ivec2(1));
 }
 
-vec4 filter_texel(sampler2D image, ivec3 p, int level, int mode, vec4 border)
-{
-    ivec2 size = filter_size(textureSize(image, 0), level);
-    ivec2 q = ivec2(filter_wrap(p.x, size.x, mode & 3), filter_wrap(p.y, size.y, mode & 3));
-    vec4 texel = texelFetch(image, q, level);
-    texel = (mode & 4) != 0 ? filter_srgb(texel) : texel;
-    return (mode & 3) == 3 && q != p.xy ? border : texel;
+/* Texel q; layers of arrays end as edges do. */
+#define filter_2D(image, q, layer) q
+
+/* A texel: `place` is one of the two above, `decode` filter_srgb or filter_plain. */
+#define filter_texel(NAME, SAMPLER, place, decode, wrap) \
+vec4 NAME(SAMPLER image, ivec3 p, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    ivec2 q = ivec2(wrap(p.x, size.x), wrap(p.y, size.y)); \
+    return decode(texelFetch(image, place(image, q, p.z), level)); \
 }
 
-vec4 filter_texel(sampler2DArray image, ivec3 p, int level, int mode, vec4 border)
-{
-    ivec3 finest = textureSize(image, 0);
-    ivec2 size = filter_size(finest.xy, level);
-    ivec2 q = ivec2(filter_wrap(p.x, size.x, mode & 3), filter_wrap(p.y, size.y, mode & 3));
-    vec4 texel = texelFetch(image, ivec3(q, clamp(p.z, 0, finest.z - 1)), level);
-    texel = (mode & 4) != 0 ? filter_srgb(texel) : texel;
-    return (mode & 3) == 3 && q != p.xy ? border : texel;
-}
-
-vec4 filter_blend(vec4 a, vec4 b, float share)
-{
-    precise vec4 blend = a + (b - a) * share;
-    return blend;
-}
-
-/* One level. place: uv, and the layer of an array; its layers are not filtered. */
-vec4 filter_level(sampler2D image, vec3 place, int level, bool linear, int mode, vec4 border)
-{
-    ivec2 size = filter_size(textureSize(image, 0).xy, level);
-    precise vec2 at = place.xy * vec2(size) - (linear ? 0.5 : 0.0);
-    ivec3 p = ivec3(floor(at), roundEven(place.z));
-    precise vec2 part = at - floor(at);
-    vec4 a = filter_texel(image, p, level, mode, border);
-    if (!linear)
-        return a;
-    vec4 b = filter_texel(image, p + ivec3(1, 0, 0), level, mode, border);
-    vec4 c = filter_texel(image, p + ivec3(0, 1, 0), level, mode, border);
-    vec4 d = filter_texel(image, p + ivec3(1, 1, 0), level, mode, border);
-    return filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y);
-}
-
-vec4 filter_level(sampler2DArray image, vec3 place, int level, bool linear, int mode, vec4 border)
-{
-    ivec2 size = filter_size(textureSize(image, 0).xy, level);
-    precise vec2 at = place.xy * vec2(size) - (linear ? 0.5 : 0.0);
-    ivec3 p = ivec3(floor(at), roundEven(place.z));
-    precise vec2 part = at - floor(at);
-    vec4 a = filter_texel(image, p, level, mode, border);
-    if (!linear)
-        return a;
-    vec4 b = filter_texel(image, p + ivec3(1, 0, 0), level, mode, border);
-    vec4 c = filter_texel(image, p + ivec3(0, 1, 0), level, mode, border);
-    vec4 d = filter_texel(image, p + ivec3(1, 1, 0), level, mode, border);
-    return filter_blend(filter_blend(a, b, part.x), filter_blend(c, d, part.x), part.y);
-}
-
-vec4 filter_sample(sampler2D image, vec3 place, float lod, bool linear_mip, bool linear, int mode, vec4 border)
-{
-    int last = textureQueryLevels(image) - 1;
-    float level = exact_clamp(lod, 0.0, float(last));
-    if (!linear_mip)
-        return filter_level(image, place, int(floor(level + 0.5)), linear, mode, border);
-    int fine = int(floor(level));
-    precise float share = level - floor(level);
-    return filter_blend(filter_level(image, place, fine, linear, mode, border),
-                        filter_level(image, place, min(fine + 1, last), linear, mode, border), share);
-}
-
-vec4 filter_sample(sampler2DArray image, vec3 place, float lod, bool linear_mip, bool linear, int mode, vec4 border)
-{
-    int last = textureQueryLevels(image) - 1;
-    float level = exact_clamp(lod, 0.0, float(last));
-    if (!linear_mip)
-        return filter_level(image, place, int(floor(level + 0.5)), linear, mode, border);
-    int fine = int(floor(level));
-    precise float share = level - floor(level);
-    return filter_blend(filter_level(image, place, fine, linear, mode, border),
-                        filter_level(image, place, min(fine + 1, last), linear, mode, border), share);
+/* One level. at: uv, and the layer of an array; its layers are not filtered. */
+#define filter_nearest(NAME, SAMPLER, texel) \
+vec4 NAME(SAMPLER image, vec3 at, int level, vec4 border) \
+{ \
+    ivec2 size = filter_size(textureSize(image, 0).xy, level); \
+    precise vec2 place = at.xy * vec2(size); \
+    return texel(image, ivec3(floor(place), roundEven(at.z)), level, border); \
 }
 
 layout(set = 0, binding = 2) uniform sampler2D result_texture;
@@ -308,9 +49,12 @@ vec4 result(ivec2 p)
     return texelFetch(result_texture, p, 0);
 }
 
+filter_texel(filter_texel_depth, sampler2D, filter_2D, filter_plain, filter_clamp);
+filter_nearest(filter_level_depth, sampler2D, filter_texel_depth);
+
 float depth_sample(vec2 uv)
 {
-    return filter_sample(depth_texture, vec3(uv, 0.0), 0.0, false, false, 0, vec4(0, 0, 0, 1)).x;
+    return filter_level_depth(depth_texture, vec3(uv, 0.0), 0, vec4(0, 0, 0, 1)).x;
 }
 
 #line 1 1
