@@ -4,33 +4,32 @@
 # that divide no count are in repeat_test.sh.)
 . "$(dirname "$0")/tap.sh"
 cornell=$root/scenes/cornell.yaml
-atrium=$root/scenes/atrium.yaml
 ssvp=$root/templates/ssvp.yaml
 
-for frame in "$cornell 64x32" "$cornell 37x23" "$cornell 1x1" "$atrium 37x23"; do
-    read -r scene size <<<"$frame"
-    name=$(basename "$scene" .yaml)
-    check "ssvp agrees on $name at $size" "$diptych" compare --scene "$scene" --spec "$ssvp" --size "$size" --set clusters=4 --debug
-    [ "$size" != 64x32 ] || continue # tiles that divide the frame are the easy case
-    for pipeline in rsm ssdo deep clustered; do
-        check "$pipeline agrees on $name at $size" \
-            "$diptych" compare --scene "$scene" --spec "$root/templates/$pipeline.yaml" --size "$size" --debug
+agrees() { # what pipeline scene options...
+    local what=$1 pipeline=$2 scene=$3
+    shift 3
+    check "$pipeline agrees $what" \
+        "$diptych" compare --scene "$root/scenes/$scene.yaml" --spec "$root/templates/$pipeline.yaml" --debug "$@"
+}
+fewer=(--set clusters=4) # shaders with more take longer to compile than to run
+for scene in cornell atrium; do
+    for pipeline in rsm ssdo deep; do
+        agrees "on $scene" $pipeline $scene --size 37x23
     done
+    agrees "on $scene" clustered $scene --size 37x23 "${fewer[@]}"
+    agrees "on $scene" ssvp $scene --size 37x23 "${fewer[@]}"
 done
-check "ssvp agrees with 32 clusters" \
-    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set clusters=32 --debug
-for bounces in 0 1; do
-    check "ssvp agrees with bounces=$bounces, whose passes are skipped" \
-        "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set bounces=$bounces --debug
+for pipeline in rsm ssdo deep; do
+    agrees "in one pixel" $pipeline cornell --size 1x1
 done
-check "ssvp agrees over three frames, whose clusters are seeded from the last" \
-    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --frames 3 --debug
-check "ssvp agrees with Equation 2 as printed" \
-    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set metrics.vpl_distance.normal_term=dot --debug
-check "ssvp agrees without second-bounce visibility, whose passes stay for what they clear" \
-    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set second_clusters=0 --debug
-check "ssvp agrees split and gathered" \
-    "$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set split=1 --debug
+agrees "in one pixel" clustered cornell --size 1x1 "${fewer[@]}"
+agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${fewer[@]}" --set bounces=1
+agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 64x32 "${fewer[@]}" --set bounces=0
+agrees "with 32 clusters, split and gathered" ssvp cornell --size 37x23 --set clusters=32 --set split=1
+agrees "over three frames, whose clusters are seeded from the last" ssvp cornell --size 37x23 "${fewer[@]}" --frames 3
+agrees "as printed: Equation 2, no second-bounce visibility, whose passes stay for what they clear" ssvp cornell --size 37x23 \
+    "${fewer[@]}" --set metrics.vpl_distance.normal_term=dot --set second_clusters=0
 
 check "instant radiosity agrees" \
     "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 --set first_vpls=24 --debug
@@ -45,7 +44,7 @@ done
 # Other places for the elements of ranges, and other loops: that they leave the same bits is shown by metamorphic_test.sh. 128
 # second-bounce VPLs fit into a uniform block.
 ranges=passes.shade.ranges
-shading=("$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 --set second_vpls=128 --debug)
+shading=("$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 "${fewer[@]}" --set second_vpls=128 --debug)
 check "ssvp agrees planned for a GPU" "${shading[@]}" --set target=gpu
 check "ssvp agrees with loops that read their counts, over a storage buffer and a uniform block" "${shading[@]}" \
     --set $ranges.first_range.storage=buffer --set $ranges.first_range.loop=roll \
