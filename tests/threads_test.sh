@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The Vulkan renderer of tests/hosts under ThreadSanitizer, which sees it and the runtime: two threads open pipelines, whose
-# passes are compiled on further threads, and record them. TAP.
+# passes are compiled on further threads. These and a third, which shares programs with the first, record and close them. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 gen=$build/gen
@@ -18,13 +18,13 @@ build_host() {
 # shellcheck disable=SC2317
 runs_in_silence() {
     TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/host" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
-        "$work/rsm.ppm" && [ ! -s "$work/output" ]
+        "$work/rsm.ppm" "$work/second.ppm" && [ ! -s "$work/output" ] && cmp "$work/ssvp.ppm" "$work/second.ppm"
 }
 
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
 if cc -fsanitize=thread "$work/nothing.c" -o "$work/nothing" 2>"$work/output" && "${fixed[@]}" "$work/nothing" 2>>"$work/output"; then
     check "a threaded renderer builds with ThreadSanitizer" build_host
-    check "... opens and records two pipelines at once without a data race" runs_in_silence
+    check "... opens two pipelines at once, records and closes three views at once without a data race" runs_in_silence
 else
     skip "a threaded renderer has no data race" "ThreadSanitizer does not run here"
 fi

@@ -1,7 +1,8 @@
 /* Takes diptych's pipelines into a Vulkan renderer (renderer_vk.c): device, memory, cache, threads, command
- * buffers, vertex buffers and pictures are its own. `host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]`
- * runs ssvp, or ssvp and rsm, each on a thread that opens it and records it, two frames in flight. Built
- * against an installed diptych by tests/install_test.sh. */
+ * buffers, vertex buffers and pictures are its own. `host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm
+ * [SSVP.ppm]]` runs ssvp, ssvp and rsm, or these and a second view of ssvp, which takes the programs of
+ * the first; each on a thread that opens it, records it and closes it, two frames in flight. Built against
+ * an installed diptych by tests/install_test.sh. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +23,9 @@ struct pipeline {
 static const struct pipeline pipelines[LANES] = {
     {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
      SSVP_PASSES},
-    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_COMPOSITE, RSM_PASSES}};
+    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_COMPOSITE, RSM_PASSES},
+    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
+     SSVP_PASSES}};
 
 /* A pipeline in the renderer, on a lane of its own. */
 struct view {
@@ -38,6 +41,7 @@ struct host {
     struct dt_vk_scene scene;
     struct dt_frame frame;
     struct view views[LANES];
+    char **paths; /* of their pictures */
 };
 
 static void on_log(void *user, enum dt_level level, const char *message)
@@ -149,7 +153,8 @@ static void open_view(void *data, uint32_t lane)
         .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
     };
     check(view->rt && dt_vk_import_scene(view->rt, &host->scene) &&
-              dt_vk_create(view->rt, pipeline->shaders) &&
+              (lane < 2 ? dt_vk_create(view->rt, pipeline->shaders)
+                        : dt_vk_create_from(view->rt, host->views[0].rt)) &&
               dt_vk_import_image(view->rt, pipeline->output, &image) &&
               dt_vk_import_buffer(view->rt, pipeline->exposure, &exposure) &&
               dt_vk_resize(view->rt, renderer->width, renderer->height),
@@ -176,17 +181,18 @@ static void record_view(void *data, uint32_t lane)
     copy_picture(&host->renderer, commands, &view->picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
-static void close_view(struct host *host, struct view *view, const char *path)
+static void close_view(void *data, uint32_t lane)
 {
-    write_picture(&host->renderer, &view->picture, path);
+    struct host *host = data;
+    struct view *view = &host->views[lane];
+    write_picture(&host->renderer, &view->picture, host->paths[lane]);
     check(*(const float *)view->exposure.bytes > 0, "taking the exposure");
     dt_vk_close(view->rt);
     destroy_picture(&host->renderer, &view->picture);
     destroy_buffer(&host->renderer, &view->exposure);
 }
 
-static void run(struct host *host, const char *scene_path, uint32_t frames, char **paths,
-                uint32_t count)
+static void run(struct host *host, const char *scene_path, uint32_t frames, uint32_t count)
 {
     const struct dt_log log = {.message = on_log};
     struct renderer *renderer = &host->renderer;
@@ -195,15 +201,16 @@ static void run(struct host *host, const char *scene_path, uint32_t frames, char
     dt_scene_frame(scene, renderer->width, renderer->height, &host->frame);
     renderer_open(renderer, host->device_info);
     struct buffer geometry = make_scene(renderer, dt_scene_data(scene), &host->scene);
-    renderer_run(renderer, count, open_view, host);
+    renderer_run(renderer, count < 2 ? count : 2, open_view, host);
+    for (uint32_t i = 2; i < count; i++)
+        open_view(host, i);
     for (host->frame.index = 0; host->frame.index < frames; host->frame.index++) {
         begin_frame(renderer, host->frame.index);
         renderer_run(renderer, count, record_view, host);
         end_frame(renderer, host->frame.index, count);
     }
     wait_for_frames(renderer);
-    for (uint32_t i = 0; i < count; i++)
-        close_view(host, &host->views[i], paths[i]);
+    renderer_run(renderer, count, close_view, host);
     destroy_buffer(renderer, &geometry);
     renderer_close(renderer);
     dt_scene_close(scene);
@@ -230,9 +237,11 @@ int main(int argc, char **argv)
                                                    .queueCreateInfoCount = 1,
                                                    .pQueueCreateInfos = &queue,
                                                    .pEnabledFeatures = &core};
-    check(argc == 6 || argc == 7, "usage: host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm]:");
+    check(argc >= 6 && argc <= 8,
+          "usage: host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm [SSVP.ppm]]:");
     host.renderer.width = (uint32_t)atoi(argv[2]);
     host.renderer.height = (uint32_t)atoi(argv[3]);
-    run(&host, argv[1], (uint32_t)atoi(argv[4]), argv + 5, (uint32_t)argc - 5);
+    host.paths = argv + 5;
+    run(&host, argv[1], (uint32_t)atoi(argv[4]), (uint32_t)argc - 5);
     return 0;
 }

@@ -9,7 +9,7 @@
 
 #include <vulkan/vulkan.h>
 
-enum { IN_FLIGHT = 2, LANES = 2 };
+enum { IN_FLIGHT = 2, LANES = 3 };
 
 #define CHECK(call) check((call) == VK_SUCCESS, #call)
 void check(bool good, const char *what);
