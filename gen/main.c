@@ -45,7 +45,8 @@ static const struct option_row option_rows[] = {
     ROW("--prove", OPTION_FLAG, prove, NULL,
         "check only, and prove that the pipeline is exact: an error for each operation and input "
         "whose bits the standards leave open, in passes that write a resource whose contract is "
-        "exact"),
+        "exact; a warning for each value of the rasterizer in draws of the scene that leave only "
+        "numbers and depth, where it decides edges"),
     ROW("--needs", OPTION_FLAG, needs, NULL,
         "check only, and print what the passes need of a Vulkan device, against the profiles "
         "Roadmap 2022, Android baseline 2022 and what MoltenVK has"),

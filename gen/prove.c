@@ -16,7 +16,8 @@
 
 enum verdict {
     OPEN,    /* arithmetic that exact mode replaces, but not in macros */
-    DRIVER,  /* a value of the rasterizer, of a texture unit or of the scheduler */
+    DRIVER,  /* a value of a texture unit or of the scheduler */
+    RASTER,  /* a value of the rasterizer */
     ROUNDED, /* correctly rounded; open without NoContraction */
     MEMORY,  /* exact in memory; the result is open */
     INPUT    /* open if it reads an input of the driver */
@@ -198,15 +199,15 @@ static const struct rule operations[] = {
     {SpvOpImageGather, DRIVER, "textureGather", FILTER},
     {SpvOpImageDrefGather, DRIVER, "textureGather", FILTER},
     {SpvOpImageQueryLod, DRIVER, "textureQueryLod", LEVEL},
-    {SpvOpDPdx, DRIVER, "dFdx", NEAR},
-    {SpvOpDPdy, DRIVER, "dFdy", NEAR},
-    {SpvOpFwidth, DRIVER, "fwidth", NEAR},
-    {SpvOpDPdxFine, DRIVER, "dFdxFine", NEAR},
-    {SpvOpDPdyFine, DRIVER, "dFdyFine", NEAR},
-    {SpvOpFwidthFine, DRIVER, "fwidthFine", NEAR},
-    {SpvOpDPdxCoarse, DRIVER, "dFdxCoarse", NEAR},
-    {SpvOpDPdyCoarse, DRIVER, "dFdyCoarse", NEAR},
-    {SpvOpFwidthCoarse, DRIVER, "fwidthCoarse", NEAR},
+    {SpvOpDPdx, RASTER, "dFdx", NEAR},
+    {SpvOpDPdy, RASTER, "dFdy", NEAR},
+    {SpvOpFwidth, RASTER, "fwidth", NEAR},
+    {SpvOpDPdxFine, RASTER, "dFdxFine", NEAR},
+    {SpvOpDPdyFine, RASTER, "dFdyFine", NEAR},
+    {SpvOpFwidthFine, RASTER, "fwidthFine", NEAR},
+    {SpvOpDPdxCoarse, RASTER, "dFdxCoarse", NEAR},
+    {SpvOpDPdyCoarse, RASTER, "dFdyCoarse", NEAR},
+    {SpvOpFwidthCoarse, RASTER, "fwidthCoarse", NEAR},
     /* Integers: what these leave in memory does not depend on the order. */
     {SpvOpAtomicIAdd, MEMORY, "atomicAdd", RACE},
     {SpvOpAtomicISub, MEMORY, "atomicSub", RACE},
@@ -283,9 +284,9 @@ static const struct rule functions[] = {
     {GLSLstd450FaceForward, OPEN, "faceforward", ORDER},
     {GLSLstd450Reflect, OPEN, "reflect", ORDER},
     {GLSLstd450Refract, OPEN, "refract", ORDER},
-    {GLSLstd450InterpolateAtCentroid, DRIVER, "interpolateAtCentroid", BETWEEN},
-    {GLSLstd450InterpolateAtSample, DRIVER, "interpolateAtSample", BETWEEN},
-    {GLSLstd450InterpolateAtOffset, DRIVER, "interpolateAtOffset", BETWEEN},
+    {GLSLstd450InterpolateAtCentroid, RASTER, "interpolateAtCentroid", BETWEEN},
+    {GLSLstd450InterpolateAtSample, RASTER, "interpolateAtSample", BETWEEN},
+    {GLSLstd450InterpolateAtOffset, RASTER, "interpolateAtOffset", BETWEEN},
 };
 
 /* Inputs of a shader; others are unknown. */
@@ -299,8 +300,8 @@ static const uint16_t exact_inputs[] = {
 
 static const struct rule inputs[] = {
     {SpvBuiltInFragCoord, INPUT, "gl_FragCoord", "depth depends on the driver; x and y are exact"},
-    {SpvBuiltInPointCoord, DRIVER, "gl_PointCoord", BETWEEN},
-    {SpvBuiltInHelperInvocation, DRIVER, "gl_HelperInvocation", "it depends on the driver"},
+    {SpvBuiltInPointCoord, RASTER, "gl_PointCoord", BETWEEN},
+    {SpvBuiltInHelperInvocation, RASTER, "gl_HelperInvocation", "it depends on the driver"},
 };
 
 /* ---- Look-ups -------------------------------------------------------------------------------- */
@@ -347,11 +348,12 @@ static const struct rule *find_rule(const struct rule *rules, size_t count, uint
          ? NULL                                                                                    \
          : find_rule(rules, DT_ARRAY_COUNT(rules), number))
 
-static void tell(struct proof *proof, const char *word, const char *why, bool wrong)
+static void tell(struct proof *proof, const char *word, const char *why, enum verdict verdict)
 {
     proof->at.word = word;
     proof->at.why = why;
-    proof->at.wrong = wrong;
+    proof->at.wrong = verdict == OPEN;
+    proof->at.raster = verdict == RASTER;
     proof->found(proof->user, &proof->at);
 }
 
@@ -470,12 +472,12 @@ static void check_input(struct proof *proof, const uint32_t *instruction)
         return;
     if (!id->builtin) {
         if (proof->fragment && !id->flat)
-            tell(proof, name_of(proof, instruction[3]), BETWEEN, false);
+            tell(proof, name_of(proof, instruction[3]), BETWEEN, RASTER);
         return;
     }
     const struct rule *rule = RULE(exact_inputs, inputs, id->builtin - 1);
     if (rule && !(rule->verdict == INPUT && reads_xy(proof, instruction)))
-        tell(proof, rule->word, rule->why, false);
+        tell(proof, rule->word, rule->why, rule->verdict == INPUT ? RASTER : rule->verdict);
 }
 
 /* The rule for an instruction; NULL: it is exact. */
@@ -492,14 +494,14 @@ static void check_instruction(struct proof *proof, const uint32_t *instruction)
     const struct rule *rule = rule_of(proof, instruction);
     uint32_t result = spirv_result(instruction);
     if (result && proof->ids[result].relaxed && !spirv_is(instruction, SpvOpVariable))
-        tell(proof, "mediump", "its precision is open", false);
+        tell(proof, "mediump", "its precision is open", DRIVER);
     if (!rule)
         return;
     if (rule->verdict == INPUT)
         check_input(proof, instruction);
     else if (!(rule->verdict == ROUNDED && proof->ids[result].no_contraction) &&
              !(rule->verdict == MEMORY && all_uses(proof, result, 0, drops)))
-        tell(proof, rule->word, rule->why, rule->verdict == OPEN);
+        tell(proof, rule->word, rule->why, rule->verdict);
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */

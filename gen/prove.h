@@ -12,6 +12,7 @@ struct open_operation {
     const char *word;    /* how a body has it, or a description */
     const char *why;     /* what is open */
     bool wrong;          /* exact mode replaces it, but not in macros */
+    bool raster;         /* a value of the rasterizer */
 };
 
 /* Calls `found` for each open operation of a module, in the order of the module. False when out of

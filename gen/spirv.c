@@ -5,6 +5,7 @@
 #include "prove.h"
 #include "spirv.h"
 #include "expr.h"
+#include "plan.h"
 #include "stages.h"
 
 #include <ctype.h>
@@ -558,8 +559,21 @@ struct proving {
     const struct model *model;
     const struct pass *pass;
     struct diag *diag;
+    bool numbers;  /* a scene draw leaves numbers and depth: the rasterizer decides edges alone */
     unsigned open; /* operations to report */
 };
+
+static bool draws_numbers(const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct resource *resource = pass->accesses[i].resource;
+        if (pass->accesses[i].mode != MODE_READ &&
+            !(resource->kind == DT_IMAGE &&
+              (format_info(resource->format)->integer || resource->format == DT_FORMAT_D32F)))
+            return false;
+    }
+    return pass->kind == PASS_SCENE;
+}
 
 static void count_open(void *user, const struct open_operation *operation)
 {
@@ -581,8 +595,12 @@ static void report_open(void *user, const struct open_operation *operation)
     }
     struct loc loc = {model->glsl_sources[operation->file - 1], (int)operation->line, 1, 1};
     find_in_line(&loc, operation->word, strlen(operation->word));
-    diag_error(proving->diag, loc, "`%s` is not exact: %s%s", operation->word, operation->why,
-               operation->wrong ? "; exact mode replaces it, but not in a macro" : "");
+    if (operation->raster && proving->numbers)
+        diag_warning(proving->diag, loc, "`%s` decides at edges: %s", operation->word,
+                     operation->why);
+    else
+        diag_error(proving->diag, loc, "`%s` is not exact: %s%s", operation->word, operation->why,
+                   operation->wrong ? "; exact mode replaces it, but not in a macro" : "");
 }
 
 /* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
@@ -604,7 +622,7 @@ static void add_lines(const char *code, struct text *out)
 void spirv_prove(const struct model *model, const struct pass *pass, enum backend backend,
                  const struct shader *shader, struct diag *diag)
 {
-    struct proving proving = {model, pass, diag, 0};
+    struct proving proving = {model, pass, diag, draws_numbers(pass), 0};
     struct shader lined = {.stage = shader->stage};
     bool good = prove_module(shader->words, shader->word_count, count_open, &proving);
     if (good && proving.open) {

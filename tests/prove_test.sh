@@ -41,6 +41,20 @@ told_as_expected() { # name
 check "open operations are told at their places" told_as_expected proof_open
 check "... but not of a pass whose resources have a tolerance" "$gen" "$root/tests/specs/proof_open.yaml" --prove --set 'contracts.default={ulp: 4}'
 # shellcheck disable=SC2317
+is_exact_but_for() { # names: of what the rasterizer decides edges by, in the pipelines that ship
+    local spec
+    for spec in "$root"/templates/*.yaml; do
+        "$gen" "$spec" --prove --cache "$work/cache" 2>>"$work/decided" || return
+    done
+    [ "$(grep ' warning: ' "$work/decided" | sed 's/. decides at edges: .*//; s/.*warning: .//' | sort -u | xargs)" = "$1" ]
+}
+check "every pipeline that ships is exact but for edges of draws" is_exact_but_for "dFdx dFdy depth local uv"
+# shellcheck disable=SC2317
+refuses_colour() { # of a scene draw
+    ! "$gen" "$root/tests/specs/objects.yaml" --prove 2>"$work/found" && grep 'error: .position. is not exact: interpolation' "$work/found"
+}
+check "of a draw of colours interpolation is an error" refuses_colour
+# shellcheck disable=SC2317
 refuses_fast() {
     ! "$gen" "$spec" --prove --set exactness=fast 2>"$work/found" && grep 'error: .exactness: fast. leaves' "$work/found"
 }
