@@ -158,8 +158,7 @@ static void visit_use(struct module *module, const uint32_t *instruction, uint32
         }
     }
     for (uint32_t i = 4; opcode(instruction) == SpvOpFunctionCall && i < length(instruction); i++)
-        if (module
-                ->origin[instruction[i]]) /* of filter.glsl: a sampler, which can only be read */
+        if (module->origin[instruction[i]]) /* of filter.glsl: a sampler, which can only be read */
             module->uses[module->origin[instruction[i]] - 1] |= SPIRV_READS;
     if (opcode(instruction) == SpvOpCopyMemory)
         module->problem = "OpCopyMemory";
