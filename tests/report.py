@@ -1,4 +1,5 @@
 """Reads the page of a report as a browser and a doubtful reader would: report.py FOLDER [--incomplete].
+The page of what a bundle's run left, and one verdict in it: report.py --collected FOLDER VERDICT.
 
 Every tag is closed, every link and picture leads to a file, nothing comes from a network, and every number stands in the JSON
 that it says it is from, or follows from it. With --incomplete the last value of the sweep and the first picture must have failed."""
@@ -225,7 +226,27 @@ def check_failures(folder):
         assert bool(row["relative_mse"]) == (not fails and row["backend"] == "gl"), row
 
 
+def check_collected(folder, verdict):
+    with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
+        page = Page(file.read())
+    with open(os.path.join(folder, "post-cornell.bench.json"), encoding="utf-8") as file:
+        sides = json.load(file)["sides"]
+    assert len(sides) > 1
+    cells = [e[2] for e in page.elements if e[0] in ("td", "th")]
+    assert cells[0] == "post-cornell" and cells[1].startswith("vk@0, ") and verdict in cells[1], cells
+    times = cells[-len(sides):]
+    assert cells[-2 * len(sides) - 1:-len(sides)] == [side["side"] for side in sides] + ["post-cornell"], cells
+    for side, cell in zip(sides, times):
+        near(cell.split()[0], side["frame_ms"]["median"], side["side"])
+        assert side["device"] in page.elements[0][2], side
+    for link in page.all("a"):
+        assert os.path.getsize(os.path.join(folder, link[1]["href"])) > 0
+    assert "UTC" in page.elements[0][2] and "diptych " in page.elements[0][2]
+
+
 def main():
+    if sys.argv[1] == "--collected":
+        return check_collected(*sys.argv[2:])
     folder, incomplete = sys.argv[1], "--incomplete" in sys.argv
     with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
         text = file.read()

@@ -4,6 +4,39 @@
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 
+# ---- What a bundle's run left ------------------------------------------------------------------------------------------
+
+bundle=$work/bundle
+mkdir -p "$bundle/bin" "$bundle/lib/own" "$bundle/lib/fallback" "$bundle/share/diptych/templates"
+cat >"$bundle/share/diptych/templates/post.yaml" <<'END'
+pipeline: post
+images:
+  photo:   {input: true, format: rgba8}
+  picture: {format: rgba8, size: frame}
+passes:
+  - {name: invert, dispatch: picture, reads: [photo], writes: [picture], shader: negative.glsl}
+output: {display: picture}
+END
+cat >"$bundle/share/diptych/templates/negative.glsl" <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, picture_size())))
+        picture_store(p, vec4(1.0 - photo(p).rgb, 1.0));
+}
+END
+ln -s "$diptych" "$bundle/bin"
+cp "$root/app/bundle/run.sh" "$bundle/run"
+cp "$root/tests/specs/outside_grade.png" "$bundle/share/photo.png"
+check "a bundle's run makes a page of one machine" sh "$bundle/run" "$work/ran"
+check "... with its devices, verdicts and times" /usr/bin/python3 "$root/tests/report.py" --collected "$work/ran" agree
+check_status 1 "a difference" "$diptych" compare --spec "$bundle/share/diptych/templates/post.yaml" --input "photo=$bundle/share/photo.png" \
+    --backend vk@0,gl --fault gl:invert:bit --json "$work/ran/post-cornell.json"
+check "... goes to the page by the same command" "$diptych" report --collect "$work/ran"
+check "... with its pass" /usr/bin/python3 "$root/tests/report.py" --collected "$work/ran" "differ, pass invert: "
+check_status 2 "a folder without results" "$diptych" report --collect "$work"
+check_status 2 "a folder without --collect" "$diptych" report "$work/ran"
+
 if ! command -v gnuplot >/dev/null; then
     skip "a report" "gnuplot is missing, the package gnuplot-nox"
     finish

@@ -61,7 +61,7 @@ struct options {
     uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
     const char *fault;
     const char *bisect; /* folder to write */
-    const char *folder; /* of an earlier bisect */
+    const char *folder; /* of an earlier bisect, or of a bundle's run */
     uint32_t poison;    /* render: a byte, 0: none */
     uint32_t spp;       /* reference: 0: not given */
     uint32_t seed;

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Compares every pipeline that diptych ships on every device of this machine, measures them, and leaves one folder: ./run [FOLDER [WIDTHxHEIGHT]].
-# Needs glibc 2.36 or newer and the drivers; no network. summary.txt in the folder has verdicts and frame times.
+# Needs glibc 2.36 or newer and the drivers; no network. In the folder, index.html has devices, verdicts and frame times, summary.txt the same as text.
 here=$(cd "$(dirname "$0")" && pwd)
 out=${1:-$here/results-$(uname -n)}
 size=${2:-640x360}
@@ -19,6 +19,8 @@ scenes=$here/share/diptych/scenes
 "$diptych" --version >"$out/version.txt" || exit 2
 uname -srm >"$out/machine.txt"
 grep -m 1 'model name' /proc/cpuinfo >>"$out/machine.txt"
+date -u '+%F %T UTC' >>"$out/machine.txt"
+: >"$out/refused.txt"
 
 # Every Vulkan device, and OpenGL, that can run a pipeline at all.
 sides=
@@ -27,7 +29,7 @@ for side in vk@0 vk@1 vk@2 vk@3 vk@4 vk@5 vk@6 vk@7 gl; do
         >"$out/probe.txt" 2>&1; then
         sides="$sides,$side"
     elif ! grep -q 'no Vulkan device is called' "$out/probe.txt"; then
-        sed "s/^/$side: /" "$out/probe.txt" | tee "$out/refused-$side.txt"
+        sed "s/^/$side: /" "$out/probe.txt" | tee -a "$out/refused.txt"
     fi
 done
 rm -f "$out/probe.png" "$out/probe.txt"
@@ -62,5 +64,5 @@ for spec in "$specs"/*.yaml; do
         say "$name, $scene: ms a frame, median, p5, p95 of $sides: $(sed -n 's/^frame  *//p' "$out/$name-$scene.bench.txt")"
     done
 done
-echo "results: $out"
+"$diptych" report --collect "$out" || status=2
 exit $status

@@ -58,6 +58,13 @@ int verb_report(struct console *console, const struct options *options)
 {
     struct report report = {0};
     int status = EXIT_USAGE;
+    if (options->folder && options->collect)
+        return report_collect(console, options->folder);
+    if (options->folder || !options->output) {
+        report_error(&console->log, "report: %s; see diptych report --help",
+                     options->folder ? "DIR goes with --collect" : "-o DIR is missing");
+        return status;
+    }
     if (prepare(&report, console, options)) {
         status = EXIT_FAILED;
         if (options->collect || steps_run(&report.steps)) {

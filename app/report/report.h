@@ -63,6 +63,10 @@ bool report_draw_plots(struct report *report);
 /* Pixels: plots of motions have a line of the key for each run. */
 int report_change_plot_height(const struct report *report);
 
+/* report_collect.c: writes index.html into a folder that the `run` of a bundle left, from its results.
+ * Returns the exit status; errors are logged. */
+int report_collect(struct console *console, const char *folder);
+
 /* report_page.c: index.html. */
 bool report_write_page(struct report *report);
 
