@@ -33,7 +33,7 @@ static bool open_instance(struct vk_runtime *rt)
     static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
     const char *extensions[MAX_EXTENSIONS] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
                                               VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
-    uint32_t extension_count = rt->debug ? 2 : 0, window_count = 0;
+    uint32_t extension_count = rt->labels + rt->debug, window_count = 0;
     const char *const *window = rt->present.window ? vk_window_extensions(&window_count) : NULL;
     for (uint32_t i = 0; i < window_count && extension_count < MAX_EXTENSIONS; i++)
         extensions[extension_count++] = window[i];
@@ -198,7 +198,7 @@ static bool open_device(struct vk_runtime *rt)
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device_name))
         return false;
     vkGetDeviceQueue(rt->device, rt->queue_family, 0, &rt->queue);
-    if (rt->debug) {
+    if (rt->labels) {
         rt->begin_label = (PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(
             rt->instance, "vkCmdBeginDebugUtilsLabelEXT");
         rt->end_label = (PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(

@@ -116,6 +116,7 @@ struct vk_runtime {
     struct dt_core core;       /* first member: the front casts dt_core pointers */
     struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
     bool debug;
+    bool labels;              /* names for debuggers; with debug, too */
     uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
     uint32_t drop_dependency; /* number of the barrier that waits for nothing; 0: none */
 
@@ -139,7 +140,7 @@ struct vk_runtime {
     VkCommandPool command_pool;
     VkCommandBuffer frame_commands, immediate_commands;
     VkFence fence;
-    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label; /* these three only with debug */
+    PFN_vkCmdBeginDebugUtilsLabelEXT begin_label; /* these three only with labels */
     PFN_vkCmdEndDebugUtilsLabelEXT end_label;
     PFN_vkSetDebugUtilsObjectNameEXT set_name;
 

@@ -53,6 +53,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->core.poison = options->poison;
     rt->core.window = options->context && strcmp(options->context, "window") == 0;
     rt->debug = options->debug;
+    rt->labels = options->debug || options->labels;
     rt->drop_barrier = options->drop_barrier;
     rt->drop_dependency = options->drop_dependency;
     if (vk_context_open(rt, options) && vk_builtin_create(rt))

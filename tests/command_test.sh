@@ -43,6 +43,15 @@ refused 1 "choose another size" "${render[@]}" --backend vk -o "$work/a.png" --s
 refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"
 refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
 
+# A capture, where RenderDoc is: the file begins with its mark, and has the names of passes. Else the error says what to install.
+grey=("$diptych" render --spec "$root/tests/specs/grey.yaml" --size 8x8 --backend gl --capture "$work/frame.rdc")
+if /sbin/ldconfig -p | grep -q librenderdoc.so; then
+    check "a capture for RenderDoc" "${grey[@]}"
+    check "... is one" [ "$(head -c 4 "$work/frame.rdc")" = RDOC ]
+else
+    refused 1 'install RenderDoc' "${grey[@]}"
+fi
+
 # `help` is another word for --help.
 # shellcheck disable=SC2317
 same_help() { # [verb]

@@ -38,7 +38,7 @@ static const struct option_row rows[] = {
      "(default: gl)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "
-     "needed with --dump or --timings"},
+     "needed with --dump, --timings or --capture"},
     {"--spec", OPTION_STRING, AT(spec), MAKING, 0, "SPEC",
      "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_SET, AT(set_list), MAKING, 0, "PATH=VALUE",
@@ -69,6 +69,9 @@ static const struct option_row rows[] = {
      "write what every pass of the last frame produced: manifest.json and raw files"},
     {"--timings", OPTION_STRING, AT(timings), VERB_RENDER, 0, "FILE.json",
      "write milliseconds per pass"},
+    {"--capture", OPTION_STRING, AT(capture), VERB_RENDER, 0, "FILE.rdc",
+     "write the last frame for RenderDoc, with names of passes; without -o and --dump nothing else "
+     "is in it; needs librenderdoc.so"},
     {"--show", OPTION_STRING, AT(show), VERB_RENDER | VERB_SWEEP, 0, "RESOURCE",
      "image to make the picture of, instead of the output"},
     {"--reference", OPTION_STRING, AT(reference), VERB_METRICS, VERB_METRICS, "FILE",

@@ -48,6 +48,7 @@ struct options {
     const char *against;     /* folder of a dump */
     const char *dump;
     const char *timings;
+    const char *capture;
     const char *show;
     const char *scenes; /* NULL: DIPTYCH_SCENES or none */
     const char *device;

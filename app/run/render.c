@@ -11,6 +11,7 @@
 #include "result/dump.h"
 #include "result/identity.h"
 #include "result/picture.h"
+#include "run/capture.h"
 #include "run/session.h"
 #include "run/timings.h"
 #include "scenes/image.h"
@@ -45,7 +46,8 @@ static bool check_output(struct render *render)
 {
     const char *path = render->options.output;
     if (!path) {
-        if (!render->options.show && (render->options.dump || render->options.timings))
+        if (!render->options.show &&
+            (render->options.dump || render->options.timings || render->options.capture))
             return true;
         report_error(&render->console->log, "-o FILE is missing: the file of the picture");
         return false;
@@ -225,10 +227,14 @@ static bool run_frames(struct render *render)
         !session_frame(&render->session, NULL))
         return false;
     for (uint32_t i = 0; i < options->frames; i++) {
-        bool looks = render->numbered || i + 1 == options->frames;
+        bool only = options->capture && !options->output && !options->dump;
+        bool looks = render->numbered || (i + 1 == options->frames && !only);
         double start = milliseconds_now();
         render->last = i + 1 == options->frames;
-        if (!session_frame(&render->session, looks ? &observer : NULL) ||
+        bool captured = options->capture && render->last;
+        if ((captured && !capture_begin(options->capture, &render->console->log)) ||
+            !session_frame(&render->session, looks ? &observer : NULL) ||
+            (captured && !capture_end(options->capture, &render->console->log)) ||
             (render->numbered && !write_numbered(render, i)))
             return false;
         /* the observer makes every pass wait, so the last frame is timed only when it is also the
@@ -278,6 +284,18 @@ static bool identify(struct render *render)
     return identity_add(render->dump.manifest, &identity, &render->console->log);
 }
 
+/* RenderDoc reports version 1.2 of a device that it cannot replay buffer addresses of. */
+static bool open_session(struct render *render, const struct session_info *info)
+{
+    if (session_open(&render->session, info))
+        return true;
+    if (info->options->capture && strcmp(render->side.backend, "vk") == 0)
+        report_message(&render->console->log, DT_INFO,
+                       "--capture: RenderDoc hides Vulkan 1.3 of drivers without "
+                       "bufferDeviceAddressCaptureReplay, such as Mesa 22's lavapipe");
+    return false;
+}
+
 static bool can_write_picture(const struct render *render)
 {
     const char *path = render->options.output;
@@ -291,7 +309,9 @@ static bool prepare(struct render *render)
 {
     const struct options *options = &render->options;
     const struct dt_log *log = &render->console->log;
-    if (!can_write_picture(render) || (options->timings && !file_can_write(options->timings, log)))
+    if (!can_write_picture(render) ||
+        (options->timings && !file_can_write(options->timings, log)) ||
+        (options->capture && !file_can_write(options->capture, log)))
         return false;
     if (!pipeline_load(&render->pipeline, render->console, options))
         return false;
@@ -314,7 +334,7 @@ static bool prepare(struct render *render)
                                       .scene = &render->scene,
                                       .timing = options->timings,
                                       .poison = (int)options->poison};
-    return session_open(&render->session, &info) && (!options->dump || identify(render)) &&
+    return open_session(render, &info) && (!options->dump || identify(render)) &&
            session_prepare(&render->session);
 }
 
@@ -340,12 +360,16 @@ static cJSON *render_json(const struct render *render)
         cJSON_AddStringToObject(root, "dump", options->dump);
     if (options->timings)
         cJSON_AddStringToObject(root, "timings", options->timings);
+    if (options->capture)
+        cJSON_AddStringToObject(root, "capture", options->capture);
     return root;
 }
 
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = *options};
+    if (options->capture && !capture_load(&console->log))
+        return EXIT_FAILED;
     if (!read_side(&render) || !check_output(&render) || !check_poison(&render) ||
         !check_drop(&render)) {
         side_free(&render.side);

@@ -28,6 +28,7 @@ bool session_open(struct session *session, const struct session_info *info)
         .panel = info->pipeline->vk ? info->pipeline->vk->panel : NULL,
         .context = side->context,
         .debug = options->debug,
+        .labels = options->capture,
         .glsl = side->glsl,
         .timing = info->timing,
         .poison = info->poison,
