@@ -81,6 +81,12 @@ static const struct verb verbs[] = {
      "and backend, and a\nplot of each quantity. A failed run has a row with its reason.\nExit "
      "status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
      verb_sweep, EXIT_USAGE},
+    {"tune", VERB_TUNE, "find the fastest choices that change no bit, for one device",
+     "Tries other workgroups, and other storage and loops of ranges, which a spec leaves to the "
+     "generator.\nA change is kept if it makes its pass faster in frames that take turns; passes "
+     "below 1 % of the frame\nare left as they are. --set keeps a value. At the end, all resources "
+     "of all passes must have the same bits.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
+     verb_tune, EXIT_FAILED},
     {"help", VERB_HELP, "list the verbs, or the options of one",
      "Exit status: 0 done, 2 wrong usage.", verb_help, EXIT_USAGE},
 };

@@ -227,6 +227,44 @@ bool command_parse(const struct command_line *command, void *options, int argc, 
     return true;
 }
 
+/* The whole file; NULL with errno. */
+static char *read_text(const char *path)
+{
+    FILE *file = fopen(path, "r");
+    char *text = NULL;
+    size_t capacity = 0;
+    ssize_t length = file ? getdelim(&text, &capacity, 0, file) : -1;
+    bool empty = length < 0 && file && feof(file);
+    if (file)
+        fclose(file);
+    if (length >= 0)
+        return text;
+    free(text);
+    return empty ? strdup("") : NULL;
+}
+
+bool command_overlay(struct text_list *sets, const char *path, char **text,
+                     const struct dt_log *log)
+{
+    struct text_list all = {0};
+    unsigned number = 1;
+    *text = read_text(path);
+    bool good = *text || fail(log, "--with %s: cannot be read: %s", path, strerror(errno));
+    for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
+        if (!*line || *line == '#')
+            continue;
+        good = strncmp(line, "- ", 2) == 0 && strchr(line, '=')
+                   ? append(&all, line + 2, log)
+                   : fail(log, "%s:%u:1: error: this is no line `- PATH=VALUE`", path, number);
+    }
+    for (uint32_t i = 0; i < sets->count && good; i++)
+        good = append(&all, sets->items[i], log);
+    free(good ? sets->items : all.items);
+    if (good)
+        *sets = all;
+    return good;
+}
+
 bool command_is_complete(const struct command_line *command, const void *options,
                          const struct dt_log *log)
 {

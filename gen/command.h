@@ -51,6 +51,10 @@ struct command_line {
  * argument is positional. False: logged an error and a hint. Always free the lists of `options`. */
 bool command_parse(const struct command_line *command, void *options, int argc, char **argv,
                    const struct dt_log *log);
+/* Puts the assignments of a file before those of a list. Each of its lines is `- PATH=VALUE`, empty, or a comment behind #. *text
+ * has them; free() it after the list. False: logged an error. */
+bool command_overlay(struct text_list *sets, const char *path, char **text,
+                     const struct dt_log *log);
 /* Whether all required options were given; logs the first missing one. */
 bool command_is_complete(const struct command_line *command, const void *options,
                          const struct dt_log *log);

@@ -21,8 +21,9 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 
 struct options {
     const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
-        *variations, *seed, *memory;
+        *variations, *seed, *memory, *with;
     struct text_list sets;
+    char *with_text;
     bool check, prove, needs, names, glsl, schema, reference, help, version;
 };
 
@@ -37,6 +38,9 @@ static const struct option_row option_rows[] = {
     ROW("-o", OPTION_STRING, out, "DIR", "folder for the generated files; made when it is missing"),
     ROW("--set", OPTION_TEXTS, sets, "PATH=VALUE",
         "override a parameter by name or any value by its dotted path; may be repeated"),
+    ROW("--with", OPTION_STRING, with, "FILE",
+        "overrides from a file, before those of --set: lines `- PATH=VALUE`, as `diptych tune` "
+        "writes them"),
     ROW("--names", OPTION_FLAG, names, NULL,
         "keep names and sources in the SPIR-V of generated C, for debuggers such as RenderDoc"),
     ROW("--glsl", OPTION_FLAG, glsl, NULL,
@@ -106,7 +110,9 @@ static bool usage_error(const char *text, const char *what)
 static bool parse_options(int count, char **words, struct options *options)
 {
     const struct dt_log log = {.message = print_message};
-    if (!command_parse(&command, options, count - 1, words + 1, &log))
+    if (!command_parse(&command, options, count - 1, words + 1, &log) ||
+        (options->with &&
+         !command_overlay(&options->sets, options->with, &options->with_text, &log)))
         return false;
     if (options->help || options->version || options->schema || options->reference)
         return true;
@@ -467,6 +473,7 @@ static enum status run_words(int argc, char **argv)
         status = run(&options);
     }
     free(options.sets.items);
+    free(options.with_text);
     return status;
 }
 

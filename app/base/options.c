@@ -4,10 +4,10 @@
 #include <stdlib.h>
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
-#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW)
+#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE)
 #define SHOWN     (SCENE | VERB_FLICKER)
 #define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
-#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW)
+#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
 #define MAKING    (SPEC | VERB_REPORT | VERB_LIST)
 #define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
@@ -26,8 +26,8 @@ static const struct option_row rows[] = {
      "scene file (YAML): mesh, camera, light; needed if the pipeline draws or reads the scene"},
     {"--motion", OPTION_STRING, AT(motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY, VERB_RENDER | VERB_REPLAY,
-     "NAME",
+    {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
+     VERB_RENDER | VERB_REPLAY | VERB_TUNE, "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(backend), COMPARING, 0, "LIST",
      "backends; the first is compared with each of the others, like gl,vk,zink (default: gl,vk)"},
@@ -43,6 +43,8 @@ static const struct option_row rows[] = {
      "pipeline (default: templates/ssvp.yaml)"},
     {"--set", OPTION_SET, AT(set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
+    {"--with", OPTION_STRING, AT(with), MAKING, 0, "FILE",
+     "overrides from a file, before those of --set: lines `- PATH=VALUE`, as `tune` writes them"},
     {"--input", OPTION_SET, AT(inputs), SPEC | VERB_REPORT, 0, "NAME=FILE",
      "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
      ".npy "
@@ -199,6 +201,10 @@ static const struct option_row rows[] = {
      "continues; with DIR: of what ran on another machine"},
     {"--outline", OPTION_STRING, AT(outline), VERB_REPORT, 0, "FILE",
      "what the page shows (default: NAME/report.yaml beside the spec NAME.yaml)"},
+    {"-o", OPTION_STRING, AT(output), VERB_TUNE, VERB_TUNE, "FILE.yaml",
+     "what was found, for --with of diptych and of diptych-gen"},
+    {"--frames", OPTION_COUNT, AT(run_frames), VERB_TUNE, 0, "N",
+     "frames to measure each change with (default: 9)"},
     {"--help", OPTION_FLAG, AT(help), TELLING | VERB_HELP, 0, NULL, "show this"},
 };
 
@@ -230,7 +236,9 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
 {
     *options = (struct options){.bounces = "2", .from_bounce = "0", .seed = 1};
     const struct command_line command = command_of(verb);
-    if (!command_parse(&command, options, argc, argv, log))
+    if (!command_parse(&command, options, argc, argv, log) ||
+        (options->with &&
+         !command_overlay(&options->set_list, options->with, &options->with_text, log)))
         return false;
     if (!options->against && (!options->golden || options->update))
         fill_in(options, verb);
@@ -239,6 +247,7 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
 
 void options_free(struct options *options)
 {
+    free(options->with_text);
     free(options->sets);
     free(options->inputs.items);
     free(options->scene_list.items);

@@ -19,7 +19,8 @@ enum verb_id {
     VERB_VIEW = 256,
     VERB_FLICKER = 512,
     VERB_LIST = 1024,
-    VERB_HELP = 2048
+    VERB_HELP = 2048,
+    VERB_TUNE = 4096
 };
 
 /* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
@@ -30,6 +31,8 @@ struct options {
     const char *backend; /* see side.h */
     const char *output;
     const char *spec;      /* NULL: the project's own */
+    const char *with;      /* overlay of sets, which stand in set_list */
+    char *with_text;       /* owned */
     const char *templates; /* folder of the GLSL library; NULL: the project's */
     const char *root;      /* no option: the folder of a replay, which reads no file outside */
     union {                /* two names of one list: the table stores text_list */
@@ -119,6 +122,7 @@ int verb_bench(struct console *console, const struct options *options);
 int verb_report(struct console *console, const struct options *options);
 int verb_view(struct console *console, const struct options *options);
 int verb_list(struct console *console, const struct options *options);
+int verb_tune(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either

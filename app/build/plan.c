@@ -130,6 +130,77 @@ void plan_blame_file(const struct plan *plan, uint32_t resource, const char *tex
     diag_free(diag);
 }
 
+/* ---- Choices --------------------------------------------------------------------------------- */
+
+struct chooser {
+    bool (*take)(void *user, uint32_t pass, const char *path, const char *value);
+    void *user;
+    uint32_t pass;
+};
+
+/* All words but the one in force. Frees the path. */
+static bool choose(const struct chooser *chooser, char *path, const char *const *words,
+                   const char *in_force)
+{
+    bool good = path;
+    for (; *words && good; words++)
+        good = strcmp(*words, in_force) == 0 ||
+               chooser->take(chooser->user, chooser->pass, path, *words);
+    free(path);
+    return good;
+}
+
+static bool choose_range(const struct chooser *chooser, const struct pass *pass,
+                         const struct range *range)
+{
+    static const char *const storages[] = {"shared", "buffer", "uniform", NULL}, *const loops[] = {
+                                                                                     "unroll",
+                                                                                     "roll", NULL};
+    static const char *const storage_names[] = {[STORAGE_AUTO] = "",
+                                                [STORAGE_SHARED] = "shared",
+                                                [STORAGE_BUFFER] = "buffer",
+                                                [STORAGE_UNIFORM] = "uniform"},
+                             *const loop_names[] = {
+                                 [LOOP_AUTO] = "", [LOOP_UNROLL] = "unroll", [LOOP_ROLL] = "roll"};
+    const char *const format = "passes.%s.ranges.%s.%s";
+    return choose(chooser, format_string(format, pass->name, range->name, "storage"), storages,
+                  storage_names[range->storage]) &&
+           choose(chooser, format_string(format, pass->name, range->name, "loop"), loops,
+                  loop_names[range->loop]);
+}
+
+/* Of dispatches of invocations, whose workgroups are only their number. */
+static bool choose_local(const struct chooser *chooser, const struct pass *pass)
+{
+    static const char *const lines[] = {"32", "64", "128", "256", "512", NULL},
+                             *const planes[] = {"[8,8]",  "[16,8]", "[32,4]", "[64,2]",  "[16,16]",
+                                                "[32,8]", "[64,4]", "[64,8]", "[32,16]", NULL};
+    char in_force[32];
+    bool line = pass->size == SIZE_INVOCATIONS && !pass->dispatch[1];
+    if (pass->kind != PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
+        pass->size == SIZE_INDIRECT)
+        return true;
+    snprintf(in_force, sizeof in_force, line ? "%u" : "[%u,%u]", pass->local[0], pass->local[1]);
+    return choose(chooser, format_string("passes.%s.local", pass->name), line ? lines : planes,
+                  in_force);
+}
+
+bool plan_choices(const struct plan *plan,
+                  bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
+                  void *user)
+{
+    const struct pipeline *pipeline = &plan->spec.model.pipeline;
+    bool good = true;
+    for (uint32_t i = 0; i < pipeline->pass_count && good; i++) {
+        const struct pass *pass = pipeline->order[i];
+        const struct chooser chooser = {take, user, i};
+        for (uint32_t k = 0; k < pass->range_count && good; k++)
+            good = choose_range(&chooser, pass, &pass->ranges[k]);
+        good = good && choose_local(&chooser, pass);
+    }
+    return good;
+}
+
 uint64_t plan_hash(const struct plan *plan)
 {
     const struct spec *spec = &plan->spec;

@@ -24,8 +24,8 @@ static bool lane_allocate(struct lane *lane, uint32_t frames, bool timing)
     return lane->frame_ms && lane->record_ms && (!timing || lane->pass_ms);
 }
 
-static bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
-                       struct programme *programme, bool timing)
+bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
+                struct programme *programme, bool timing)
 {
     const uint32_t frames = programme->options.frames;
     const struct worker_info info = {.session = {.side = side,
@@ -61,15 +61,15 @@ static bool lane_take(struct lane *lane)
     return true;
 }
 
-/* Runs to the end of the next frame; after the last frame, to WORKER_FINISHED. */
-static bool lane_advance(struct lane *lane, bool taken)
+/* After the last frame, to WORKER_FINISHED. */
+bool lane_advance(struct lane *lane, bool taken)
 {
     struct worker_place place;
     return worker_resume(&lane->worker, DT_RUN) && worker_wait(&lane->worker, &place) &&
            (!taken || lane_take(lane));
 }
 
-static void lane_free(struct lane *lane)
+void lane_free(struct lane *lane)
 {
     worker_close(&lane->worker);
     free(lane->frame_ms);

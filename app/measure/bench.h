@@ -52,6 +52,13 @@ struct bench {
 
 enum { COPY_BYTES = 32 << 20 };
 
+/* A worker of a lane: started, run to the end of its next frame, whose times count if `taken`, and ended. programme->options.frames
+ * counts all its frames. Log their errors; lane_free in any case, also of a zeroed one. */
+bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
+                struct programme *programme, bool timing);
+bool lane_advance(struct lane *lane, bool taken);
+void lane_free(struct lane *lane);
+
 /* Milliseconds of one pass. */
 struct spread bench_pass_ms(const struct lane *lane, uint32_t pass);
 
