@@ -82,6 +82,7 @@ const struct dt_runtime runtime_gl = {
     .name = "gl",
     .open = runtime_open,
     .device_name = dt_verb_device_name,
+    .driver = dt_verb_driver,
     .is_software = runtime_is_software,
     .set_scene = dt_verb_set_scene,
     .create = dt_verb_create,

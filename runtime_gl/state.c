@@ -94,8 +94,10 @@ bool gl_is_software(const struct gl_runtime *rt)
 bool gl_context_suits(struct gl_runtime *rt)
 {
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
+    const char *version = (const char *)rt->gl.GetString(GL_VERSION);
     char *device = rt->core.device_name, missing[512];
     snprintf(device, sizeof rt->core.device_name, "%s", renderer ? renderer : "OpenGL");
+    snprintf(rt->core.driver, sizeof rt->core.driver, "%s", version ? version : "");
     if (integer(rt, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_NO_ERROR_BIT)
         return dt_error(&rt->core, "%s: the context reports no errors; unset MESA_NO_ERROR",
                         device);

@@ -314,15 +314,21 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
     VkPhysicalDeviceMaintenance3Properties maintenance3 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
     };
+    VkPhysicalDeviceDriverProperties driver = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
+        .pNext = &maintenance3,
+    };
     VkPhysicalDeviceProperties2 properties = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-        .pNext = &maintenance3,
+        .pNext = &driver,
     };
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
     rt->properties = properties.properties;
     rt->core.limits = limits_of(&rt->properties.limits);
     snprintf(rt->core.device_name, sizeof rt->core.device_name, "%s", rt->properties.deviceName);
+    snprintf(rt->core.driver, sizeof rt->core.driver, "%s, %s", driver.driverName,
+             driver.driverInfo);
     rt->max_allocation = maintenance3.maxMemoryAllocationSize;
     rt->vk.GetPhysicalDeviceMemoryProperties(physical, &rt->memory);
 }

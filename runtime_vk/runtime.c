@@ -83,6 +83,7 @@ const struct dt_runtime runtime_vk = {
     .name = "vk",
     .open = runtime_open,
     .device_name = dt_verb_device_name,
+    .driver = dt_verb_driver,
     .is_software = runtime_is_software,
     .set_scene = dt_verb_set_scene,
     .create = dt_verb_create,

@@ -265,7 +265,7 @@ static void close_runtime(void *runtime)
 
 #define MADE_RUNTIME(label, opening)                                                               \
     {                                                                                              \
-        .name = (label), .open = (opening), .device_name = device_name,                            \
+        .name = (label), .open = (opening), .device_name = device_name, .driver = device_name,     \
         .is_software = is_software, .set_scene = set_scene, .create = create, .resize = resize,    \
         .render = render, .read = read_resource, .write = write_resource, .timings = timings,      \
         .messages = messages, .close = close_runtime                                               \

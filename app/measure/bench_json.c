@@ -45,6 +45,7 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
     cJSON *item = cJSON_CreateObject();
     cJSON_AddStringToObject(item, "side", side->side->label);
     cJSON_AddStringToObject(item, "device", whole->worker.device);
+    cJSON_AddStringToObject(item, "driver", whole->worker.driver);
     add_spread(item, "frame_ms", spread_of(whole->frame_ms, whole->taken, 1));
     add_spread(item, "timed_frame_ms", spread_of(side->passes.frame_ms, side->passes.taken, 1));
     add_spread(item, "record_ms", spread_of(whole->record_ms, whole->taken, 1));

@@ -108,6 +108,7 @@ static cJSON *sides_json(const cJSON *result)
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "label", step_text(side, "side"));
         cJSON_AddStringToObject(item, "device", step_text(side, "device"));
+        cJSON_AddStringToObject(item, "driver", step_text(side, "driver"));
         cJSON_AddItemToArray(list, item);
     }
     return list;

@@ -19,6 +19,7 @@ enum message_kind {
     /* from the child */
     SAY,      /* code: enum dt_level; text */
     DEVICE,   /* text: its name */
+    DRIVER,   /* text: its version */
     STOP,     /* code: enum worker_stop; frame, pass */
     BYTES,    /* good; size and extent of the bytes in shared memory */
     WRITTEN,  /* good */
@@ -213,7 +214,9 @@ static bool run_session(struct child *child)
     if (!session_open(session, &child->info->session))
         return false;
     if (!send_text(child->socket, (struct message){.kind = DEVICE},
-                   session->runtime->device_name(session->handle)))
+                   session->runtime->device_name(session->handle)) ||
+        !send_text(child->socket, (struct message){.kind = DRIVER},
+                   session->runtime->driver(session->handle)))
         return false;
     return session_prepare(session) && stop_at(child, WORKER_READY, 0) != DT_STOP &&
            run_frames(child) && stop_at(child, WORKER_FINISHED, 0) != DT_STOP;
@@ -338,14 +341,14 @@ static bool receive_answer(struct worker *worker, struct message *message)
         char *text = NULL;
         if (!receive_all(worker->socket, message, sizeof *message))
             return false;
-        if (message->kind != SAY && message->kind != DEVICE)
+        if (message->kind != SAY && message->kind != DEVICE && message->kind != DRIVER)
             return true;
         if (!receive_text(worker, message, &text)) {
             free(text);
             return false;
         }
-        if (message->kind == DEVICE) {
-            worker->device = text;
+        if (message->kind != SAY) {
+            *(message->kind == DEVICE ? &worker->device : &worker->driver) = text;
             continue;
         }
         worker->spoke |= message->code == DT_ERROR;
@@ -510,5 +513,6 @@ void worker_close(struct worker *worker)
         close(worker->socket);
     }
     free(worker->device);
+    free(worker->driver);
     *worker = (struct worker){0};
 }

@@ -43,7 +43,7 @@ struct worker {
     int socket;
     uint8_t *shared; /* as large as the largest mip or buffer of the pipeline */
     size_t capacity;
-    char *device;              /* known after WORKER_READY; owned */
+    char *device, *driver;     /* known after WORKER_READY; owned */
     struct worker_place place; /* where it stopped last */
     bool running;              /* resumed, and not waited for since */
     bool spoke;                /* it reported an error of its own */

@@ -454,6 +454,7 @@ struct dt_runtime {
     const char *name; /* "gl", "vk" */
     void *(*open)(const struct dt_runtime_options *options);
     const char *(*device_name)(void *runtime);
+    const char *(*driver)(void *runtime); /* its name and version, as it tells them */
     bool (*is_software)(void *runtime);
     bool (*set_scene)(void *runtime,
                       const struct dt_scene *scene); /* before resize; replaces the old scene */

@@ -1018,6 +1018,11 @@ const char *dt_verb_device_name(void *runtime)
     return ((struct dt_core *)runtime)->device_name;
 }
 
+const char *dt_verb_driver(void *runtime)
+{
+    return ((struct dt_core *)runtime)->driver;
+}
+
 static bool check_scene_buffer(const struct dt_core *core, const char *name, uint64_t bytes)
 {
     uint64_t most = core->limits.storage_bytes;

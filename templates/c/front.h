@@ -26,7 +26,7 @@ struct dt_core {
     const struct dt_backend *backend;
     struct dt_log log;
     struct dt_limits limits;
-    char device_name[256];
+    char device_name[256], driver[520];
     bool hosted; /* the host owns device or context */
     bool timing, window;
     int poison;                                /* see struct dt_runtime_options */
@@ -216,6 +216,7 @@ static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 /* ---- The app's verbs that all backends share ------------------------------------------------- */
 
 const char *dt_verb_device_name(void *runtime);
+const char *dt_verb_driver(void *runtime);
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders);
 bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height);
