@@ -253,7 +253,7 @@ static void drafts_become_files_whole(void **state)
 /* What the template makes of the data, or the error; into `text`. */
 static bool fill(const char *template, const char *data, char text[256], struct ear *ear)
 {
-    static const char path[] = "build/tests/fill.txt";
+    static const char path[] = "build/tests/fill.txt", beside[] = "build/tests/fill_beside.txt";
     const struct dt_log log = log_to(ear);
     FILE *out = fmemopen(text, 256, "w");
     cJSON *json = cJSON_Parse(data);
@@ -261,10 +261,12 @@ static bool fill(const char *template, const char *data, char text[256], struct 
     assert_non_null(json);
     assert_true(file_make_folders("build/tests", &log));
     assert_true(file_write(path, template, strlen(template), &log));
+    assert_true(file_write(beside, "<{{count}}>", 11, &log));
     bool good = fill_template(out, path, json, &log);
     fclose(out);
     cJSON_Delete(json);
     remove(path);
+    remove(beside);
     return good;
 }
 
@@ -286,6 +288,9 @@ static void templates_are_filled(void **state)
         {"{{#no}}a{{/no}}{{^no}}b{{/no}}{{#inner}}{{count}}{{/inner}}{{count}}", "b43"},
         {"a\n  {{#inner}}\n  b\n  {{/inner}}\nc\n", "a\n  b\nc\n"},
         {"a { b } {c}", "a { b } {c}"},
+        {"{{>fill_beside.txt}}{{#inner}}{{>fill_beside.txt}}{{/inner}}"
+         "{{#no}}{{>fill_beside.txt}}{{/no}}",
+         "<3><4>"},
     };
     char text[256];
     struct ear ear;
@@ -297,6 +302,7 @@ static void templates_are_filled(void **state)
         const char *template, *said;
     } wrong[] = {
         {"a\n{{absent}}", ":2:1: error: no text or number `absent`"},
+        {"{{>fill_absent.txt}}", "build/tests/fill_absent.txt"},
         {"{{#list}}a", "not closed: the section `list`"},
         {"a\n\n{{/list}}", ":3:1: error: no section is open of the name `list`"},
         {"{{#list}}{{/lisd}}{{/list}}", "`lisd`"},

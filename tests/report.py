@@ -7,6 +7,7 @@ import csv
 import html.parser
 import json
 import os
+import re
 import sys
 import urllib.parse
 
@@ -82,6 +83,14 @@ def check_links(page, folder):
             assert path[1:] in ids, path
         else:
             assert os.path.getsize(os.path.join(folder, path)) > 0
+    # any two pictures can be laid on each other: at first the last one on the reference
+    choices = [(e[2], e[1]["value"], "selected" in e[1]) for e in page.all("option")]
+    for _, file, _ in choices:
+        assert os.path.getsize(os.path.join(folder, urllib.parse.unquote(file))) > 0
+    stack = [e[1]["src"] for e in page.all("img") if e[1]["alt"].endswith((", left picture", ", right picture"))]
+    half = len(choices) // 2
+    assert choices[half - 1][0] == choices[-1][0] and choices[-1][2] and not choices[half - 1][2], choices
+    assert stack == [next(c[1] for c in choices[:half] if c[2]), choices[-1][1]] and stack[0] != stack[1], (stack, choices)
     for _, attributes, _ in page.all("img"):
         assert len(attributes["alt"]) > 5 and attributes["width"] and attributes["height"], attributes
 
@@ -127,19 +136,22 @@ def stage_ms(result, side, passes):
 def check_stages(page, results, values):
     rows = table_rows(page, SCENE + ": milliseconds at 48x27")
     assert rows[0] == ["Stage", "level"] + values, rows[0]
-    assert [r[-1 - len(values)] for r in rows[1:]] == ["gl", "vk", "somebody's paper", "gl", "vk", "gl", "vk", "somebody's paper"]
+    sides, ratios = ["gl", "vk"], ["somebody's paper", "gl / somebody's paper", "vk / somebody's paper"]
+    assert [r[-1 - len(values)] for r in rows[1:]] == sides + ratios + sides + sides + ratios
     assert rows[1][0] == "Paint & conothing <else>"
-    assert [float(x) for x in rows[3][-3:]] == [1.5, 2.5, 3.5] and [float(x) for x in rows[8][-3:]] == [4.5, 5.5, 6.5], rows
+    assert [float(x) for x in rows[3][-3:]] == [1.5, 2.5, 3.5] and [float(x) for x in rows[10][-3:]] == [4.5, 5.5, 6.5], rows
     for i, value in enumerate(values):
         result = results.get(bench_file(value))
         if not result:
-            assert all(rows[r][i - len(values)] == "\u2013" for r in (1, 2, 4, 5, 6, 7))
+            assert all(rows[r][i - len(values)] == "\u2013" for r in (1, 2, 4, 5, 6, 7, 8, 9, 11, 12))
             continue
         for side in (0, 1):
             assert result["sides"][side]["frame_ms"]["count"] == 3
             near(rows[1 + side][i - len(values)], stage_ms(result, side, ["paint"]), "paint")
-            near(rows[4 + side][i - len(values)], stage_ms(result, side, ["show"]), "other passes")
-            near(rows[6 + side][i - len(values)], result["sides"][side]["frame_ms"]["median"], "frame")
+            near(rows[4 + side][i - len(values)], stage_ms(result, side, ["paint"]) / (1.5 + i), "paint by the paper's")
+            near(rows[6 + side][i - len(values)], stage_ms(result, side, ["show"]), "other passes")
+            near(rows[8 + side][i - len(values)], result["sides"][side]["frame_ms"]["median"], "frame")
+            near(rows[11 + side][i - len(values)], result["sides"][side]["frame_ms"]["median"] / (4.5 + i), "frame by the paper's")
 
 
 def check_overview(page, results):
@@ -279,7 +291,8 @@ def main():
     heads = {e[1].get("id"): e[2] for e in page.all("h2")}
     assert heads["pictures"] == "Picturessomebody's paper: Plate <1>" and heads["errors"] == "Error against level", heads
     assert [e[2] for e in page.all("h1")] == ['Grey & "plain" <all over>']
-    for words in ("absent: its mesh is not here", "agree on every resource", "Other hardware:", 'a "fast" device', "llvmpipe"):
+    assert re.search(r"Made\n?20\d\d-\d\d-\d\d, by diptych \d", page.elements[0][2])
+    for words in ("Mesa", "absent: its mesh is not here", "agree on every resource", "Other hardware:", 'a "fast" device', "llvmpipe"):
         assert words in page.elements[0][2], words
     assert any("--set level=0.1" in e[2] for e in page.all("pre")) and any("pipeline: grey" in e[2] for e in page.all("pre"))
 

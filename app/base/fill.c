@@ -21,7 +21,7 @@ struct scope {
 };
 
 struct tag {
-    char kind; /* '#', '^' or '/'; 0: a slot */
+    char kind; /* '#', '^', '/' or '>'; 0: a slot */
     char name[64];
     const char *begin, *end; /* with its whole line, where it stands there alone */
 };
@@ -57,7 +57,7 @@ static bool next_tag(const struct filler *filler, const char *at, struct tag *ta
     if (!begin)
         return false;
     const char *name = begin + 2;
-    if (strchr("#^/", *name))
+    if (strchr("#^/>", *name))
         tag->kind = *name++;
     if (!end || end - name >= (long)sizeof tag->name || end == name) {
         snprintf(tag->name, sizeof tag->name, "%.20s", begin);
@@ -130,6 +130,9 @@ static bool put_value(const struct filler *filler, const struct scope *scope, co
 static const char *fill_section(const struct filler *filler, const struct tag *tag,
                                 const struct scope *scope, bool shown);
 
+static bool fill_beside(const struct filler *filler, const struct tag *tag,
+                        const struct scope *scope);
+
 /* Fills from `at` to the closing tag of the section `name`, or, when that is NULL, to the end. Returns what follows, or
  * NULL, reported. Unless `shown`, nothing is written. */
 static const char *fill_part(const struct filler *filler, const char *at, const char *name,
@@ -144,9 +147,11 @@ static const char *fill_part(const struct filler *filler, const char *at, const 
             return wrong(filler, tag.begin, "no section is open of the name", tag.name);
         if (tag.kind == '/')
             return at;
-        if (tag.kind)
+        if (tag.kind == '>' && shown && !fill_beside(filler, &tag, scope))
+            return NULL;
+        if (tag.kind && tag.kind != '>')
             at = fill_section(filler, &tag, scope, shown);
-        else if (shown && !put_value(filler, scope, &tag))
+        else if (!tag.kind && shown && !put_value(filler, scope, &tag))
             return NULL;
     }
     if (!at || tag.begin)
@@ -182,15 +187,31 @@ static const char *fill_section(const struct filler *filler, const struct tag *t
     return end;
 }
 
-bool fill_template(FILE *out, const char *path, const cJSON *data, const struct dt_log *log)
+static bool fill_file(FILE *out, const char *path, const struct scope *scope,
+                      const struct dt_log *log)
 {
     size_t size;
     char *text = file_read(path, &size, log);
     const struct filler filler = {.out = out, .path = path, .text = text, .log = log};
-    const struct scope scope = {.value = data, .index = -1};
-    bool good = text && fill_part(&filler, text, NULL, &scope, true);
+    bool good = text && fill_part(&filler, text, NULL, scope, true);
     free(text);
     return good;
+}
+
+static bool fill_beside(const struct filler *filler, const struct tag *tag,
+                        const struct scope *scope)
+{
+    const char *slash = strrchr(filler->path, '/');
+    int folder = slash ? (int)(slash + 1 - filler->path) : 0;
+    char *path = format_string("%.*s%s", folder, filler->path, tag->name);
+    bool good = path && fill_file(filler->out, path, scope, filler->log);
+    free(path);
+    return good;
+}
+
+bool fill_template(FILE *out, const char *path, const cJSON *data, const struct dt_log *log)
+{
+    return fill_file(out, path, &(struct scope){.value = data, .index = -1}, log);
 }
 
 bool fill_page(struct console *console, const char *name, const char *path, const cJSON *data)

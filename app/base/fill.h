@@ -5,6 +5,7 @@
  *                          that is not empty; else left out
  *   {{^name}}…{{/name}}    where the former leaves out
  *   {{.}}                  the item itself, in a list of texts
+ *   {{>FILE}}              another template, beside this one, filled with the same
  *   {{#@rest}}…{{/@rest}}  in all items of a list but the first
  *
  * A name is looked up in the innermost object that has it. A section's tag that stands alone on its line leaves

@@ -118,6 +118,12 @@ static void end_line(struct plot *plot)
         fputs("END\n", plot->data);
 }
 
+/* Of two lines that coincide, the first is seen on both sides of the second. */
+static double line_width(uint32_t number)
+{
+    return 1.5 + 3.0 / number;
+}
+
 void plot_line(struct plot *plot, const char *title, uint32_t colour, uint32_t dash, bool bars)
 {
     end_line(plot);
@@ -127,8 +133,8 @@ void plot_line(struct plot *plot, const char *title, uint32_t colour, uint32_t d
     if (bars)
         fprintf(plot->lines, "$line%u using 1:2:3:4 with yerrorbars lt %u notitle, ", number,
                 colour);
-    fprintf(plot->lines, "$line%u using 1:2 with linespoints lt %u dt %u title ", number, colour,
-            dash);
+    fprintf(plot->lines, "$line%u using 1:2 with linespoints lt %u dt %u lw %g ps %g title ",
+            number, colour, dash, line_width(number), 0.35 * line_width(number));
     put_quoted(plot->lines, title);
 }
 

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/files.h"
@@ -12,8 +13,8 @@
 
 /* ---- Head ------------------------------------------------------------------------------------ */
 
-/* Of the first run that any backend has told its device in. */
-static const char *find_device(struct report *report, uint32_t side)
+/* Of the first run that any backend has told its "device" or "driver" in; "" where none has. */
+static const char *find_device(struct report *report, uint32_t side, const char *what)
 {
     for (uint32_t i = 0; i < report->steps.scene_count; i++) {
         for (int v = 0; v < report_value_count(report) && report->steps.scenes[i].mesh; v++) {
@@ -23,10 +24,10 @@ static const char *find_device(struct report *report, uint32_t side)
                 cJSON_GetObjectItem(steps_result(&report->steps, file ? file : ""), "sides");
             free(file);
             if (cJSON_GetArraySize(sides) > (int)side)
-                return step_text(cJSON_GetArrayItem(sides, (int)side), "device");
+                return step_text(cJSON_GetArrayItem(sides, (int)side), what);
         }
     }
-    return "not known: no run of bench succeeded";
+    return "";
 }
 
 static void add_devices(cJSON *page, struct report *report)
@@ -35,7 +36,10 @@ static void add_devices(cJSON *page, struct report *report)
     for (uint32_t side = 0; side < report->steps.sides.count; side++) {
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "label", report->steps.sides.list[side].label);
-        cJSON_AddStringToObject(item, "device", find_device(report, side));
+        const char *device = find_device(report, side, "device");
+        cJSON_AddStringToObject(item, "device",
+                                *device ? device : "not known: no run of bench succeeded");
+        cJSON_AddStringToObject(item, "driver", find_device(report, side, "driver"));
         cJSON_AddItemToArray(list, item);
     }
 }
@@ -56,6 +60,31 @@ static void add_processor(cJSON *page)
     cJSON *processor = cJSON_AddObjectToObject(page, "processor");
     cJSON_AddStringToObject(processor, "name", name + strspn(name, " "));
     cJSON_AddNumberToObject(processor, "count", (double)sysconf(_SC_NPROCESSORS_ONLN));
+}
+
+/* The commit that diptych was built from, where that is a checkout, and today's date. */
+static void add_version(cJSON *page, struct console *console)
+{
+    static const struct tool git = {.what = "git", .hint = "install git", .explains = true};
+    char date[32] = "", *tools = tools_folder(&console->log);
+    char *argv[] = {(char *)"git",      (char *)"-C",      tools, (char *)"describe",
+                    (char *)"--always", (char *)"--dirty", NULL};
+    bool checked_out = tools && !tools_installed(tools) && tool_is_there("git");
+    bool captures = checked_out && console_capture(console); /* a copy without .git is no error */
+    char *commit = captures ? tool_read(&git, argv, console) : NULL;
+    if (captures)
+        free(console_captured(console));
+    if (commit)
+        commit[strcspn(commit, "\n")] = 0;
+    time_t now = time(NULL);
+    struct tm parts;
+    if (gmtime_r(&now, &parts))
+        strftime(date, sizeof date, "%F", &parts);
+    cJSON_AddStringToObject(page, "version", VERSION);
+    cJSON_AddStringToObject(page, "commit", commit ? commit : "");
+    cJSON_AddStringToObject(page, "date", date);
+    free(commit);
+    free(tools);
 }
 
 static void add_left_out(cJSON *page, const struct report *report)
@@ -131,6 +160,7 @@ static void add_head(cJSON *page, struct report *report)
     cJSON_AddNumberToObject(page, "width", options->size[0]);
     cJSON_AddNumberToObject(page, "height", options->size[1]);
     cJSON_AddStringToObject(page, "parameter", report_parameter(report));
+    add_version(page, report->steps.console);
     add_devices(page, report);
     add_processor(page);
     add_left_out(page, report);
@@ -141,11 +171,11 @@ static void add_head(cJSON *page, struct report *report)
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
 /* `name` without an ending, in a scene's folder. */
-static void add_image(cJSON *item, const struct step_scene *scene, const char *name,
-                      const char *part)
+static void add_image(cJSON *item, const char *key, const struct step_scene *scene,
+                      const char *name, const char *part)
 {
     char *path = format_string("%s/%s/%s.png", scene->name, name, part);
-    report_add_link(item, "file", path ? path : "");
+    report_add_link(item, key, path ? path : "");
     free(path);
 }
 
@@ -159,7 +189,7 @@ static cJSON *picture_json(struct report *report, const struct step_scene *scene
     cJSON_AddStringToObject(item, "picture", step_text(picture, "title"));
     report_add_headlines(item, "errors", report, file);
     if (steps_result(&report->steps, file)) {
-        add_image(item, scene, name, "test");
+        add_image(item, "file", scene, name, "test");
     } else {
         char *reason = steps_reason(&report->steps, file);
         cJSON_AddStringToObject(item, "file", "");
@@ -181,17 +211,52 @@ static void add_reference(cJSON *item, struct report *report, const struct step_
     if (measured && traced && steps_result(&report->steps, measured)) {
         cJSON *reference = cJSON_AddObjectToObject(item, "reference");
         cJSON_AddStringToObject(reference, "title", *title ? title : "Reference");
-        add_image(reference, scene, name, "reference");
+        add_image(reference, "file", scene, name, "reference");
         report_add_result(reference, "samples", report, traced, "samples");
         report_add_number(reference, "noise", 100 * steps_number(&report->steps, traced, "noise"));
         cJSON *map = cJSON_AddObjectToObject(item, "map");
         cJSON_AddStringToObject(map, "picture", step_text(last, "title"));
-        add_image(map, scene, name, "flip_ldr");
+        add_image(map, "file", scene, name, "flip_ldr");
         report_add_result(map, "p95", report, measured, "ldr.flip.p95");
         report_add_result(map, "worst", report, measured, "ldr.flip.max");
     }
     free(traced);
     free(measured);
+}
+
+static void add_choice(cJSON *list, const struct step_scene *scene, const char *name,
+                       const char *part, const char *title, const char *side)
+{
+    cJSON *item = cJSON_CreateObject();
+    add_image(item, "file", scene, name, part);
+    cJSON_AddStringToObject(item, "title", title);
+    cJSON_AddBoolToObject(item, "left", strcmp(side, "left") == 0);
+    cJSON_AddBoolToObject(item, "right", strcmp(side, "right") == 0);
+    cJSON_AddItemToArray(list, item);
+}
+
+/* Any two pictures of a scene on each other: first the last picture and the reference. */
+static void add_shown(cJSON *item, struct report *report, const struct step_scene *scene)
+{
+    const cJSON *picture, *last = report_last_picture(report);
+    const cJSON *reference = cJSON_GetObjectItem(item, "reference");
+    if (!reference)
+        return;
+    cJSON *shown = cJSON_AddObjectToObject(item, "shown");
+    cJSON *list = cJSON_AddArrayToObject(shown, "choices");
+    cJSON_ArrayForEach(picture, cJSON_GetObjectItem(report->outline, "pictures"))
+    {
+        const char *name = step_text(picture, "name");
+        char *result = report_file(scene, name, ".json");
+        if (result && steps_result(&report->steps, result))
+            add_choice(list, scene, name, "test", step_text(picture, "title"),
+                       picture == last ? "left" : "");
+        free(result);
+    }
+    add_choice(list, scene, step_text(last, "name"), "reference", step_text(reference, "title"),
+               "right");
+    add_image(shown, "first_file", scene, step_text(last, "name"), "test");
+    add_image(shown, "second_file", scene, step_text(last, "name"), "reference");
 }
 
 /* Whether the backends had the same bits, if there are two. */
@@ -358,6 +423,7 @@ static cJSON *scene_json(struct report *report, const struct step_scene *scene)
     cJSON_ArrayForEach(picture, pictures)
         cJSON_AddItemToArray(list, picture_json(report, scene, picture));
     add_reference(item, report, scene);
+    add_shown(item, report, scene);
     add_agreement(item, report, scene);
     add_plot(item, "plot_times", report, PLOT_HEIGHT, times ? times : "");
     report_add_stages(item, report, scene);

@@ -252,27 +252,49 @@ static void add_cell(cJSON *cells, double value)
     cJSON_AddItemToArray(cells, cJSON_CreateString(number_text(value, buffer)));
 }
 
+/* At a value of the sweep, on one side. */
+static double row_ms(const struct report *report, const struct step_scene *scene,
+                     const struct stage_row *row, int value, uint32_t side)
+{
+    const struct grid_point *point =
+        report_point(report, scene, report_last_picture(report), value);
+    return row->whole ? grid_number(&report->grid, point, side, "frame_ms")
+                      : stage_ms(report, row->stage, point, side);
+}
+
+/* What was published, and each side divided by it. */
+static void add_published_lines(cJSON *lines, const struct report *report,
+                                const struct step_scene *scene, const struct stage_row *row)
+{
+    const char *by = step_text(published_of(report, scene), "by");
+    const cJSON *number;
+    cJSON *cells;
+    add_line(lines, by, true, &cells);
+    cJSON_ArrayForEach(number, row->published) add_cell(cells, number->valuedouble);
+    for (uint32_t side = 0; side < report->steps.sides.count; side++) {
+        int value = 0;
+        char *label = format_string("%s / %s", report->steps.sides.list[side].label, by);
+        add_line(lines, label ? label : "", true, &cells);
+        cJSON_ArrayForEach(number, row->published)
+            add_cell(cells, row_ms(report, scene, row, value++, side) / number->valuedouble);
+        free(label);
+    }
+}
+
 static cJSON *stage_json(const struct report *report, const struct step_scene *scene,
                          const struct stage_row *row)
 {
-    const cJSON *number;
     cJSON *cells, *item = cJSON_CreateObject();
     cJSON_AddStringToObject(item, "stage", row->name);
     cJSON_AddStringToObject(item, "doc", row->doc);
     cJSON *lines = cJSON_AddArrayToObject(item, "lines");
     for (uint32_t side = 0; side < report->steps.sides.count; side++) {
         add_line(lines, report->steps.sides.list[side].label, false, &cells);
-        for (int i = 0; i < report_value_count(report); i++) {
-            const struct grid_point *point =
-                report_point(report, scene, report_last_picture(report), i);
-            add_cell(cells, row->whole ? grid_number(&report->grid, point, side, "frame_ms")
-                                       : stage_ms(report, row->stage, point, side));
-        }
+        for (int i = 0; i < report_value_count(report); i++)
+            add_cell(cells, row_ms(report, scene, row, i, side));
     }
-    if (row->published) {
-        add_line(lines, step_text(published_of(report, scene), "by"), true, &cells);
-        cJSON_ArrayForEach(number, row->published) add_cell(cells, number->valuedouble);
-    }
+    if (row->published)
+        add_published_lines(lines, report, scene, row);
     cJSON_AddNumberToObject(item, "line_count", cJSON_GetArraySize(lines));
     return item;
 }
