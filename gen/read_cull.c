@@ -74,7 +74,8 @@ static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml
              ? add_text(with, "keep", light ? "cull/light_frustum.glsl" : "cull/frustum.glsl")
              : add_argument(with, "keep", field_node(&c->cull, "keep"), NULL)) &&
         (!each || (add_argument(with, "each", field_node(&c->cull, "each"), NULL) &&
-                   add_argument(with, "cull_layers", layers, "1"))) &&
+                   add_argument(with, "cull_layers", layers, "1") &&
+                   add_argument(with, "cull_again", field_node(&c->cull, "again"), "0"))) &&
         add_argument(with, "cull_room", field_node(&c->cull, "room"), "1048576") &&
         add_argument(with, "cull_most", field_node(&c->cull, "most"), "1048576") &&
         add_argument(with, "cull_when", when, "1");
@@ -129,6 +130,10 @@ static bool check_draw(const struct culled *c)
         diag_error(reader->diag, node_loc(reader, c->item), "a pass needs the key `name`");
     else if (!good)
         diag_error(reader->diag, loc, "`cull` as a map needs `draw: scene`");
+    if (field_node(&c->cull, "again") && !field_node(&c->cull, "each")) {
+        diag_error(reader->diag, loc, "`again` needs `each`");
+        good = false;
+    }
     for (size_t i = 0; i < DT_ARRAY_COUNT(excluded); i++) {
         if (!fy_node_mapping_lookup_value_by_string(c->item, excluded[i], FY_NT))
             continue;

@@ -458,6 +458,12 @@ const struct key table_keys[] = {
      "keeps_triangle.glsl"},
     {SECTION_CULL, "each", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "one list",
      "Buffer with an element for each layer: a list for each.", "views"},
+    {SECTION_CULL, "again", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "0",
+     "With `each`: a second list for each layer, drawn by that many instances. `keeps_triangle` "
+     "then returns a uint: 1 for the first list, 2 for the second, 3 for both. Instances of a "
+     "layer begin at (1 + again) * layer, with the one of the first list. The whole scene is drawn "
+     "by those of the second.",
+     "4"},
     {SECTION_CULL, "room", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1048576",
      "Triangles that a list may have, on average over the layers.", "4096"},
     {SECTION_CULL, "most", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1048576",

@@ -3,7 +3,7 @@
  * main(). */
 
 shared uint masks[chunk_triangles]; /* per triangle: which of 32 lists have it, one bit each */
-shared uint words[chunk_words * 64];
+shared uint words[chunk_words * 128];
 
 vec3 corner(uint k)
 {
@@ -19,7 +19,7 @@ void turn_masks(int word, int from)
     uint mask[32];
     for (int k = 0; k < 32; k++)
         mask[k] = masks[32 * word + k];
-    for (int list = from; list < min(from + 32, cull_layers); list++) {
+    for (int list = from; list < min(from + 32, lists); list++) {
         uint row = 0u;
         for (int k = 0; k < 32; k++)
             row |= (mask[k] >> (list - from) & 1u) << k;
@@ -39,24 +39,24 @@ bool triangle_of(out vec3 a, out vec3 b, out vec3 c)
 }
 
 /* mask: a bit for each list that has the triangle. All invocations of a workgroup call it. */
-void store_lists(uvec2 mask)
+void store_lists(uvec4 mask)
 {
     int lane = int(gl_LocalInvocationIndex);
-    for (int from = 0; from < cull_layers; from += 32) {
+    for (int from = 0; from < lists; from += 32) {
         barrier();
-        masks[lane] = from == 0 ? mask.x : mask.y;
+        masks[lane] = mask[from / 32];
         barrier();
         for (int word = lane; word < chunk_words; word += chunk_triangles)
             turn_masks(word, from);
     }
     barrier();
-    int words_first = int(gl_WorkGroupID.x) * chunk_words * cull_layers;
-    for (int k = lane; k < chunk_words * cull_layers; k += chunk_triangles)
+    int words_first = int(gl_WorkGroupID.x) * chunk_words * lists;
+    for (int k = lane; k < chunk_words * lists; k += chunk_triangles)
         bits[words_first + k] = words[k];
-    for (int list = lane; list < cull_layers; list += chunk_triangles) {
+    for (int list = lane; list < lists; list += chunk_triangles) {
         uint count = 0u;
         for (int k = 0; k < chunk_words; k++)
             count += uint(bitCount(words[list * chunk_words + k]));
-        counts[int(gl_WorkGroupID.x) * cull_layers + list] = count;
+        counts[int(gl_WorkGroupID.x) * lists + list] = count;
     }
 }

@@ -1,16 +1,17 @@
-/* A list for each element: triangles with keeps_triangle(a, b, c, element). */
+/* Lists for each element: keeps_triangle(a, b, c, element) has a bit for each. */
 #include "test.glsl"
 
 void main()
 {
     vec3 a, b, c;
     bool real = triangle_of(a, b, c);
-    uvec2 mask = uvec2(0u);
+    uvec4 mask = uvec4(0u);
     int list = 0;
     for (auto element : elements) {
-        uint bit = real && keeps_triangle(a, b, c, element) ? 1u : 0u;
-        mask |= list < 32 ? uvec2(bit << list, 0u) : uvec2(0u, bit << (list - 32));
-        list++;
+        uint kept = real ? uint(keeps_triangle(a, b, c, element)) << (list & 31) : 0u;
+        mask |= uvec4(list < 32 ? kept : 0u, list >= 32 && list < 64 ? kept : 0u,
+                      list >= 64 && list < 96 ? kept : 0u, list >= 96 ? kept : 0u);
+        list += parts;
     }
     store_lists(mask);
 }

@@ -5,5 +5,5 @@ void main()
 {
     vec3 a, b, c;
     bool real = triangle_of(a, b, c);
-    store_lists(uvec2(real && keeps_triangle(a, b, c) ? 1u : 0u, 0u));
+    store_lists(uvec4(real && keeps_triangle(a, b, c) ? 1u : 0u, 0u, 0u, 0u));
 }
