@@ -1,6 +1,6 @@
 /* Shared by the files of this folder: a triangle mesh under construction, and the textures of its
- * materials. scene.c imports (mesh.c), subdivides (subdivide.c), fills the texture array
- * (texture.c) and moves the arrays into the scene. */
+ * materials. scene.c imports (mesh.c), fills the texture array (texture.c) and moves the
+ * arrays into the scene. */
 #ifndef DIPTYCH_MESH_H
 #define DIPTYCH_MESH_H
 
@@ -63,13 +63,6 @@ void mesh_bound_objects(struct mesh *mesh);
 /* Numbers the triangles for vertex_triangle, when they are final and the objects bound. False when
  * out of memory. */
 bool mesh_number(struct mesh *mesh, const struct dt_log *log);
-
-/* Splits every edge longer than `longest_edge` in the middle, until none is left or the next round
- * would exceed `triangle_limit` triangles (a DT_WARNING reports the edge length reached). The split
- * of an edge depends only on its two end points, so neighbours agree and no cracks open. False only
- * when out of memory. */
-bool mesh_subdivide(struct mesh *mesh, float longest_edge, uint32_t triangle_limit,
-                    const struct dt_log *log);
 
 /* Loads mesh->textures into the texture array of *scene, all layers `size` x `size` (a power of
  * two; 0: the largest texture's size, rounded up, at most 1024), with mips averaged in linear

@@ -10,7 +10,6 @@
  *   light: {kind: directional, direction: [0, -1, 0], irradiance: [8, 8, 8],
  *           opening_min: [-1, 3, -1], opening_max: [1, 3, 1]}
  *   light: Sun                likewise
- *   subdivide: 0.0625         longest edge after it, in radii of the bounding sphere; 0: none
  *   texture_size: 512         of every layer, a power of two; else the largest's, up to 1024
  *
  * Angles in degrees: fov_y is the whole angle, cone the inner and outer half angle. A spot may
@@ -28,7 +27,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { TRIANGLE_LIMIT = 4000000, MAX_TEXTURE_SIZE = 4096 };
+enum { MAX_TEXTURE_SIZE = 4096 };
 
 /* ---- Camera and light ------------------------------------------------------------------------ */
 
@@ -75,7 +74,7 @@ struct settings {
     char *mesh_path; /* where the mesh was found, owned */
     struct wish camera, light;
     bool may_lack_mesh; /* a missing mesh is no error */
-    float scale, subdivide;
+    float scale;
     uint32_t texture_size;
 };
 
@@ -128,13 +127,12 @@ static void read_scene(struct reader *reader, struct fy_node *root, void *user)
 {
     struct settings *settings = user;
     struct scene *scene = settings->scene;
-    enum { MESH, SCALE, CAMERA, LIGHT, SUBDIVIDE, TEXTURE_SIZE, COUNT };
+    enum { MESH, SCALE, CAMERA, LIGHT, TEXTURE_SIZE, COUNT };
     struct key keys[COUNT] = {
         [MESH] = {.name = "mesh", .type = KEY_TEXT, .required = true},
         [SCALE] = KEY_OF_NUMBERS("scale", false, 1, 1e-6, 1e6, 1),
         [CAMERA] = {.name = "camera", .type = KEY_MAPPING_OR_TEXT},
         [LIGHT] = {.name = "light", .type = KEY_MAPPING_OR_TEXT},
-        [SUBDIVIDE] = KEY_OF_NUMBERS("subdivide", false, 1, 0, 2, 1.0 / 16),
         [TEXTURE_SIZE] = KEY_OF_NUMBERS("texture_size", false, 1, 1, MAX_TEXTURE_SIZE, 0),
     };
     struct fy_node_pair *first = fy_node_mapping_get_by_index(root, 0);
@@ -152,7 +150,6 @@ static void read_scene(struct reader *reader, struct fy_node *root, void *user)
         settings->mesh_path = find_mesh(reader, keys[MESH].node, scene->path, settings->scenes_dir,
                                         settings->may_lack_mesh);
     settings->scale = (float)keys[SCALE].number[0];
-    settings->subdivide = (float)keys[SUBDIVIDE].number[0];
     settings->texture_size = (uint32_t)size;
 }
 
@@ -233,7 +230,7 @@ static bool take_views(struct scene *scene, const struct settings *settings,
     return light || !settings->light.open;
 }
 
-/* Mesh, bounds, subdivision and textures; the arrays move from the mesh into the scene. */
+/* Mesh, bounds and textures; the arrays move from the mesh into the scene. */
 static bool load_mesh(struct scene *scene, const struct settings *settings,
                       const struct dt_log *log)
 {
@@ -243,8 +240,6 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);
     bool ok = take_views(scene, settings, &mesh, log);
-    ok = ok && (settings->subdivide == 0 ||
-                mesh_subdivide(&mesh, settings->subdivide * scene->radius, TRIANGLE_LIMIT, log));
     ok = ok && texture_array(&scene->data, &mesh, settings->texture_size, log);
     if (ok) {
         mesh_bound_objects(&mesh);

@@ -4,7 +4,7 @@
 # miss it (tests/barrier_audit.c). The counts are printed as comments. Long: more frame sizes.
 . "$(dirname "$0")/tap.sh"
 specs=$root/tests/specs
-tiny=(--set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set paraboloid_size=32)
+tiny=(--set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set map_size=32)
 bounces=(--live bounces=1 --live bounces=0)
 
 audit() { # description arguments...
@@ -68,5 +68,5 @@ check_status 2 "OpenGL has no barrier to drop" \
 # rsm_albedo, paraboloid_depth and second_depth share memory here, and the second is the smallest.
 check "memory that changes hands through a smaller image is silent under validation" "$build/diptych" render --debug --backend vk \
     --scene "$root/scenes/cornell.yaml" --spec "$root/templates/ssvp.yaml" --size 37x23 --frames 3 --set rsm_size=64 \
-    --set paraboloid_size=32 --set first_vpls=64 --set second_vpls=96 --set clusters=3 -o "$work/a.png"
+    --set map_size=32 --set first_vpls=64 --set second_vpls=96 --set clusters=3 -o "$work/a.png"
 finish

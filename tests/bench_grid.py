@@ -21,7 +21,7 @@ def measure(build, point, choice, folder):
     """Ratios to plain C by backend; none where the choice is not possible, such as a block that is too large."""
     tile, vpls, clusters = point
     sets = [f"tile=[{tile},{tile}]", f"first_vpls={vpls}", f"second_vpls={vpls}", f"clusters={clusters}", "rsm_size=256",
-            "paraboloid_size=64"]
+            "map_size=64"]
     for name in RANGES if choice else []:
         sets += [f"passes.shade.ranges.{name}.storage={choice[0]}", f"passes.shade.ranges.{name}.loop={choice[1]}"]
     path = os.path.join(folder, "bench.json")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # `bench` on the command line: what it counts and how it tells it; no time is judged. TAP.
 . "$(dirname "$0")/tap.sh"
-tiny=(--size 64x48 --set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set paraboloid_size=32)
+tiny=(--size 64x48 --set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set map_size=32)
 bench=("$diptych" bench --scene "$root/scenes/cornell.yaml" "${tiny[@]}")
 
 # shellcheck disable=SC2317 # called through check

@@ -15,7 +15,7 @@ CHANGES = ("bit", "texel", "sign")
 KINDS = (*CHANGES, "missing")
 SMALL = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "16x16", "--set", "rsm_size=16"]
 SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", "--set", "first_vpls=16",
-                "--set", "second_vpls=16", "--set", "clusters=2", "--set", "paraboloid_size=16",
+                "--set", "second_vpls=16", "--set", "clusters=2", "--set", "map_size=16",
                 # of two maps one finds room for its list, so that no draw is empty
                 "--set", "second_clusters=2", "--set", "map_triangles=300"]
 FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
@@ -24,7 +24,7 @@ RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]
 TAA = SMALL + ["--spec", f"{ROOT}/templates/taa.yaml", "--frames", "2"]
 POST = ["--spec", f"{ROOT}/templates/post.yaml", "--input", f"photo={ROOT}/templates/post/table.png"]
 CLUSTERED = SMALL + ["--spec", f"{ROOT}/templates/clustered.yaml", "--set", "first_vpls=16", "--set", "clusters=2",
-                     "--set", "tile=[2,2]", "--set", "paraboloid_size=16", "--set", "map_triangles=300"]
+                     "--set", "tile=[2,2]", "--set", "map_size=16", "--set", "map_triangles=300"]
 DEEP = SMALL + ["--spec", f"{ROOT}/templates/deep.yaml", "--set", "samples=4"]
 SSDO = SMALL + ["--spec", f"{ROOT}/templates/ssdo.yaml", "--set", "samples=4"]
 

@@ -129,13 +129,13 @@ same_shaders() { # folder pass...
     done
 }
 check "ssvp with other numbers is generated" "$gen" templates/ssvp.yaml -o "$work/others" --set first_vpls=300 --set second_vpls=310 \
-    --set clusters=9 --set second_clusters=5 --set paraboloid_size=200 --set rsm_size=300 --set kmeans_iterations=4
+    --set clusters=9 --set second_clusters=5 --set map_size=200 --set rsm_size=300 --set kmeans_iterations=4
 check "... k-means, views, maps and samples of them are the same shaders" same_shaders "$work/others" \
-    first.kmeans.comp second.kmeans.comp first.place.comp second.place.comp sample_rsm.comp sample_paraboloid.comp \
-    paraboloid.place.comp second_paraboloid.place.comp first.pack.comp second.pack.comp paraboloid.vert paraboloid.frag paraboloid_reach.comp \
+    first.kmeans.comp second.kmeans.comp first.place.comp second.place.comp sample_rsm.comp sample_maps.comp \
+    first.map.place.comp second.map.place.comp first.pack.comp second.pack.comp first.map.vert first.map.frag first.measure.comp \
     rsm_triangles.frag rsm.comp
 check_status 1 "... shading, whose loops are written out, is not" cmp "$work/ssvp/vk/ssvp.shade.comp" "$work/others/vk/ssvp.shade.comp"
-check_status 1 "... nor is culling" cmp "$work/ssvp/vk/ssvp.paraboloid.test.comp" "$work/others/vk/ssvp.paraboloid.test.comp"
+check_status 1 "... nor is culling" cmp "$work/ssvp/vk/ssvp.first.map.test.comp" "$work/others/vk/ssvp.first.map.test.comp"
 
 while read -r type value baked live; do
     check "--set of $type" sets "$type" "$value" "${baked//_/ }" "${live//_/ }"

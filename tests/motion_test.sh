@@ -10,7 +10,7 @@ keys:
   - {at: 0, camera: {eye: [0.278, 0.273, -0.8]}, light: {target: [0.556, 0.3, 0.35]}}
   - {at: 3, camera: {eye: [0.4, 0.3, -0.7]},     light: {target: [0.556, 0.2, 0.2]}}
 MOTION
-small=(--set first_vpls=64 --set second_vpls=64 --set clusters=3 --set rsm_size=64 --set paraboloid_size=32)
+small=(--set first_vpls=64 --set second_vpls=64 --set clusters=3 --set rsm_size=64 --set map_size=32)
 render=("$diptych" render --scene "$scene" --backend vk --size 48x27 "${small[@]}")
 moving=("${render[@]}" --motion "$motion")
 reference=("$diptych" reference --scene "$scene" --size 24x16 --spp 2)

@@ -14,16 +14,16 @@
 
 #include "dump_reader.h"
 
-#define RSM_SIZE        128
-#define PARABOLOID_SIZE 64
-#define FIRST_VPLS      256
-#define SECOND_VPLS     256
-#define CLUSTERS        8
+#define RSM_SIZE    128
+#define MAP_SIZE    64
+#define FIRST_VPLS  256
+#define SECOND_VPLS 256
+#define CLUSTERS    8
 static const double pi = 3.14159265358979323846;
 
 /* The smallest sizes that leave the stages their shape, a metric scale that the test knows, one frame. */
 #define COMMON                                                                                     \
-    " --spec templates/ssvp.yaml --size 50x38 --set rsm_size=128 --set paraboloid_size=64"         \
+    " --spec templates/ssvp.yaml --size 50x38 --set rsm_size=128 --set map_size=64"                \
     " --set metrics.vpl_distance.scale=0.5 "
 static const char *const backends[] = {"gl", "vk"};
 
@@ -341,12 +341,12 @@ static void shares_by_power(const double power[CLUSTERS], struct disk_sample sam
     }
 }
 
-/* What the paraboloid maps show, as an image of positions, w 1 on a surface, else 0: along each texel's direction,
- * (2 p, 1 - p^2) / (1 + p^2) in the frame of the map, as far as the map says. */
+/* What the maps of clusters show, as an image of positions, w 1 on a surface, else 0: along each texel's ray,
+ * (p, sqrt(2) (1 - max |p|)) in the frame of the map (Cigolle et al. 2014), as far as the map says. */
 static struct dump_entry map_positions(const struct dump *dump)
 {
     struct dump_entry views = dump_read(dump, NULL, "first.views");
-    struct dump_entry map = dump_read(dump, NULL, "paraboloid_distance");
+    struct dump_entry map = dump_read(dump, NULL, "first.reach");
     struct dump_entry positions = dump_read(dump, NULL, "gbuffer_position"); /* its format */
     const size_t size = map.width;
     dump_entry_free(&positions);
@@ -359,23 +359,31 @@ static struct dump_entry map_positions(const struct dump *dump)
         size_t x = i % size, y = i / size % size, layer = i / size / size;
         double p[2] = {(2 * (double)x + 1) / (double)size - 1,
                        (2 * (double)y + 1) / (double)size - 1};
-        double s = p[0] * p[0] + p[1] * p[1];
+        double up = sqrt(2) * (1 - fmax(fabs(p[0]), fabs(p[1])));
         float reach[4], position[4];
         dump_texel(&map, x, y, layer, reach);
         position[3] = reach[0] < 1e29f;
         reach[0] *= position[3]; /* nothing is seen: the eye itself */
         for (int c = 0; c < 3; ++c) {
-            double direction = (2 * p[0] * vec(&views, layer, "tangent")[c] +
-                                2 * p[1] * vec(&views, layer, "bitangent")[c] +
-                                (1 - s) * vec(&views, layer, "normal")[c]) /
-                               (1 + s);
-            position[c] = (float)(vec(&views, layer, "position")[c] + direction * reach[0]);
+            double ray = p[0] * vec(&views, layer, "tangent")[c] +
+                         p[1] * vec(&views, layer, "bitangent")[c] +
+                         up * vec(&views, layer, "normal")[c];
+            position[c] = (float)(vec(&views, layer, "position")[c] + ray * reach[0]);
         }
         memcpy(positions.data + i * positions.stride, position, sizeof position);
     }
     dump_entry_free(&views);
     dump_entry_free(&map);
     return positions;
+}
+
+/* The map's texel in the direction that a point of the unit disk has in paraboloid projection. */
+static void map_texel(const double disk[2], size_t texel[2])
+{
+    double edge = 2 * fmax(fabs(disk[0]), fabs(disk[1]));
+    double reach = edge + (1 - disk[0] * disk[0] - disk[1] * disk[1]) / sqrt(2);
+    for (int i = 0; i < 2; ++i)
+        texel[i] = (size_t)fmin(fmax((disk[i] / reach + 0.5) * MAP_SIZE, 0), MAP_SIZE - 1);
 }
 
 /* Reflectance of the Cornell Box, from cornell.mtl: the side walls are red and green, all else is white. */
@@ -397,7 +405,7 @@ static void check_second_flux(const char *backend, bool by_power)
     struct dump_entry second = dump_read(&dump, NULL, "second_vpl");
     struct dump_entry position = map_positions(&dump);
     assert_int_equal(second.count, SECOND_VPLS);
-    assert_int_equal(position.width, PARABOLOID_SIZE);
+    assert_int_equal(position.width, MAP_SIZE);
     double cluster_flux[CLUSTERS][3] = {{0}}, power[CLUSTERS] = {0}, first_sum = 0, second_sum = 0;
     for (unsigned k = 0; k < FIRST_VPLS; ++k) {
         int label;
@@ -421,11 +429,9 @@ static void check_second_flux(const char *backend, bool by_power)
                weight = 4 * (1 - s) / (pow(1 + s, 3) * samples[k].number);
         weights += weight / CLUSTERS;
         float x[4];
-        size_t tx =
-            (size_t)fmin(fmax((p[0] * 0.5 + 0.5) * PARABOLOID_SIZE, 0), PARABOLOID_SIZE - 1);
-        size_t ty =
-            (size_t)fmin(fmax((p[1] * 0.5 + 0.5) * PARABOLOID_SIZE, 0), PARABOLOID_SIZE - 1);
-        dump_texel(&position, tx, ty, samples[k].cluster, x);
+        size_t texel[2];
+        map_texel(p, texel);
+        dump_texel(&position, texel[0], texel[1], samples[k].cluster, x);
         if (distance3(vec(&second, k, "position"), x) > 1e-6)
             continue; /* the point lies on the border of two texels, where float and double may part */
         checked++;
@@ -530,19 +536,20 @@ static unsigned count_at(const struct dump_entry *vpls, const struct dump_entry 
     unsigned count = 0, n = disk ? SECOND_VPLS / CLUSTERS : FIRST_VPLS;
     for (unsigned k = 0; k < vpls->count; ++k) {
         double u[2] = {(double)(k % n) / n, radical_inverse(k % n)}, p[2];
+        size_t texel[2];
         float x[4];
         if (disk) {
             concentric(u[0], u[1], p);
             double radius = sqrt(fraction(p[0] * p[0] + p[1] * p[1] + shift[0]));
             double angle = atan2(p[1], p[0]) + 2 * pi * shift[1];
-            u[0] = 0.5 + 0.5 * radius * cos(angle);
-            u[1] = 0.5 + 0.5 * radius * sin(angle);
+            u[0] = radius * cos(angle);
+            u[1] = radius * sin(angle);
+            map_texel(u, texel);
         } else {
-            u[0] = fraction(u[0] + shift[0]);
-            u[1] = fraction(u[1] + shift[1]);
+            for (int i = 0; i < 2; ++i)
+                texel[i] = (size_t)(fraction(u[i] + shift[i]) * RSM_SIZE);
         }
-        dump_texel(position, (size_t)(u[0] * (double)position->width),
-                   (size_t)(u[1] * (double)position->height), disk ? k / n : 0, x);
+        dump_texel(position, texel[0], texel[1], disk ? k / n : 0, x);
         count += distance3(vec(vpls, k, "position"), x) < 1e-6;
     }
     return count;
@@ -587,21 +594,58 @@ static uint64_t count_indices(struct dump *dump, const char *name)
     return count;
 }
 
+/* A ball with bumps, seen from within: 9,400 triangles, none of which lie in one plane and overlap.
+ * Equal depths would go to the triangle that is drawn first. */
+static void write_ball(const char *folder)
+{
+    enum { ROUND = 80, DOWN = 60 };
+    char path[64];
+    snprintf(path, sizeof path, "%s/ball.obj", folder);
+    FILE *mesh = fopen(path, "w");
+    assert_non_null(mesh);
+    for (int v = 0; v <= DOWN; ++v)
+        for (int u = 0; u < ROUND; ++u) {
+            double theta = pi * v / DOWN, phi = 2 * pi * u / ROUND;
+            double r = 1 + 0.15 * sin(7 * theta) * sin(5 * phi);
+            fprintf(mesh, "v %.6f %.6f %.6f\n", r * sin(theta) * cos(phi), r * cos(theta),
+                    r * sin(theta) * sin(phi));
+        }
+    for (int v = 0; v < DOWN; ++v)
+        for (int u = 0; u < ROUND; ++u) {
+            int a = v * ROUND + u + 1, b = v * ROUND + (u + 1) % ROUND + 1;
+            fprintf(mesh, "f %d %d %d\nf %d %d %d\n", a, b, b + ROUND, a, b + ROUND, a + ROUND);
+        }
+    assert_int_equal(fclose(mesh), 0);
+    snprintf(path, sizeof path, "%s/ball.yaml", folder);
+    FILE *scene = fopen(path, "w");
+    assert_non_null(scene);
+    fprintf(scene, "mesh: ball.obj\n"
+                   "camera: {eye: [0, 0, 0.3], target: [0, 0, -1], fov_y: 60}\n"
+                   "light: {kind: spot, position: [0, 0.1, 0], target: [1, 0.3, 0.2], cone: [30, "
+                   "40], intensity: [9, 9, 9]}\n");
+    assert_int_equal(fclose(scene), 0);
+}
+
 /* A map shows the same, and second-bounce VPLs find the same surface in it, whether it draws the whole
  * scene, as it does where too few triangles are culled or its list finds no room, or a list of the
  * triangles that can show in it; these are less. */
 static void culling_changes_no_texel(void **state)
 {
     (void)state;
-    static const char *const shown[] = {"paraboloid_distance", "second_vpl", "second_distance"};
-    static const char *const sets[] = {"--set cull_triangles=1", "--set map_triangles=1000", ""};
-    static const char *const buffers[] = {"paraboloid.draws", "paraboloid.whole_draws"};
+    static const char *const shown[] = {"first.reach", "second_vpl", "second.reach"};
+    static const char *const sets[] = {"--set cull_triangles=1", "--set map_triangles=3000", ""};
+    static const char *const buffers[] = {"first.map.draws", "first.map.whole_draws"};
+    char folder[] = "/tmp/oracle_test.XXXXXX", arguments[256];
+    assert_non_null(mkdtemp(folder));
+    write_ball(folder);
     for (int b = 0; b < 2; ++b) {
         uint64_t drawn[3][2] = {{0}};
         struct dump_entry whole[3] = {0};
         for (int i = 0; i < 3; ++i) {
             struct dump dump;
-            render(&dump, "spot", backends[b], sets[i]);
+            snprintf(arguments, sizeof arguments, "--scene %s/ball.yaml --backend %s" COMMON "%s",
+                     folder, backends[b], sets[i]);
+            dump_render(&dump, arguments);
             for (int m = 0; m < 3; ++m) {
                 struct dump_entry map = dump_read(&dump, NULL, shown[m]);
                 if (i == 0)
@@ -621,6 +665,8 @@ static void culling_changes_no_texel(void **state)
         assert_true(drawn[1][0] > 0 && drawn[1][1] > 0);
         assert_true(drawn[2][1] == 0 && drawn[2][0] < drawn[0][1]);
     }
+    snprintf(arguments, sizeof arguments, "rm -r %s", folder);
+    assert_int_equal(system(arguments), 0);
 }
 
 /* Where nothing moves, k-means begun anew ends in every frame where it ended in the first; begun with the

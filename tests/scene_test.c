@@ -140,16 +140,6 @@ static void assert_numbered(const struct scene *scene)
         assert_int_equal(scene->data.vertices[scene->data.indices[3 * t]].triangle, t);
 }
 
-static double longest_edge(const struct scene *scene)
-{
-    double longest = 0;
-    for (uint32_t i = 0; i < scene->data.index_count; i++) {
-        struct vec edge = sub(position(scene, i), position(scene, i % 3 == 2 ? i - 2 : i + 1));
-        longest = fmax(longest, sqrt(dot(edge, edge)));
-    }
-    return longest;
-}
-
 struct edge {
     float from[3], to[3];
 };
@@ -193,11 +183,11 @@ static const char box_obj[] =
     "v 0 0 0\nv 4 0 0\nv 4 1 0\nv 0 1 0\nv 0 0 3\nv 4 0 3\nv 4 1 3\nv 0 1 3\n"
     "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
 
-static void box_is_subdivided_without_cracks(void **state)
+static void box_is_closed_and_faces_outwards(void **state)
 {
     (void)state;
     put("box.obj", box_obj);
-    put("box.yaml", "mesh: box.obj\nsubdivide: 0.1\n" CAMERA SUN);
+    put("box.yaml", "mesh: box.obj\n" CAMERA SUN);
     struct scene scene;
     struct heard heard = {{0}, ""};
     load(&scene, at("box.yaml"), &heard);
@@ -205,7 +195,7 @@ static void box_is_subdivided_without_cracks(void **state)
     assert_int_equal(scene.degenerate_triangles, 0);
     double radius = sqrt(16 + 1 + 9) / 2, area = 0;
     assert_true(fabs(scene.radius - radius) < 1e-5);
-    assert_true(longest_edge(&scene) <= 0.1 * radius * 1.000001);
+    assert_int_equal(scene.data.index_count, 3 * 12);
     assert_true(is_watertight(&scene));
     assert_normals(&scene);
     assert_numbered(&scene);
@@ -243,21 +233,6 @@ static void triangles_are_numbered_by_their_first_vertex(void **state)
     }
 }
 
-static void subdivision_stops_at_its_limit_and_says_so(void **state)
-{
-    (void)state;
-    put("box.obj", box_obj);
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    struct mesh mesh;
-    assert_true(mesh_import(&mesh, at("box.obj"), 1, &log));
-    assert_true(mesh_subdivide(&mesh, 0.001f, 5000, &log));
-    assert_in_range(mesh.index_count / 3, 13, 5000);
-    assert_int_equal(heard.count[DT_WARNING], 1);
-    assert_non_null(strstr(heard.text, "5000"));
-    mesh_free(&mesh);
-}
-
 /* Tabs, carriage returns and negative indices as the archive's Cornell Boxes have them; two
  * triangles without area. */
 static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
@@ -265,7 +240,7 @@ static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
     (void)state;
     put("odd.obj", "# odd\r\nv\t0 0 0\r\nv\t1  0 0   \r\nv\t1 1 0\r\nv\t0 1 0\r\nf -4 -3 -2 -1\r\n"
                    "v 0.5 0 0\r\nf 1 2 2\r\nf 1 5 2\r\nf 1 2 4\r\n");
-    put("odd.yaml", "mesh: odd.obj\nscale: 2\nsubdivide: 0\n" CAMERA SUN);
+    put("odd.yaml", "mesh: odd.obj\nscale: 2\n" CAMERA SUN);
     struct scene scene;
     struct heard heard = {{0}, ""};
     load(&scene, at("odd.yaml"), &heard);
@@ -308,7 +283,7 @@ static void gltf_nodes_are_flattened(void **state)
         "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
         "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
         "\"min\":[0,0,0],\"max\":[1,1,0]}]}");
-    put("t.yaml", "mesh: t.gltf\nsubdivide: 0\n" CAMERA SUN);
+    put("t.yaml", "mesh: t.gltf\n" CAMERA SUN);
     struct scene scene;
     struct heard heard = {{0}, ""};
     load(&scene, at("t.yaml"), &heard);
@@ -364,7 +339,7 @@ static void gltf_brings_camera_and_light(void **state)
     struct scene scene;
     struct heard heard = {{0}, ""};
     put_viewed_gltf();
-    put("v.yaml", "mesh: v.gltf\nscale: 2\nsubdivide: 0\n");
+    put("v.yaml", "mesh: v.gltf\nscale: 2\n");
     load(&scene, at("v.yaml"), &heard);
     assert_int_equal(heard.count[DT_INFO], 2); /* tells which */
     assert_vector(scene.camera.eye, 22, 4, 6);
@@ -377,7 +352,7 @@ static void gltf_brings_camera_and_light(void **state)
     assert_vector(scene.light.color, 1, 0.5, 0.25); /* 683 lm/W */
     assert_true(fabs((double)scene.light.cone[1] - 0.6) < 1e-5);
     scene_free(&scene);
-    put("v.yaml", "mesh: v.gltf\nsubdivide: 0\nlight: sun\n" CAMERA);
+    put("v.yaml", "mesh: v.gltf\nlight: sun\n" CAMERA);
     load(&scene, at("v.yaml"), &heard);
     assert_vector(scene.camera.eye, 0, 0, 5);
     assert_int_equal(scene.light.kind, DT_LIGHT_DIRECTIONAL);
@@ -423,7 +398,7 @@ static void textures_fill_the_array(void **state)
     put("t.mtl",
         "newmtl a\nKd 0 0 0\nmap_Kd opaque.png\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n"
         "newmtl c\nKd 0.1 0.2 0.3\nmap_Kd none.png\n");
-    put("t.yaml", "mesh: t.obj\nsubdivide: 0\n" CAMERA SUN);
+    put("t.yaml", "mesh: t.obj\n" CAMERA SUN);
     struct scene scene;
     struct heard heard = {{0}, ""};
     load(&scene, at("t.yaml"), &heard);
@@ -519,7 +494,6 @@ static void cornell_box_has_the_published_measures(void **state)
     assert_area(area_of(&scene, 0.725f, down), 556 * 559.2);
     assert_area(area_of(&scene, 0.725f, front), 0.5 * (549.6 + 556) * 548.8);
     assert_area(area_of(&scene, 0.14f, right), 559.2 * 548.8);
-    assert_true(longest_edge(&scene) <= scene.radius / 16 * 1.000001);
     scene_free(&scene);
 }
 
@@ -875,7 +849,7 @@ static void load_moving(struct scene *scene, const char *light, const char *moti
     struct heard heard = {{0}, ""};
     const struct dt_log log = {hear, &heard};
     put("box.obj", box_obj);
-    snprintf(text, sizeof text, "mesh: box.obj\nsubdivide: 0\n" CAMERA "%s", light);
+    snprintf(text, sizeof text, "mesh: box.obj\n" CAMERA "%s", light);
     put("moving.yaml", text);
     put("motion.yaml", motion);
     load(scene, at("moving.yaml"), &heard);
@@ -1084,9 +1058,8 @@ static void a_child_answers_refuses_or_crashes_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(box_is_subdivided_without_cracks),
+        cmocka_unit_test(box_is_closed_and_faces_outwards),
         cmocka_unit_test(triangles_are_numbered_by_their_first_vertex),
-        cmocka_unit_test(subdivision_stops_at_its_limit_and_says_so),
         cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
         cmocka_unit_test(gltf_nodes_are_flattened),
         cmocka_unit_test(gltf_brings_camera_and_light),

@@ -82,13 +82,13 @@ else
 fi
 # Loops over hundreds of VPLs and dozens of eyes that are written out are most of the time, and nobody asks for them here.
 rolled=()
-for range in shade.ranges.{first,second}{,_eye}_range {,second_}paraboloid.test.ranges.elements; do
+for range in shade.ranges.{first,second}{,_eye}_range {first,second}.map.test.ranges.elements; do
     rolled+=(--set "passes.$range.loop=roll" --set "passes.$range.storage=buffer")
 done
 # Unwritten memory differs between the backends, so that a k-means that a driver cuts short is seen.
 check "k-means ends by itself with every parameter at its max" \
     "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=2048 --set clusters=64 --set kmeans_iterations=32 \
-    --set position_weight=0 --set rsm_size=64 --set paraboloid_size=16 --set second_vpls=64 "${rolled[@]}"
+    --set position_weight=0 --set rsm_size=64 --set map_size=16 --set second_vpls=64 "${rolled[@]}"
 
 # ---- The generator ----------------------------------------------------------------------------------------------------
 
@@ -299,7 +299,7 @@ check "a grid over a name that the spec does not know starts no run" no_run "did
 
 # ---- Interrupted ------------------------------------------------------------------------------------------------------
 
-# The second of two runs is held up by a scene of four million triangles.
+# The second of two runs is held up by a mesh of two million triangles.
 held=$work/held
 mkdir "$held"
 cp "$spot" "$held/one.yaml"
@@ -310,7 +310,8 @@ sweep=("$diptych" sweep --scene "$held/one.yaml" --scene "$held/two.yaml" --spec
 # shellcheck disable=SC2317
 interrupted() {
     local pid
-    echo "subdivide: 0.0001" >>"$held/two.yaml"
+    { printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n' && yes 'f 1 2 3' | head -n 2000000; } >"$held/heavy.obj"
+    sed -i 's|^mesh: .*|mesh: heavy.obj|' "$held/two.yaml"
     "${sweep[@]}" &
     pid=$!
     for _ in $(seq 600); do

@@ -1,14 +1,15 @@
 /* Irradiance, W/m2, from the VPLs of a pixel's class, with soft visibility by cluster. */
 #include "../ssvp/vpl.glsl"
 
-/* Whether the eye sees the receiver, with the map shifted by some texels; `seen`: distance of the
- * map's surface. */
-bool sees(ClusterView e, int layer, vec3 d, vec3 n, vec2 shift, float closest, out float seen)
+/* Whether the eye sees the receiver, with the map shifted by some texels. `apart`: how far the map's
+ * surface lies before the receiver, as the difference of inverse reaches. */
+bool sees(ClusterView e, int layer, vec3 d, vec3 n, vec2 shift, float closest, out float apart)
 {
-    float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
-    vec2 middle = vec2(0.5 * float(paraboloid_size)) + shift;
-    Sight s = sight(d, e.tangent, e.bitangent, e.normal, closest, middle);
-    seen = map_distance(ivec3(s.texel, layer)).r;
+    float bias = visibility_bias * (2.28 / float(map_size));
+    vec2 middle = vec2(0.5 * float(map_size)) + shift;
+    Sight s = sight(d, e.tangent, e.bitangent, e.normal, middle);
+    float seen = map_reach(ivec3(s.texel, layer)).r;
+    apart = 1.0 / max(seen, 0.1 * s.reach) - 1.0 / s.reach;
     return is_seen(s, e.tangent, e.bitangent, e.normal, n, seen, bias);
 }
 
@@ -19,24 +20,23 @@ bool sees(ClusterView e, int layer, vec3 d, vec3 n, vec2 shift, float closest, o
 float visible(ClusterView e, int layer, vec3 x, vec3 n, vec2 turn, float closest)
 {
     vec3 d = x - e.position;
-    float reach = sqrt(max(dot(d, d), closest));
-    /* In texels per radian: tan(angle / 2) is the radius in the map. */
-    float texels = 0.5 * float(paraboloid_size) * reach / (reach + max(dot(d, e.normal), 0.0));
-    float size = texels * light_size * sqrt(e.area / PI);
+    float far = sqrt(max(dot(d, d), closest));
+    /* A texel's side is sqrt(2 PI) / map_size in radians, on average. */
+    float size = 0.4 * float(map_size) * light_size * sqrt(e.area / PI);
     vec2 side = vec2(-turn.y, turn.x);
     vec2 taps[4] = vec2[](0.25 * turn, 0.5 * side, -0.75 * turn, -side);
-    float apart = 0.0;
+    float before = 0.0;
     float hidden = 0.0;
     float lit = 0.0;
-    float seen;
+    float apart;
     for (int k = 0; k < 4; k++) {
-        bool open = sees(e, layer, d, n, taps[k] * (size / reach), closest, seen);
-        apart += open ? 0.0 : 1.0 / max(seen, 0.1 * reach) - 1.0 / reach;
+        bool open = sees(e, layer, d, n, taps[k] * (size / far), closest, apart);
+        before += open ? 0.0 : apart;
         hidden += open ? 0.0 : 1.0;
     }
-    float width = size * max(apart, 0.0) / max(hidden, 1.0);
+    float width = size * max(before, 0.0) / max(hidden, 1.0);
     for (int k = 0; k < 4; k++)
-        lit += sees(e, layer, d, n, taps[k] * width, closest, seen) ? 0.25 : 0.0;
+        lit += sees(e, layer, d, n, taps[k] * width, closest, apart) ? 0.25 : 0.0;
     return lit;
 }
 

@@ -8,12 +8,12 @@ void main()
     vec3 x = gbuffer_position(p).xyz;
     vec3 n = gbuffer_normal(p).xyz;
     float closest = 1e-8 * frame.scene_radius * frame.scene_radius;
-    vec2 middle = vec2(0.5 * float(paraboloid_size));
-    float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
+    vec2 middle = vec2(0.5 * float(map_size));
+    float bias = visibility_bias * (2.28 / float(map_size));
     vec3 sum = vec3(0.0);
     for (ClassVpl v : all_lights) {
-        Sight s = sight(x - v.eye, v.tangent, v.bitangent, v.axis, closest, middle);
-        float seen = map_distance(ivec3(s.texel, v.layer)).r;
+        Sight s = sight(x - v.eye, v.tangent, v.bitangent, v.axis, middle);
+        float seen = map_reach(ivec3(s.texel, v.layer)).r;
         bool lit = is_seen(s, v.tangent, v.bitangent, v.axis, n, seen, bias);
         float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
         sum += v.flux * (lit ? geometry : 0.0);

@@ -24,4 +24,9 @@ void main()
     lights[k].tangent = tangent;
     lights[k].bitangent = bitangent;
     lights[k].axis = axis;
+    draws[k].index_count = 3u * frame.triangle_count;
+    draws[k].instance_count = 4u;
+    draws[k].first_index = 0u;
+    draws[k].vertex_offset = 0;
+    draws[k].first_instance = uint(5 * k + 1); /* map_triangles.glsl */
 }

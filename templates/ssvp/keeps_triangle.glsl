@@ -1,20 +1,39 @@
-/* Which triangles a cluster's map draws: not those behind the plane through its eye, and not those
- * that cover no texel centre, which are most others in finely meshed scenes (Wihlidal, GDC 2016).
+/* Which triangles a cluster's map draws, and in which list: 1 for those within one view of the
+ * pyramid, 2 for those across views (map_triangles.glsl). Not those behind the plane through the eye,
+ * and not those within a view that cover no texel centre, which are most others in finely meshed
+ * scenes (Wihlidal, GDC 2016).
  *
- * Corners are projected to texels as in paraboloid_map.glsl. Rasterizers snap corners to a grid, up
+ * Rasterizers snap corners to a grid, up
  * to 1/512 of a texel away with the usual 8 bits, and arithmetic rounds. So triangles closer than
  * SNAP to a centre stay. Triangles across the horizon stay, too: their projection has no bounds. No
  * branches: drivers that run on CPUs then keep all values in registers. */
 
+#include "map.glsl"
+
 const float SNAP = 1.0 / 256.0;
 const int ROWS = 4; /* a triangle across more rows nearly always covers a centre */
 
-/* x, y: texels; z: height over the eye's plane. */
-vec3 place(vec3 d, vec3 tangent, vec3 bitangent, vec3 normal)
+vec3 local_of(vec3 d, ClusterView v)
 {
-    vec3 local = vec3(dot(d, tangent), dot(d, bitangent), dot(d, normal));
-    float scale = 0.5 * float(paraboloid_size) / (length(d) + local.z);
-    return vec3(local.xy * scale + 0.5 * float(paraboloid_size), local.z);
+    return vec3(dot(d, v.tangent), dot(d, v.bitangent), dot(d, v.normal));
+}
+
+/* x, y: texels; z: height over the eye's plane. */
+vec3 place(vec3 local)
+{
+    float middle = 0.5 * float(map_size);
+    return vec3(local.xy * (middle / reach_of(local)) + middle, local.z);
+}
+
+bool both_signs(float a, float b, float c)
+{
+    return min(min(a, b), c) < 0.0 && max(max(a, b), c) > 0.0;
+}
+
+/* Views border on x = y and x = -y. */
+bool lies_across(vec3 a, vec3 b, vec3 c)
+{
+    return both_signs(a.x - a.y, b.x - b.y, c.x - c.y) || both_signs(a.x + a.y, b.x + b.y, c.x + c.y);
 }
 
 /* Whether the triangle covers one of the texel centres (0, 0) to `last`, in at most ROWS rows.
@@ -41,7 +60,7 @@ bool covers_centre(vec2 a, vec2 b, vec2 c, float turn, vec2 last)
     return covers;
 }
 
-bool draws_triangle(vec3 a, vec3 b, vec3 c)
+bool draws_triangle(vec3 a, vec3 b, vec3 c, bool across)
 {
     float slack = 1e-5 * frame.scene_radius;
     bool behind = max(max(a.z, b.z), c.z) < -slack;
@@ -63,13 +82,15 @@ bool draws_triangle(vec3 a, vec3 b, vec3 c)
     float area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
     bool few = abs(area) > 1e-3 * max(last.x, 1.0) && last.y < float(ROWS);
     bool beside = few && !covers_centre(p, q, r, area > 0.0 ? 1.0 : -1.0, last);
-    return !behind && !(before && (between || beside));
+    return !behind && !(before && !across && (between || beside));
 }
 
-bool keeps_triangle(vec3 a, vec3 b, vec3 c, ClusterView v)
+uint keeps_triangle(vec3 a, vec3 b, vec3 c, ClusterView v)
 {
-    bool drawn = draws_triangle(place(a - v.position, v.tangent, v.bitangent, v.normal),
-                                place(b - v.position, v.tangent, v.bitangent, v.normal),
-                                place(c - v.position, v.tangent, v.bitangent, v.normal));
-    return drawn && v.member >= 0;
+    vec3 p = local_of(a - v.position, v);
+    vec3 q = local_of(b - v.position, v);
+    vec3 r = local_of(c - v.position, v);
+    bool across = lies_across(p, q, r);
+    bool drawn = draws_triangle(place(p), place(q), place(r), across);
+    return drawn && v.member >= 0 ? (across ? 2u : 1u) : 0u;
 }

@@ -1,5 +1,6 @@
-/* Second-bounce VPLs: uniform samples of the unit disk in each cluster's paraboloid map. With r the
- * distance to the centre of the disk, Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), the solid
+/* Second-bounce VPLs: uniform samples of the unit disk, which is each cluster's hemisphere in
+ * paraboloid projection (Heidrich, Seidel 1998), looked up in the cluster's map. With r the distance
+ * to the centre of the disk, Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), the solid
  * angle of a texel times the cosine of the emitter (derived in the notes on formulae from dw = 4 dA
  * / (1 + r^2)^2 and cos = (1 - r^2) / (1 + r^2)); the weights sum to 1.
  *
@@ -56,11 +57,12 @@ DiskSample share_by_flux(int k, float all)
     return drawn;
 }
 
-/* The map's texel at the place p of the unit disk. */
-ivec2 map_texel(vec2 p)
+/* The map's texel in a direction of the hemisphere. */
+ivec2 map_texel(vec3 local)
 {
-    ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(paraboloid_size)));
-    return clamp(texel, ivec2(0), ivec2(paraboloid_size - 1));
+    vec2 p = local.xy / reach_of(local);
+    ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(map_size)));
+    return clamp(texel, ivec2(0), ivec2(map_size - 1));
 }
 
 /* N samples on the unit disk are N / pi per unit of its area, hence N (1 + s)^2 / (4 pi) per
@@ -79,13 +81,13 @@ float samples_around(int c, float samples, vec3 x, vec3 n)
 {
     vec3 d = x - views[c].position;
     float square = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
-    float reach = sqrt(square);
+    float far = sqrt(square);
     float ahead = dot(d, views[c].normal);
-    vec2 p = vec2(dot(d, views[c].tangent), dot(d, views[c].bitangent))
-        / (reach + max(ahead, 0.0));
-    float seen = paraboloid_distance(ivec3(map_texel(p), c)).x;
-    float cosine = -dot(n, d) / reach;
-    bool sees = seen < 1e29 && ahead > 0.0 && cosine > 0.0 && seen * seen > 0.94 * square;
+    vec3 local = vec3(dot(d, views[c].tangent), dot(d, views[c].bitangent), max(ahead, 1e-6 * far));
+    vec2 p = local.xy / (far + local.z);
+    float seen = reach(ivec3(map_texel(local), c)).x;
+    float cosine = -dot(n, d) / far;
+    bool sees = seen < 1e29 && ahead > 0.0 && cosine > 0.0 && seen > 0.97 * reach_of(local);
     return sees ? samples_per_area(c, samples, min(dot(p, p), 1.0), square, cosine) : 0.0;
 }
 
@@ -113,8 +115,8 @@ void main()
     DiskSample drawn = second_by_flux == 1 ? share_by_flux(k, all) : equal_share(k);
     int c = drawn.cluster;
     vec2 p = shift_disk(drawn.place);
-    Seen seen = surface_of(ivec3(map_texel(p), c));
     float s = min(dot(p, p), 1.0);
+    Seen seen = surface_of(ivec3(map_texel(vec3(2.0 * p, 1.0 - s)), c));
     float square = (1.0 + s) * (1.0 + s);
     float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.number);
     vec3 flux = seen.albedo * views[c].flux * weight;

@@ -1,10 +1,10 @@
-/* The surface that a texel of a paraboloid map shows, from the number of the triangle in the texel.
- * Included by passes that sample the maps. */
+/* The surface that a texel of a map shows, from the number of the triangle in the texel. Included by
+ * passes that sample the maps. */
 #include "../shared/space.glsl"
 #include "../shared/facing.glsl"
 #include "../shared/texture.glsl"
 #include "../shared/triangle.glsl"
-#include "texel.glsl"
+#include "map.glsl"
 
 struct Seen {
     bool surface; /* false: the light left the scene */
@@ -33,14 +33,14 @@ vec3 albedo_of(Triangle t, vec3 weights, float extent)
 Seen surface_of(ivec3 at)
 {
     Seen seen;
-    uint number = paraboloid_triangle(at).x;
-    seen.surface = number > 0u;
-    Triangle t = triangle_of(max(number, 1u) - 1u);
-    vec3 d = texel_direction(vec2(at.xy) + 0.5);
-    vec3 direction = views[at.z].tangent * d.x + views[at.z].bitangent * d.y +
-                     views[at.z].normal * d.z;
-    float reach = seen.surface ? paraboloid_distance(at).x : 0.0;
-    seen.position = views[at.z].position + direction * reach;
+    uint found = number(at).x;
+    seen.surface = found > 0u;
+    Triangle t = triangle_of(max(found, 1u) - 1u);
+    vec3 ray = texel_ray(vec2(at.xy) + 0.5);
+    vec3 along = views[at.z].tangent * ray.x + views[at.z].bitangent * ray.y +
+                 views[at.z].normal * ray.z;
+    float far = seen.surface ? reach(at).x : 0.0;
+    seen.position = views[at.z].position + along * far;
 
     vec3 e = corner_position(t.b) - corner_position(t.a);
     vec3 f = corner_position(t.c) - corner_position(t.a);
@@ -52,10 +52,11 @@ Seen surface_of(ivec3 at)
         vec3(0.0, dot(cross(to, f), unit), dot(cross(e, to), unit)) / twice_area);
     vec3 normal = corner_normal(t.a) * weights.x + corner_normal(t.b) * weights.y +
                   corner_normal(t.c) * weights.z;
-    seen.normal = facing_normal(normal, geometric, -direction);
-    /* 4 / (1 + s)^2 per area of the disk, with the direction's z = 2 / (1 + s) - 1. */
-    float omega = 4.0 * (1.0 + d.z) * (1.0 + d.z) / float(paraboloid_size * paraboloid_size);
-    float slope = max(abs(dot(unit, direction)), 0.1);
-    seen.albedo = albedo_of(t, weights, omega * reach * reach / (slope * twice_area));
+    seen.normal = facing_normal(normal, geometric, -along);
+    /* Area of the surface in the texel. Of a square of side 2 at reach 1, seen along a ray:
+     * dw = dA / (SLANT ray^3). */
+    float texel = 4.0 / float(map_size * map_size);
+    float slope = max(abs(dot(unit, along)), 0.1 * length(ray));
+    seen.albedo = albedo_of(t, weights, texel * far * far / (SLANT * slope * twice_area));
     return seen;
 }

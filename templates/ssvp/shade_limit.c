@@ -11,7 +11,7 @@ enum {
     LANES = 8,
     TILE_X = SSVP_PARAM_TILE_X,
     TILE_Y = SSVP_PARAM_TILE_Y,
-    MAP = SSVP_PARAM_PARABOLOID_SIZE,
+    MAP = SSVP_PARAM_MAP_SIZE,
     FIRST_EYES = SSVP_CONSTANT_FIRST_CLASS_EYES,
     SECOND_EYES = SSVP_PARAM_SECOND_CLUSTERS > 0 ? SSVP_CONSTANT_SECOND_CLASS_EYES : 0,
     MANY_EYES = FIRST_EYES > 32 || SECOND_EYES > 32
@@ -26,7 +26,7 @@ struct vec3x8 {
 
 /* What is the same for all pixels of a class. */
 struct setting {
-    __m256 closest, bias;
+    __m256 closest, nearest, bias; /* m2, m, per reach */
     __m256 middle[2]; /* of a map, in texels, moved by the class's stratum */
     const float *maps, *second_maps;
 };
@@ -120,25 +120,27 @@ static inline __m256 geometry_term(struct vec3x8 x, struct vec3x8 n, const struc
 static inline __m256 is_seen(struct vec3x8 x, struct vec3x8 n, const struct ssvp_Eye *e,
                              const struct setting *setting, const float *maps)
 {
+    const __m256 sign = all(-0.0f), slant = all(0.70710678f);
     struct vec3x8 c = from(x, e->position);
-    __m256 reach = square_root(_mm256_max_ps(dot(c, c), setting->closest));
-    __m256 w = _mm256_add_ps(reach, positive(dot_all(c, e->axis)));
-    __m256 scale = _mm256_mul_ps(all(0.5f * MAP), reciprocal(w));
-    __m256i column = texel_of(_mm256_fmadd_ps(dot_all(c, e->tangent), scale, setting->middle[0]));
-    __m256i row = texel_of(_mm256_fmadd_ps(dot_all(c, e->bitangent), scale, setting->middle[1]));
+    __m256 right = dot_all(c, e->tangent), up = dot_all(c, e->bitangent);
+    __m256 side = _mm256_max_ps(_mm256_andnot_ps(sign, right), _mm256_andnot_ps(sign, up));
+    __m256 reach = _mm256_max_ps(_mm256_fmadd_ps(positive(dot_all(c, e->axis)), slant, side),
+                                 setting->nearest);
+    __m256 scale = _mm256_mul_ps(all(0.5f * MAP), reciprocal(reach));
+    __m256i column = texel_of(_mm256_fmadd_ps(right, scale, setting->middle[0]));
+    __m256i row = texel_of(_mm256_fmadd_ps(up, scale, setting->middle[1]));
     __m256i texel = _mm256_add_epi32(_mm256_mullo_epi32(row, _mm256_set1_epi32(MAP)), column);
     __m256 seen = _mm256_i32gather_ps(maps + (size_t)e->layer * MAP * MAP, texel, 4);
 
     __m256 height = negative_dot(n, c);
     __m256 p = centre_of(column), q = centre_of(row);
-    __m256 one = all(1), square_p = _mm256_fmadd_ps(p, p, _mm256_mul_ps(q, q));
+    __m256 edge = _mm256_max_ps(_mm256_andnot_ps(sign, p), _mm256_andnot_ps(sign, q));
     __m256 across =
         _mm256_fmadd_ps(dot_all(n, e->tangent), p, _mm256_mul_ps(dot_all(n, e->bitangent), q));
     __m256 along = _mm256_fmadd_ps(
-        all(2), across, _mm256_mul_ps(dot_all(n, e->axis), _mm256_sub_ps(one, square_p)));
+        dot_all(n, e->axis), _mm256_mul_ps(all(1.41421356f), _mm256_sub_ps(all(1), edge)), across);
     __m256 allowed = _mm256_mul_ps(setting->bias, reach);
-    __m256 above = _mm256_sub_ps(height, allowed);
-    __m256 plane = _mm256_fmadd_ps(seen, along, _mm256_mul_ps(above, _mm256_add_ps(one, square_p)));
+    __m256 plane = _mm256_fmadd_ps(seen, along, _mm256_sub_ps(height, allowed));
     __m256 distance = _mm256_sub_ps(_mm256_sub_ps(reach, allowed), seen);
     __m256 faces = _mm256_cmp_ps(height, _mm256_setzero_ps(), _CMP_GT_OQ);
     __m256 before = _mm256_blendv_ps(distance, plane, faces);
@@ -223,10 +225,11 @@ static struct setting set_up(const struct dt_limit *limit, int class_x, int clas
     const float up = ((float)class_y + 0.5f) / TILE_Y - 0.5f;
     return (struct setting){
         .closest = all(1e-8f * radius * radius),
-        .bias = all(live->visibility_bias * (2.8284271f / MAP)),
+        .nearest = all(1e-4f * radius),
+        .bias = all(live->visibility_bias * (2.28f / MAP)),
         .middle = {all(0.5f * MAP + blur * right), all(0.5f * MAP + blur * up)},
-        .maps = (const void *)limit->inputs[SSVP_RESOURCE_PARABOLOID_DISTANCE].data,
-        .second_maps = (const void *)limit->inputs[SSVP_RESOURCE_SECOND_DISTANCE].data};
+        .maps = (const void *)limit->inputs[SSVP_RESOURCE_FIRST_REACH].data,
+        .second_maps = (const void *)limit->inputs[SSVP_RESOURCE_SECOND_REACH].data};
 }
 
 /* What a class is shaded from. */

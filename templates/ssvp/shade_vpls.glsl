@@ -6,17 +6,17 @@
     /* Each class looks up the maps at a small offset. The filter over the tile turns this into
      * percentage-closer filtering, visibility_blur texels wide. */
     vec2 stratum = vec2(interleave_class() % tile.x, interleave_class() / tile.x) + 0.5;
-    vec2 middle = 0.5 * float(paraboloid_size) + visibility_blur * (stratum / vec2(tile) - 0.5);
-    /* Half a texel's diagonal in radians at the centre of a map, where dw = 4 dA. */
-    float bias = visibility_bias * (2.8284271 / float(paraboloid_size));
+    vec2 middle = 0.5 * float(map_size) + visibility_blur * (stratum / vec2(tile) - 0.5);
+    /* Half the diagonal of a texel, in radians, where texels are largest. */
+    float bias = visibility_bias * (2.28 / float(map_size));
     vec3 sum = vec3(0.0);
 
     /* All VPLs of a cluster share the visibility of its eye. So each eye is tested once; the result
      * is a bit. */
     uvec2 lit = uvec2(0u);
     for (Eye e : first_eye_range) {
-        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, closest, middle);
-        float seen = paraboloid_distance(ivec3(s.texel, e.layer)).r;
+        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
+        float seen = first_reach(ivec3(s.texel, e.layer)).r;
         bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
         lit |= open ? e.bit : uvec2(0u);
     }
@@ -27,8 +27,8 @@
     lit = uvec2(0u);
     for (Eye e : second_eye_range) {
         if (second_visibility == 1) {
-            Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, closest, middle);
-            float seen = second_distance(ivec3(s.texel, e.layer)).r;
+            Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
+            float seen = second_reach(ivec3(s.texel, e.layer)).r;
             bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
             lit |= open ? e.bit : uvec2(0u);
         }

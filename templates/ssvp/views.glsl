@@ -1,4 +1,4 @@
-/* View of each cluster's paraboloid map, with flux and area of the cluster. The pass binds its
+/* View of each cluster's map, with flux and area of the cluster. The pass binds its
  * inputs as `points`, `labels` and `centres`, its output as `views`. A mean can float
  * in the air or lie inside geometry (the paper warns of it). So the eye is the member nearest to
  * the mean by the metric, lifted along that member's normal. The normal is also the map's axis: any
