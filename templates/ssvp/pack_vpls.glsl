@@ -2,7 +2,6 @@
  * uses the map of its cluster. So a class has the eyes of all clusters, or one per VPL if it has
  * fewer VPLs than there are clusters. Classes with one VPL less get a VPL of zero flux. */
 #include "classes.glsl"
-#include "eyes.glsl"
 
 void main()
 {
@@ -19,8 +18,10 @@ void main()
     shading[slot].position = points[k].position;
     shading[slot].disk = softness * points[k].area / PI;
     shading[slot].normal = points[k].normal;
+    vec3 off = points[k].position - views[c].position;
+    shading[slot].near = visibility_near * visibility_near * dot(off, off);
     shading[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
-    shading[slot].eye = eye_bit(all_clusters ? c : j);
+    shading[slot].eye = all_clusters ? c : j;
     if (j >= class_eyes)
         return;
     int place = slot / class_points * class_eyes + j;
@@ -30,5 +31,4 @@ void main()
     eyes[place].tangent = views[c].tangent;
     eyes[place].bitangent = views[c].bitangent;
     eyes[place].axis = views[c].normal;
-    eyes[place].bit = eye_bit(j);
 }

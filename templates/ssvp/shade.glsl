@@ -1,5 +1,4 @@
 /* Shading in place: each class reads and writes its own pixels, strided. */
-#include "eyes.glsl"
 #include "vpl.glsl"
 
 void main()

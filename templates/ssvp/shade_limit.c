@@ -14,7 +14,7 @@ enum {
     MAP = SSVP_PARAM_MAP_SIZE,
     FIRST_EYES = SSVP_CONSTANT_FIRST_CLASS_EYES,
     SECOND_EYES = SSVP_PARAM_SECOND_CLUSTERS > 0 ? SSVP_CONSTANT_SECOND_CLASS_EYES : 0,
-    MANY_EYES = FIRST_EYES > 32 || SECOND_EYES > 32
+    MOST_EYES = FIRST_EYES > SECOND_EYES ? FIRST_EYES : SECOND_EYES
 };
 
 /* Receivers that a rounding moves to the next texel of a map see another distance. */
@@ -27,7 +27,8 @@ struct vec3x8 {
 /* What is the same for all pixels of a class. */
 struct setting {
     __m256 closest, nearest, bias; /* m2, m, per reach */
-    __m256 middle[2]; /* of a map, in texels, moved by the class's stratum */
+    __m256 some;                   /* 1: hidden VPLs may be near, else 0 */
+    __m256 middle[2];              /* of a map, in texels, moved by the class's stratum */
     const float *maps, *second_maps;
 };
 
@@ -116,9 +117,9 @@ static inline __m256 geometry_term(struct vec3x8 x, struct vec3x8 n, const struc
     return _mm256_mul_ps(above, reciprocal(_mm256_mul_ps(square, cube)));
 }
 
-/* All bits of the lanes that the eye sees. */
-static inline __m256 is_seen(struct vec3x8 x, struct vec3x8 n, const struct ssvp_Eye *e,
-                             const struct setting *setting, const float *maps)
+/* Square of the distance within which the eye's VPLs are visible. */
+static inline __m256 open_square(struct vec3x8 x, struct vec3x8 n, const struct ssvp_Eye *e,
+                                 const struct setting *setting, const float *maps)
 {
     const __m256 sign = all(-0.0f), slant = all(0.70710678f);
     struct vec3x8 c = from(x, e->position);
@@ -144,30 +145,18 @@ static inline __m256 is_seen(struct vec3x8 x, struct vec3x8 n, const struct ssvp
     __m256 distance = _mm256_sub_ps(_mm256_sub_ps(reach, allowed), seen);
     __m256 faces = _mm256_cmp_ps(height, _mm256_setzero_ps(), _CMP_GT_OQ);
     __m256 before = _mm256_blendv_ps(distance, plane, faces);
-    return _mm256_cmp_ps(before, _mm256_setzero_ps(), _CMP_LE_OQ);
+    __m256 open = _mm256_cmp_ps(before, _mm256_setzero_ps(), _CMP_LE_OQ);
+    __m256 part = positive(_mm256_fnmadd_ps(seen, reciprocal(reach), all(1)));
+    __m256 square = _mm256_mul_ps(dot(c, c), _mm256_mul_ps(part, part));
+    return _mm256_blendv_ps(_mm256_mul_ps(square, setting->some), all(1e30f), open);
 }
 
-/* Bits of the eyes that see a lane. */
-struct eyes {
-    __m256i low, high;
-};
-
-static inline void look(struct eyes *lit, __m256 seen, const struct ssvp_Eye *e)
+static inline __m256 where_open(const __m256 *open, struct vec3x8 x, const struct ssvp_ClassVpl *v,
+                                __m256 geometry)
 {
-    __m256i mask = _mm256_castps_si256(seen);
-    __m256i low = _mm256_set1_epi32((int)e->bit[0]), high = _mm256_set1_epi32((int)e->bit[1]);
-    lit->low = _mm256_or_si256(lit->low, _mm256_and_si256(mask, low));
-    if (MANY_EYES)
-        lit->high = _mm256_or_si256(lit->high, _mm256_and_si256(mask, high));
-}
-
-static inline __m256 where_lit(struct eyes lit, const struct ssvp_ClassVpl *v, __m256 geometry)
-{
-    __m256i both = _mm256_and_si256(lit.low, _mm256_set1_epi32((int)v->eye[0]));
-    if (MANY_EYES)
-        both = _mm256_or_si256(both, _mm256_and_si256(lit.high, _mm256_set1_epi32((int)v->eye[1])));
-    __m256i hidden = _mm256_cmpeq_epi32(both, _mm256_setzero_si256());
-    return _mm256_andnot_ps(_mm256_castsi256_ps(hidden), geometry);
+    struct vec3x8 d = from(x, v->position);
+    __m256 farthest = _mm256_max_ps(open[v->eye], all(v->near));
+    return _mm256_and_ps(_mm256_cmp_ps(dot(d, d), farthest, _CMP_LT_OQ), geometry);
 }
 
 /* ---- Pixels ---------------------------------------------------------------------------------- */
@@ -223,13 +212,14 @@ static struct setting set_up(const struct dt_limit *limit, int class_x, int clas
     const float blur = live->visibility_blur;
     const float right = ((float)class_x + 0.5f) / TILE_X - 0.5f;
     const float up = ((float)class_y + 0.5f) / TILE_Y - 0.5f;
-    return (struct setting){
-        .closest = all(1e-8f * radius * radius),
-        .nearest = all(1e-4f * radius),
-        .bias = all(live->visibility_bias * (2.28f / MAP)),
-        .middle = {all(0.5f * MAP + blur * right), all(0.5f * MAP + blur * up)},
-        .maps = (const void *)limit->inputs[SSVP_RESOURCE_FIRST_REACH].data,
-        .second_maps = (const void *)limit->inputs[SSVP_RESOURCE_SECOND_REACH].data};
+    return (struct setting){.closest = all(1e-8f * radius * radius),
+                            .nearest = all(1e-4f * radius),
+                            .some = all(live->visibility_near > 0),
+                            .bias = all(live->visibility_bias * (2.28f / MAP)),
+                            .middle = {all(0.5f * MAP + blur * right), all(0.5f * MAP + blur * up)},
+                            .maps = (const void *)limit->inputs[SSVP_RESOURCE_FIRST_REACH].data,
+                            .second_maps =
+                                (const void *)limit->inputs[SSVP_RESOURCE_SECOND_REACH].data};
 }
 
 /* What a class is shaded from. */
@@ -259,20 +249,18 @@ static inline struct vec3x8 shade(const struct class *class, struct vec3x8 x, st
 {
     const struct setting *setting = &class->setting;
     struct vec3x8 sum = {all(0), all(0), all(0)};
-    struct eyes lit = {_mm256_setzero_si256(), _mm256_setzero_si256()}, lit2 = lit;
+    __m256 open[MOST_EYES];
     for (int k = 0; k < FIRST_EYES; k++)
-        look(&lit, is_seen(x, n, &class->first_eyes[k], setting, setting->maps),
-             &class->first_eyes[k]);
+        open[k] = open_square(x, n, &class->first_eyes[k], setting, setting->maps);
     for (int k = 0; k < SSVP_CONSTANT_FIRST_CLASS_POINTS; k++)
         add(&sum, class->first[k].flux,
-            where_lit(lit, &class->first[k], geometry_term(x, n, &class->first[k], setting)));
+            where_open(open, x, &class->first[k], geometry_term(x, n, &class->first[k], setting)));
     for (int k = 0; k < SECOND_EYES; k++)
-        look(&lit2, is_seen(x, n, &class->second_eyes[k], setting, setting->second_maps),
-             &class->second_eyes[k]);
+        open[k] = open_square(x, n, &class->second_eyes[k], setting, setting->second_maps);
     for (int k = 0; k < SSVP_CONSTANT_SECOND_CLASS_POINTS; k++) {
         __m256 geometry = geometry_term(x, n, &class->second[k], setting);
         add(&sum, class->second[k].flux,
-            SECOND_EYES ? where_lit(lit2, &class->second[k], geometry) : geometry);
+            SECOND_EYES ? where_open(open, x, &class->second[k], geometry) : geometry);
     }
     return sum;
 }

@@ -1,5 +1,4 @@
 /* Shading in split order: each class reads and writes a block of its own. */
-#include "eyes.glsl"
 #include "vpl.glsl"
 
 void main()

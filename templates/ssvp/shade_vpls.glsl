@@ -11,31 +11,37 @@
     float bias = visibility_bias * (2.28 / float(map_size));
     vec3 sum = vec3(0.0);
 
-    /* All VPLs of a cluster share the visibility of its eye. So each eye is tested once; the result
-     * is a bit. */
-    uvec2 lit = uvec2(0u);
+    /* All VPLs of a cluster share the map of its eye. It says how far away that is which hides the
+     * eye: VPLs nearer than this are visible. A VPL nearer than its eye is visible, too: what hides
+     * the eye says little about it. */
+    bool some = visibility_near > 0.0;
+    float first_open[first_class_eyes];
+    int k = 0;
     for (Eye e : first_eye_range) {
         Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
         float seen = first_reach(ivec3(s.texel, e.layer)).r;
         bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
-        lit |= open ? e.bit : uvec2(0u);
+        first_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
     }
     for (ClassVpl v : first_range) {
-        float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
-        sum += v.flux * (shares_bit(lit, v.eye) ? geometry : 0.0);
+        vec3 d = x - v.position;
+        float geometry = geometry_term(d, v.normal, v.disk, n, closest);
+        bool open = dot(d, d) < max(first_open[v.eye], v.near);
+        sum += v.flux * (open ? geometry : 0.0);
     }
-    lit = uvec2(0u);
+    float second_open[second_class_eyes];
+    k = 0;
     for (Eye e : second_eye_range) {
-        if (second_visibility == 1) {
-            Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
-            float seen = second_reach(ivec3(s.texel, e.layer)).r;
-            bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
-            lit |= open ? e.bit : uvec2(0u);
-        }
+        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
+        float seen = second_reach(ivec3(s.texel, e.layer)).r;
+        bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
+        second_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
     }
     for (ClassVpl v : second_range) {
-        float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
-        sum += v.flux * (second_visibility == 0 || shares_bit(lit, v.eye) ? geometry : 0.0);
+        vec3 d = x - v.position;
+        float geometry = geometry_term(d, v.normal, v.disk, n, closest);
+        bool open = second_visibility == 0 || dot(d, d) < max(second_open[v.eye], v.near);
+        sum += v.flux * (open ? geometry : 0.0);
     }
 
     /* Half floats end at 65504. */

@@ -40,9 +40,9 @@ Sight sight(vec3 from_eye, vec3 tangent, vec3 bitangent, vec3 axis, vec2 middle)
     return s;
 }
 
-/* The map's surface in the texel's direction, of reach `seen`, hides the receiver if it lies before
- * the receiver's tangent plane by more than `bias` times the reach. The receiver's own plane never
- * hides it. The reaches are compared if a receiver faces away from the eye. */
+/* Whether the map's surface in the texel's direction, of reach `seen`, hides the receiver: it lies
+ * before the receiver's tangent plane by more than `bias` times the reach. The receiver's own plane
+ * never hides it. The reaches are compared if a receiver faces away from the eye. */
 bool is_seen(Sight s, vec3 tangent, vec3 bitangent, vec3 axis, vec3 n, float seen, float bias)
 {
     float height = -dot(n, s.from_eye);
@@ -53,4 +53,11 @@ bool is_seen(Sight s, vec3 tangent, vec3 bitangent, vec3 axis, vec3 n, float see
     float behind = s.reach - allowed - seen;
     float before = height > 0.0 ? plane : behind;
     return before <= 0.0;
+}
+
+/* Square of the distance from the receiver to the map's surface in the texel's direction, m2. */
+float square_to_surface(Sight s, float seen)
+{
+    float part = max(1.0 - seen / s.reach, 0.0);
+    return dot(s.from_eye, s.from_eye) * (part * part);
 }
