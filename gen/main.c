@@ -111,7 +111,7 @@ static bool parse_options(int count, char **words, struct options *options)
 {
     const struct dt_log log = {.message = print_message};
     if (!command_parse(&command, options, count - 1, words + 1, &log) ||
-        (options->with &&
+        (options->with && !options->help &&
          !command_overlay(&options->sets, options->with, &options->with_text, &log)))
         return false;
     if (options->help || options->version || options->schema || options->reference)

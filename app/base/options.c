@@ -237,7 +237,7 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
     *options = (struct options){.bounces = "2", .from_bounce = "0", .seed = 1};
     const struct command_line command = command_of(verb);
     if (!command_parse(&command, options, argc, argv, log) ||
-        (options->with &&
+        (options->with && !options->help &&
          !command_overlay(&options->set_list, options->with, &options->with_text, log)))
         return false;
     if (!options->against && (!options->golden || options->update))
