@@ -48,7 +48,7 @@ is_exact_but_for() { # names: of what the rasterizer decides edges by, in the pi
     done
     [ "$(grep ' warning: ' "$work/decided" | sed 's/. decides at edges: .*//; s/.*warning: .//' | sort -u | xargs)" = "$1" ]
 }
-check "every pipeline that ships is exact but for edges of draws" is_exact_but_for "dFdx dFdy depth local uv"
+check "every pipeline that ships is exact but for edges of draws" is_exact_but_for "dFdx dFdy depth uv"
 # shellcheck disable=SC2317
 refuses_colour() { # of a scene draw
     ! "$gen" "$root/tests/specs/objects.yaml" --prove 2>"$work/found" && grep 'error: .position. is not exact: interpolation' "$work/found"
