@@ -134,7 +134,7 @@ void plot_line(struct plot *plot, const char *title, uint32_t colour, uint32_t d
         fprintf(plot->lines, "$line%u using 1:2:3:4 with yerrorbars lt %u notitle, ", number,
                 colour);
     fprintf(plot->lines, "$line%u using 1:2 with linespoints lt %u dt %u lw %g ps %g title ",
-            number, colour, dash, line_width(number), 0.35 * line_width(number));
+            number, colour, dash, line_width(number), 0.25 * line_width(number));
     put_quoted(plot->lines, title);
 }
 
