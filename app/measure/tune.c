@@ -384,16 +384,29 @@ static bool time_whole(struct tuning *tuning, struct whole *whole)
     return good;
 }
 
+/* Changes that noise has kept do not make the whole frame faster. */
+static void drop_noise(struct tuning *tuning, const struct whole *whole)
+{
+    if (!tuning->kept_count || whole->ratio < 1)
+        return;
+    printf("no faster: nothing is kept; give more --frames, or a quieter machine\n");
+    for (uint32_t i = 0; i < tuning->kept_count; i++)
+        tuning->kept[i]->kept = false;
+    tuning->kept_count = 0;
+}
+
 static bool write_overlay(const struct tuning *tuning, const struct whole *whole)
 {
     const struct options *options = tuning->bench.options;
     struct file_draft draft;
     if (file_draft_begin(&draft, &console_of(tuning)->log)) {
-        fprintf(draft.out,
-                "# For --with. By diptych tune: %s on %s, %ux%u pixels: a frame takes %.3f of its "
-                "time.\n",
+        fprintf(draft.out, "# For --with. By diptych tune: %s on %s, %ux%u pixels: ",
                 tuning->first.pipeline.info->name, whole->device ? whole->device : "",
-                options->size[0], options->size[1], whole->ratio);
+                options->size[0], options->size[1]);
+        if (tuning->kept_count)
+            fprintf(draft.out, "a frame takes %.3f of its time.\n", whole->ratio);
+        else
+            fprintf(draft.out, "nothing was faster.\n");
         for (uint32_t i = 0; i < tuning->kept_count; i++)
             fprintf(draft.out, "- %s\n", tuning->kept[i]->set);
     }
@@ -479,8 +492,10 @@ int verb_tune(struct console *console, const struct options *options)
     bool good = prepare(&tuning, &own) && choose_passes(&tuning);
     if (good)
         printf("%-20s %-56s %9s %9s %6s\n", "pass", "change", "ms before", "after", "ratio");
-    good = good && search(&tuning) && prove(&tuning) && time_whole(&tuning, &whole) &&
-           write_overlay(&tuning, &whole);
+    good = good && search(&tuning) && prove(&tuning) && time_whole(&tuning, &whole);
+    if (good)
+        drop_noise(&tuning, &whole);
+    good = good && write_overlay(&tuning, &whole);
     if (good)
         console->result = tuning_json(&tuning, &whole);
     free(whole.device);
