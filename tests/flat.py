@@ -181,7 +181,7 @@ class Flattening:
         words = {"keep": keep, "cull_room": cull.get("room", 1048576), "cull_most": cull.get("most", 1048576),
                  "cull_when": entry.get("when", 1)}
         if "each" in cull:
-            words.update(each=cull["each"], cull_layers=entry.get("layers", 1))
+            words.update(each=cull["each"], cull_layers=entry.get("layers", 1), cull_again=cull.get("again", 0))
         if "faces" in cull:
             entry["cull"] = cull["faces"]
         draws = Scope({"whole": "0"}, Names(passes=[name]), scope.prefix, scope.suffix, scope)
