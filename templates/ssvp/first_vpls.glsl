@@ -17,5 +17,6 @@ void main()
     vpls[k].position = x.xyz;
     vpls[k].area = sample_area(x.xyz, rsm_normal(texel).xyz, float(first_vpls));
     vpls[k].normal = rsm_normal(texel).xyz;
+    vpls[k].arriving = 0.0;
     vpls[k].flux = x.w > 0.0 ? flux : vec3(0.0); /* no surface: no light */
 }

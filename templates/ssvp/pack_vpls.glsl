@@ -3,6 +3,19 @@
  * fewer VPLs than there are clusters. Classes with one VPL less get a VPL of zero flux. */
 #include "classes.glsl"
 
+/* Factor on the flux of second-bounce VPLs, so that they carry the light of all further bounces,
+ * too, if each bounce reflects the same share q: 1 + q + q^2 + ... = 1 / (1 - q). */
+float further_light()
+{
+    float arriving = 0.0;
+    float leaving = 0.0;
+    for (int k = 0; k < (further_bounces == 1 ? points_count : 0); k++) {
+        arriving += points[k].arriving;
+        leaving += points[k].flux.r + points[k].flux.g + points[k].flux.b;
+    }
+    return arriving > 0.0 ? 1.0 / (1.0 - min(leaving / arriving, 0.9)) : 1.0;
+}
+
 void main()
 {
     int slot = invocation().x;
@@ -20,7 +33,7 @@ void main()
     shading[slot].normal = points[k].normal;
     vec3 off = points[k].position - views[c].position;
     shading[slot].near = visibility_near * visibility_near * dot(off, off);
-    shading[slot].flux = wanted < points_count ? points[k].flux : vec3(0.0);
+    shading[slot].flux = wanted < points_count ? points[k].flux * further_light() : vec3(0.0);
     shading[slot].eye = all_clusters ? c : j;
     if (j >= class_eyes)
         return;

@@ -126,5 +126,6 @@ void main()
     second_vpl[k].position = seen.position;
     second_vpl[k].area = area_of(c, own, all, seen.position, seen.normal);
     second_vpl[k].normal = seen.normal;
+    second_vpl[k].arriving = views[c].power / drawn.number;
     second_vpl[k].flux = seen.surface ? flux : vec3(0.0); /* the light left the scene */
 }
