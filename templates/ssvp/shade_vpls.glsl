@@ -15,7 +15,7 @@
      * eye: VPLs nearer than this are visible. A VPL nearer than its eye is visible, too: what hides
      * the eye says little about it. */
     bool some = visibility_near > 0.0;
-    float first_open[first_class_eyes];
+    float first_open[first_eyes_length];
     int k = 0;
     for (Eye e : first_eye_range) {
         Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
@@ -29,7 +29,7 @@
         bool open = dot(d, d) < max(first_open[v.eye], v.near);
         sum += v.flux * (open ? geometry : 0.0);
     }
-    float second_open[second_class_eyes];
+    float second_open[second_eyes_length];
     k = 0;
     for (Eye e : second_eye_range) {
         Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
