@@ -545,7 +545,7 @@ def equal_expressions(pipeline):
         for part in entry.get("ranges", {}).values():
             part["count"] = equal(part["count"])
     for name, value in pipeline.section("constants").items():
-        spec["constants"][name] = equal(value["value"] if isinstance(value, dict) else value)
+        spec["constants"][name] = {**value, "value": equal(value["value"])} if isinstance(value, dict) else equal(value)
 
 
 # A value is the same number, known at build time or handed over with the frame. But for denoise_normal: bodies subtract

@@ -12,8 +12,8 @@
 
 struct DiskSample {
     int cluster;
-    vec2 place;   /* on the unit disk */
-    float number; /* samples of the cluster, N; not an integer with second_by_flux */
+    vec2 place;        /* on the unit disk */
+    float per_cluster; /* samples of the cluster, N; not an integer with second_by_flux */
 };
 
 float power_of_all()
@@ -29,7 +29,7 @@ DiskSample equal_share(int k)
     DiskSample drawn;
     drawn.cluster = k / second_per_cluster;
     drawn.place = disk_points(k % second_per_cluster);
-    drawn.number = float(second_per_cluster);
+    drawn.per_cluster = float(second_per_cluster);
     return drawn;
 }
 
@@ -53,7 +53,7 @@ DiskSample share_by_flux(int k, float all)
     float share = views[drawn.cluster].power;
     float within = share > 0.0 ? clamp((place - before) / share, 0.0, 1.0) : 0.5;
     drawn.place = disk_points_map(vec2(within, hammersley(k, second_total).y));
-    drawn.number = share > 0.0 ? float(second_total) * (share / all) : 1.0;
+    drawn.per_cluster = share > 0.0 ? float(second_total) * (share / all) : 1.0;
     return drawn;
 }
 
@@ -118,14 +118,14 @@ void main()
     float s = min(dot(p, p), 1.0);
     Seen seen = surface_of(ivec3(map_texel(vec3(2.0 * p, 1.0 - s)), c));
     float square = (1.0 + s) * (1.0 + s);
-    float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.number);
+    float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.per_cluster);
     vec3 flux = seen.albedo * views[c].flux * weight;
     vec3 d = views[c].position - seen.position;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
-    float own = samples_per_area(c, drawn.number, s, far, dot(seen.normal, d) * inversesqrt(far));
+    float own = samples_per_area(c, drawn.per_cluster, s, far, dot(seen.normal, d) * inversesqrt(far));
     second_vpl[k].position = seen.position;
     second_vpl[k].area = area_of(c, own, all, seen.position, seen.normal);
     second_vpl[k].normal = seen.normal;
-    second_vpl[k].arriving = views[c].power / drawn.number;
+    second_vpl[k].arriving = views[c].power / drawn.per_cluster;
     second_vpl[k].flux = seen.surface ? flux : vec3(0.0); /* the light left the scene */
 }
