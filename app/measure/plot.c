@@ -118,12 +118,6 @@ static void end_line(struct plot *plot)
         fputs("END\n", plot->data);
 }
 
-/* Of two lines that coincide, the first is seen on both sides of the second. */
-static double line_width(uint32_t number)
-{
-    return 1.5 + 3.0 / number;
-}
-
 void plot_line(struct plot *plot, const char *title, uint32_t colour, uint32_t dash, bool bars)
 {
     end_line(plot);
@@ -133,8 +127,8 @@ void plot_line(struct plot *plot, const char *title, uint32_t colour, uint32_t d
     if (bars)
         fprintf(plot->lines, "$line%u using 1:2:3:4 with yerrorbars lt %u notitle, ", number,
                 colour);
-    fprintf(plot->lines, "$line%u using 1:2 with linespoints lt %u dt %u lw %g ps %g title ",
-            number, colour, dash, line_width(number), 0.25 * line_width(number));
+    fprintf(plot->lines, "$line%u using 1:2 with linespoints lt %u dt %u lw w%u ps 0.25*w%u title ",
+            number, colour, dash, number, number);
     put_quoted(plot->lines, title);
 }
 
@@ -212,6 +206,14 @@ static int height_of(const struct plot *plot)
     return plot->height ? plot->height : height;
 }
 
+/* Each line is thinner than the ones before, which are seen on both sides of it where they coincide. */
+static void put_widths(FILE *out, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        fprintf(out, "w%u = %g\n", i + 1,
+                1.5 + 3.0 * (count - 1 - i) / (count > 1 ? count - 1 : 1));
+}
+
 static void put_script(FILE *out, const struct plot *plot)
 {
     fputs("# gnuplot, anywhere: the SVG comes on standard output.\n", out);
@@ -233,6 +235,7 @@ static void put_script(FILE *out, const struct plot *plot)
         fputs("set yrange [0:*]\n", out);
     else
         put_range(out, plot);
+    put_widths(out, plot->line_count);
     fprintf(out, "%s%s\n", plot->data_text, plot->lines_text);
 }
 
