@@ -164,6 +164,8 @@ bool resource_covers(const struct resource *a, const struct resource *b)
 {
     static const uint32_t sizes[][2] = {{1, 1}, {REFERENCE_WIDTH, REFERENCE_HEIGHT}, {7680, 4320}};
     if (a->kind == DT_BUFFER && b->kind == DT_BUFFER) {
+        if (b->block) /* its blocks are bound, and so read, in their declared length */
+            return a->block >= b->block;
         if (expr_reach(a->count) | expr_reach(b->count))
             return a->stride >= b->stride && same_extent(a->count, b->count, 1);
         return a->bytes >= b->bytes;

@@ -175,7 +175,7 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
         diag_error(diag, model->pipeline.loc,
                    "`exactness: fast` leaves operations to the driver: nothing can be proved");
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
-        if (good && !model->pipeline.fast)
+        if (good && shaders[backend] && !model->pipeline.fast)
             prove(model, shaders[backend], backend, diag);
     return good && !diag_error_count(diag);
 }

@@ -32,7 +32,7 @@ void main()
     shading[slot].disk = softness * points[k].area / PI;
     shading[slot].normal = points[k].normal;
     vec3 off = points[k].position - views[c].position;
-    shading[slot].near = visibility_near * visibility_near * dot(off, off);
+    shading[slot].near_square = visibility_near * visibility_near * dot(off, off);
     shading[slot].flux = wanted < points_count ? points[k].flux * further_light() : vec3(0.0);
     shading[slot].eye = all_clusters ? c : j;
     if (j >= class_eyes)

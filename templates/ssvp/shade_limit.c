@@ -155,7 +155,7 @@ static inline __m256 where_open(const __m256 *open, struct vec3x8 x, const struc
                                 __m256 geometry)
 {
     struct vec3x8 d = from(x, v->position);
-    __m256 farthest = _mm256_max_ps(open[v->eye], all(v->near));
+    __m256 farthest = _mm256_max_ps(open[v->eye], all(v->near_square));
     return _mm256_and_ps(_mm256_cmp_ps(dot(d, d), farthest, _CMP_LT_OQ), geometry);
 }
 

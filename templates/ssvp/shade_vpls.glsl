@@ -26,7 +26,7 @@
     for (ClassVpl v : first_range) {
         vec3 d = x - v.position;
         float geometry = geometry_term(d, v.normal, v.disk, n, closest);
-        bool open = dot(d, d) < max(first_open[v.eye], v.near);
+        bool open = dot(d, d) < max(first_open[v.eye], v.near_square);
         sum += v.flux * (open ? geometry : 0.0);
     }
     float second_open[second_eyes_length];
@@ -40,7 +40,7 @@
     for (ClassVpl v : second_range) {
         vec3 d = x - v.position;
         float geometry = geometry_term(d, v.normal, v.disk, n, closest);
-        bool open = second_visibility == 0 || dot(d, d) < max(second_open[v.eye], v.near);
+        bool open = second_visibility == 0 || dot(d, d) < max(second_open[v.eye], v.near_square);
         sum += v.flux * (open ? geometry : 0.0);
     }
 
