@@ -50,10 +50,10 @@ static const struct subject {
 
 static const uint32_t sizes[][2] = {{640, 480}, {33, 17}, {1, 1}, {1921, 7}};
 
-struct pair {
+static struct pair {
     struct spec spec;
     const struct dt_panel *played, *generated;
-};
+} pairs[DT_ARRAY_COUNT(subjects)];
 
 static void open_pair(struct pair *pair, const struct subject *subject)
 {
@@ -270,17 +270,16 @@ static void tables_are_the_same(void **state)
 {
     (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
-        struct pair pair;
-        open_pair(&pair, &subjects[i]);
-        const struct dt_pipeline *a = pair.played->pipeline, *b = pair.generated->pipeline;
+        const struct pair *pair = &pairs[i];
+        const struct dt_pipeline *a = pair->played->pipeline, *b = pair->generated->pipeline;
         assert_string_equal(a->name, b->name);
         assert_string_equal(a->doc, b->doc);
         same_params(a, b);
         same_resources(a, b);
         same_passes(a, b);
-        same_panels(pair.played, pair.generated);
+        same_panels(pair->played, pair->generated);
         for (int backend = 0; backend < 2; backend++) {
-            const struct dt_shaders *s = &pair.spec.tables->shaders[backend];
+            const struct dt_shaders *s = &pair->spec.tables->shaders[backend];
             const struct dt_shaders *t = subjects[i].shaders[backend];
             assert_string_equal(s->backend, t->backend);
             for (uint32_t pass = 0; pass < a->pass_count; pass++) {
@@ -289,7 +288,6 @@ static void tables_are_the_same(void **state)
                 same_code(&s->stages[pass].fragment, &t->stages[pass].fragment);
             }
         }
-        spec_free(&pair.spec);
     }
 }
 
@@ -328,11 +326,9 @@ static void frames_are_the_same(void **state)
 {
     (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
-        struct pair pair;
-        open_pair(&pair, &subjects[i]);
+        const struct pair *pair = &pairs[i];
         for (size_t s = 0; s < DT_ARRAY_COUNT(sizes); s++)
-            same_frame(&pair, sizes[s], pair.generated->pipeline->live_defaults);
-        spec_free(&pair.spec);
+            same_frame(pair, sizes[s], pair->generated->pipeline->live_defaults);
     }
 }
 
@@ -349,9 +345,8 @@ static void frames_are_the_same_with_other_live_parameters(void **state)
     (void)state;
     int tried = 0;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
-        struct pair pair;
-        open_pair(&pair, &subjects[i]);
-        const struct dt_pipeline *info = pair.generated->pipeline;
+        const struct pair *pair = &pairs[i];
+        const struct dt_pipeline *info = pair->generated->pipeline;
         char *live = malloc(info->block_size);
         assert_non_null(live);
         for (uint32_t p = 0; p < info->param_count; p++) {
@@ -363,14 +358,30 @@ static void frames_are_the_same_with_other_live_parameters(void **state)
                     continue;
                 memcpy(live, info->live_defaults, info->block_size);
                 set_live(live, param, value);
-                same_frame(&pair, sizes[1], live);
+                same_frame(pair, sizes[1], live);
                 tried++;
             }
         }
         free(live);
-        spec_free(&pair.spec);
     }
     assert_true(tried > 20);
+}
+
+/* Once for all tests: each takes a compilation of every shader. */
+static int open_pairs(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++)
+        open_pair(&pairs[i], &subjects[i]);
+    return 0;
+}
+
+static int free_pairs(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++)
+        spec_free(&pairs[i].spec);
+    return 0;
 }
 
 int main(void)
@@ -380,5 +391,5 @@ int main(void)
         cmocka_unit_test(frames_are_the_same),
         cmocka_unit_test(frames_are_the_same_with_other_live_parameters),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, open_pairs, free_pairs);
 }
