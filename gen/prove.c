@@ -226,11 +226,12 @@ static const struct rule operations[] = {
 };
 
 static const uint16_t exact_functions[] = {
-    GLSLstd450RoundEven, GLSLstd450Trunc,    GLSLstd450FAbs,        GLSLstd450SAbs,
-    GLSLstd450FSign,     GLSLstd450SSign,    GLSLstd450Floor,       GLSLstd450Ceil,
-    GLSLstd450Step,      GLSLstd450UMin,     GLSLstd450SMin,        GLSLstd450UMax,
-    GLSLstd450SMax,      GLSLstd450UClamp,   GLSLstd450SClamp,      GLSLstd450FindILsb,
-    GLSLstd450FindSMsb,  GLSLstd450FindUMsb, GLSLstd450FrexpStruct, GLSLstd450Modf,
+    GLSLstd450RoundEven,  GLSLstd450Trunc,    GLSLstd450FAbs,        GLSLstd450SAbs,
+    GLSLstd450FSign,      GLSLstd450SSign,    GLSLstd450Floor,       GLSLstd450Ceil,
+    GLSLstd450Step,       GLSLstd450UMin,     GLSLstd450SMin,        GLSLstd450UMax,
+    GLSLstd450SMax,       GLSLstd450UClamp,   GLSLstd450SClamp,      GLSLstd450FindILsb,
+    GLSLstd450FindSMsb,   GLSLstd450FindUMsb, GLSLstd450FrexpStruct, GLSLstd450Modf,
+    GLSLstd450ModfStruct, /* newer glslang has it for modf */
 };
 
 static const struct rule functions[] = {

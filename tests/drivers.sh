@@ -6,6 +6,6 @@ no_strangers="SwiftShader is not here: run tests/swiftshader.sh"
 icd=$root/build/swiftshader/vk_swiftshader_icd.json
 if [ -e "$icd" ]; then
     strangers+=(vk@SwiftShader)
-    mesa=(/usr/share/vulkan/icd.d/lvp_icd.*.json)
+    mesa=(/usr/share/vulkan/icd.d/lvp_icd*.json)
     export VK_ICD_FILENAMES=${mesa[0]}:$icd VK_DRIVER_FILES=${mesa[0]}:$icd
 fi

@@ -22,9 +22,9 @@ lists_all() { # the exact operations of the proof that no shader of the spec has
     for file in "$work"/out/*/*.spv; do
         spirv-dis "$file"
     done | grep -oE 'OpExtInst %[A-Za-z0-9_]+ %[a-z0-9_]+ [A-Za-z]+|BuiltIn [A-Za-z]+|Op[A-Z][A-Za-z0-9]+' |
-        sed 's/.* //; s/^Op//' | sort -u >"$work/has"
+        sed 's/.* //; s/^Op//; s/^ModfStruct$/Modf/' | sort -u >"$work/has"
     sed -n '/bits and integers/,/^};/p; /exact_functions\[\]/,/^};/p; /exact_inputs\[\]/,/^};/p' "$root/gen/prove.c" |
-        grep -oE '(SpvOp|GLSLstd450|SpvBuiltIn)[A-Za-z0-9]+' | sed -E 's/^(SpvOp|GLSLstd450|SpvBuiltIn)//' | sort -u >"$work/wants"
+        grep -oE '(SpvOp|GLSLstd450|SpvBuiltIn)[A-Za-z0-9]+' | sed -E 's/^(SpvOp|GLSLstd450|SpvBuiltIn)//; s/^ModfStruct$/Modf/' | sort -u >"$work/wants"
     [ "$(wc -l <"$work/wants")" -gt 90 ] && ! comm -23 "$work/wants" "$work/has" | grep .
 }
 if command -v spirv-dis >/dev/null; then
