@@ -157,8 +157,10 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
     bool good = true;
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
         shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
-        if (!shaders[backend] || !jobs.list)
+        if (!shaders[backend] || !jobs.list) {
             diag_error(diag, (struct loc){0}, "out of memory");
+            good = false;
+        }
         for (uint32_t i = 0; shaders[backend] && jobs.list && i < count; i++)
             good &= emit_pass(model, shaders[backend], i, cache,
                               (struct job){.pass = model->pipeline.order[i], .backend = backend},
@@ -175,7 +177,7 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
         diag_error(diag, model->pipeline.loc,
                    "`exactness: fast` leaves operations to the driver: nothing can be proved");
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
-        if (good && shaders[backend] && !model->pipeline.fast)
+        if (good && !model->pipeline.fast)
             prove(model, shaders[backend], backend, diag);
     return good && !diag_error_count(diag);
 }

@@ -1,5 +1,5 @@
-/* Implements image.h: PNG by libpng, all else by the OpenImageIO shim, which it finds and loads;
- * writes files by temporary name and rename. Called by texture.c and by the app. */
+/* Implements image.h: writes PNG by libpng; all else is done by the OpenImageIO shim, which it finds
+ * and loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
 #include "image.h"
 
 #include "child.h"

@@ -39,8 +39,7 @@ struct plan_input plan_input(const struct plan *plan, uint32_t resource);
 void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
                      struct console *console);
 
-/* Other values of what a spec leaves to the generator and no result depends on: sizes of workgroups, storage and loops of
- * ranges. Calls `take` for each, by pass in order of execution; some may be refused. False: `take` has returned false, or out of
+/* Sizes of workgroups, and storage and loops of ranges: other values than those in force. They change times, not results. Calls `take` for each, by pass in order of execution; some may be refused. False: `take` has returned false, or out of
  * memory. */
 bool plan_choices(const struct plan *plan,
                   bool (*take)(void *user, uint32_t pass, const char *path, const char *value),

@@ -196,8 +196,11 @@ static bool attempt(struct tuning *tuning, struct choice **list, uint32_t count)
     bool good = load(tuning, &trial, list, count) &&
                 run_pair(tuning, lanes, (struct programme *[2]){&tuning->now, &trial}, true);
     char *said = captures ? console_captured(console) : NULL;
-    for (uint32_t i = 0; i < count && good; i++)
+    bool changed = false;
+    for (uint32_t i = 0; i < count && good; i++) {
         judge(tuning, lanes, list[i]);
+        changed |= list[i]->kept;
+    }
     for (int i = 0; i < 2; i++)
         lane_free(&lanes[i]);
     programme_free(&trial);
@@ -210,6 +213,8 @@ static bool attempt(struct tuning *tuning, struct choice **list, uint32_t count)
     if (!good)
         return attempt(tuning, list, count / 2) &&
                attempt(tuning, list + count / 2, count - count / 2);
+    if (!changed)
+        return true;
     programme_free(&tuning->now);
     return load(tuning, &tuning->now, NULL, 0);
 }

@@ -65,6 +65,10 @@ bool capture_load(const struct dt_log *log)
         return false;
     }
     const char *before = getenv("LD_PRELOAD");
+    if (before && strstr(before, map->l_name)) { /* it would start again for ever */
+        report_error(log, "--capture: %s is loaded, but has no API of version 1.0", map->l_name);
+        return false;
+    }
     char *preload = format_string("%s%s%s", map->l_name, before ? ":" : "", before ? before : "");
     if (preload && setenv("LD_PRELOAD", preload, 1) == 0 &&
         setenv("ENABLE_VULKAN_RENDERDOC_CAPTURE", "1", 1) == 0)

@@ -383,9 +383,8 @@ struct dt_runtime_options {
     const struct dt_panel *panel;
     /* gl: "egl" (NULL), "osmesa", "zink" or "window"; vk: NULL or "window" */
     const char *context;
-    bool debug; /* validation with synchronization checking; KHR_debug */
-    bool
-        labels; /* vk: names passes and resources for debuggers, as `debug` does; gl names passes always */
+    bool debug;  /* validation with synchronization checking; KHR_debug */
+    bool labels; /* vk: names for debuggers, as `debug` gives; gl has them always */
     bool glsl;   /* gl: programs from GLSL text instead of SPIR-V */
     bool timing; /* timestamps around every pass */
     /* 1..255: new resources without history are filled with this byte; 0: not filled */
