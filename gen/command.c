@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "scenes/input.h"
 #include "scenes/nearest.h"
+
+#define MOST_OVERLAY_BYTES ((size_t)1 << 20)
 
 /* Logs an error; returns false. */
 static bool fail(const struct dt_log *log, const char *format, ...)
@@ -227,29 +230,15 @@ bool command_parse(const struct command_line *command, void *options, int argc, 
     return true;
 }
 
-/* The whole file; NULL with errno. */
-static char *read_text(const char *path)
-{
-    FILE *file = fopen(path, "r");
-    char *text = NULL;
-    size_t capacity = 0;
-    ssize_t length = file ? getdelim(&text, &capacity, 0, file) : -1;
-    bool empty = length < 0 && file && feof(file);
-    if (file)
-        fclose(file);
-    if (length >= 0)
-        return text;
-    free(text);
-    return empty ? strdup("") : NULL;
-}
-
 bool command_overlay(struct text_list *sets, const char *path, char **text,
                      const struct dt_log *log)
 {
     struct text_list all = {0};
     unsigned number = 1;
-    *text = read_text(path);
-    bool good = *text || fail(log, "--with %s: cannot be read: %s", path, strerror(errno));
+    const char *reason;
+    size_t length;
+    *text = input_read(path, MOST_OVERLAY_BYTES, &length, &reason);
+    bool good = *text || fail(log, "--with %s: cannot be read: %s", path, reason);
     for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
         if (!*line || *line == '#')
             continue;

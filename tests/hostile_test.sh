@@ -52,6 +52,7 @@ check "... a device" refuses "it is no regular file" "$gen" --check --templates 
 scene=("$diptych" render --backend vk -o "$work/a.png" --spec "$work/fill.yaml")
 check "a scene that is a pipe" refuses "it is no regular file" "${scene[@]}" --scene "$work/pipe"
 check "a motion that is a device" refuses "it is no regular file" "${scene[@]}" --scene scenes/cornell.yaml --motion /dev/zero
+check "an overlay that is a device" refuses "it is no regular file" "${scene[@]}" --scene scenes/cornell.yaml --with /dev/zero
 
 # ---- Names ----------------------------------------------------------------------------------------------------------
 
