@@ -10,13 +10,14 @@ vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
     int first = axis.x != 0 ? p.x : p.y;
     int last = (axis.x != 0 ? size.x : size.y) - 1 - first;
     float inverse_depth = 1.0 / (denoise_plane * max(centre.w, 1e-12));
+    float inverse_normal = 1.0 / (1.0 - denoise_normal);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int i = max(1 - radius, -first); i <= min(radius - 1, last); i++) {
         ivec2 q = p + axis * i;
         vec4 x = gbuffer_position(q);
         float off_plane = abs(dot(n, x.xyz - centre.xyz)) * inverse_depth;
-        float alike = (dot(n, gbuffer_normal(q).xyz) - denoise_normal) / (1.0 - denoise_normal);
+        float alike = (dot(n, gbuffer_normal(q).xyz) - denoise_normal) * inverse_normal;
         float weight = clamp(alike, 0.0, 1.0) * clamp(2.0 - off_plane, 0.0, 1.0);
         weight *= x.w > 0.0 ? float(radius - abs(i)) : 0.0;
         sum += SOURCE(q).rgb * weight;
