@@ -65,7 +65,7 @@ check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependenc
 check_status 1 "a barrier that the frame does not have is an error" render --drop-barrier 1000
 check_status 2 "OpenGL has no barrier to drop" \
     "$diptych" render --scene "$root/scenes/cornell.yaml" --size 24x16 --backend gl --drop-barrier 1 -o "$work/gl.png"
-# rsm_albedo, paraboloid_depth and second_depth share memory here, and the second is the smallest.
+# first.number takes memory of rsm_triangle and leaves it to second.number here, and is the smallest.
 check "memory that changes hands through a smaller image is silent under validation" "$build/diptych" render --debug --backend vk \
     --scene "$root/scenes/cornell.yaml" --spec "$root/templates/ssvp.yaml" --size 37x23 --frames 3 --set rsm_size=64 \
     --set map_size=32 --set first_vpls=64 --set second_vpls=96 --set clusters=3 -o "$work/a.png"

@@ -44,7 +44,7 @@ fi
 # shellcheck disable=SC2317 # called through check
 example_of_errors() (
     cp -r templates "$work/templates" && cd "$work" || return
-    sed -i 's/{of: Vpl, count: first_vpls/{of: Vpl, count: first_vpl/; /name: sample_rsm/,/reads:/s/\[rsm_position/[rsm_positon/' templates/ssvp.yaml
+    sed -i 's/{of: Vpl, count: first_vpls/{of: Vpl, count: first_vpl/; /name: sample_rsm/,/reads:/s/rsm_triangle/rsm_triangel/' templates/ssvp.yaml
     ! "$gen" templates/ssvp.yaml --check >/dev/null 2>errors || return
     sed -n '/^templates.ssvp.yaml:.*error/,/^```/p' "$root/README.md" | sed '/^```/d' | diff - errors
 )

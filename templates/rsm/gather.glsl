@@ -3,7 +3,7 @@
  * texels stands for all texels of the disk. Each pixel of a tile rotates the pattern by another
  * angle; the filter over the tile removes the pattern. */
 #include "../shared/space.glsl"
-#include "../shared/lighting.glsl"
+#include "../shared/shadow.glsl"
 
 void main()
 {

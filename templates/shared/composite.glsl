@@ -1,8 +1,7 @@
 /* Radiance: direct light with its shadow plus the filtered indirect irradiance, times albedo / pi.
  * The filter must not blur textures, so albedo comes after it. Alpha 0 marks the background. */
-#define WITH_SHADOW
 #include "space.glsl"
-#include "lighting.glsl"
+#include "shadow.glsl"
 
 void main()
 {

@@ -1,8 +1,7 @@
 /* Radiance that surfaces send of the light itself, with its shadow. The pass binds the surfaces as
  * `position`, `normal` and `albedo`, the result as `sent`. */
-#define WITH_SHADOW
 #include "space.glsl"
-#include "lighting.glsl"
+#include "shadow.glsl"
 
 void main()
 {

@@ -2,6 +2,7 @@
  * paper, section on VPL generation). A VPL is exactly one texel: a blend of texels at a silhouette
  * would float in the air. */
 #include "../shared/space.glsl"
+#include "../shared/surface.glsl"
 #include "../shared/lighting.glsl"
 #include "reuse.glsl"
 
@@ -12,11 +13,16 @@ void main()
         return;
     vec2 p = shift_square(rsm_points(k)) * float(rsm_size);
     ivec2 texel = min(ivec2(floor(p)), ivec2(rsm_size - 1));
-    vec4 x = rsm_position(texel);
-    vec3 flux = rsm_albedo(texel).rgb * sample_flux(x.xyz, float(first_vpls));
-    vpls[k].position = x.xyz;
-    vpls[k].area = sample_area(x.xyz, rsm_normal(texel).xyz, float(first_vpls));
-    vpls[k].normal = rsm_normal(texel).xyz;
+    uint triangle = number(texel).x;
+    bool lit = triangle > 0u; /* no surface: no light */
+    vec2 size = vec2(2.0 / float(rsm_size));
+    Surface s = surface_at(max(triangle, 1u) - 1u, (vec2(texel) + 0.5) * size - 1.0, size,
+                           light_view.view_projection);
+    vec3 normal = facing_normal(s.hit_normal, s.geometric, to_light(s.hit_position));
+    vec3 flux = s.hit_albedo * sample_flux(s.hit_position, float(first_vpls));
+    vpls[k].position = lit ? s.hit_position : vec3(0.0);
+    vpls[k].area = lit ? sample_area(s.hit_position, normal, float(first_vpls)) : 0.0;
+    vpls[k].normal = lit ? normal : vec3(0.0);
     vpls[k].arriving = 0.0;
-    vpls[k].flux = x.w > 0.0 ? flux : vec3(0.0); /* no surface: no light */
+    vpls[k].flux = lit ? flux : vec3(0.0);
 }
