@@ -4,6 +4,7 @@
  * No branches: drivers that run on CPUs then keep all values in registers. Cosines stay
  * unnormalised, so that one division serves several. Lower bounds of `closest`, m2, only guard
  * divisions. */
+#include "../shared/estimate.glsl"
 #include "map.glsl"
 
 /* Geometry term of a VPL, 1/m2, with the receiver at distance d. Point: cos cos / d^2. Disk, on its
@@ -15,14 +16,14 @@ float geometry_term(vec3 d, vec3 normal, float disk, vec3 n, float closest)
     float square = max(dot(d, d), closest);
     float leaving = max(dot(normal, d), 0.0);
     float arriving = max(-dot(n, d), 0.0);
-    float distance = sqrt(square);
-    return leaving * arriving * distance / (square * (square * distance + disk * leaving));
+    float below = square * square + disk * leaving * sqrt_estimate(square);
+    return leaving * arriving * reciprocal_estimate(below);
 }
 
 /* The receiver relative to an eye and its map. */
 struct Sight {
     vec3 from_eye;
-    float reach;
+    float reach, inverse_reach;
     ivec2 texel; /* of the map */
 };
 
@@ -35,7 +36,8 @@ Sight sight(vec3 from_eye, vec3 tangent, vec3 bitangent, vec3 axis, vec2 middle)
     vec3 local =
         vec3(dot(from_eye, tangent), dot(from_eye, bitangent), max(dot(from_eye, axis), 0.0));
     s.reach = max(reach_of(local), 1e-4 * frame.scene_radius);
-    vec2 place = local.xy * (0.5 * float(map_size) / s.reach) + middle;
+    s.inverse_reach = reciprocal_estimate(s.reach);
+    vec2 place = local.xy * (0.5 * float(map_size) * s.inverse_reach) + middle;
     s.texel = clamp(ivec2(place), ivec2(0), ivec2(map_size - 1));
     return s;
 }
@@ -58,6 +60,6 @@ bool is_seen(Sight s, vec3 tangent, vec3 bitangent, vec3 axis, vec3 n, float see
 /* Square of the distance from the receiver to the map's surface in the texel's direction, m2. */
 float square_to_surface(Sight s, float seen)
 {
-    float part = max(1.0 - seen / s.reach, 0.0);
+    float part = max(1.0 - seen * s.inverse_reach, 0.0);
     return dot(s.from_eye, s.from_eye) * (part * part);
 }
