@@ -45,17 +45,23 @@ V2 f(S x, V2 y) { return V2(f(x, y.x), f(x, y.y)); } \
 V3 f(S x, V3 y) { return V3(f(x, y.x), f(x, y.y), f(x, y.z)); } \
 V4 f(S x, V4 y) { return V4(f(x, y.x), f(x, y.y), f(x, y.z), f(x, y.w)); }
 
-/* 1 / y for |y| up to 2^64: an integer subtraction estimates it (Moroz et al. 2018), a polynomial
- * in y r with relative error 2e-6 and a Newton step refine it. */
-float exact_reciprocal(float y)
+/* 1 / y within 3e-6 for normal |y| up to 2^64: an integer subtraction estimates it (Moroz et al.
+ * 2018), a polynomial in y r refines it. */
+float exact_reciprocal_estimate(float y)
 {
-    uint bits = floatBitsToUint(y);
-    float r = uintBitsToFloat(0x7eb50500u - bits);
+    float r = uintBitsToFloat(0x7eb50500u - floatBitsToUint(y));
     float d = y * r;
     r *= 4.17971835 - d * (5.82303075 - d * 2.70399363);
+    return r;
+}
+
+/* 1 / y for |y| up to 2^64, by a Newton step. */
+float exact_reciprocal(float y)
+{
+    float r = exact_reciprocal_estimate(y);
     float error = 1.0 - y * r;
     r += r * error;
-    float end = uintBitsToFloat((bits ^ 0x7f800000u) & 0xff800000u); /* of 0 and infinity */
+    float end = uintBitsToFloat((floatBitsToUint(y) ^ 0x7f800000u) & 0xff800000u); /* of 0 and infinity */
     return abs(y) < 1.17549435e-38 || abs(y) > 3.40282347e38 ? end : r;
 }
 
