@@ -293,6 +293,11 @@ static long double divide(long double x, long double y)
     return x / y;
 }
 
+static long double reciprocal(long double x)
+{
+    return 1 / x;
+}
+
 static long double inverse_root(long double x)
 {
     return 1 / sqrtl(x);
@@ -331,6 +336,9 @@ static const struct function {
     {"asinh", "x", NULL, asinhl, NULL, 0, 4},
     {"acosh", "above_one", NULL, acoshl, NULL, 0, 4},
     {"atanh", "unit", NULL, atanhl, NULL, 0, 4},
+    /* templates/shared/estimate.glsl: 3e-6 and 2e-5, relative */
+    {"reciprocal", "above_one", NULL, reciprocal, NULL, 0, 3e-6 * 0x1p24},
+    {"root", "above_one", NULL, sqrtl, NULL, 0, 2e-5 * 0x1p24},
 };
 
 /* Error in units in the last place. No error: both are NaN or both denormal; an infinity within four

@@ -39,7 +39,8 @@ struct plan_input plan_input(const struct plan *plan, uint32_t resource);
 void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
                      struct console *console);
 
-/* Sizes of workgroups, and storage and loops of ranges: other values than those in force. They change times, not results. Calls `take` for each, by pass in order of execution; some may be refused. False: `take` has returned false, or out of
+/* Sizes of workgroups, and storage and loops of ranges: other values than those in force. They change times, not results.
+ * Calls `take` for each, by pass in order of execution; some may be refused. False: `take` has returned false, or out of
  * memory. */
 bool plan_choices(const struct plan *plan,
                   bool (*take)(void *user, uint32_t pass, const char *path, const char *value),

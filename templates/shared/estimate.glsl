@@ -1,5 +1,5 @@
 /* Reciprocals and square roots of positive normal numbers, for light that ends in half floats: within
- * 3e-6 and 2e-5. Exact pipelines compute them in a third of the operations of `/` and `sqrt`. */
+ * 3e-6 and 2e-5. Exact pipelines take less than half of the operations of `/` and `sqrt`. */
 float reciprocal_estimate(float x)
 {
 #ifdef EXACT

@@ -112,9 +112,9 @@ static inline __m256 geometry_term(struct vec3x8 x, struct vec3x8 n, const struc
     __m256 square = _mm256_max_ps(dot(d, d), setting->closest);
     __m256 leaving = positive(dot_all(d, v->normal)), arriving = positive(negative_dot(n, d));
     __m256 distance = square_root(square);
-    __m256 cube = _mm256_fmadd_ps(square, distance, _mm256_mul_ps(all(v->disk), leaving));
-    __m256 above = _mm256_mul_ps(_mm256_mul_ps(leaving, arriving), distance);
-    return _mm256_mul_ps(above, reciprocal(_mm256_mul_ps(square, cube)));
+    __m256 disk = _mm256_mul_ps(_mm256_mul_ps(all(v->disk), leaving), distance);
+    return _mm256_mul_ps(_mm256_mul_ps(leaving, arriving),
+                         reciprocal(_mm256_fmadd_ps(square, square, disk)));
 }
 
 /* Square of the distance within which the eye's VPLs are visible. */

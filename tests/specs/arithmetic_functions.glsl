@@ -1,3 +1,5 @@
+#include "shared/estimate.glsl"
+
 const float THIRD = 1.0 / 3.0;
 #define RATIO(a, b) ((a) / (b))
 #define PARTS 6
@@ -31,6 +33,8 @@ void main()
     f.asinh = asinh(a.x);
     f.acosh = acosh(a.above_one);
     f.atanh = atanh(a.unit);
+    f.reciprocal = reciprocal_estimate(a.above_one);
+    f.root = sqrt_estimate(a.above_one);
     f.mod = mod(a.angle, 0.375);
     f.halved = unpackHalf2x16(packHalf2x16(vec2(a.angle, a.unit))).x;
     float parts[HALF] = float[HALF](0.1, a.unit, 0.3);
