@@ -19,10 +19,10 @@ vec3 surface_albedo(Triangle t, vec3 weights, vec3 right, vec3 up)
     vec2 uv = corner_uv(t.a);
     vec2 e = corner_uv(t.b) - uv;
     vec2 f = corner_uv(t.c) - uv;
-    vec4 color =
+    vec3 color =
         texture_trilinear(uv + e * weights.y + f * weights.z, e * right.y + f * right.z,
-                          e * up.y + f * up.z, max(m.texture_layer, 0));
-    return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : color.rgb), 0.0, 1.0);
+                          e * up.y + f * up.z, m.texture_layer);
+    return clamp(m.albedo * color, 0.0, 1.0);
 }
 
 /* `place`: centre of the texel, NDC; `texel`: size of a texel, NDC. */

@@ -26,8 +26,8 @@ vec3 albedo_of(Triangle t, vec3 weights, float extent)
         level += texels > 2.0 ? 1 : 0;
         texels *= 0.25;
     }
-    vec4 texel = texture_bilinear(uv - floor(uv), max(m.texture_layer, 0), level);
-    return clamp(m.albedo * (m.texture_layer < 0 ? vec3(1.0) : texel.rgb), 0.0, 1.0);
+    vec3 color = texture_linear(uv - floor(uv), m.texture_layer, level, 0.0);
+    return clamp(m.albedo * color, 0.0, 1.0);
 }
 
 Seen surface_of(ivec3 at)
