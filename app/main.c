@@ -60,8 +60,7 @@ static const struct verb verbs[] = {
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
      "Runs reference, render, metrics, bench and compare from a ninja file in the folder, and "
      "makes\nindex.html from their results. The same command continues an interrupted "
-     "report.\nWith --collect DIR the results are those of a bundle's `run`.\nExit status: 0 done, "
-     "1 a step failed (the page shows the rest), 2 it could not run.",
+     "report.\nExit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report, EXIT_USAGE},
     {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
      "W A S D and the mouse fly, Q and E go down and up; Shift: faster, the wheel: how fast.\n"

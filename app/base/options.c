@@ -18,7 +18,7 @@ static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
      "folder that compare --bisect wrote"},
     {"DIR", OPTION_STRING, AT(folder), VERB_REPORT, 0, NULL,
-     "--collect: folder that the `run` of a bundle left; the page goes there"},
+     "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},
     {"--scene", OPTION_STRING, AT(scene), VERB_REFERENCE | VERB_FLICKER,
      VERB_REFERENCE | VERB_FLICKER, "FILE", "scene file (YAML): mesh, camera, light"},
@@ -197,8 +197,8 @@ static const struct option_row rows[] = {
     {"--scene", OPTION_TEXTS, AT(scene_list), VERB_REPORT, 0, "FILE",
      "scene file; may be repeated (default: those of the outline)"},
     {"--collect", OPTION_FLAG, AT(collect), VERB_REPORT, 0, NULL,
-     "do not run; make the page from the results so far, for example while another process "
-     "continues; with DIR: of what ran on another machine"},
+     "make the page from the results that are there and run nothing; another process may still "
+     "be measuring; with DIR: from the results of a bundle"},
     {"--outline", OPTION_STRING, AT(outline), VERB_REPORT, 0, "FILE",
      "what the page shows (default: NAME/report.yaml beside the spec NAME.yaml)"},
     {"-o", OPTION_STRING, AT(output), VERB_TUNE, VERB_TUNE, "FILE.yaml",
