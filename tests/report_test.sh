@@ -28,6 +28,15 @@ END
 ln -s "$diptych" "$bundle/bin"
 cp "$root/app/bundle/run.sh" "$bundle/run"
 cp "$root/tests/specs/outside_grade.png" "$bundle/share/photo.png"
+# shellcheck disable=SC2317 # called through check
+same_functions() { # folder folder: their libraries of pictures export the same
+    for folder in "$@"; do
+        nm -D --defined-only "$folder/libdiptych_image.so" | awk '$3 ~ /^image_/ {print $3}' >"$work/${folder##*/}.functions"
+        [ -s "$work/${folder##*/}.functions" ] || return 1
+    done
+    diff "$work/${1##*/}.functions" "$work/${2##*/}.functions"
+}
+check "a bundle reads pictures by the functions that others have" same_functions "$build" "$build/bundle"
 check "a bundle's run makes a page of one machine" sh "$bundle/run" "$work/ran"
 check "... with its devices, verdicts and times" /usr/bin/python3 "$root/tests/report.py" --collected "$work/ran" agree
 check_status 1 "a difference" "$diptych" compare --spec "$bundle/share/diptych/templates/post.yaml" --input "photo=$bundle/share/photo.png" \
