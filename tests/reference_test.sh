@@ -57,6 +57,43 @@ sed "s|^mesh: .*|mesh: box.obj|" "$root/scenes/cornell.yaml" >"$work/box.yaml"
 sed "s|^mtllib .*|mtllib box.mtl|" "$root/scenes/cornell.obj" >"$work/box.obj"
 sed "s|^newmtl.*|&\nmap_Kd view.png|" "$root/scenes/cornell.mtl" >"$work/box.mtl"
 cp "$root/scenes/view.png" "$work"
+# What the shipped pipelines filter themselves, against the driver's filter: levels 0 to 3, over the edges; white without a texture.
+cat >"$work/filtered.yaml" <<'END'
+pipeline: filtered
+exactness: fast
+images:
+  ours:   {format: rgba32f, size: frame}
+  theirs: {format: rgba32f, size: frame}
+passes:
+  - {name: texture_filter, dispatch: ours, reads: [scene_textures], writes: [ours, theirs], shader: filtered.glsl}
+output: {linear: ours}
+END
+cat >"$work/filtered.glsl" <<'END'
+#include "shared/texture.glsl"
+
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (any(greaterThanEqual(p, ours_size())))
+        return;
+    vec2 uv = vec2(p) * vec2(0.037, -0.053);
+    float level = 3.0 * float(p.y) / float(frame.height);
+    bool white = p.x == 0;
+    ours_store(p, vec4(texture_linear(uv - floor(uv), white ? -1 : 0, int(level), fract(level)), 1.0));
+    theirs_store(p, white ? vec4(1.0) : textureLod(scene_textures, vec3(uv, 0.0), level));
+}
+END
+# shellcheck disable=SC2317
+filters_as_the_driver() {
+    for image in ours theirs; do
+        "$diptych" render --spec "$work/filtered.yaml" --scene "$work/box.yaml" --backend vk@llvmpipe --size 96x64 --show "$image" \
+            -o "$work/$image.exr" || return
+    done
+    "$diptych" metrics --reference "$work/theirs.exr" --test "$work/ours.exr" --json "$work/filtered.json" &&
+        /usr/bin/python3 -c 'import json, sys; sys.exit(json.load(open(sys.argv[1]))["hdr"]["rmse"] > 1e-5)' "$work/filtered.json"
+}
+check "textures are filtered as the driver does" filters_as_the_driver
+
 # shellcheck disable=SC2317
 filters() { # filter scene argument...
     local filter=$1 scene=$2

@@ -30,6 +30,7 @@ cp "$root/app/bundle/run.sh" "$bundle/run"
 cp "$root/tests/specs/outside_grade.png" "$bundle/share/photo.png"
 # shellcheck disable=SC2317 # called through check
 same_functions() { # folder folder: their libraries of pictures export the same
+    local folder
     for folder in "$@"; do
         nm -D --defined-only "$folder/libdiptych_image.so" | awk '$3 ~ /^image_/ {print $3}' >"$work/${folder##*/}.functions"
         [ -s "$work/${folder##*/}.functions" ] || return 1
