@@ -164,7 +164,8 @@ bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const voi
  * abandons it. `frame` and `live` of the first part hold for the whole frame; later ones are not read.
  * Every part begins and ends with the barrier, so the host may read and write, between the parts, each
  * resource that dt_gl_get_resource gives. A pass that replaces all of a resource discards what the host
- * wrote. Outputs have content only after the pass that writes them. */
+ * wrote. Outputs have content only after the pass that writes them; before it, their memory is that of
+ * other resources: do not write them. */
 bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
                          uint32_t first, uint32_t end);
 
@@ -179,7 +180,8 @@ struct dt_gl_resource {
     uint32_t width, height, layers, mips; /* layers: also the depth of a 3D image */
 };
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
- * or content from outside in the spec: other passes may have reused its memory. */
+ * or content from outside in the spec: other passes may have reused its memory. Also an error between
+ * the parts of a frame for an output that no part so far has written. */
 bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the last frame, 1

@@ -294,8 +294,9 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
  * Every part begins and ends with the barrier, so that the host may read and write, between the
  * parts, each resource that dt_vk_get_resource gives, without a barrier but for changes of layout: it finds
  * an image in `layout`, and leaves it so. A pass that replaces all of a resource discards what the host
- * wrote. Outputs have content only after the pass that writes them. Imported images have layout_before
- * until their first pass, and layout_after after the last part. */
+ * wrote. Outputs have content only after the pass that writes them; before it, their memory is that of
+ * other resources: do not write them. Imported images have layout_before until their first pass, and
+ * layout_after after the last part. */
 bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
                          const struct dt_frame *frame, const void *live, uint32_t first,
                          uint32_t end);
@@ -317,7 +318,8 @@ struct dt_vk_resource {
     VkImageLayout layout;                 /* after the commands recorded last */
 };
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
- * or content from outside in the spec: other passes may have reused its memory. */
+ * or content from outside in the spec: other passes may have reused its memory. Also an error between
+ * the parts of a frame for an output that no part so far has written. */
 bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the frame recorded

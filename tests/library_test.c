@@ -1046,6 +1046,7 @@ static struct {
     atomic_bool fail_pipelines;
     VkPipelineStageFlags2 stages; /* of all barriers */
     int acquired, released;       /* from and to EXTERNAL */
+    unsigned barriers, drop;      /* recorded; the one to leave out, from 1; 0: none */
 } own;
 
 static void *VKAPI_PTR own_alloc(void *user, size_t size, size_t alignment,
@@ -1145,6 +1146,8 @@ static void count_owners(uint32_t from, uint32_t to, VkPipelineStageFlags2 stage
 static VKAPI_ATTR void VKAPI_CALL own_barrier(VkCommandBuffer commands,
                                               const VkDependencyInfo *info)
 {
+    if (++own.barriers == own.drop)
+        return;
     for (uint32_t i = 0; i < info->memoryBarrierCount; i++)
         own.stages |= info->pMemoryBarriers[i].srcStageMask | info->pMemoryBarriers[i].dstStageMask;
     for (uint32_t i = 0; i < info->bufferMemoryBarrierCount; i++) {
@@ -1436,6 +1439,8 @@ static void paint_between(bool clears, VkDeviceSize offset)
     struct dt_vk_resource blurred = {0}, picture = {0};
     assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
                 dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    REFUSED(dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture),
+            "resource picture: a later part of this frame writes it");
     if (clears) {
         move_image(outside.commands, blurred.image, blurred.layout,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
@@ -1608,6 +1613,56 @@ static void vulkan_waits_only_for_what_the_host_does(void **state)
     copy_around(NULL);
     assert_int_equal(heard.validation, 0);
     assert_true(own.stages & VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+}
+
+/* Between two passes the host clears what the first wrote and the second reads, without a barrier of
+ * its own. `drop`: the barrier to leave out. Returns whether validation hears a hazard. */
+static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned *seam)
+{
+    const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    const VkClearColorValue one = {.float32 = {1, 1, 1, 1}};
+    struct dt_vk_host host = own_host();
+    struct dt_vk_resource blurred = {0};
+    heard.validation = 0;
+    outside.rt = dt_vk_open(&host);
+    assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk) &&
+                dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+    outside.commands = begin();
+    write_for_blurred(vulkan_writes);
+    dt_vk_narrow(outside.rt, sync);
+    own.barriers = 0;
+    own.drop = drop;
+    assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    assert_int_equal(blurred.layout, VK_IMAGE_LAYOUT_GENERAL);
+    *seam = own.barriers;
+    vkCmdClearColorImage(outside.commands, blurred.image, blurred.layout, &one, 1, &all);
+    assert_true(vulkan_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES));
+    own.drop = 0;
+    submit(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    dt_vk_close(outside.rt);
+    return heard.validation;
+}
+
+/* Validation is silent, and hears a hazard without the last barrier before the host's command, or
+ * without the first after it. */
+static void vulkan_waits_at_seams(void **state)
+{
+    (void)state;
+    const struct dt_vk_sync clears = {VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                      VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                                      VK_ACCESS_2_TRANSFER_WRITE_BIT};
+    const struct dt_vk_sync *syncs[] = {&clears, NULL};
+    for (int i = 0; i < 2; i++) {
+        unsigned seam, ignored;
+        assert_false(clear_at_seam(syncs[i], 0, &seam));
+        assert_true(clear_at_seam(syncs[i], seam, &ignored));
+        assert_non_null(strstr(heard.hazard, "SYNC-HAZARD-WRITE-AFTER-WRITE"));
+        assert_true(clear_at_seam(syncs[i], seam + 1, &ignored));
+        assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
+    }
+    heard.validation = 0;
 }
 
 /* A buffer and an image of another family. EXTERNAL is one on every device. */
@@ -2001,7 +2056,7 @@ static void opengl_records_parts(void **state)
     (void)state;
     PFNGLCLEARTEXIMAGEPROC clear = (PFNGLCLEARTEXIMAGEPROC)eglGetProcAddress("glClearTexImage");
     const float one[4] = {1, 1, 1, 1};
-    struct dt_gl_resource blurred = {0};
+    struct dt_gl_resource blurred = {0}, picture;
     struct gl_runtime *rt = outside_gl_runtime =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_create(rt, &outside_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
@@ -2010,6 +2065,8 @@ static void opengl_records_parts(void **state)
     opengl_paints(black);
     assert_true(opengl_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
                 dt_gl_get_resource(rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    REFUSED(dt_gl_get_resource(rt, OUTSIDE_RESOURCE_PICTURE, &picture),
+            "resource picture: a later part of this frame writes it");
     REFUSED(opengl_records(),
             "record: begins with pass 0, but the frame goes on with pass 1, grade");
     clear(blurred.texture, 0, GL_RGBA, GL_FLOAT, one);
@@ -2222,6 +2279,7 @@ int main(void)
         cmocka_unit_test(vulkan_keeps_frames_in_flight_apart),
         cmocka_unit_test(vulkan_records_parts),
         cmocka_unit_test(vulkan_waits_only_for_what_the_host_does),
+        cmocka_unit_test(vulkan_waits_at_seams),
         cmocka_unit_test(vulkan_exchanges_imports),
         cmocka_unit_test(vulkan_tells_frames_in_flight_apart),
         cmocka_unit_test(vulkan_hears_first_uses_that_do_not_wait),

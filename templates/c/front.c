@@ -637,17 +637,35 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
     return true;
 }
 
+/* Whether the passes of the frame that were recorded so far write the resource. */
+static bool is_written(const struct dt_core *core, uint32_t resource)
+{
+    for (uint32_t i = 0; i < core->next_pass; i++) {
+        const struct dt_pass *pass = &core->pipeline->passes[i];
+        for (uint32_t k = 0; k < pass->write_count; k++)
+            if (pass->writes[k] == resource)
+                return true;
+    }
+    return false;
+}
+
 bool dt_front_take(const struct dt_core *core, uint32_t resource, struct dt_bytes *shape)
 {
     const struct dt_pipeline *pipeline = core->pipeline;
     if (!dt_front_find(core, "resource", resource, 0, shape))
         return false;
     const struct dt_resource *what = &pipeline->resources[resource];
-    return what->history || what->keep || core->imported[resource] ||
-           (int)resource == pipeline->linear_output || (int)resource == pipeline->display_output ||
+    if (what->history || what->keep || core->imported[resource])
+        return true;
+    if ((int)resource != pipeline->linear_output && (int)resource != pipeline->display_output)
+        return dt_error(core,
+                        "resource %s: other passes may reuse its memory; give it `keep: true` in "
+                        "the spec, or import it",
+                        what->name);
+    return !core->next_pass || is_written(core, resource) ||
            dt_error(core,
-                    "resource %s: other passes may reuse its memory; give it `keep: true` in the "
-                    "spec, or import it",
+                    "resource %s: a later part of this frame writes it, and earlier passes use its "
+                    "memory; take it after that part, or give it `keep: true` in the spec",
                     what->name);
 }
 
