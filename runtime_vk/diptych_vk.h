@@ -132,10 +132,17 @@ struct dt_vk_host {
     uint32_t frames;
 };
 
-/* Sets the features that the pipeline needs to VK_TRUE; changes no others. The host may clear
- * shaderOutputLayer again: without it, each layer of a layered pass is drawn alone. Call it for each
- * pipeline on the feature structures for vkCreateDevice. If the device lacks a feature,
- * dt_vk_create logs the feature and the pass, and the pipeline before stays. */
+/* Whether the pipeline runs on host->physical_device; if not, logs the features that the device lacks,
+ * and the passes that need them. Reads of the host only log, instance, physical_device,
+ * get_instance_proc_addr and timing: call it for each physical device, to choose one before
+ * vkCreateDevice. */
+bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders);
+
+/* Sets the features that the pipeline needs to VK_TRUE; changes no others. Call it for each pipeline on
+ * the feature structures for vkCreateDevice, which fails if the device lacks one: see dt_vk_suits. The
+ * host may clear shaderOutputLayer again, and then gives device_info: each layer of a layered pass is
+ * drawn alone. dt_vk_create logs a feature that is not enabled, and the pass, and the pipeline before
+ * stays. */
 void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatures *core,
                          VkPhysicalDeviceVulkan11Features *vulkan11,
                          VkPhysicalDeviceVulkan12Features *vulkan12,

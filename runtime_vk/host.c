@@ -7,22 +7,31 @@
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-static bool load_functions(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
+static bool check_functions(const struct vk_runtime *rt, bool good)
+{
+    return good || dt_error(&rt->core,
+                            "Vulkan: the loader lacks functions of version 1.3; make instance and "
+                            "device with apiVersion 1.3");
+}
+
+static bool load_instance(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
+{
+    bool good = true;
+#define LOAD(name) good = good && (rt->vk.name = (PFN_vk##name)get(rt->instance, "vk" #name));
+    VK_INSTANCE_FUNCTIONS(LOAD)
+#undef LOAD
+    return check_functions(rt, good);
+}
+
+static bool load_device(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 {
     PFN_vkGetDeviceProcAddr get_device =
         (PFN_vkGetDeviceProcAddr)get(rt->instance, "vkGetDeviceProcAddr");
     bool good = get_device;
-#define LOAD_INSTANCE(name)                                                                        \
-    good = good && (rt->vk.name = (PFN_vk##name)get(rt->instance, "vk" #name));
-#define LOAD_DEVICE(name)                                                                          \
-    good = good && (rt->vk.name = (PFN_vk##name)get_device(rt->device, "vk" #name));
-    VK_INSTANCE_FUNCTIONS(LOAD_INSTANCE)
-    VK_DEVICE_FUNCTIONS(LOAD_DEVICE)
-#undef LOAD_INSTANCE
-#undef LOAD_DEVICE
-    return good || dt_error(&rt->core,
-                            "Vulkan: the loader lacks functions of version 1.3; make instance and "
-                            "device with apiVersion 1.3");
+#define LOAD(name) good = good && (rt->vk.name = (PFN_vk##name)get_device(rt->device, "vk" #name));
+    VK_DEVICE_FUNCTIONS(LOAD)
+#undef LOAD
+    return check_functions(rt, good);
 }
 
 /* Called only if the host says that VK_EXT_debug_utils is enabled. */
@@ -71,7 +80,8 @@ static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
         return dt_error(&rt->core,
                         "struct dt_vk_host: allocator has only one of allocate and free; "
                         "give both");
-    if (!load_functions(rt, host->get_instance_proc_addr))
+    if (!load_instance(rt, host->get_instance_proc_addr) ||
+        !load_device(rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(rt, host->physical_device);
     if (!vk_device_suits(rt, rt->physical, NULL, missing, sizeof missing))
@@ -84,6 +94,23 @@ static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
     if (host->labels)
         load_labels(rt, host->get_instance_proc_addr);
     return check_family(rt) && vk_builtin_create(rt);
+}
+
+bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders)
+{
+    struct vk_runtime rt = {.core = {.log = host->log, .timing = host->timing},
+                            .instance = host->instance};
+    const struct dt_panel *panel = shaders->panel;
+    char missing[512];
+    if (!host->instance || !host->physical_device || !host->get_instance_proc_addr)
+        return dt_error(&rt.core, "struct dt_vk_host: instance, physical_device and "
+                                  "get_instance_proc_addr must be given");
+    if (!dt_front_takes(&rt.core, panel) || !load_instance(&rt, host->get_instance_proc_addr))
+        return false;
+    vk_device_describe(&rt, host->physical_device);
+    return vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing) ||
+           dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
+                    rt.core.device_name, panel->pipeline->name, missing);
 }
 
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live);

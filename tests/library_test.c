@@ -459,6 +459,28 @@ static void vulkan_tells_wrong_hosts(void **state)
     dt_vk_close(NULL);
 }
 
+/* Before there is a device. */
+static void vulkan_tells_which_device_suits(void **state)
+{
+    (void)state;
+    struct dt_vk_host host = {.log = test_log,
+                              .instance = vk.instance,
+                              .physical_device = vk.physical,
+                              .get_instance_proc_addr = vkGetInstanceProcAddr};
+    const struct dt_need need = {FEATURES_PASS_SLICE, "shaderClairvoyance"};
+    struct dt_panel panel = features_panel;
+    const struct dt_shaders needy = {"vk", &panel, features_vk.stages};
+    assert_true(dt_vk_suits(&host, &features_vk) && dt_vk_suits(&host, &shapes_vk));
+    panel.needs = &need;
+    panel.need_count = 1;
+    REFUSED(dt_vk_suits(&host, &needy),
+            "pipeline features: missing shaderClairvoyance (pass slice); use another device");
+    panel.version += 1000000;
+    REFUSED(dt_vk_suits(&host, &needy), "generate the pipeline again");
+    host.physical_device = NULL;
+    REFUSED(dt_vk_suits(&host, &features_vk), "must be given");
+}
+
 /* What the device was created with is up to the host: here it is told wrongly. */
 static void vulkan_checks_enabled_features(void **state)
 {
@@ -2249,6 +2271,7 @@ int main(void)
 {
     const struct CMUnitTest vulkan[] = {
         cmocka_unit_test(vulkan_tells_wrong_hosts),
+        cmocka_unit_test(vulkan_tells_which_device_suits),
         cmocka_unit_test(vulkan_checks_enabled_features),
         cmocka_unit_test(vulkan_tells_wrong_calls),
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),

@@ -417,16 +417,22 @@ bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from)
            dt_error(core, "create_from: the other runtime has no pipeline; create it there first");
 }
 
+bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel)
+{
+    uint32_t version = panel->version;
+    return DT_TAKES(version) ||
+           dt_error(core,
+                    "the pipeline is from diptych-gen %u.%u.%u, this library is %d.%d.%d; "
+                    "generate the pipeline again, with the generator of the library",
+                    version / 1000000, version / 1000 % 1000, version % 1000, DT_VERSION_MAJOR,
+                    DT_VERSION_MINOR, DT_VERSION_PATCH);
+}
+
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
                      const struct dt_core *from)
 {
-    uint32_t version = shaders->panel->version;
-    if (!DT_TAKES(version))
-        return dt_error(core,
-                        "the pipeline is from diptych-gen %u.%u.%u, this library is %d.%d.%d; "
-                        "generate the pipeline again, with the generator of the library",
-                        version / 1000000, version / 1000 % 1000, version % 1000, DT_VERSION_MAJOR,
-                        DT_VERSION_MINOR, DT_VERSION_PATCH);
+    if (!dt_front_takes(core, shaders->panel))
+        return false;
     const struct dt_pipeline *pipeline = shaders->panel->pipeline;
     if (strcmp(shaders->backend, core->backend->name) != 0)
         return dt_error(core, "pipeline %s: the shaders are for %s; give %s_%s", pipeline->name,

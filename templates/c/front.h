@@ -142,6 +142,8 @@ const uint32_t *dt_front_words(const struct dt_code *code, uint32_t **own);
 
 /* ---- For the app and for hosts --------------------------------------------------------------- */
 
+/* Whether the pipeline is of a version that the library takes; if not, logs it. */
+bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel);
 /* `from`: a core with the same shaders, whose programs are shared; NULL: none. */
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
                      const struct dt_core *from);
