@@ -144,7 +144,8 @@ bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
  * every input that is not imported, after each resize; the content then stays, and may be replaced
  * between frames. Also inputs with a `file` in the spec: diptych reads no files for a host. `bytes`:
  * the whole resource or mip, tightly packed, row 0 first, that is the bottom of a picture; elements
- * of a struct lie as in NAME.h. They are borrowed for the call. */
+ * of a struct lie as in NAME.h. Its `extent` is what NAME_pipeline.extent gives for the frame size, of
+ * an image halved for each mip, at least 1. They are borrowed for the call. */
 bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes);
 
@@ -184,9 +185,9 @@ struct dt_gl_resource {
  * the parts of a frame for an output that no part so far has written. */
 bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
-/* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the last frame, 1
- * the one before, up to `frames` - 1 of the host; all since resize. Waits if the frame still runs: an
- * older one seldom does. */
+/* Milliseconds of each pass of a frame, pass_count values; NAN: skipped, or not finished yet, since this
+ * function never waits. `age`: 0 is the last frame, 1 the one before, up to `frames` - 1 of the host; all
+ * since resize. The older a frame, the likelier it has finished. */
 bool dt_gl_timings(struct gl_runtime *rt, uint32_t age, double *pass_ms);
 
 #pragma GCC visibility pop

@@ -393,18 +393,34 @@ bool gl_resume(struct dt_core *core)
     return true;
 }
 
+/* Of a pass that has not finished: NAN for a host, which never waits here; the app waits. */
+static bool read_timing(struct gl_runtime *rt, const GLuint queries[2], const char *name,
+                        double *ms)
+{
+    GLint finished = GL_TRUE;
+    GLuint64 begin = 0, end = 0;
+    *ms = (double)NAN;
+    if (rt->core.hosted &&
+        !GL(rt, name, GetQueryObjectiv(queries[1], GL_QUERY_RESULT_AVAILABLE, &finished)))
+        return false;
+    if (!finished)
+        return true;
+    if (!GL(rt, name, GetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin)) ||
+        !GL(rt, name, GetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end)))
+        return false;
+    *ms = (double)(end - begin) * 1e-6;
+    return true;
+}
+
 static bool read_timings(struct gl_runtime *rt, uint32_t slot, double *pass_ms)
 {
     const struct dt_core *core = &rt->core;
     for (uint32_t i = 0; i < core->pipeline->pass_count; i++) {
-        const char *name = pass_name(rt, i);
-        GLuint64 begin = 0, end = 0;
         uint32_t run = dt_run(core, slot, i);
+        pass_ms[i] = (double)NAN;
         if (core->ran[run] &&
-            (!GL(rt, name, GetQueryObjectui64v(rt->queries[2 * run], GL_QUERY_RESULT, &begin)) ||
-             !GL(rt, name, GetQueryObjectui64v(rt->queries[2 * run + 1], GL_QUERY_RESULT, &end))))
+            !read_timing(rt, &rt->queries[2 * run], pass_name(rt, i), &pass_ms[i]))
             return false;
-        pass_ms[i] = core->ran[run] ? (double)(end - begin) * 1e-6 : (double)NAN;
     }
     return true;
 }

@@ -3,6 +3,7 @@
  * commands. diptych submits nothing, waits for nothing and touches no queue. diptych_gl.h is the
  * same for OpenGL.
  *
+ *     dt_vk_suits(&(struct dt_vk_host){...}, &ssvp_vk) to choose a physical device
  *     dt_vk_need_features(&ssvp_vk, &core, &vulkan11, &vulkan12, &vulkan13);
  *     vkCreateDevice(physical, &info, ...); with these structures in `info`
  *     struct vk_runtime *rt = dt_vk_open(&(struct dt_vk_host){
@@ -258,7 +259,8 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
  * every input that is not imported, after each resize; the content then stays, and may be replaced
  * between frames. Also inputs with a `file` in the spec: diptych reads no files for a host. `bytes`:
  * the whole resource or mip, tightly packed, row 0 first, that is the bottom of a picture; elements
- * of a struct lie as in NAME.h. The function copies them into `commands`, which are as for record:
+ * of a struct lie as in NAME.h. Its `extent` is what NAME_pipeline.extent gives for the frame size, of
+ * an image halved for each mip, at least 1. The function copies them into `commands`, which are as for record:
  * frames recorded later see the new content, earlier ones the old. For large images that change in
  * every frame, an import is faster. */
 bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,

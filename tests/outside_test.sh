@@ -64,34 +64,34 @@ check "... to the nearest half, and structs as std430 has them" python3 "$root/t
 # ---- What does not fit
 
 render=("$diptych" render --spec outside.yaml --backend vk -o none.png)
-check "an input without a file" told 1 "outside: the input weights has no content; give --input weights=FILE" \
+check "an input without a file" told 1 "outside: the input weights has no content; give the input weights=FILE" \
     "${render[@]}" --input photo=photo.png
-check "an unknown input" told 1 '--input phot=photo.png: outside has no such input; did you mean "photo"?' \
+check "an unknown input" told 1 'input phot=photo.png: outside has no such input; did you mean "photo"?' \
     "${render[@]}" --input phot=photo.png
 check "an option that is no input" told 2 "--input photo: must be NAME=FILE, like photo=in.png" "${render[@]}" --input photo
-check "an input twice" told 1 "--input photo=small.png: photo has a file already" "${render[@]}" "${input[@]}" --input photo=small.png
-check "a file of the spec" told 1 "the spec has a file for it; use --set images.grade.file=FILE, where" \
+check "an input twice" told 1 "input photo=small.png: photo has a file already" "${render[@]}" "${input[@]}" --input photo=small.png
+check "a file of the spec" told 1 "the spec has a file for it; set images.grade.file=FILE instead, where" \
     "${render[@]}" --input grade=photo.png
-check "no file" told 1 "--input photo=nowhere.png: No such file or directory" \
+check "no file" told 1 "input photo=nowhere.png: No such file or directory" \
     "${render[@]}" --input photo=nowhere.png --input weights=weights.npy
-check "no picture" told 1 "--input photo=weights.npy: it is no PNG, JPEG, OpenEXR or HDR picture" \
+check "no picture" told 1 "input photo=weights.npy: it is no PNG, JPEG, OpenEXR or HDR picture" \
     "${render[@]}" --input photo=weights.npy --input weights=weights.npy
-check "half a picture" told 1 "--input photo=cut.png: " "${render[@]}" --input photo=cut.png --input weights=weights.npy
+check "half a picture" told 1 "input photo=cut.png: " "${render[@]}" --input photo=cut.png --input weights=weights.npy
 check "another size" told 1 \
-    "--input photo=photo.png: it has 45x21 texels, but photo has 8x4 in a frame of 8x4" "${render[@]}" "${input[@]}" --size 8x4
-check "too many elements" told 1 "--input weights=three.npy: it has 3 elements, but weights has 2" \
+    "input photo=photo.png: it has 45x21 texels, but photo has 8x4 in a frame of 8x4" "${render[@]}" "${input[@]}" --size 8x4
+check "too many elements" told 1 "input weights=three.npy: it has 3 elements, but weights has 2" \
     "${render[@]}" --input photo=photo.png --input weights=three.npy
-check "another shape" told 1 "--input weights=pairs.npy: the shape is (n, 2), not (n, 3)" \
+check "another shape" told 1 "input weights=pairs.npy: the shape is (n, 2), not (n, 3)" \
     "${render[@]}" --input photo=photo.png --input weights=pairs.npy
-check "another type" told 1 "--input weights=whole.npy: the numbers are int32, not float32" \
+check "another type" told 1 "input weights=whole.npy: the numbers are int32, not float32" \
     "${render[@]}" --input photo=photo.png --input weights=whole.npy
-check "a file that ends early" told 1 "--input weights=short.npy: it has 20 bytes of numbers; its header says 24" \
+check "a file that ends early" told 1 "input weights=short.npy: it has 20 bytes of numbers; its header says 24" \
     "${render[@]}" --input photo=photo.png --input weights=short.npy
-check "NaN" told 1 "--input weights=nan.npy: its element 1 has a number that is not finite" \
+check "NaN" told 1 "input weights=nan.npy: its element 1 has a number that is not finite" \
     "${render[@]}" --input photo=photo.png --input weights=nan.npy
 for wrong in "order:field 1 of its dtype is not \`at\`" "shape:the shape of \`at\` is (1, 3), not (3)" \
     "kind:the numbers of \`bone\` are int32, not uint32" "padded:its dtype is not fields of names, types and shapes, without padding"; do
-    check "fields of another ${wrong%%:*}" told 1 "--input bones=bones_${wrong%%:*}.npy: ${wrong#*:}" \
+    check "fields of another ${wrong%%:*}" told 1 "input bones=bones_${wrong%%:*}.npy: ${wrong#*:}" \
         "$diptych" render --spec formats.yaml --input "bones=bones_${wrong%%:*}.npy" --backend gl --dump large
 done
 sed 's/values.exr/nan.exr/' formats.yaml >nan.yaml

@@ -254,7 +254,7 @@ def test_errors_name_the_thing(negative):
         "unknown backend": {"backend": "metal"},
         "no Vulkan device is called": {"backend": "vk@nobody"},
         "at most": {"size": (100000, 1)},
-        "--input phot=": {"inputs": {"phot": "a.png"}},
+        "input phot=a.png: negative has no such input": {"inputs": {"phot": "a.png"}},
         "whit": {"sets": {"whit": 1}},
     }.items():
         with pytest.raises(diptych.Error, match=reason):

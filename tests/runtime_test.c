@@ -617,7 +617,7 @@ static void wrong_before_create(struct transcript *transcript, const struct benc
     WRONG(runtime->read(rt, 0, 0, &bytes), "read: the pipeline has no resource 0");
     assert_null(bytes.data);
     WRONG(runtime->write(rt, 0, 0, &bytes), "write: the pipeline has no resource 0");
-    WRONG(runtime->timings(rt, ms), "timings: none; open with timing and render a frame first");
+    WRONG(runtime->timings(rt, ms), "timings: none of a whole frame; open with timing");
     WRONG(runtime->window_copy(rt, 1, 0), "window_copy: the ");
     WRONG(runtime->window_upload(rt, 1, 1, 1, pixel), "window_upload: the ");
     WRONG(runtime->present(rt, &shown), "runtime was opened without a window");

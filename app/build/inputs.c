@@ -45,7 +45,7 @@ __attribute__((format(printf, 2, 3))) static void report(const struct loading *l
         text = NULL;
     va_end(values);
     if (loading->by_option) {
-        report_error(&loading->console->log, "--input %s=%s: %s", loading->resource->name,
+        report_error(&loading->console->log, "input %s=%s: %s", loading->resource->name,
                      loading->file, text ? text : "out of memory");
     } else {
         all = format_string("cannot use the file `%s`: %s", loading->file,
@@ -312,10 +312,10 @@ static bool refuse_option(const struct dt_log *log, const struct dt_pipeline *in
             list[count++] = info->resources[i].name;
     const char *hint = list && name ? nearest_name(name, list, count) : NULL;
     if (hint)
-        report_error(log, "--input %s: %s has no such input; did you mean \"%s\"?", option,
+        report_error(log, "input %s: %s has no such input; did you mean \"%s\"?", option,
                      info->name, hint);
     else
-        report_error(log, "--input %s: %s has no such input", option, info->name);
+        report_error(log, "input %s: %s has no such input", option, info->name);
     free(name);
     free(list);
     return false;
@@ -336,14 +336,14 @@ static bool check_options(const struct pipeline *pipeline, const struct options 
             return refuse_option(log, info, option);
         if (found->file) {
             report_error(log,
-                         "--input %s: the spec has a file for it; use --set %s.%s.file=FILE, where "
+                         "input %s: the spec has a file for it; set %s.%s.file=FILE instead, where "
                          "FILE is absolute or relative to the spec's folder",
                          option, found->kind == DT_IMAGE ? "images" : "buffers", found->name);
             return false;
         }
         for (uint32_t k = 0; k < i; k++)
             if (names(options->inputs.items[k], found->name)) {
-                report_error(log, "--input %s: %s has a file already", option, found->name);
+                report_error(log, "input %s: %s has a file already", option, found->name);
                 return false;
             }
     }
@@ -438,7 +438,7 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
         pipeline->input_count--;
         return true;
     }
-    report_error(&console->log, "%s: the input %s has no content; give --input %s=FILE",
+    report_error(&console->log, "%s: the input %s has no content; give the input %s=FILE",
                  pipeline->info->name, resource->name, resource->name);
     return false;
 }

@@ -1024,7 +1024,8 @@ bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_fra
 bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
 {
     if (!core->timing || !core->rendered)
-        return dt_error(core, "timings: none; open with timing and %s a frame first",
+        return dt_error(core,
+                        "timings: none of a whole frame; open with timing and %s all passes first",
                         core->hosted ? "record" : "render");
     if (age >= core->recorded)
         return dt_error(core,
@@ -1146,7 +1147,7 @@ bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
     if (bytes->size != own.size || memcmp(given, own.extent, sizeof own.extent) != 0)
         return dt_error(core,
                         "write %s: %zu bytes of %ux%ux%u given, but the resource has %zu bytes of "
-                        "%ux%ux%u; use the size and extent that read returns",
+                        "%ux%ux%u; give these",
                         to->name, bytes->size, given[0], given[1], given[2], own.size,
                         own.extent[0], own.extent[1], own.extent[2]);
     return check_depth(core, to, bytes);
