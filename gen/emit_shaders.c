@@ -17,36 +17,33 @@ struct shaders_output {
     struct code (*codes)[3]; /* by pass and stage */
 };
 
-/* LEB128, see struct dt_code. A list of numbers, since MSVC limits strings to 64 KiB; without
- * printf, which is too slow for so many. */
+/* One of a list of bytes. Without printf, which is too slow for so many. */
+static void emit_byte(struct text *out, unsigned byte, size_t index)
+{
+    char digits[4], *at = digits + sizeof digits;
+    for (*--at = ','; at == digits + 3 || byte; byte /= 10)
+        *--at = (char)('0' + byte % 10);
+    text_add_bytes(out, "\n    ", index % 20 ? 0 : 5);
+    text_add_bytes(out, at, (size_t)(digits + sizeof digits - at));
+}
+
+/* LEB128, see struct dt_code. A list of numbers, since MSVC limits strings to 64 KiB. */
 static void emit_packed(struct text *out, const struct code *code)
 {
     size_t written = 0;
     for (size_t i = 0; i < code->count; i++)
         for (uint32_t rest = code->words[i], more = 1; more; rest >>= 7) {
             more = rest > 0x7f;
-            unsigned byte = (rest & 0x7f) | (more ? 0x80 : 0);
-            char digits[4], *at = digits + sizeof digits;
-            for (*--at = ','; at == digits + 3 || byte; byte /= 10)
-                *--at = (char)('0' + byte % 10);
-            text_add_bytes(out, "\n    ", written++ % 20 ? 0 : 5);
-            text_add_bytes(out, at, (size_t)(digits + sizeof digits - at));
+            emit_byte(out, (rest & 0x7f) | (more ? 0x80 : 0), written++);
         }
     text_add(out, "};\n");
 }
 
-static void emit_text(const struct c_output *c, const char *at)
+static void emit_text(struct text *out, const char *glsl)
 {
-    while (*at) {
-        size_t length = strcspn(at, "\n");
-        bool ended = at[length] == '\n';
-        char *line = arena_strndup(c->model->arena, at, length + ended);
-
-        text_add(c->out, "    ");
-        c_string(c->out, line);
-        at += length + ended;
-        text_add(c->out, *at ? "\n" : ";\n");
-    }
+    for (size_t i = 0; glsl[i]; i++)
+        emit_byte(out, (unsigned char)glsl[i], i);
+    text_add(out, "0};\n");
 }
 
 static const char *const stage_names[] = {"compute", "vertex", "fragment"};
@@ -81,9 +78,9 @@ static void emit_code(const struct shaders_output *o, uint32_t pass, int stage)
         emit_packed(c->out, code);
     }
     if (code->glsl) {
-        text_add(c->out, "static const char ");
-        emit_symbol(c, pass, stage, "_glsl[] =\n");
-        emit_text(c, code->glsl);
+        text_add(c->out, "static const uint8_t ");
+        emit_symbol(c, pass, stage, "_glsl[] = {");
+        emit_text(c->out, code->glsl);
     }
 }
 
@@ -96,10 +93,9 @@ static bool emit_entry(const struct shaders_output *o, uint32_t pass, int stage,
     text_add(c->out, "%s.%s = {NULL, %zu, ", any ? ",\n        " : "", stage_names[stage],
              code->count * sizeof *code->words);
     emit_symbol(c, owner_of(o, pass, stage), stage, "_packed, ");
+    text_add(c->out, code->glsl ? "(const char *)" : "NULL}");
     if (code->glsl)
         emit_symbol(c, pass, stage, "_glsl}");
-    else
-        text_add(c->out, "NULL}");
     return true;
 }
 
