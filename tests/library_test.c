@@ -2098,11 +2098,11 @@ static void opengl_records_parts(void **state)
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
-static void opengl_takes_inputs(void **state)
+/* `glsl`: from the text in generated C, not from the SPIR-V. */
+static void take_inputs(bool glsl)
 {
-    (void)state;
-    struct gl_runtime *rt =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
+    struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+        .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = glsl});
     outside_gl_runtime = rt;
     assert_true(rt && dt_gl_create(rt, &outside_gl));
     for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
@@ -2125,6 +2125,18 @@ static void opengl_takes_inputs(void **state)
     free(photo.data);
     dt_gl_close(rt);
     assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
+static void opengl_takes_inputs(void **state)
+{
+    (void)state;
+    take_inputs(false);
+}
+
+static void opengl_takes_text(void **state)
+{
+    (void)state;
+    take_inputs(true);
 }
 
 static void opengl_takes_buffers_and_describes_all(void **state)
@@ -2298,6 +2310,7 @@ int main(void)
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_shares_programs),
         cmocka_unit_test(opengl_takes_inputs),
+        cmocka_unit_test(opengl_takes_text),
         cmocka_unit_test(opengl_takes_buffers_and_describes_all),
         cmocka_unit_test(opengl_records_parts),
         cmocka_unit_test(opengl_takes_3d_images_and_cubes),
