@@ -61,7 +61,11 @@ cp -r "$root"/tests/specs/grey* "$folder"
 sed "s|^mesh: .*|mesh: $root/scenes/cornell.obj|" "$root/scenes/cornell.yaml" >"$folder/a & box.yaml"
 sed "s|^mesh: .*|mesh: nowhere.obj|" "$root/scenes/cornell.yaml" >"$folder/absent.yaml"
 report=$folder/report
-small=("$diptych" report --spec "$folder/grey.yaml" --size 48x27 --spp 16 --frames 3 --warmup 1 -o "$report")
+# With an input, which every step hands on.
+sed -i 's/^images:/buffers: {tone: {input: true, of: float, count: 1}}\n&/; s/writes: \[radiance\]/reads: [tone], &/' "$folder/grey.yaml"
+sed -i 's/level/level * tone[0]/' "$folder/grey/paint.glsl"
+/usr/bin/python3 -c 'import numpy, sys; numpy.save(sys.argv[1], numpy.ones(1, "f4"))' "$folder/a & tone.npy"
+small=("$diptych" report --spec "$folder/grey.yaml" --input "tone=$folder/a & tone.npy" --size 48x27 --spp 16 --frames 3 --warmup 1 -o "$report")
 
 # shellcheck disable=SC2317 # called through check
 said() { # status text command...: an exit status, and a text on stderr
