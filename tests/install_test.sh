@@ -204,10 +204,12 @@ build_host() { # gl|vk library...
         -o "$work/host/host_$api" "$@"
 }
 # shellcheck disable=SC2317
-run_host() { # gl|vk; a word of validation or KHR_debug fails it
+run_host() { # gl|vk picture-of-a-second-ssvp...; a word of validation or KHR_debug fails it
+    local api=$1
+    shift
     VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation HOST_DEBUG=1 \
-        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT hide "$work/host/host_$1" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$1.ssvp.ppm" \
-        "$work/host/$1.rsm.ppm" && [ ! -s "$work/output" ]
+        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT hide "$work/host/host_$api" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$api.ssvp.ppm" \
+        "$work/host/$api.rsm.ppm" "$@" && [ ! -s "$work/output" ]
 }
 # shellcheck disable=SC2317
 same_picture() { # PPM dump
@@ -224,13 +226,15 @@ END
 }
 # shellcheck disable=SC2317
 same_pictures() { # gl|vk
-    same_picture "$work/host/$1.ssvp.ppm" "$work/$1" && same_picture "$work/host/$1.rsm.ppm" "$work/rsm"
+    same_picture "$work/host/$1.ssvp.ppm" "$work/$1" && same_picture "$work/host/$1.rsm.ppm" "$work/rsm" &&
+        { [ "$1" = gl ] || cmp "$work/host/$1.ssvp.ppm" "$work/host/$1.second.ppm"; }
 }
 read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
 read -ra private < <(pkg-config --static --libs-only-l --libs-only-other diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
 check "the installed generator generates" generate
 check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@]}" -lvulkan
-check "... runs two pipelines on its own threads, and validation is silent" run_host vk
+check "... runs two pipelines and a second view on its own threads, and validation is silent" \
+    run_host vk "$work/host/vk.second.ppm"
 check "... to the bits that the command has" same_pictures vk
 check "an OpenGL renderer builds with static libraries" build_host gl "$installed"/lib/libdiptych_{gl,scene}.a \
     "${private[@]}" -lEGL -lGL

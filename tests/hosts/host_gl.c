@@ -16,6 +16,8 @@
 
 enum { MAX_PIPELINES = 2 };
 
+enum { COPY = 128 }; /* where the renderer's copy of the exposure is, in bytes */
+
 struct pipeline {
     const struct dt_shaders *shaders;
     uint32_t output, exposure;
@@ -23,13 +25,13 @@ struct pipeline {
 };
 
 static const struct pipeline pipelines[MAX_PIPELINES] = {
-    {&ssvp_gl, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
+    {&ssvp_gl, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_TONEMAP,
      SSVP_PASSES},
-    {&rsm_gl, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_COMPOSITE, RSM_PASSES}};
+    {&rsm_gl, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_TONEMAP, RSM_PASSES}};
 
 struct view {
     struct gl_runtime *rt;
-    GLuint picture, exposure; /* exposure: a buffer of a float, which the pipeline writes */
+    GLuint picture, exposure; /* exposure: as in host_vk.c */
 };
 
 struct geometry {
@@ -84,11 +86,10 @@ static struct view open_view(const struct geometry *geometry, const struct dt_sc
     const char zero[256] = {0};
     const GLuint picture = make_texture(GL_RGBA8, width, height);
     const GLuint exposure = make_buffer(zero, sizeof zero);
-    const struct dt_gl_range range = {.buffer = exposure, .size = sizeof zero};
+    const struct dt_gl_range range = {.buffer = exposure, .size = COPY};
     struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = {.message = on_log},
         .get_proc_address = eglGetProcAddress,
-        .glsl = getenv("HOST_GLSL"),
     });
     const uint64_t materials = DT_MAX_MATERIALS * sizeof *scene->materials;
     const struct dt_gl_scene import = {
@@ -106,13 +107,15 @@ static struct view open_view(const struct geometry *geometry, const struct dt_sc
     return (struct view){rt, picture, exposure};
 }
 
-/* In two parts; between them the renderer clears the exposure. */
+/* In two parts; between them the renderer takes the exposure, which the pass before wrote, and gives it
+ * to the pass after. */
 static void run_frame(const struct view *view, const struct pipeline *pipeline,
                       const struct dt_frame *frame)
 {
     check(dt_gl_record_passes(view->rt, frame, NULL, 0, pipeline->seam), "a frame");
     check_state("a part of a frame");
-    glClearNamedBufferData(view->exposure, GL_R32F, GL_RED, GL_FLOAT, NULL);
+    glCopyNamedBufferSubData(view->exposure, view->exposure, 0, COPY, sizeof(float));
+    glCopyNamedBufferSubData(view->exposure, view->exposure, COPY, 0, sizeof(float));
     check(dt_gl_record_passes(view->rt, NULL, NULL, pipeline->seam, pipeline->passes),
           "the rest of a frame");
     check_state("a frame");
@@ -120,10 +123,11 @@ static void run_frame(const struct view *view, const struct pipeline *pipeline,
 
 static void close_view(const struct view *view, uint32_t width, uint32_t height, const char *path)
 {
-    float exposure;
+    float exposure, copy;
     write_texture(view->picture, width, height, path);
     glGetNamedBufferSubData(view->exposure, 0, sizeof exposure, &exposure);
-    check(exposure > 0, "taking the exposure");
+    glGetNamedBufferSubData(view->exposure, COPY, sizeof copy, &copy);
+    check(exposure > 0 && copy == exposure, "taking the exposure");
     dt_gl_close(view->rt);
 }
 

@@ -14,6 +14,8 @@
 #include "rsm.h"
 #include "ssvp.h"
 
+enum { COPY = 128 }; /* where the renderer's copy of the exposure is, in bytes */
+
 struct pipeline {
     const struct dt_shaders *shaders;
     uint32_t output, exposure;
@@ -21,17 +23,17 @@ struct pipeline {
 };
 
 static const struct pipeline pipelines[LANES] = {
-    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
+    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_TONEMAP,
      SSVP_PASSES},
-    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_COMPOSITE, RSM_PASSES},
-    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_COMPOSITE,
+    {&rsm_vk, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_TONEMAP, RSM_PASSES},
+    {&ssvp_vk, SSVP_RESOURCE_DISPLAY, SSVP_RESOURCE_LUMINANCE_SCALE, SSVP_PASS_TONEMAP,
      SSVP_PASSES}};
 
 /* A pipeline in the renderer, on a lane of its own. */
 struct view {
     struct vk_runtime *rt;
     struct picture picture;
-    struct buffer exposure; /* a float, which the pipeline writes */
+    struct buffer exposure; /* a float, which the pipeline writes; behind it the renderer's copy */
 };
 
 /* What its threads share. */
@@ -122,11 +124,11 @@ static struct buffer make_scene(const struct renderer *renderer, const struct dt
 
 /* ---- Views ----------------------------------------------------------------------------------- */
 
-/* The renderer copies, fills and reads on the CPU what it shares with pipelines; nothing else. */
+/* The renderer copies and reads on the CPU what it shares with pipelines; nothing else. */
 static const struct dt_vk_sync copies = {
-    .stages_before = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+    .stages_before = VK_PIPELINE_STAGE_2_COPY_BIT,
     .writes_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-    .stages_after = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
+    .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
     .accesses_after =
         VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT,
 };
@@ -137,11 +139,12 @@ static void open_view(void *data, uint32_t lane)
     const struct pipeline *pipeline = &pipelines[lane];
     const struct renderer *renderer = &host->renderer;
     struct view *view = &host->views[lane];
-    *view = (struct view){
-        open_runtime(host), make_picture(renderer, VK_IMAGE_USAGE_STORAGE_BIT),
-        make_buffer(renderer, 256,
-                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT)};
-    const struct dt_vk_range exposure = {.buffer = view->exposure.handle, .size = 256};
+    *view = (struct view){open_runtime(host), make_picture(renderer, VK_IMAGE_USAGE_STORAGE_BIT),
+                          make_buffer(renderer, 256,
+                                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                          VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                                          VK_BUFFER_USAGE_TRANSFER_DST_BIT)};
+    const struct dt_vk_range exposure = {.buffer = view->exposure.handle, .size = COPY};
     const struct dt_vk_image image = {
         .image = view->picture.image,
         .format = VK_FORMAT_R8G8B8A8_UNORM,
@@ -162,8 +165,26 @@ static void open_view(void *data, uint32_t lane)
     dt_vk_narrow(view->rt, &copies);
 }
 
-/* Between the parts the renderer clears the exposure. The frame leaves its picture in
- * TRANSFER_SRC_OPTIMAL, ready for the renderer. */
+/* Takes the exposure, which the pass before wrote, and gives it to the pass after. Both commands rely
+ * on the pipeline's barriers; the one in between is for the renderer's own copy. */
+static void take_exposure(VkCommandBuffer commands, VkBuffer exposure)
+{
+    const VkBufferCopy out = {.dstOffset = COPY, .size = sizeof(float)};
+    const VkBufferCopy back = {.srcOffset = COPY, .size = sizeof(float)};
+    const VkMemoryBarrier2 copied = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                     .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                     .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                     .dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
+                                     .dstAccessMask = VK_ACCESS_2_TRANSFER_READ_BIT};
+    const VkDependencyInfo info = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                                   .memoryBarrierCount = 1,
+                                   .pMemoryBarriers = &copied};
+    vkCmdCopyBuffer(commands, exposure, exposure, 1, &out);
+    vkCmdPipelineBarrier2(commands, &info);
+    vkCmdCopyBuffer(commands, exposure, exposure, 1, &back);
+}
+
+/* The frame leaves its picture in TRANSFER_SRC_OPTIMAL, ready for the renderer. */
 static void record_view(void *data, uint32_t lane)
 {
     struct host *host = data;
@@ -175,7 +196,7 @@ static void record_view(void *data, uint32_t lane)
     check(frame->index < IN_FLIGHT || dt_vk_timings(view->rt, IN_FLIGHT - 1, ms), "times");
     check(dt_vk_record_passes(view->rt, commands, frame, NULL, 0, pipeline->seam),
           "recording a frame");
-    vkCmdFillBuffer(commands, view->exposure.handle, 0, VK_WHOLE_SIZE, 0);
+    take_exposure(commands, view->exposure.handle);
     check(dt_vk_record_passes(view->rt, commands, NULL, NULL, pipeline->seam, pipeline->passes),
           "recording the rest of a frame");
     copy_picture(&host->renderer, commands, &view->picture, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
@@ -186,7 +207,9 @@ static void close_view(void *data, uint32_t lane)
     struct host *host = data;
     struct view *view = &host->views[lane];
     write_picture(&host->renderer, &view->picture, host->paths[lane]);
-    check(*(const float *)view->exposure.bytes > 0, "taking the exposure");
+    const float *exposure = view->exposure.bytes;
+    check(exposure[0] > 0 && exposure[COPY / sizeof *exposure] == exposure[0],
+          "taking the exposure");
     dt_vk_close(view->rt);
     destroy_picture(&host->renderer, &view->picture);
     destroy_buffer(&host->renderer, &view->exposure);
