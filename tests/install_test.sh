@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What `ninja install` puts down, moved to another folder and used there, with the source tree out of sight: the command, and
-# two renderers of somebody else's (tests/hosts) that take the pipelines in and find the command's bits, and a project that
-# CMake and Meson build. TAP.
+# renderers of somebody else's (tests/hosts): two take the pipelines in and find the command's bits, two hand over what they drew;
+# and a project that CMake and Meson build. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 size=(96 64)
@@ -188,11 +188,12 @@ check "all say the same version" versions_agree
 gen=$(pkg-config --variable=generator diptych-vk)
 templates=$(pkg-config --variable=templates diptych-vk)
 mkdir "$work/host"
-cp tests/hosts/*.[ch] "$work/host"
+cp tests/hosts/*.{c,h,cpp,yaml,glsl} "$work/host"
 
 # shellcheck disable=SC2317
 generate() {
-    hide "$gen" "$templates/ssvp.yaml" -o "$work/host" && hide "$gen" "$templates/rsm.yaml" -o "$work/host"
+    hide "$gen" "$templates/ssvp.yaml" -o "$work/host" && hide "$gen" "$templates/rsm.yaml" -o "$work/host" &&
+        hide "$gen" "$work/host/lit.yaml" --glsl -o "$work/host"
 }
 # shellcheck disable=SC2317
 build_host() { # gl|vk library...
@@ -204,12 +205,37 @@ build_host() { # gl|vk library...
         -o "$work/host/host_$api" "$@"
 }
 # shellcheck disable=SC2317
-run_host() { # gl|vk picture-of-a-second-ssvp...; a word of validation or KHR_debug fails it
-    local api=$1
+build_inputs_vk() { # library...
+    local flags
+    read -ra flags < <(pkg-config --cflags diptych-vk)
+    flags+=(-O1 -Wall -Wextra -Werror "-I$work/host")
+    for name in renderer_vk lit lit_vk_shaders; do
+        hide cc -std=c11 -D_GNU_SOURCE "${flags[@]}" -c "$work/host/$name.c" -o "$work/host/$name.o" || return
+    done
+    hide c++ -std=c++17 "${flags[@]}" "$work/host/host_inputs_vk.cpp" "$work"/host/{renderer_vk,lit,lit_vk_shaders}.o \
+        -o "$work/host/host_inputs_vk" "$@"
+}
+# shellcheck disable=SC2317
+build_inputs_gl() { # library...
+    local flags
+    read -ra flags < <(pkg-config --cflags diptych-gl)
+    hide cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "-I$work/host" "${flags[@]}" \
+        "$work"/host/{host_inputs_gl,renderer_gl,lit,lit_gl_shaders}.c -o "$work/host/host_inputs_gl" "$@"
+}
+# shellcheck disable=SC2317
+run_silent() { # host argument...; a word of validation or KHR_debug fails it
+    local host=$1
     shift
     VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation HOST_DEBUG=1 \
-        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT hide "$work/host/host_$api" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$api.ssvp.ppm" \
-        "$work/host/$api.rsm.ppm" "$@" && [ ! -s "$work/output" ]
+        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT \
+        hide "$work/host/$host" "$@" && [ ! -s "$work/output" ]
+}
+# shellcheck disable=SC2317
+run_host() { # gl|vk picture-of-a-second-ssvp...
+    local api=$1
+    shift
+    run_silent "host_$api" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$api.ssvp.ppm" \
+        "$work/host/$api.rsm.ppm" "$@"
 }
 # shellcheck disable=SC2317
 same_picture() { # PPM dump
@@ -236,10 +262,16 @@ check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@
 check "... runs two pipelines and a second view on its own threads, and validation is silent" \
     run_host vk "$work/host/vk.second.ppm"
 check "... to the bits that the command has" same_pictures vk
+check "a C++ renderer with a G-buffer of its own builds with shared libraries" build_inputs_vk "${shared[@]}" -lvulkan
+check "... has it lit in two views, and validation is silent" run_silent host_inputs_vk
 check "an OpenGL renderer builds with static libraries" build_host gl "$installed"/lib/libdiptych_{gl,scene}.a \
     "${private[@]}" -lEGL -lGL
 check "... runs two pipelines in its own context, whose state is as it was" run_host gl
 check "... to the bits that the command has" same_pictures gl
+
+check "an OpenGL renderer with a G-buffer of its own builds with static libraries" build_inputs_gl \
+    "$installed"/lib/libdiptych_gl.a "${private[@]}" -lEGL -lGL
+check "... has it lit in two views, of SPIR-V and of GLSL" run_silent host_inputs_gl
 
 # A wall that looks like the picture from above, in the host's own texture array.
 mkdir "$work/wall"

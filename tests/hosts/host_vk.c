@@ -139,11 +139,12 @@ static void open_view(void *data, uint32_t lane)
     const struct pipeline *pipeline = &pipelines[lane];
     const struct renderer *renderer = &host->renderer;
     struct view *view = &host->views[lane];
-    *view = (struct view){open_runtime(host), make_picture(renderer, VK_IMAGE_USAGE_STORAGE_BIT),
-                          make_buffer(renderer, 256,
-                                      VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                          VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                                          VK_BUFFER_USAGE_TRANSFER_DST_BIT)};
+    *view = (struct view){
+        open_runtime(host),
+        make_picture(renderer, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_STORAGE_BIT),
+        make_buffer(renderer, 256,
+                    VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                        VK_BUFFER_USAGE_TRANSFER_DST_BIT)};
     const struct dt_vk_range exposure = {.buffer = view->exposure.handle, .size = COPY};
     const struct dt_vk_image image = {
         .image = view->picture.image,

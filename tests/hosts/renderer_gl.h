@@ -1,6 +1,6 @@
 /* The OpenGL renderer that was there before diptych, and knows nothing of it: a context without a window,
- * buffers, textures, and a state of the context that everybody else has to leave alone. host_gl.c takes
- * pipelines into it. Whatever fails ends the program. */
+ * buffers, textures, and a state of the context that everybody else has to leave alone. host_gl.c and
+ * host_inputs_gl.c take pipelines into it. Whatever fails ends the program. */
 #ifndef RENDERER_GL_H
 #define RENDERER_GL_H
 

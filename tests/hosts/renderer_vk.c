@@ -185,14 +185,15 @@ void destroy_buffer(const struct renderer *renderer, const struct buffer *buffer
     vkFreeMemory(renderer->device, buffer->memory, NULL);
 }
 
-struct picture make_picture(const struct renderer *renderer, VkImageUsageFlags usage)
+struct picture make_picture(const struct renderer *renderer, VkFormat format,
+                            VkImageUsageFlags usage)
 {
     struct picture picture;
     VkMemoryRequirements needs;
     CHECK(vkCreateImage(renderer->device,
                         &(VkImageCreateInfo){.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                              .imageType = VK_IMAGE_TYPE_2D,
-                                             .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                             .format = format,
                                              .extent = {renderer->width, renderer->height, 1},
                                              .mipLevels = 1,
                                              .arrayLayers = 1,

@@ -1,13 +1,20 @@
 /* The Vulkan renderer that was there before diptych, and knows nothing of it: a device, threads, each with
- * command buffers for two frames in flight, memory, buffers and pictures. host_vk.c takes pipelines into it.
- * Whatever fails ends the program. */
+ * command buffers for two frames in flight, memory, buffers and pictures. host_vk.c and host_inputs_vk.cpp
+ * take pipelines into it. Whatever fails ends the program. */
 #ifndef RENDERER_VK_H
 #define RENDERER_VK_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
 
 #include <vulkan/vulkan.h>
+
+#ifdef __cplusplus
+#include <atomic>
+using std::atomic_int; /* laid out as C's */
+extern "C" {
+#else
+#include <stdatomic.h>
+#endif
 
 enum { IN_FLIGHT = 2, LANES = 3 };
 
@@ -20,7 +27,7 @@ struct buffer {
     void *bytes; /* mapped */
 };
 
-/* RGBA8, and where its pixels arrive. */
+/* An image of the frame's size, and where its pixels arrive if it is RGBA8. */
 struct picture {
     VkImage image;
     VkDeviceMemory memory;
@@ -59,7 +66,8 @@ struct buffer make_buffer(const struct renderer *renderer, VkDeviceSize size,
                           VkBufferUsageFlags usage);
 void destroy_buffer(const struct renderer *renderer, const struct buffer *buffer);
 
-struct picture make_picture(const struct renderer *renderer, VkImageUsageFlags usage);
+struct picture make_picture(const struct renderer *renderer, VkFormat format,
+                            VkImageUsageFlags usage);
 void destroy_picture(const struct renderer *renderer, const struct picture *picture);
 /* `layout` is the one it is in. */
 void copy_picture(const struct renderer *renderer, VkCommandBuffer commands,
@@ -73,4 +81,7 @@ VkCommandBuffer begin_commands(struct renderer *renderer, uint32_t frame, uint32
 void end_frame(struct renderer *renderer, uint32_t frame, uint32_t lanes);
 void wait_for_frames(const struct renderer *renderer);
 
+#ifdef __cplusplus
+}
+#endif
 #endif

@@ -1,0 +1,293 @@
+/* A C++ renderer on Vulkan that draws its own G-buffer and has it lit by lit.yaml: images that it
+ * imports, one of them owned by others between frames, lamps that it writes, a gain that is new in each
+ * frame. Between the two passes it draws into a resource of the pipeline. Two views, each recorded on a
+ * thread of its own, two frames in flight; checks each pixel of each frame. Built against an installed
+ * diptych by tests/install_test.sh. */
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include <diptych_vk.h>
+
+#include "gbuffer.h"
+#include "renderer_vk.h"
+
+namespace
+{
+constexpr uint32_t views_count = 2, others = VK_QUEUE_FAMILY_EXTERNAL;
+constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+constexpr VkPipelineStageFlags2 drawing = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+constexpr VkImageSubresourceRange whole = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+constexpr VkFormat formats[TARGETS] = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT,
+                                       VK_FORMAT_R8G8B8A8_UNORM};
+constexpr uint32_t inputs[TARGETS] = {LIT_RESOURCE_GBUFFER_POSITION, LIT_RESOURCE_GBUFFER_NORMAL,
+                                      LIT_RESOURCE_GBUFFER_ALBEDO};
+
+/* All that the renderer does with what it shares: it draws, and copies the picture out. */
+constexpr dt_vk_sync sync = {
+    drawing | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+    drawing | VK_PIPELINE_STAGE_2_COPY_BIT,
+    VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
+        VK_ACCESS_2_TRANSFER_READ_BIT};
+
+struct View {
+    vk_runtime *rt;
+    picture gbuffer[TARGETS];
+    VkImageView targets[TARGETS];
+    buffer pixels[IN_FLIGHT]; /* of the pictures */
+};
+
+struct Host {
+    renderer base;
+    View views[views_count];
+    uint32_t frame;
+};
+
+void on_log(void *, dt_level level, const char *message)
+{
+    if (level >= DT_WARNING)
+        std::fprintf(stderr, "diptych: %s\n", message);
+}
+
+/* ---- Drawing, without any pipeline of the renderer's own ------------------------------------- */
+
+void begin_drawing(const Host &host, VkCommandBuffer commands, VkImageLayout layout,
+                   VkAttachmentLoadOp load, const VkImageView *views, uint32_t count)
+{
+    std::vector<VkRenderingAttachmentInfo> targets(count);
+    for (uint32_t i = 0; i < count; i++) {
+        targets[i].sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO;
+        targets[i].imageView = views[i];
+        targets[i].imageLayout = layout;
+        targets[i].loadOp = load;
+        targets[i].storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+    }
+    VkRenderingInfo info = {};
+    info.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
+    info.renderArea.extent = {host.base.width, host.base.height};
+    info.layerCount = 1;
+    info.colorAttachmentCount = count;
+    info.pColorAttachments = targets.data();
+    vkCmdBeginRendering(commands, &info);
+}
+
+void draw_tile(VkCommandBuffer commands, uint32_t target, uint32_t column, uint32_t row,
+               const float color[4])
+{
+    VkClearAttachment clear = {VK_IMAGE_ASPECT_COLOR_BIT, target, {}};
+    std::memcpy(clear.clearValue.color.float32, color, 4 * sizeof *color);
+    const VkClearRect rect = {{{int32_t(column * TILE), int32_t(row * TILE)}, {TILE, TILE}}, 0, 1};
+    vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
+}
+
+/* The renderer's only barriers: a target's first layout, and the albedo's way to the others and back. */
+void move_target(VkCommandBuffer commands, VkImage image, VkImageLayout from, uint32_t from_family,
+                 uint32_t to_family)
+{
+    VkImageMemoryBarrier2 barrier = {};
+    barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
+    barrier.srcStageMask = barrier.dstStageMask = drawing;
+    barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+    barrier.oldLayout = from;
+    barrier.newLayout = drawn;
+    barrier.srcQueueFamilyIndex = from_family;
+    barrier.dstQueueFamilyIndex = to_family;
+    barrier.image = image;
+    barrier.subresourceRange = whole;
+    const VkDependencyInfo info = {
+        VK_STRUCTURE_TYPE_DEPENDENCY_INFO, nullptr, 0, 0, nullptr, 0, nullptr, 1, &barrier};
+    vkCmdPipelineBarrier2(commands, &info);
+}
+
+void draw_gbuffer(const Host &host, VkCommandBuffer commands, const View &view, uint32_t moment)
+{
+    VkImage albedo = view.gbuffer[ALBEDO].image;
+    for (const picture &target : view.gbuffer)
+        if (host.frame == 0)
+            move_target(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0);
+    if (host.frame > 0)
+        move_target(commands, albedo, drawn, others, 0);
+    begin_drawing(host, commands, drawn, VK_ATTACHMENT_LOAD_OP_DONT_CARE, view.targets, TARGETS);
+    for (uint32_t i = 0; i < TARGETS * ROWS * COLUMNS; i++) {
+        const uint32_t column = i / TARGETS % COLUMNS, row = i / TARGETS / COLUMNS;
+        const tile colors = tile_at(moment, column, row);
+        draw_tile(commands, i % TARGETS, column, row, colors.targets[i % TARGETS]);
+    }
+    vkCmdEndRendering(commands);
+    move_target(commands, albedo, drawn, 0, others);
+}
+
+/* Into the irradiance, which the pass before wrote and the pass after reads. Lamps are bound as vertices,
+ * as for a draw of them. */
+void draw_mark(const Host &host, VkCommandBuffer commands, const View &view)
+{
+    dt_vk_resource irradiance, lamps;
+    check(dt_vk_get_resource(view.rt, LIT_RESOURCE_IRRADIANCE, &irradiance) &&
+              irradiance.format == VK_FORMAT_R32_SFLOAT && irradiance.width == host.base.width &&
+              irradiance.height == host.base.height && irradiance.layers == 1 &&
+              irradiance.mips == 1 && irradiance.usage & VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT &&
+              irradiance.layout == VK_IMAGE_LAYOUT_GENERAL && !irradiance.buffer,
+          "taking the irradiance");
+    check(dt_vk_get_resource(view.rt, LIT_RESOURCE_LAMPS, &lamps) && lamps.offset == 0 &&
+              lamps.size == LAMPS * sizeof(lit_Lamp) && lamps.stride == sizeof(lit_Lamp) &&
+              lamps.buffer_usage & VK_BUFFER_USAGE_VERTEX_BUFFER_BIT && !lamps.image,
+          "taking the lamps");
+    begin_drawing(host, commands, irradiance.layout, VK_ATTACHMENT_LOAD_OP_LOAD, &irradiance.view,
+                  1);
+    vkCmdBindVertexBuffers(commands, 0, 1, &lamps.buffer, &lamps.offset);
+    draw_tile(commands, 0, MARKED_COLUMN, MARKED_ROW, mark);
+    vkCmdEndRendering(commands);
+}
+
+/* ---- Views ----------------------------------------------------------------------------------- */
+
+void import_target(const renderer &base, View &view, uint32_t i)
+{
+    constexpr VkImageUsageFlags usage =
+        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+    view.gbuffer[i] = make_picture(&base, formats[i], usage);
+    VkImageViewCreateInfo info = {};
+    info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
+    info.image = view.gbuffer[i].image;
+    info.viewType = VK_IMAGE_VIEW_TYPE_2D;
+    info.format = formats[i];
+    info.subresourceRange = whole;
+    CHECK(vkCreateImageView(base.device, &info, nullptr, &view.targets[i]));
+    const dt_vk_image import = {info.image, formats[i], usage, base.width, base.height,
+                                1,          1,          drawn, drawn};
+    check(dt_vk_import_image(view.rt, inputs[i], &import), "importing a target");
+}
+
+void open_view(Host &host, uint32_t lane, const VkDeviceCreateInfo *device_info)
+{
+    View &view = host.views[lane];
+    const renderer &base = host.base;
+    dt_vk_host what = {};
+    what.log.message = on_log;
+    what.instance = base.instance;
+    what.physical_device = base.physical;
+    what.device = base.device;
+    what.get_instance_proc_addr = vkGetInstanceProcAddr;
+    what.device_info = device_info;
+    view.rt = dt_vk_open(&what);
+    check(view.rt && (lane ? dt_vk_create_from(view.rt, host.views[0].rt)
+                           : dt_vk_create(view.rt, &lit_vk)),
+          "opening a view");
+    for (uint32_t i = 0; i < TARGETS; i++)
+        import_target(base, view, i);
+    for (buffer &pixels : view.pixels)
+        pixels = make_buffer(&base, 4 * base.width * base.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    check(dt_vk_exchange(view.rt, LIT_RESOURCE_GBUFFER_ALBEDO, others) &&
+              dt_vk_add_image_usage(view.rt, LIT_RESOURCE_IRRADIANCE,
+                                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &&
+              dt_vk_add_buffer_usage(view.rt, LIT_RESOURCE_LAMPS,
+                                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT) &&
+              dt_vk_resize(view.rt, base.width, base.height),
+          "making a view's resources");
+    dt_vk_narrow(view.rt, &sync);
+}
+
+void check_pixels(Host &host, uint32_t frame)
+{
+    for (uint32_t lane = 0; lane < views_count; lane++)
+        check(is_lit(static_cast<const uint8_t *>(host.views[lane].pixels[frame % IN_FLIGHT].bytes),
+                     frame + lane),
+              "lighting");
+}
+
+void copy_out(const Host &host, VkCommandBuffer commands, const View &view)
+{
+    dt_vk_resource shown;
+    const VkBufferImageCopy region = {
+        0, 0, 0, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, {}, {host.base.width, host.base.height, 1}};
+    check(dt_vk_get_resource(view.rt, LIT_RESOURCE_SHOWN, &shown), "taking the picture");
+    vkCmdCopyImageToBuffer(commands, shown.image, shown.layout,
+                           view.pixels[host.frame % IN_FLIGHT].handle, 1, &region);
+}
+
+/* On a thread. The second view is a moment ahead. */
+void record_view(void *data, uint32_t lane)
+{
+    Host &host = *static_cast<Host *>(data);
+    const View &view = host.views[lane];
+    const uint32_t moment = host.frame + lane;
+    lit_Lamp lamps[LAMPS] = {lamp_at(moment, 0), lamp_at(moment, 1)};
+    const dt_bytes bytes = {reinterpret_cast<uint8_t *>(lamps), sizeof lamps, {LAMPS, 1, 1}};
+    const lit_live live = {gain_at(moment), {}};
+    dt_frame frame = {};
+    frame.index = host.frame;
+    VkCommandBuffer commands = begin_commands(&host.base, host.frame, lane);
+    if (host.frame == 0 || moment % 2 == 0)
+        check(dt_vk_write(view.rt, commands, LIT_RESOURCE_LAMPS, 0, &bytes), "writing the lamps");
+    draw_gbuffer(host, commands, view, moment);
+    check(dt_vk_record_passes(view.rt, commands, &frame, &live, 0, LIT_PASS_SHADE), "a frame");
+    draw_mark(host, commands, view);
+    check(dt_vk_record_passes(view.rt, commands, nullptr, nullptr, LIT_PASS_SHADE, LIT_PASSES),
+          "the rest of a frame");
+    copy_out(host, commands, view);
+}
+
+void close_view(const Host &host, const View &view)
+{
+    dt_vk_close(view.rt);
+    for (uint32_t i = 0; i < TARGETS; i++) {
+        vkDestroyImageView(host.base.device, view.targets[i], nullptr);
+        destroy_picture(&host.base, &view.gbuffer[i]);
+    }
+    for (const buffer &pixels : view.pixels)
+        destroy_buffer(&host.base, &pixels);
+}
+
+void run(Host &host, const VkDeviceCreateInfo *device_info)
+{
+    host.base.width = COLUMNS * TILE;
+    host.base.height = ROWS * TILE;
+    renderer_open(&host.base, device_info);
+    for (uint32_t lane = 0; lane < views_count; lane++)
+        open_view(host, lane, device_info);
+    for (host.frame = 0; host.frame < MOMENTS; host.frame++) {
+        begin_frame(&host.base, host.frame);
+        if (host.frame >= IN_FLIGHT)
+            check_pixels(host, host.frame - IN_FLIGHT);
+        renderer_run(&host.base, views_count, record_view, &host);
+        end_frame(&host.base, host.frame, views_count);
+    }
+    wait_for_frames(&host.base);
+    for (uint32_t frame = MOMENTS - IN_FLIGHT; frame < MOMENTS; frame++)
+        check_pixels(host, frame);
+    for (const View &view : host.views)
+        close_view(host, view);
+    renderer_close(&host.base);
+}
+} // namespace
+
+int main()
+{
+    static Host host;
+    VkPhysicalDeviceFeatures core = {};
+    VkPhysicalDeviceVulkan11Features vulkan11 = {};
+    VkPhysicalDeviceVulkan12Features vulkan12 = {};
+    VkPhysicalDeviceVulkan13Features vulkan13 = {};
+    vulkan11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES;
+    vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    vulkan13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    vulkan11.pNext = &vulkan12;
+    vulkan12.pNext = &vulkan13;
+    vulkan13.dynamicRendering = vulkan13.synchronization2 = VK_TRUE; /* the renderer's own needs */
+    dt_vk_need_features(&lit_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    const float priority = 1;
+    const VkDeviceQueueCreateInfo queue = {
+        VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
+    const VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     &vulkan11,
+                                     0,
+                                     1,
+                                     &queue,
+                                     0,
+                                     nullptr,
+                                     0,
+                                     nullptr,
+                                     &core};
+    run(host, &info);
+    return 0;
+}
