@@ -10,8 +10,9 @@
 #include "lit.h"
 
 enum { TILE = 16, COLUMNS = 4, ROWS = 3, LAMPS = 2, MOMENTS = 5 };
-enum { MARKED_COLUMN = 1, MARKED_ROW = 2 };   /* the tile whose irradiance the host itself draws */
-static const float mark[4] = {0.5F, 0, 0, 0}; /* which then is this */
+/* The host itself draws the irradiance of two tiles of this row, the second and the third: this much. */
+enum { MARKED_ROW = 2, MARKS = 2 };
+static const float mark[4] = {0.5F, 0, 0, 0};
 
 enum { POSITION, NORMAL, ALBEDO, TARGETS };
 
@@ -50,7 +51,7 @@ static inline float irradiance_at(uint32_t moment, uint32_t column, uint32_t row
 {
     const struct tile tile = tile_at(moment, column, row);
     float sum = 0;
-    if (column == MARKED_COLUMN && row == MARKED_ROW)
+    if (column >= 1 && column <= MARKS && row == MARKED_ROW)
         return mark[0];
     for (uint32_t i = 0; i < LAMPS; i++) {
         const struct lit_Lamp lamp = lamp_at(moment, i);

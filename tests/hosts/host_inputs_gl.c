@@ -46,7 +46,7 @@ static void draw_gbuffer(const struct view *view, uint32_t moment)
 }
 
 /* Into the irradiance, which the pass before wrote and the pass after reads. */
-static void draw_mark(struct gl_runtime *rt)
+static void draw_marks(struct gl_runtime *rt)
 {
     struct dt_gl_resource irradiance, lamps;
     check(dt_gl_get_resource(rt, LIT_RESOURCE_IRRADIANCE, &irradiance) &&
@@ -58,7 +58,8 @@ static void draw_mark(struct gl_runtime *rt)
               lamps.size == LAMPS * sizeof(struct lit_Lamp) &&
               lamps.stride == sizeof(struct lit_Lamp) && !lamps.texture,
           "taking the lamps");
-    draw_tile(irradiance.texture, MARKED_COLUMN, MARKED_ROW, mark);
+    for (uint32_t column = 1; column <= MARKS; column++)
+        draw_tile(irradiance.texture, column, MARKED_ROW, mark);
 }
 
 static struct view open_view(const struct dt_gl_host *host, const struct view *first)
@@ -102,7 +103,7 @@ static void run_frame(const struct view *view, uint32_t index, uint32_t moment)
         check(dt_gl_write(view->rt, LIT_RESOURCE_LAMPS, 0, &bytes), "writing the lamps");
     draw_gbuffer(view, moment);
     check(dt_gl_record_passes(view->rt, &frame, &live, 0, LIT_PASS_SHADE), "a frame");
-    draw_mark(view->rt);
+    draw_marks(view->rt);
     check(dt_gl_record_passes(view->rt, NULL, NULL, LIT_PASS_SHADE, LIT_PASSES),
           "the rest of a frame");
     check_picture(view->rt, moment);

@@ -1,8 +1,10 @@
-/* A C++ renderer on Vulkan that draws its own G-buffer and has it lit by lit.yaml: images that it
+/* A C++ renderer on Vulkan that has its own G-buffer lit by lit.yaml: images that it draws and copies and
  * imports, one of them owned by others between frames, lamps that it writes, a gain that is new in each
- * frame. Between the two passes it draws into a resource of the pipeline. Two views, each recorded on a
- * thread of its own, two frames in flight; checks each pixel of each frame. Built against an installed
- * diptych by tests/install_test.sh. */
+ * frame. Between the two passes it draws and copies into a resource of the pipeline. Two views, each
+ * recorded on a thread of its own, two frames in flight; checks each pixel of each frame. Built against
+ * an installed diptych by tests/install_test.sh. */
+#include <algorithm>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <vector>
@@ -20,21 +22,29 @@ constexpr VkPipelineStageFlags2 drawing = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_O
 constexpr VkImageSubresourceRange whole = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
 constexpr VkFormat formats[TARGETS] = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT,
                                        VK_FORMAT_R8G8B8A8_UNORM};
+constexpr VkImageLayout layouts[TARGETS] = {drawn, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn};
 constexpr uint32_t inputs[TARGETS] = {LIT_RESOURCE_GBUFFER_POSITION, LIT_RESOURCE_GBUFFER_NORMAL,
                                       LIT_RESOURCE_GBUFFER_ALBEDO};
 
-/* All that the renderer does with what it shares: it draws, and copies the picture out. */
+/* All that the renderer does with what it shares: it draws and copies. */
 constexpr dt_vk_sync sync = {
-    drawing | VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT,
+    drawing | VK_PIPELINE_STAGE_2_COPY_BIT,
+    VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
     drawing | VK_PIPELINE_STAGE_2_COPY_BIT,
     VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
-        VK_ACCESS_2_TRANSFER_READ_BIT};
+        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+
+/* What the renderer copies in. */
+struct Upload {
+    uint16_t normals[ROWS * TILE][COLUMNS * TILE][4]; /* halves */
+    float mark[TILE][TILE];
+};
 
 struct View {
     vk_runtime *rt;
     picture gbuffer[TARGETS];
     VkImageView targets[TARGETS];
-    buffer pixels[IN_FLIGHT]; /* of the pictures */
+    buffer uploads[IN_FLIGHT], pixels[IN_FLIGHT]; /* pixels: of the pictures */
 };
 
 struct Host {
@@ -51,7 +61,7 @@ void on_log(void *, dt_level level, const char *message)
 
 /* ---- Drawing, without any pipeline of the renderer's own ------------------------------------- */
 
-void begin_drawing(const Host &host, VkCommandBuffer commands, VkImageLayout layout,
+void begin_drawing(VkCommandBuffer commands, const VkRect2D &area, VkImageLayout layout,
                    VkAttachmentLoadOp load, const VkImageView *views, uint32_t count)
 {
     std::vector<VkRenderingAttachmentInfo> targets(count);
@@ -64,11 +74,16 @@ void begin_drawing(const Host &host, VkCommandBuffer commands, VkImageLayout lay
     }
     VkRenderingInfo info = {};
     info.sType = VK_STRUCTURE_TYPE_RENDERING_INFO;
-    info.renderArea.extent = {host.base.width, host.base.height};
+    info.renderArea = area;
     info.layerCount = 1;
     info.colorAttachmentCount = count;
     info.pColorAttachments = targets.data();
     vkCmdBeginRendering(commands, &info);
+}
+
+VkRect2D place_of(uint32_t column, uint32_t row)
+{
+    return {{int32_t(column * TILE), int32_t(row * TILE)}, {TILE, TILE}};
 }
 
 void draw_tile(VkCommandBuffer commands, uint32_t target, uint32_t column, uint32_t row,
@@ -76,20 +91,31 @@ void draw_tile(VkCommandBuffer commands, uint32_t target, uint32_t column, uint3
 {
     VkClearAttachment clear = {VK_IMAGE_ASPECT_COLOR_BIT, target, {}};
     std::memcpy(clear.clearValue.color.float32, color, 4 * sizeof *color);
-    const VkClearRect rect = {{{int32_t(column * TILE), int32_t(row * TILE)}, {TILE, TILE}}, 0, 1};
+    const VkClearRect rect = {place_of(column, row), 0, 1};
     vkCmdClearAttachments(commands, 1, &clear, 1, &rect);
 }
 
+void copy_in(VkCommandBuffer commands, VkBuffer from, VkDeviceSize offset, VkImage to,
+             VkImageLayout layout, const VkRect2D &area)
+{
+    VkBufferImageCopy region = {};
+    region.bufferOffset = offset;
+    region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+    region.imageOffset = {area.offset.x, area.offset.y, 0};
+    region.imageExtent = {area.extent.width, area.extent.height, 1};
+    vkCmdCopyBufferToImage(commands, from, to, layout, 1, &region);
+}
+
 /* The renderer's only barriers: a target's first layout, and the albedo's way to the others and back. */
-void move_target(VkCommandBuffer commands, VkImage image, VkImageLayout from, uint32_t from_family,
-                 uint32_t to_family)
+void move_target(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to,
+                 uint32_t from_family, uint32_t to_family)
 {
     VkImageMemoryBarrier2 barrier = {};
     barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
-    barrier.srcStageMask = barrier.dstStageMask = drawing;
-    barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT;
+    barrier.srcStageMask = barrier.dstStageMask = sync.stages_before;
+    barrier.srcAccessMask = barrier.dstAccessMask = sync.writes_before;
     barrier.oldLayout = from;
-    barrier.newLayout = drawn;
+    barrier.newLayout = to;
     barrier.srcQueueFamilyIndex = from_family;
     barrier.dstQueueFamilyIndex = to_family;
     barrier.image = image;
@@ -99,27 +125,44 @@ void move_target(VkCommandBuffer commands, VkImage image, VkImageLayout from, ui
     vkCmdPipelineBarrier2(commands, &info);
 }
 
-void draw_gbuffer(const Host &host, VkCommandBuffer commands, const View &view, uint32_t moment)
+void fill_upload(Upload &upload, uint32_t moment)
 {
-    VkImage albedo = view.gbuffer[ALBEDO].image;
-    for (const picture &target : view.gbuffer)
-        if (host.frame == 0)
-            move_target(commands, target.image, VK_IMAGE_LAYOUT_UNDEFINED, 0, 0);
-    if (host.frame > 0)
-        move_target(commands, albedo, drawn, others, 0);
-    begin_drawing(host, commands, drawn, VK_ATTACHMENT_LOAD_OP_DONT_CARE, view.targets, TARGETS);
-    for (uint32_t i = 0; i < TARGETS * ROWS * COLUMNS; i++) {
-        const uint32_t column = i / TARGETS % COLUMNS, row = i / TARGETS / COLUMNS;
-        const tile colors = tile_at(moment, column, row);
-        draw_tile(commands, i % TARGETS, column, row, colors.targets[i % TARGETS]);
-    }
-    vkCmdEndRendering(commands);
-    move_target(commands, albedo, drawn, 0, others);
+    constexpr uint16_t one = 0x3C00;
+    for (uint32_t y = 0; y < ROWS * TILE; y++)
+        for (uint32_t x = 0; x < COLUMNS * TILE; x++)
+            for (uint32_t k = 0; k < 4; k++) {
+                const tile from = tile_at(moment, x / TILE, y / TILE);
+                upload.normals[y][x][k] = from.targets[NORMAL][k] != 0 ? one : 0;
+            }
+    for (auto &row : upload.mark)
+        std::fill_n(row, TILE, mark[0]);
 }
 
-/* Into the irradiance, which the pass before wrote and the pass after reads. Lamps are bound as vertices,
- * as for a draw of them. */
-void draw_mark(const Host &host, VkCommandBuffer commands, const View &view)
+void draw_gbuffer(const Host &host, VkCommandBuffer commands, const View &view, uint32_t moment)
+{
+    const VkImageView targets[] = {view.targets[POSITION], view.targets[ALBEDO]};
+    VkImage albedo = view.gbuffer[ALBEDO].image;
+    for (uint32_t i = 0; host.frame == 0 && i < TARGETS; i++)
+        move_target(commands, view.gbuffer[i].image, VK_IMAGE_LAYOUT_UNDEFINED, layouts[i], 0, 0);
+    if (host.frame > 0)
+        move_target(commands, albedo, drawn, drawn, others, 0);
+    begin_drawing(commands, {{}, {host.base.width, host.base.height}}, drawn,
+                  VK_ATTACHMENT_LOAD_OP_DONT_CARE, targets, 2);
+    for (uint32_t i = 0; i < ROWS * COLUMNS; i++) {
+        const uint32_t column = i % COLUMNS, row = i / COLUMNS;
+        const tile colors = tile_at(moment, column, row);
+        draw_tile(commands, 0, column, row, colors.targets[POSITION]);
+        draw_tile(commands, 1, column, row, colors.targets[ALBEDO]);
+    }
+    vkCmdEndRendering(commands);
+    move_target(commands, albedo, drawn, drawn, 0, others);
+    copy_in(commands, view.uploads[host.frame % IN_FLIGHT].handle, 0, view.gbuffer[NORMAL].image,
+            layouts[NORMAL], {{}, {host.base.width, host.base.height}});
+}
+
+/* Into the irradiance, which the pass before wrote and the pass after reads: one tile is drawn, the other
+ * copied. Lamps are bound as vertices, as for a draw of them. */
+void draw_marks(const Host &host, VkCommandBuffer commands, const View &view)
 {
     dt_vk_resource irradiance, lamps;
     check(dt_vk_get_resource(view.rt, LIT_RESOURCE_IRRADIANCE, &irradiance) &&
@@ -132,19 +175,22 @@ void draw_mark(const Host &host, VkCommandBuffer commands, const View &view)
               lamps.size == LAMPS * sizeof(lit_Lamp) && lamps.stride == sizeof(lit_Lamp) &&
               lamps.buffer_usage & VK_BUFFER_USAGE_VERTEX_BUFFER_BIT && !lamps.image,
           "taking the lamps");
-    begin_drawing(host, commands, irradiance.layout, VK_ATTACHMENT_LOAD_OP_LOAD, &irradiance.view,
-                  1);
+    begin_drawing(commands, place_of(1, MARKED_ROW), irradiance.layout, VK_ATTACHMENT_LOAD_OP_LOAD,
+                  &irradiance.view, 1);
     vkCmdBindVertexBuffers(commands, 0, 1, &lamps.buffer, &lamps.offset);
-    draw_tile(commands, 0, MARKED_COLUMN, MARKED_ROW, mark);
+    draw_tile(commands, 0, 1, MARKED_ROW, mark);
     vkCmdEndRendering(commands);
+    copy_in(commands, view.uploads[host.frame % IN_FLIGHT].handle, offsetof(Upload, mark),
+            irradiance.image, irradiance.layout, place_of(2, MARKED_ROW));
 }
 
 /* ---- Views ----------------------------------------------------------------------------------- */
 
 void import_target(const renderer &base, View &view, uint32_t i)
 {
-    constexpr VkImageUsageFlags usage =
-        VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_STORAGE_BIT;
+    constexpr VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                                        VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                        VK_IMAGE_USAGE_STORAGE_BIT;
     view.gbuffer[i] = make_picture(&base, formats[i], usage);
     VkImageViewCreateInfo info = {};
     info.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO;
@@ -153,8 +199,8 @@ void import_target(const renderer &base, View &view, uint32_t i)
     info.format = formats[i];
     info.subresourceRange = whole;
     CHECK(vkCreateImageView(base.device, &info, nullptr, &view.targets[i]));
-    const dt_vk_image import = {info.image, formats[i], usage, base.width, base.height,
-                                1,          1,          drawn, drawn};
+    const dt_vk_image import = {info.image, formats[i], usage,      base.width, base.height,
+                                1,          1,          layouts[i], layouts[i]};
     check(dt_vk_import_image(view.rt, inputs[i], &import), "importing a target");
 }
 
@@ -175,8 +221,11 @@ void open_view(Host &host, uint32_t lane, const VkDeviceCreateInfo *device_info)
           "opening a view");
     for (uint32_t i = 0; i < TARGETS; i++)
         import_target(base, view, i);
-    for (buffer &pixels : view.pixels)
-        pixels = make_buffer(&base, 4 * base.width * base.height, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    for (uint32_t i = 0; i < IN_FLIGHT; i++) {
+        view.uploads[i] = make_buffer(&base, sizeof(Upload), VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+        view.pixels[i] = make_buffer(&base, VkDeviceSize(4) * base.width * base.height,
+                                     VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    }
     check(dt_vk_exchange(view.rt, LIT_RESOURCE_GBUFFER_ALBEDO, others) &&
               dt_vk_add_image_usage(view.rt, LIT_RESOURCE_IRRADIANCE,
                                     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &&
@@ -219,9 +268,10 @@ void record_view(void *data, uint32_t lane)
     VkCommandBuffer commands = begin_commands(&host.base, host.frame, lane);
     if (host.frame == 0 || moment % 2 == 0)
         check(dt_vk_write(view.rt, commands, LIT_RESOURCE_LAMPS, 0, &bytes), "writing the lamps");
+    fill_upload(*static_cast<Upload *>(view.uploads[host.frame % IN_FLIGHT].bytes), moment);
     draw_gbuffer(host, commands, view, moment);
     check(dt_vk_record_passes(view.rt, commands, &frame, &live, 0, LIT_PASS_SHADE), "a frame");
-    draw_mark(host, commands, view);
+    draw_marks(host, commands, view);
     check(dt_vk_record_passes(view.rt, commands, nullptr, nullptr, LIT_PASS_SHADE, LIT_PASSES),
           "the rest of a frame");
     copy_out(host, commands, view);
@@ -234,8 +284,10 @@ void close_view(const Host &host, const View &view)
         vkDestroyImageView(host.base.device, view.targets[i], nullptr);
         destroy_picture(&host.base, &view.gbuffer[i]);
     }
-    for (const buffer &pixels : view.pixels)
-        destroy_buffer(&host.base, &pixels);
+    for (uint32_t i = 0; i < IN_FLIGHT; i++) {
+        destroy_buffer(&host.base, &view.uploads[i]);
+        destroy_buffer(&host.base, &view.pixels[i]);
+    }
 }
 
 void run(Host &host, const VkDeviceCreateInfo *device_info)
