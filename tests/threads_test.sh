@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The Vulkan renderer of tests/hosts under ThreadSanitizer, which sees it and the runtime: two threads open pipelines, whose
-# passes are compiled on further threads. These and a third, which shares programs with the first, record and close them. TAP.
+# passes are compiled on further threads. These and a third, which shares programs with the first, record and close them. So does
+# the C++ renderer, which writes inputs and takes resources on two threads. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 gen=$build/gen
@@ -16,15 +17,31 @@ build_host() {
         "$build/library/libdiptych_scene.a" -lvulkan -lpng -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/host"
 }
 # shellcheck disable=SC2317
+build_inputs() {
+    local flags=(-fsanitize=thread -O1 -g -Wall -Wextra -Werror -I. -Itemplates/c -Iruntime_vk "-I$work")
+    "$build/diptych-gen" tests/hosts/lit.yaml -o "$work" || return
+    for source in tests/hosts/renderer_vk.c templates/c/front.c "$work"/lit{,_vk_shaders}.c \
+        runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c; do
+        cc -std=c11 -D_GNU_SOURCE "${flags[@]}" -c "$source" -o "$work/$(basename "$source" .c).o" || return
+    done
+    c++ -std=c++17 "${flags[@]}" tests/hosts/host_inputs_vk.cpp "$work"/*.o -lvulkan -ldl -lm -o "$work/inputs"
+}
+# shellcheck disable=SC2317
 runs_in_silence() {
     TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/host" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
         "$work/rsm.ppm" "$work/second.ppm" && [ ! -s "$work/output" ] && cmp "$work/ssvp.ppm" "$work/second.ppm"
+}
+# shellcheck disable=SC2317
+inputs_run_in_silence() {
+    TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/inputs" && [ ! -s "$work/output" ]
 }
 
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
 if cc -fsanitize=thread "$work/nothing.c" -o "$work/nothing" 2>"$work/output" && "${fixed[@]}" "$work/nothing" 2>>"$work/output"; then
     check "a threaded renderer builds with ThreadSanitizer" build_host
     check "... opens two pipelines at once, records and closes three views at once without a data race" runs_in_silence
+    check "a C++ renderer builds with it" build_inputs
+    check "... writes inputs and records two views at once without a data race" inputs_run_in_silence
 else
     skip "a threaded renderer has no data race" "ThreadSanitizer does not run here"
 fi
