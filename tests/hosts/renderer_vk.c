@@ -113,28 +113,31 @@ void renderer_close(struct renderer *renderer)
 
 /* ---- Threads --------------------------------------------------------------------------------- */
 
+/* Nothing but start and end is shared, so that no order of the threads hides a race: each thread has
+ * jobs of its own. */
 struct jobs {
     void (*job)(void *data, uint32_t i);
     void *data;
-    uint32_t count;
-    atomic_uint next;
+    uint32_t first, count;
 };
 
 static void *work(void *argument)
 {
-    struct jobs *jobs = argument;
-    for (uint32_t i; (i = jobs->next++) < jobs->count;)
+    const struct jobs *jobs = argument;
+    for (uint32_t i = jobs->first; i < jobs->count; i += LANES)
         jobs->job(jobs->data, i);
     return NULL;
 }
 
 void renderer_run(void *renderer, uint32_t count, void (*job)(void *data, uint32_t i), void *data)
 {
-    struct jobs jobs = {.job = job, .data = data, .count = count};
+    struct jobs jobs[LANES];
     pthread_t threads[LANES];
     (void)renderer;
-    for (int i = 0; i < LANES; i++)
-        check(pthread_create(&threads[i], NULL, work, &jobs) == 0, "pthread_create");
+    for (uint32_t i = 0; i < LANES; i++) {
+        jobs[i] = (struct jobs){.job = job, .data = data, .first = i, .count = count};
+        check(pthread_create(&threads[i], NULL, work, &jobs[i]) == 0, "pthread_create");
+    }
     for (int i = 0; i < LANES; i++)
         check(pthread_join(threads[i], NULL) == 0, "pthread_join");
 }
