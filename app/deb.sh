@@ -20,7 +20,7 @@ Version: $version
 Architecture: $architecture
 Maintainer: diptych contributors <diptych@localhost>
 Installed-Size: $(du -ks $folder/root | cut -f1)
-Depends: $needs
+Depends: $needs, libvulkan-dev
 Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc, python3-numpy
 Provides: python3-diptych (= $version)
 Section: graphics

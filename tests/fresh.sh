@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The README's two commands on a bare Debian: installs one into a folder, clones this checkout's last commit into that, and runs
-# `./bootstrap demo` or `./bootstrap test` there. `deb`: also makes the package, installs it with apt, and builds and runs
-# tests/hosts/project with it, the checkout out of sight. Needs root, debootstrap, and a network.
+# `./bootstrap demo` or `./bootstrap test` there. `deb`: also makes the package, and installs it in a second bare Debian,
+# R-user, with no more than its users need: builds and runs tests/hosts/project there. Needs root, debootstrap, and a network.
 # usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test|deb]    R is kept, and used again
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,24 +9,51 @@ suite=${SUITE:-trixie} what=${1:-demo}
 root=${R:-${TMPDIR:-/tmp}/bare-$suite}
 # shellcheck disable=SC2016 # apt's own words
 mirror=$(apt-get indextargets --format '$(SITE)' 'Created-By: Packages' 'Component: main' | head -n 1)
-if [ ! -d "$root/etc" ]; then
-    debootstrap --variant=minbase "$suite" "$root.new" "$mirror"
-    mv "$root.new" "$root"
-fi
-cp /etc/resolv.conf "$root/etc/"
-apt-config dump Acquire | grep -E '^Acquire::(https?::Proxy|Check-)' >"$root/etc/apt/apt.conf.d/99host" || true
-trap 'umount -l "$root"/{proc,sys,dev} 2>/dev/null || true' EXIT
-for part in proc sys dev; do
-    mountpoint -q "$root/$part" || mount --bind "/$part" "$root/$part"
-done
+trap 'umount -l "$root"{,-user}/{proc,sys,dev} 2>/dev/null || true' EXIT
+
+bare() { # folder
+    local part
+    if [ ! -d "$1/etc" ]; then
+        debootstrap --variant=minbase "$suite" "$1.new" "$mirror"
+        mv "$1.new" "$1"
+    fi
+    cp /etc/resolv.conf "$1/etc/"
+    apt-config dump Acquire | grep -E '^Acquire::(https?::Proxy|Check-)' >"$1/etc/apt/apt.conf.d/99host" || true
+    for part in proc sys dev; do
+        mountpoint -q "$1/$part" || mount --bind "/$part" "$1/$part"
+    done
+}
+inside() { # folder commands
+    time chroot "$1" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive sh -ec "$2"
+}
+
+bare "$root"
 rm -rf "$root/src"
 git clone -q . "$root/src"
-command="./bootstrap $what"
-if [ "$what" = deb ]; then
-    command="./bootstrap demo && apt-get install -y -q --no-install-recommends dpkg-dev cmake && ninja deb &&
-        rm -rf /project && cp -r tests/hosts/project /project && cp build/diptych_*.deb / && rm -rf /src && cd / &&
-        apt-get install -y -q ./diptych_*.deb && rm diptych_*.deb && cmake -S project -B project/build -G Ninja &&
-        cmake --build project/build && project/build/wave &&
-        diptych compare --scene /usr/share/diptych/scenes/cornell.yaml --size 64x48 | tail -n 1"
+if [ "$what" != deb ]; then
+    inside "$root" "cd /src && ./bootstrap $what"
+    exit
 fi
-time chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 sh -ec "cd /src && $command"
+inside "$root" "cd /src && ./bootstrap demo && apt-get install -y -q --no-install-recommends dpkg-dev && ninja deb"
+
+# A new one each time. What is installed by name: the package's Recommends, and a user's tools.
+umount -l "$root"-user/{proc,sys,dev} 2>/dev/null || true
+rm -rf --one-file-system "$root-user"
+bare "$root-user"
+cp -r tests/hosts/project "$root"/src/build/diptych_*.deb "$root-user"
+inside "$root-user" "
+    apt-get update -q
+    apt-get install -y -q --no-install-recommends ./diptych_*.deb mesa-vulkan-drivers libgl1-mesa-dri python3-numpy \
+        gcc libc6-dev cmake meson ninja-build pkg-config
+    cmake -S project -B cmake -G Ninja
+    cmake --build cmake
+    cmake/wave
+    meson setup meson project
+    ninja -C meson
+    meson/wave
+    cd /usr/share/diptych
+    diptych compare --scene scenes/cornell.yaml --size 64x48 >/compare.txt
+    tail -n 1 /compare.txt
+    python3 -c 'import diptych
+pipeline = diptych.open(\"templates/rsm.yaml\", scene=\"scenes/cornell.yaml\", size=(64, 48))
+print(pipeline.render(\"display\")[\"display\"].shape)'"
