@@ -45,6 +45,11 @@ static const char *const function_words =
     "texelFetch texture"
     " textureLod transpose trunc ";
 
+/* Macros of <windows.h> and of what it includes; more of them: is_windows_macro. */
+static const char *const windows_words =
+    " cdecl ctlFirst ctlLast environ errno exception_info far h_addr h_errno hyper near pascal "
+    "pshHelp s_addr s_host s_imp s_impno s_lh s_net small ";
+
 /* What the generator declares in every body. */
 static const char *const taken_words =
     " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
@@ -109,6 +114,19 @@ static bool is_macro(const char *name)
     return false;
 }
 
+/* <dlgs.h> has numbers for the controls of dialogs, such as rad1, stc32. */
+static bool is_windows_macro(const char *name)
+{
+    static const char *const controls[] = {"chx", "cmb", "ctl", "edt", "frm", "grp", "ico",
+                                           "lst", "psh", "rad", "rct", "scr", "stc"};
+    for (size_t i = 0; i < sizeof controls / sizeof *controls; i++) {
+        const char *at = name;
+        if (skip(&at, controls[i]) && isdigit((unsigned char)*at))
+            return !at[strspn(at, "0123456789")];
+    }
+    return in_words(windows_words, name);
+}
+
 static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
 {
     if (!strncmp(name, "gl_", 3))
@@ -127,6 +145,13 @@ static void check_word(struct checker *c, const char *name, struct loc loc, bool
         diag_error(c->diag, loc, "`%s` is a function of GLSL; choose another name", name);
     else if (!scoped && in_words(taken_words, name))
         diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
+}
+
+/* A member of a struct in the generated header, which has no prefix there. */
+static void check_member(struct checker *c, const char *name, struct loc loc)
+{
+    if (is_windows_macro(name))
+        diag_error(c->diag, loc, "`%s` is a macro of <windows.h>; choose another name", name);
 }
 
 /* ---- Declarations ---------------------------------------------------------------------------- */
@@ -313,8 +338,10 @@ static void check_tag(struct checker *c, const struct structure *structure)
 
 static void check_fields(struct checker *c, const struct structure *structure)
 {
-    for (uint32_t i = 0; i < structure->field_count; i++)
+    for (uint32_t i = 0; i < structure->field_count; i++) {
         check_word(c, structure->fields[i].name, structure->fields[i].loc, true);
+        check_member(c, structure->fields[i].name, structure->fields[i].loc);
+    }
 }
 
 /* ---- Words of one pass ----------------------------------------------------------------------- */
@@ -459,6 +486,8 @@ void check_names(struct checker *c)
                 break;
             }
     }
+    for (uint32_t i = 0; i < p->param_count; i++)
+        check_member(c, p->params[i].name, p->params[i].loc);
     for (uint32_t i = 0; i < p->struct_count; i++) {
         check_fields(c, &p->structs[i]);
         check_tag(c, &p->structs[i]);

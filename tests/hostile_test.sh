@@ -56,7 +56,7 @@ check "an overlay that is a device" refuses "it is no regular file" "${scene[@]}
 
 # ---- Names ----------------------------------------------------------------------------------------------------------
 
-check "every word of C23, C++20 and GLSL 4.60 as a name" /usr/bin/python3 tests/keywords.py "$gen" templates "$work"
+check "every word of C23, C++20 and GLSL 4.60 and macros of <windows.h> as names" /usr/bin/python3 tests/keywords.py "$gen" templates "$work"
 
 # ---- Calls that fail, kills -----------------------------------------------------------------------------------------
 

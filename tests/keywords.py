@@ -1,8 +1,10 @@
-"""Words of C23, C++20 and GLSL 4.60 as names in a spec: `keywords.py GENERATOR TEMPLATES FOLDER`. Each is refused at its place, or
-the generated header compiles as C11, C17 and C++17. The lists are those of ISO/IEC 9899:2024 6.4.1, ISO/IEC 14882:2020
-[lex.key] and [lex.digraph], and The OpenGL Shading Language 4.60.8, 3.6. Called by hostile_test.sh."""
+"""Words of C23, C++20 and GLSL 4.60 and macros of <windows.h> as names in a spec: `keywords.py GENERATOR TEMPLATES FOLDER`. Each is
+refused at its place, or the generated header compiles as C11, C17 and C++17, and under <windows.h> where MinGW is installed. The
+lists are those of ISO/IEC 9899:2024 6.4.1, ISO/IEC 14882:2020 [lex.key] and [lex.digraph], The OpenGL Shading Language 4.60.8,
+3.6, and MinGW 10. Called by hostile_test.sh."""
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -23,6 +25,8 @@ enum typedef template this resource goto inline noinline public static extern ex
 superp input output filter sizeof cast namespace using sampler samplerShadow subpassInput isubpassInput usubpassInput
 subpassInputMS isubpassInputMS usubpassInputMS sampler3DRect"""
 SHAPES = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "CubeArray", "Buffer", "2DMS", "2DMSArray"]
+WINDOWS = """cdecl environ errno far h_addr hyper interface near pascal s_addr small chx1 cmb16 ctl1 edt1 frm4 grp1 ico4 lst1 psh16 rad1
+rct4 scr8 stc32"""  # of <windows.h>, where a struct's member has no other name
 MACROS = "NULL offsetof size_t int8_t int32_t uint8_t uint32_t uint64_t linux unix static_assert noreturn INT32_MAX UINT8_C"
 
 
@@ -32,7 +36,7 @@ def words():
     glsl += [p + "mat" + n for p in ("", "d") for n in "2 3 4 2x2 2x3 2x4 3x2 3x3 3x4 4x2 4x3 4x4".split()]
     glsl += [p + k + s for p in ("", "i", "u") for k in ("sampler", "image", "texture") for s in SHAPES]
     glsl += ["sampler" + s + "Shadow" for s in ("1D", "2D", "2DRect", "1DArray", "2DArray", "Cube", "CubeArray")]
-    return sorted(set(C23.split() + CPP20.split() + glsl + MACROS.split()))
+    return sorted(set(C23.split() + CPP20.split() + glsl + MACROS.split() + WINDOWS.split()))
 
 
 BODY = "void main() { picture_store(ivec2(invocation().xy), vec4(1.0)); }\n"
@@ -73,10 +77,13 @@ def generate(gen, templates, folder, kind, names):
 def compiles(folder, kind, name):
     source = f"{folder}/use.{{}}"
     good = True
-    for compiler, suffix, standard in (("gcc", "c", "c11"), ("gcc", "c", "c17"), ("g++", "cpp", "c++17"), ("g++", "cpp", "c++20")):
+    compilers = [("gcc", "c", "c11"), ("gcc", "c", "c17"), ("g++", "cpp", "c++17"), ("g++", "cpp", "c++20")]
+    if kind != "pipeline" and shutil.which("x86_64-w64-mingw32-gcc"):
+        compilers.append(("x86_64-w64-mingw32-gcc", "c", "c11"))
+    for compiler, suffix, standard in compilers:
         path = source.format(suffix)
         with open(path, "w", encoding="utf-8") as file:
-            file.write(f'#include "{name}.h"\nint main(void) {{ return 0; }}\n')
+            file.write(f'#ifdef _WIN32\n#include <windows.h>\n#endif\n#include "{name}.h"\nint main(void) {{ return 0; }}\n')
         run = subprocess.run([compiler, f"-std={standard}", "-Wall", "-Werror", "-fsyntax-only", "-Itemplates/c", f"-I{folder}/{kind}", path],
                              capture_output=True, text=True, check=False)
         if run.returncode:
@@ -97,12 +104,15 @@ def main():
         if first.returncode != 1 or len(refused) < 200:
             print(f"{kind}: only {len(refused)} words are refused\n{first.stderr[:2000]}")
             good = False
+        if kind in ("param", "field") and not set(WINDOWS.split()) <= refused:
+            print(f"{kind}: {set(WINDOWS.split()) - refused} are macros of <windows.h>")
+            good = False
         second = generate(gen, templates, folder, kind, left)
         if second.returncode:
             print(f"{kind}: {second.stderr[:2000]}")
         good &= second.returncode == 0 and compiles(folder, kind, "plain")
         print(f"{kind}: {len(refused)} refused, {' '.join(left)}")
-    for word in words():
+    for word in sorted(set(words()) - set(WINDOWS.split())):
         run = generate(gen, templates, folder, "pipeline", [word])
         if run.returncode and f"error: `{word}`" not in run.stderr:
             print(run.stderr[:1000])
