@@ -38,6 +38,9 @@ check "... as ninja install does" ninja_runs_it
 check "... with the modes that belong" modes_are_right
 check "... and no file names DESTDIR" names_no_dest
 check "... nor does it install to a relative path" refuses_relative
+check "the license is installed" cmp LICENSE "$work/dest/opt/diptych/share/doc/diptych/LICENSE"
+check "... and the reference of specs" cmp <("$build/diptych-gen" --reference) \
+    "$work/dest/opt/diptych/share/doc/diptych/reference.md"
 
 # shellcheck disable=SC2317
 uninstalls() {
@@ -258,6 +261,33 @@ same_pictures() { # gl|vk
 read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
 read -ra private < <(pkg-config --static --libs-only-l --libs-only-other diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
 check "the installed generator generates" generate
+# shellcheck disable=SC2317
+takes_version() { # MAJOR|MINOR|PATCH number: a host whose diptych.h has this in its version
+    mkdir -p "$work/version"
+    sed "s/^#define DT_VERSION_$1 .*/#define DT_VERSION_$1 $2/" "$installed/include/diptych/diptych.h" >"$work/version/diptych.h"
+    grep -qx "#define DT_VERSION_$1 $2" "$work/version/diptych.h" || return 2
+    cc -std=c11 -fsyntax-only "-I$work/version" -x c "$work/host/ssvp.h"
+}
+# shellcheck disable=SC2317
+other_version() {
+    takes_version "$@" >"$work/version.log" 2>&1
+    [ $? = 1 ] && [ "$(grep -c 'error: #error "diptych.h is of another version' "$work/version.log")" = 1 ]
+}
+check "its headers take a newer patch of diptych.h" takes_version PATCH 9
+check "... and no other minor version" other_version MINOR 9
+check "... nor another major one" other_version MAJOR 9
+
+# shellcheck disable=SC2317
+stays_small() {
+    local api
+    for api in gl vk; do
+        hide cc -std=c11 -O2 -g -fPIC "-I$installed/include/diptych" -c "$work/host/ssvp_${api}_shaders.c" \
+            -o "$work/${api}_shaders.o" || return
+    done
+    wc -c "$work"/{gl,vk}_shaders.o
+    [ "$(cat "$work"/{gl,vk}_shaders.o | wc -c)" -le 726000 ]
+}
+check "ssvp's shaders for both APIs are 726 KB at most" stays_small
 check "a Vulkan renderer builds with shared libraries" build_host vk "${shared[@]}" -lvulkan
 check "... runs two pipelines and a second view on its own threads, and validation is silent" \
     run_host vk "$work/host/vk.second.ppm"
