@@ -59,6 +59,16 @@ void on_log(void *, dt_level level, const char *message)
         std::fprintf(stderr, "diptych: %s\n", message);
 }
 
+bool suits(VkInstance instance, VkPhysicalDevice physical)
+{
+    dt_vk_host host = {};
+    host.log.message = on_log;
+    host.instance = instance;
+    host.physical_device = physical;
+    host.get_instance_proc_addr = vkGetInstanceProcAddr;
+    return dt_vk_suits(&host, &lit_vk);
+}
+
 /* ---- Drawing, without any pipeline of the renderer's own ------------------------------------- */
 
 void begin_drawing(VkCommandBuffer commands, const VkRect2D &area, VkImageLayout layout,
@@ -294,7 +304,7 @@ void run(Host &host, const VkDeviceCreateInfo *device_info)
 {
     host.base.width = COLUMNS * TILE;
     host.base.height = ROWS * TILE;
-    renderer_open(&host.base, device_info);
+    renderer_open(&host.base, device_info, suits);
     for (uint32_t lane = 0; lane < views_count; lane++)
         open_view(host, lane, device_info);
     for (host.frame = 0; host.frame < MOMENTS; host.frame++) {

@@ -53,6 +53,18 @@ static void on_log(void *user, enum dt_level level, const char *message)
         fprintf(stderr, "diptych: %s\n", message);
 }
 
+static bool suits(VkInstance instance, VkPhysicalDevice physical)
+{
+    const struct dt_vk_host host = {.log = {.message = on_log},
+                                    .instance = instance,
+                                    .physical_device = physical,
+                                    .get_instance_proc_addr = vkGetInstanceProcAddr};
+    bool all = true;
+    for (int i = 0; i < LANES; i++)
+        all = all && dt_vk_suits(&host, pipelines[i].shaders);
+    return all;
+}
+
 /* ---- What the renderer gives ----------------------------------------------------------------- */
 
 static VkResult allocate(void *user, const VkMemoryRequirements *needs, const char *name,
@@ -223,7 +235,7 @@ static void run(struct host *host, const char *scene_path, uint32_t frames, uint
     struct dt_scene_file *scene = dt_scene_open(scene_path, NULL, &log);
     check(scene, scene_path);
     dt_scene_frame(scene, renderer->width, renderer->height, &host->frame);
-    renderer_open(renderer, host->device_info);
+    renderer_open(renderer, host->device_info, suits);
     struct buffer geometry = make_scene(renderer, dt_scene_data(scene), &host->scene);
     renderer_run(renderer, count < 2 ? count : 2, open_view, host);
     for (uint32_t i = 2; i < count; i++)

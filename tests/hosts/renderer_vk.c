@@ -60,12 +60,19 @@ static void open_instance(struct renderer *renderer)
     CHECK(vkCreateInstance(&info, NULL, &renderer->instance));
 }
 
-static void open_device(struct renderer *renderer, const VkDeviceCreateInfo *info)
+static void open_device(struct renderer *renderer, const VkDeviceCreateInfo *info,
+                        bool (*suits)(VkInstance instance, VkPhysicalDevice physical))
 {
+    enum { MAX_DEVICES = 8 };
     const VkPipelineCacheCreateInfo cache = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
-    uint32_t count = 1;
-    VkResult result = vkEnumeratePhysicalDevices(renderer->instance, &count, &renderer->physical);
-    check(result >= 0 && count == 1, "vkEnumeratePhysicalDevices");
+    VkPhysicalDevice devices[MAX_DEVICES];
+    uint32_t count = MAX_DEVICES, chosen = 0;
+    VkResult result = vkEnumeratePhysicalDevices(renderer->instance, &count, devices);
+    check(result >= 0, "vkEnumeratePhysicalDevices");
+    while (chosen < count && !suits(renderer->instance, devices[chosen]))
+        chosen++;
+    check(chosen < count, "choosing a device");
+    renderer->physical = devices[chosen];
     CHECK(vkCreateDevice(renderer->physical, info, NULL, &renderer->device));
     vkGetDeviceQueue(renderer->device, 0, 0, &renderer->queue);
     CHECK(vkCreatePipelineCache(renderer->device, &cache, NULL, &renderer->cache));
@@ -83,7 +90,8 @@ static void make_lane(const struct renderer *renderer, struct lane *lane)
     CHECK(vkAllocateCommandBuffers(renderer->device, &commands, lane->commands));
 }
 
-void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info)
+void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info,
+                   bool (*suits)(VkInstance instance, VkPhysicalDevice physical))
 {
     const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
                                      .flags = VK_FENCE_CREATE_SIGNALED_BIT};
@@ -92,7 +100,7 @@ void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info)
                                                   .pfnReallocation = reallocate_block,
                                                   .pfnFree = free_block};
     open_instance(renderer);
-    open_device(renderer, info);
+    open_device(renderer, info, suits);
     for (int i = 0; i < LANES; i++)
         make_lane(renderer, &renderer->lanes[i]);
     for (int i = 0; i < IN_FLIGHT; i++)

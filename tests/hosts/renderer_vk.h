@@ -53,7 +53,9 @@ struct renderer {
     uint32_t width, height;
 };
 
-void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info);
+/* Opens the first physical device that suits. */
+void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info,
+                   bool (*suits)(VkInstance instance, VkPhysicalDevice physical));
 void renderer_close(struct renderer *renderer);
 
 /* Calls job(data, i) for each i below `count`, on threads. */
