@@ -2101,8 +2101,8 @@ static void opengl_records_parts(void **state)
 /* `glsl`: from the text in generated C, not from the SPIR-V. */
 static void take_inputs(bool glsl)
 {
-    struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
-        .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = glsl});
+    struct gl_runtime *rt = dt_gl_open(
+        &(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress, .glsl = glsl});
     outside_gl_runtime = rt;
     assert_true(rt && dt_gl_create(rt, &outside_gl));
     for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
