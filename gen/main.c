@@ -185,7 +185,7 @@ static void add_limits(struct generation *g)
         if (!pass->limit_body || !name)
             continue;
         struct text text = {0};
-        emit_limit(pass, &text);
+        emit_limit(pipeline, pass, &text);
         output_add(g->output, g->options->out, name, &text);
     }
 }

@@ -70,7 +70,8 @@ void emit_c_panel(const struct lowered *tables, struct text *out); /* NAME.c, fo
 /* names: keep them in SPIR-V. glsl: also OpenGL's GLSL. */
 void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
                     struct text *out);
-void emit_limit(const struct pass *pass, struct text *out);   /* limit/NAME.PASS.c; emit_panel.c */
+/* limit/NAME.PASS.c; emit_panel.c */
+void emit_limit(const struct pipeline *pipeline, const struct pass *pass, struct text *out);
 void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
 /* needs.c: --needs, Markdown. */

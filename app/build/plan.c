@@ -103,9 +103,10 @@ const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pas
 char *plan_limit(const struct plan *plan, uint32_t pass)
 {
     struct text text = {0};
-    if (!plan->spec.model.pipeline.order[pass]->limit_body)
+    const struct pipeline *pipeline = &plan->spec.model.pipeline;
+    if (!pipeline->order[pass]->limit_body)
         return NULL;
-    emit_limit(plan->spec.model.pipeline.order[pass], &text);
+    emit_limit(pipeline, pipeline->order[pass], &text);
     if (text.failed)
         text_free(&text);
     return text.data;

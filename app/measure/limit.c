@@ -345,6 +345,7 @@ static void run(const struct limit_pass *limit)
 {
     limit->run(&(struct dt_limit){.frame = &limit->frame,
                                   .live = limit->live,
+                                  .scene = limit->scene,
                                   .inputs = limit->inputs,
                                   .outputs = limit->outputs});
 }
@@ -384,6 +385,7 @@ bool limits_check(struct limits *limits, const struct session_info *session)
     for (uint32_t i = 0; i < limits->count && good; i++) {
         struct limit_pass *limit = &limits->list[i];
         const uint32_t *size = session->options->size;
+        limit->scene = &session->scene->data;
         memset(&limit->frame, 0, sizeof limit->frame);
         scene_frame(session->scene, size[0], size[1], &limit->frame);
         limit->frame.width = size[0];

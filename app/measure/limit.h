@@ -15,6 +15,7 @@ struct limit_pass {
     struct dt_frame frame;
     struct dt_bytes *inputs, *outputs, *expected; /* by resource, owned; see struct dt_limit */
     const void *live;
+    const struct dt_scene *scene;
     double outliers; /* share of numbers that differ from the shader's by more than the tolerance */
     double *ms;      /* one per measured frame; owned */
 };
