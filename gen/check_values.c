@@ -145,29 +145,13 @@ bool check_expr(struct checker *c, struct expr *expr, const struct limits *limit
 
 /* ---- Parameters and constants ---------------------------------------------------------------- */
 
+/* The reader checked the values. */
 static void check_param(struct checker *c, const struct param *param)
 {
     if (param->min > param->max) {
         diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name, param->min,
                    param->max);
         return;
-    }
-    for (uint32_t i = 0; i < param->components; i++) {
-        if (param->value[i] < param->min) {
-            diag_error(c->diag, param->value_loc, "`%s` is %.9g, below its min of %.9g",
-                       param->name, param->value[i], param->min);
-            return;
-        }
-        if (param->value[i] > param->max) {
-            diag_error(c->diag, param->value_loc, "`%s` is %.9g, above its max of %.9g",
-                       param->name, param->value[i], param->max);
-            return;
-        }
-        if (fabs(param->value[i]) > FLT_MAX) { /* other types were checked when they were read */
-            diag_error(c->diag, param->value_loc, "`%s` is %.9g, and no float is larger than %.9g",
-                       param->name, param->value[i], FLT_MAX);
-            return;
-        }
     }
     if (param->step < 0)
         diag_error(c->diag, param->loc, "the step of `%s` is negative", param->name);

@@ -1,4 +1,5 @@
 /* Parameters and constants of a spec. Called by read.c. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,7 +87,8 @@ static enum dt_type inferred_type(const struct reader *reader, struct fy_node *n
     return former >= 0 ? (enum dt_type)former : own;
 }
 
-static void set_value(struct reader *reader, struct param *param, struct fy_node *node, int type)
+/* False after an error, and without a value. */
+static bool take_value(struct reader *reader, struct param *param, struct fy_node *node, int type)
 {
     enum dt_type own = DT_TYPE_INT;
     uint32_t components = 1;
@@ -94,11 +96,11 @@ static void set_value(struct reader *reader, struct param *param, struct fy_node
     param->type = type >= 0 ? (enum dt_type)type : DT_TYPE_INT;
     param->components = type_components(param->type);
     if (!node)
-        return;
+        return false;
     if (!param_value(reader, node, param->value, &components, &own)) {
         diag_error(reader->diag, param->value_loc, "the value of `%s` must be %s", param->name,
                    table_type_text(KEY_VALUE));
-        return;
+        return false;
     }
     if (type < 0)
         param->type = inferred_type(reader, node, own);
@@ -109,6 +111,35 @@ static void set_value(struct reader *reader, struct param *param, struct fy_node
     if (!fits)
         diag_error(reader->diag, param->value_loc, "`%s` has type %s; this value does not fit",
                    param->name, type_name(reader, param->type));
+    return fits;
+}
+
+/* Moves a value into the range, so that nothing else is told of it. Integers were checked before. */
+static void limit_value(struct reader *reader, struct param *param)
+{
+    double wrong = 0, limit = 0;
+    const char *where = NULL;
+    for (uint32_t i = 0; i < param->components && param->min <= param->max; i++) {
+        double value = param->value[i], most = param->max < FLT_MAX ? param->max : FLT_MAX;
+        param->value[i] = fmin(fmax(value, fmax(param->min, -FLT_MAX)), most);
+        if (where || value == param->value[i])
+            continue;
+        where = value < param->min ? "below its min of" : "above its max of";
+        limit = value < param->min ? param->min : param->max;
+        wrong = value;
+    }
+    if (where && fabs(limit) <= FLT_MAX)
+        diag_error(reader->diag, param->value_loc, "`%s` is %.9g, %s %.9g", param->name, wrong,
+                   where, limit);
+    else if (where)
+        diag_error(reader->diag, param->value_loc, "`%s` is %.9g, and no float is larger than %.9g",
+                   param->name, wrong, FLT_MAX);
+}
+
+static void set_value(struct reader *reader, struct param *param, struct fy_node *node, int type)
+{
+    if (take_value(reader, param, node, type))
+        limit_value(reader, param);
 }
 
 static void read_param(struct reader *reader, const struct named *named, struct param *param)
