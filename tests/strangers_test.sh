@@ -31,7 +31,7 @@ for driver in "${strangers[@]}"; do
         --fault "$driver:count:bit"
     # SwiftShader has no RoundingModeRTE, which shaders ask for.
     check "$driver: validation is silent about float controls" "$diptych" compare --spec tests/specs/arithmetic.yaml \
-        --size 64x48 --backend "$driver,$driver" --debug
+        --size 64x48 --set finite=true --backend "$driver,$driver" --debug
     # Every pipeline that ships; DIPTYCH_LONG has both scenes, at the defaults.
     for spec in rsm ssvp ssdo taa deep clustered instant_radiosity; do
         small=(--size 160x90 --set rsm_size=128)
