@@ -72,7 +72,7 @@ void emit_c_shaders(const struct lowered *tables, enum backend backend, bool nam
                     struct text *out);
 /* limit/NAME.PASS.c; emit_panel.c */
 void emit_limit(const struct pipeline *pipeline, const struct pass *pass, struct text *out);
-void emit_graph(const struct model *model, struct text *out); /* NAME.dot */
+void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
 /* needs.c: --needs, Markdown. */
 void emit_device_needs(const struct lowered *tables, struct text *out);
