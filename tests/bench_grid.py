@@ -15,6 +15,8 @@ POINTS = [(8, 64, 1), (8, 2048, 64), (4, 256, 8), (4, 2048, 8), (2, 256, 8), (2,
           (1, 2048, 64)]
 CHOICES = [(storage, loop) for storage in ("shared", "uniform", "buffer") for loop in ("unroll", "roll")]
 RANGES = ["first_range", "second_range"]
+# Pixels, so that shade takes milliseconds also where a pixel has few VPLs: what a dispatch costs whatever its size must not count.
+SIZES = [(64, "640x360"), (256, "320x180"), (math.inf, "160x90")]
 
 
 def measure(build, point, choice, folder):
@@ -25,7 +27,8 @@ def measure(build, point, choice, folder):
     for name in RANGES if choice else []:
         sets += [f"passes.shade.ranges.{name}.storage={choice[0]}", f"passes.shade.ranges.{name}.loop={choice[1]}"]
     path = os.path.join(folder, "bench.json")
-    command = [f"{build}/diptych", "bench", "--scene", "scenes/cornell.yaml", "--size", "160x90", "--frames", "5", "--json", path]
+    size = next(size for most, size in SIZES if vpls / tile**2 <= most)
+    command = [f"{build}/diptych", "bench", "--scene", "scenes/cornell.yaml", "--size", size, "--frames", "5", "--json", path]
     done = subprocess.run(command + [word for item in sets for word in ("--set", item)], capture_output=True, text=True)
     if done.returncode:
         if not choice:
