@@ -17,7 +17,7 @@
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that spirv.c or loops.c write. */
-enum { REWRITING = 2 };
+enum { REWRITING = 1 };
 enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 

@@ -468,56 +468,18 @@ static uint32_t *decorate(const uint32_t *words, size_t count, size_t *new_count
     return out;
 }
 
-/* New words that ask, for 32 bits, for rounding to nearest even, signed zeros, infinities and NaNs
- * as IEEE 754 has them; NULL when out of memory. The runtime drops what a device lacks. */
-static uint32_t *control_floats(const uint32_t *words, size_t count, size_t *new_count)
+static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_count)
 {
-    static const struct {
-        uint32_t capability, mode;
-    } controls[] = {
-        {SpvCapabilitySignedZeroInfNanPreserve, SpvExecutionModeSignedZeroInfNanPreserve},
-        {SpvCapabilityRoundingModeRTE, SpvExecutionModeRoundingModeRTE},
-    };
-    uint32_t *out = malloc((count + DT_ARRAY_COUNT(controls) * (2 + 4)) * sizeof *out);
-    if (!out)
-        return NULL;
-    memcpy(out, words, SPIRV_HEADER * sizeof *out);
-    size_t length = SPIRV_HEADER;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(controls); i++)
-        length = put(out, length, SpvOpCapability, &controls[i].capability, 1);
-    for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16) {
-        memcpy(out + length, words + at, (words[at] >> 16) * sizeof *out);
-        length += words[at] >> 16;
-        for (size_t i = 0; (words[at] & 0xffff) == SpvOpEntryPoint && i < DT_ARRAY_COUNT(controls);
-             i++)
-            length = put(out, length, SpvOpExecutionMode,
-                         (uint32_t[]){words[at + 2], controls[i].mode, 32}, 3);
-    }
-    *new_count = length;
-    return out;
-}
-
-/* OpenGL takes no SPIR-V with float controls. */
-static uint32_t *make_exact(const uint32_t *words, size_t count, enum backend backend,
-                            size_t *new_count)
-{
-    size_t expanded_count = 0, exact_count = 0;
+    size_t expanded_count = 0;
     uint32_t *expanded = expand_products(words, count, &expanded_count);
-    uint32_t *exact = expanded ? decorate(expanded, expanded_count, &exact_count) : NULL;
-    uint32_t *out = exact;
-    *new_count = exact_count;
-    if (exact && backend == BACKEND_VK) {
-        out = control_floats(exact, exact_count, new_count);
-        free(exact);
-    }
+    uint32_t *exact = expanded ? decorate(expanded, expanded_count, new_count) : NULL;
     free(expanded);
-    return out;
+    return exact;
 }
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
 
-static bool take_words(const struct model *model, enum backend backend, glslang_program_t *program,
-                       struct shader *shader)
+static bool take_words(const struct model *model, glslang_program_t *program, struct shader *shader)
 {
     size_t count = glslang_program_SPIRV_get_size(program);
     const uint32_t *words = glslang_program_SPIRV_get_ptr(program);
@@ -527,7 +489,7 @@ static bool take_words(const struct model *model, enum backend backend, glslang_
             memcpy(shader->words, words, count * sizeof *words);
         shader->word_count = count;
     } else {
-        shader->words = make_exact(words, count, backend, &shader->word_count);
+        shader->words = make_exact(words, count, &shader->word_count);
     }
     return shader->words &&
            (model->pipeline.gpu || spirv_keep_loops(shader->words, shader->word_count));
@@ -577,7 +539,7 @@ static bool compile(const struct model *model, const struct pass *pass, enum bac
     if (ok) {
         glslang_spv_options_t options = {.generate_debug_info = lines, .disable_optimizer = true};
         glslang_program_SPIRV_generate_with_options(program, input.stage, &options);
-        ok = take_words(model, backend, program, shader);
+        ok = take_words(model, program, shader);
     }
     glslang_program_delete(program);
     glslang_shader_delete(compiled);

@@ -318,13 +318,9 @@ void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
         .pNext = &maintenance3,
     };
-    rt->float_controls = (VkPhysicalDeviceFloatControlsProperties){
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FLOAT_CONTROLS_PROPERTIES,
-        .pNext = &driver,
-    };
     VkPhysicalDeviceProperties2 properties = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
-        .pNext = &rt->float_controls,
+        .pNext = &driver,
     };
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);

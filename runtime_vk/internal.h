@@ -126,7 +126,6 @@ struct vk_runtime {
     VkDebugUtilsMessengerEXT messenger;
     VkPhysicalDevice physical;
     VkPhysicalDeviceProperties properties;
-    VkPhysicalDeviceFloatControlsProperties float_controls;
     VkPhysicalDeviceMemoryProperties memory;
     VkDeviceSize max_allocation; /* bytes in one vkAllocateMemory */
     VkDevice device;

@@ -7,19 +7,14 @@
 
 /* Numbers of the SPIR-V specification; its header is not there for every compiler. */
 enum {
-    SPIRV_EXECUTION_MODE = 16,
     SPIRV_CAPABILITY = 17,
     SPIRV_TYPE_POINTER = 32,
     SPIRV_VARIABLE = 59,
     SPIRV_DECORATE = 71,
-    SPIRV_SHADER_LAYER = 69,    /* capability */
-    SPIRV_KEEP_SPECIALS = 4466, /* capability SignedZeroInfNanPreserve */
-    SPIRV_ROUND_EVEN = 4467,    /* capability RoundingModeRTE */
-    SPIRV_MODE_KEEP_SPECIALS = 4461,
-    SPIRV_MODE_ROUND_EVEN = 4462,
-    SPIRV_BUILTIN = 11, /* decoration */
-    SPIRV_LAYER = 9,    /* built-in */
-    SPIRV_PRIVATE = 6   /* storage class */
+    SPIRV_SHADER_LAYER = 69, /* capability */
+    SPIRV_BUILTIN = 11,      /* decoration */
+    SPIRV_LAYER = 9,         /* built-in */
+    SPIRV_PRIVATE = 6        /* storage class */
 };
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
@@ -131,30 +126,9 @@ static uint32_t pointee(const uint32_t *words, size_t count, uint32_t pointer)
     return at < count ? words[at + 3] : 0;
 }
 
-/* Whether the instruction asks for something that the device lacks and the module can do without. */
-static bool is_refused(const struct vk_runtime *rt, const uint32_t *instruction)
-{
-    uint32_t opcode = *instruction & 0xffff;
-    uint32_t asked = opcode == SPIRV_CAPABILITY       ? instruction[1]
-                     : opcode == SPIRV_EXECUTION_MODE ? instruction[2]
-                                                      : 0;
-    switch (asked) {
-    case SPIRV_SHADER_LAYER:
-        return opcode == SPIRV_CAPABILITY && !vk_has_layers(rt);
-    case SPIRV_KEEP_SPECIALS:
-    case SPIRV_MODE_KEEP_SPECIALS:
-        return !rt->float_controls.shaderSignedZeroInfNanPreserveFloat32;
-    case SPIRV_ROUND_EVEN:
-    case SPIRV_MODE_ROUND_EVEN:
-        return !rt->float_controls.shaderRoundingModeRTEFloat32;
-    default:
-        return false;
-    }
-}
-
-/* The module as the device takes it: without controls of floats that it lacks; without
- * shaderOutputLayer, gl_Layer becomes a private variable. free(); NULL: out of memory. */
-static uint32_t *fit_module(const struct vk_runtime *rt, const uint32_t *words, size_t *size)
+/* The module for a device without shaderOutputLayer: gl_Layer becomes a private variable. free();
+ * NULL: out of memory. */
+static uint32_t *without_layer(const uint32_t *words, size_t *size)
 {
     size_t count = *size / sizeof *words, length = 5;
     uint32_t layer = 0, *out = malloc(*size + 4 * sizeof *out);
@@ -164,15 +138,15 @@ static uint32_t *fit_module(const struct vk_runtime *rt, const uint32_t *words, 
     for (size_t at = 5, next; at < count; at = next) {
         uint32_t opcode = words[at] & 0xffff;
         next = at + (words[at] >> 16);
-        if (is_refused(rt, words + at))
+        if (opcode == SPIRV_CAPABILITY && words[at + 1] == SPIRV_SHADER_LAYER)
             continue;
         if (opcode == SPIRV_DECORATE && words[at + 2] == SPIRV_BUILTIN &&
-            words[at + 3] == SPIRV_LAYER && !vk_has_layers(rt)) {
+            words[at + 3] == SPIRV_LAYER) {
             layer = words[at + 1];
             continue;
         }
         memcpy(out + length, words + at, (next - at) * sizeof *out);
-        if (opcode == SPIRV_VARIABLE && layer && words[at + 2] == layer) {
+        if (opcode == SPIRV_VARIABLE && words[at + 2] == layer) {
             const uint32_t type = out[3]++;
             const uint32_t private[] = {4u << 16 | SPIRV_TYPE_POINTER,
                                         type,
@@ -203,8 +177,8 @@ static struct vk_outcome create_module(const struct vk_runtime *rt, const struct
         .codeSize = code->size,
         .pCode = dt_front_words(code, &own),
     };
-    if (info.pCode)
-        info.pCode = changed = fit_module(rt, info.pCode, &info.codeSize);
+    if (info.pCode && !vk_has_layers(rt))
+        info.pCode = changed = without_layer(info.pCode, &info.codeSize);
     outcome.result = info.pCode
                          ? rt->vk.CreateShaderModule(rt->device, &info, rt->callbacks, module)
                          : VK_ERROR_OUT_OF_HOST_MEMORY;

@@ -53,21 +53,6 @@ check_status 1 "fast mode differs" dumps --set exactness=fast
 check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"
 check "... and not in its inputs" [ "$(grep -c draw_inputs "$work/table")" = 0 ]
 
-# shellcheck disable=SC2317 # called through check
-float_controls() { # number, options...: so many shaders have OpExecutionMode SignedZeroInfNanPreserve 32 and RoundingModeRTE 32
-    local want=$1 found=0
-    shift
-    rm -rf "$work/modes"
-    "$build/diptych-gen" "$specs/arithmetic.yaml" -o "$work/modes" "$@" || return
-    for shader in "$work"/modes/vk/*.spv; do
-        ! od -An -v -tx4 "$shader" | tr -d ' \n' | grep -qE '00040010.{8}0000116d0{6}20' || found=$((found + 1))
-        ! od -An -v -tx4 "$shader" | tr -d ' \n' | grep -qE '00040010.{8}0000116e0{6}20' || found=$((found + 1))
-    done
-    [ "$found" = "$want" ]
-}
-check "Vulkan's exact shaders ask for IEEE 754" float_controls 6
-check "... those of fast mode do not" float_controls 0 --set exactness=fast
-
 # Subgroup operations: with exactness: fast, from devices that have them.
 # shellcheck disable=SC2317 # called through check
 reduces() { # backend
