@@ -45,7 +45,8 @@ static const char *const function_words =
     "texelFetch texture"
     " textureLod transpose trunc ";
 
-/* Macros of <windows.h> and of what it includes; more of them: is_windows_macro. */
+/* Lower-case macros of <windows.h> and of the headers that it includes. is_windows_macro knows the
+ * numbered ones. */
 static const char *const windows_words =
     " cdecl ctlFirst ctlLast environ errno exception_info far h_addr h_errno hyper near pascal "
     "pshHelp s_addr s_host s_imp s_impno s_lh s_net small ";

@@ -1,6 +1,5 @@
 /* Numbers: parameters within their ranges, constants without cycles, sizes and counts at several
  * frame sizes, assertions. Called by check.c. */
-#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

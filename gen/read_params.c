@@ -114,7 +114,8 @@ static bool take_value(struct reader *reader, struct param *param, struct fy_nod
     return fits;
 }
 
-/* Moves a value into the range, so that nothing else is told of it. Integers were checked before. */
+/* Reports a value outside of min and max, or of float, and limits it: so what depends on the parameter
+ * gets no errors of its own. */
 static void limit_value(struct reader *reader, struct param *param)
 {
     double wrong = 0, limit = 0;

@@ -260,9 +260,9 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
  * between frames. Also inputs with a `file` in the spec: diptych reads no files for a host. `bytes`:
  * the whole resource or mip, tightly packed, row 0 first, that is the bottom of a picture; elements
  * of a struct lie as in NAME.h. Its `extent` is what NAME_pipeline.extent gives for the frame size, of
- * an image halved for each mip, at least 1. The function copies them into `commands`, which are as for record:
- * frames recorded later see the new content, earlier ones the old. For large images that change in
- * every frame, an import is faster. */
+ * an image halved for each mip, at least 1. The function copies them into `commands`, which are as for
+ * record: frames recorded later see the new content, earlier ones the old. For large images that change
+ * in every frame, an import is faster. */
 bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes);
 

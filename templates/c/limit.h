@@ -8,7 +8,7 @@
  *
  * or nothing, if the processor lacks the instructions that the code needs. A file for the passes of
  * several pipelines includes DT_LIMIT_HEADER instead of NAME.h, and names a resource by
- * DT_LIMIT_RESOURCE(NAME): both are macros that diptych bench defines. */
+ * DT_LIMIT_RESOURCE(NAME): the generator defines both macros at the head of the file. */
 #ifndef DIPTYCH_LIMIT_H
 #define DIPTYCH_LIMIT_H
 
@@ -24,7 +24,7 @@ struct dt_limit_tolerance {
 struct dt_limit {
     const struct dt_frame *frame; /* width and height are filled */
     const void *live;             /* the live block */
-    const struct dt_scene *scene;
+    const struct dt_scene *scene; /* that draws draw */
     /* by resource index: mip 0 of the pass's inputs and outputs; data is NULL for other resources.
      * Layout as in struct dt_runtime's read. */
     const struct dt_bytes *inputs;
