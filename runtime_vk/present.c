@@ -7,8 +7,7 @@
 #include <GLFW/glfw3.h>
 #include <string.h>
 
-#include "window.frag.h"
-#include "window.vert.h"
+#include "window.h"
 
 /* ---- Window and surface ---------------------------------------------------------------------- */
 

@@ -1,4 +1,4 @@
-"""Runs clang-tidy on every file that has changed since it passed: `ninja -t compdb cc cxx program | tidy.py STAMPS VERSION`.
+"""Runs clang-tidy on every file that has changed since it passed: `ninja -t compdb cc program | tidy.py STAMPS VERSION`.
 
 Of a file that is compiled several times the first counts. The output is newer than the file's stamp, in the folder STAMPS, once
 ninja has compiled the file again, so headers count, too. Called by `ninja check`, after what it compiles."""
