@@ -9,6 +9,7 @@
 #define DIPTYCH_GEN_GLSL_H
 
 #include <stdio.h>
+#include <string.h>
 
 #include "expr.h"
 #include "stages.h"
@@ -60,7 +61,11 @@ struct token {
 /* The next identifier, number or single character from *cursor; skips blanks, comments and
  * preprocessor lines. */
 struct token token_next(const char **cursor);
-bool token_is(struct token token, const char *text);
+static inline bool token_is(struct token token, const char *text)
+{
+    return token.length && *token.text == *text && !strncmp(token.text, text, token.length) &&
+           !text[token.length];
+}
 /* First occurrence of `word` as a whole identifier, not as a member after a dot, not in a comment;
  * NULL: none. */
 const char *find_word(const char *text, const char *word);

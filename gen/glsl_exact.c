@@ -45,6 +45,8 @@ struct rewrite {
     bool called;    /* since a `const`: a call that is no constant expression */
     bool marks;     /* the text is for OpenGL */
     bool unmarked;  /* `precise` does not reach operations here */
+    const char *peeked_at; /* where `peeked` was read */
+    struct token peeked;
 };
 
 static struct value sum(struct rewrite *rewrite);
@@ -54,13 +56,16 @@ static void add_name(struct rewrite *rewrite, const char *text, size_t length, s
 
 /* ---- Tokens ---------------------------------------------------------------------------------- */
 
-static struct token peek(const struct rewrite *rewrite)
+static struct token peek(struct rewrite *rewrite)
 {
     const char *cursor = rewrite->cursor;
-    return token_next(&cursor);
+    if (rewrite->peeked_at != cursor)
+        rewrite->peeked = token_next(&cursor);
+    rewrite->peeked_at = rewrite->cursor;
+    return rewrite->peeked;
 }
 
-static bool sees(const struct rewrite *rewrite, const char *text)
+static bool sees(struct rewrite *rewrite, const char *text)
 {
     struct token token = peek(rewrite);
     return token.length && !strncmp(token.text, text, strlen(text));
@@ -207,17 +212,17 @@ static bool is_integer_type(struct token token)
 static bool is_replaced(struct token token)
 {
     static const char names[] =
-        " acos acosh asin asinh atan atanh clamp cos cosh cross degrees determinant distance dot "
+        "acos acosh asin asinh atan atanh clamp cos cosh cross degrees determinant distance dot "
         "exp exp2 faceforward fma fract inverse inversesqrt ldexp length log log2 max min mix mod "
         "normalize packHalf2x16 packSnorm2x16 packSnorm4x8 packUnorm2x16 packUnorm4x8 pow radians "
         "reflect refract round sin sinh smoothstep sqrt tan tanh unpackHalf2x16 unpackSnorm2x16 "
-        "unpackSnorm4x8 unpackUnorm2x16 unpackUnorm4x8 ";
-    const char *at = names;
-    while ((at = memmem(at, strlen(at), token.text, token.length)))
-        if (at[-1] == ' ' && at[token.length] == ' ')
+        "unpackSnorm4x8 unpackUnorm2x16 unpackUnorm4x8";
+    for (const char *at = names; *at && *at <= *token.text; at += strspn(at, " ")) {
+        size_t length = strcspn(at, " ");
+        if (length == token.length && !memcmp(at, token.text, length))
             return true;
-        else
-            at++;
+        at += length;
+    }
     return false;
 }
 

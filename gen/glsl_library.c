@@ -56,11 +56,6 @@ struct token token_next(const char **cursor)
     return (struct token){at, (size_t)(end - at)};
 }
 
-bool token_is(struct token token, const char *text)
-{
-    return token.length == strlen(text) && !memcmp(token.text, text, token.length);
-}
-
 static bool in_comment(const char *text, const char *at)
 {
     for (const char *c = at; c > text && c[-1] != '\n'; c--)

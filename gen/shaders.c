@@ -1,11 +1,10 @@
 /* All shaders of a pipeline: GLSL and SPIR-V for every pass, backend and stage. Called by load.c,
  * and by vary.c to test that they compile. One thread emits the text, since that changes the model.
- * Several threads compile the shaders that are not in the cache. */
+ * Meanwhile others compile the shaders that are not in the cache. */
 #include "shader_cache.h"
 #include "watchdog.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -23,14 +22,84 @@ struct job { /* one shader to compile */
 struct jobs {
     const struct model *model;
     struct job *list;
-    uint32_t count;
-    atomic_uint next;
+    pthread_t threads[MOST_THREADS];
+    uint32_t thread_count;
+    pthread_mutex_t lock; /* of what follows */
+    pthread_cond_t more;
+    uint32_t count, next; /* taken so far: those before `next` */
+    bool complete;        /* no further jobs come */
 };
 
 static bool has_stage(const struct pass *pass, enum stage stage)
 {
     return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
 }
+
+/* ---- Compiling ------------------------------------------------------------------------------- */
+
+/* The next job to compile; NULL: none is left. */
+static struct job *next_job(struct jobs *jobs)
+{
+    pthread_mutex_lock(&jobs->lock);
+    while (jobs->next == jobs->count && !jobs->complete)
+        pthread_cond_wait(&jobs->more, &jobs->lock);
+    struct job *job = jobs->next < jobs->count ? &jobs->list[jobs->next++] : NULL;
+    pthread_mutex_unlock(&jobs->lock);
+    return job;
+}
+
+static void *compile_some(void *user)
+{
+    struct jobs *jobs = user;
+    for (struct job *job; (job = next_job(jobs));) {
+        if (job->twin)
+            continue;
+        char label[256];
+        snprintf(label, sizeof label, "%s (%s:%d: %s)", job->pass->name,
+                 job->pass->shader_loc.source->path, job->pass->shader_loc.line, job->pass->shader);
+        watchdog_begin(label);
+        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, NULL);
+        watchdog_end(label);
+    }
+    return NULL;
+}
+
+/* One thread for each processor but this one's. Without them, this one compiles all. */
+static void start_threads(struct jobs *jobs)
+{
+    long others = sysconf(_SC_NPROCESSORS_ONLN) - 1;
+    while (jobs->thread_count < MOST_THREADS && jobs->thread_count < others &&
+           !pthread_create(&jobs->threads[jobs->thread_count], NULL, compile_some, jobs))
+        jobs->thread_count++;
+}
+
+static bool add_job(struct jobs *jobs, struct job job, struct diag *diag)
+{
+    if (!spirv_init()) {
+        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
+        return false;
+    }
+    pthread_mutex_lock(&jobs->lock);
+    jobs->list[jobs->count++] = job;
+    pthread_cond_signal(&jobs->more);
+    pthread_mutex_unlock(&jobs->lock);
+    if (jobs->count == 1)
+        start_threads(jobs);
+    return true;
+}
+
+static void compile_rest(struct jobs *jobs)
+{
+    pthread_mutex_lock(&jobs->lock);
+    jobs->complete = true;
+    pthread_cond_broadcast(&jobs->more);
+    pthread_mutex_unlock(&jobs->lock);
+    compile_some(jobs);
+    for (uint32_t i = 0; i < jobs->thread_count; i++)
+        pthread_join(jobs->threads[i], NULL);
+}
+
+/* ---- All ------------------------------------------------------------------------------------- */
 
 /* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
 static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_t index,
@@ -48,53 +117,11 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_
         } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
             job.shader = shader;
             job.twin = shader_twin(shaders, index, stage);
-            jobs->list[jobs->count++] = job;
+            good &= add_job(jobs, job, diag);
         }
     }
     return good;
 }
-
-/* ---- Compiling ------------------------------------------------------------------------------- */
-
-static void *compile_some(void *user)
-{
-    struct jobs *jobs = user;
-    struct diag *unheard = diag_create();
-    for (uint32_t i; unheard && (i = atomic_fetch_add(&jobs->next, 1)) < jobs->count;) {
-        struct job *job = &jobs->list[i];
-        if (job->twin)
-            continue;
-        char label[256];
-        snprintf(label, sizeof label, "%s (%s:%d: %s)", job->pass->name,
-                 job->pass->shader_loc.source->path, job->pass->shader_loc.line, job->pass->shader);
-        watchdog_begin(label);
-        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, unheard);
-        watchdog_end(label);
-    }
-    diag_free(unheard);
-    return NULL;
-}
-
-static uint32_t thread_count(const struct jobs *jobs)
-{
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    uint32_t count = processors > MOST_THREADS ? MOST_THREADS : (uint32_t)processors;
-    return count < jobs->count ? count : jobs->count;
-}
-
-static void compile_here(struct jobs *jobs)
-{
-    pthread_t threads[MOST_THREADS];
-    uint32_t started = 0;
-    while (started + 1 < thread_count(jobs) &&
-           !pthread_create(&threads[started], NULL, compile_some, jobs))
-        started++;
-    compile_some(jobs);
-    for (uint32_t i = 0; i < started; i++)
-        pthread_join(threads[i], NULL);
-}
-
-/* ---- All ------------------------------------------------------------------------------------- */
 
 /* False when the twin failed to compile. */
 static bool copy_twin(struct shader *shader, const struct shader *twin)
@@ -112,7 +139,7 @@ static bool copy_twin(struct shader *shader, const struct shader *twin)
 static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *diag)
 {
     bool good = true;
-    compile_here(jobs);
+    compile_rest(jobs);
     for (uint32_t i = 0; i < jobs->count; i++) {
         struct job *job = &jobs->list[i];
         bool done = job->done || (job->twin && copy_twin(job->shader, job->twin));
@@ -153,7 +180,10 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                      struct shader_cache *cache, struct diag *diag)
 {
     uint32_t count = model->pipeline.pass_count;
-    struct jobs jobs = {.model = model, .list = calloc(4 * count + 1, sizeof *jobs.list)};
+    struct jobs jobs = {.model = model,
+                        .list = calloc(4 * count + 1, sizeof *jobs.list),
+                        .lock = PTHREAD_MUTEX_INITIALIZER,
+                        .more = PTHREAD_COND_INITIALIZER};
     bool good = true;
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
         shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
@@ -166,12 +196,8 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                               (struct job){.pass = model->pipeline.order[i], .backend = backend},
                               &jobs, diag);
     }
-    if (jobs.count && !spirv_init()) {
-        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
-        good = false;
-    } else if (jobs.count) {
+    if (jobs.count)
         good &= compile(&jobs, cache, diag);
-    }
     free(jobs.list);
     if (model->pipeline.fast && model->prove)
         diag_error(diag, model->pipeline.loc,

@@ -1,16 +1,15 @@
-/* GLSL to SPIR-V with glslang's C interface, then spirv-val. Exact mode expands matrix products and
+/* GLSL to SPIR-V with glslang, then spirv-val. Exact mode expands matrix products and
  * puts NoContraction on all float arithmetic. For CPU targets long loops stay loops. Called by
  * shaders.c. Messages of glslang are reported at the line of the original file. */
 #include "diag.h"
+#include "expr.h"
+#include "glslang.h"
+#include "plan.h"
 #include "prove.h"
 #include "spirv.h"
-#include "expr.h"
-#include "plan.h"
 #include "stages.h"
 
 #include <ctype.h>
-#include <glslang/Include/glslang_c_interface.h>
-#include <glslang/Public/resource_limits_c.h>
 #include <glslang/build_info.h>
 #include <spirv-tools/libspirv.h>
 #include <spirv/unified1/GLSL.std.450.h>
@@ -21,38 +20,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static glslang_stage_t stage_of(enum stage stage)
-{
-    static const glslang_stage_t stages[] = {GLSLANG_STAGE_COMPUTE, GLSLANG_STAGE_VERTEX,
-                                             GLSLANG_STAGE_FRAGMENT};
-    return stages[stage];
-}
-
 /* Subgroup operations came with SPIR-V 1.3; GL_KHR_shader_subgroup takes them. */
 static bool has_subgroups(const char *code)
 {
     return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") != NULL;
-}
-
-static glslang_input_t input_of(enum backend backend, enum stage stage, const char *code)
-{
-    bool vulkan = backend == BACKEND_VK;
-    glslang_target_language_version_t opengl =
-        has_subgroups(code) ? GLSLANG_TARGET_SPV_1_3 : GLSLANG_TARGET_SPV_1_0;
-    return (glslang_input_t){
-        .language = GLSLANG_SOURCE_GLSL,
-        .stage = stage_of(stage),
-        .client = vulkan ? GLSLANG_CLIENT_VULKAN : GLSLANG_CLIENT_OPENGL,
-        .client_version = vulkan ? GLSLANG_TARGET_VULKAN_1_3 : GLSLANG_TARGET_OPENGL_450,
-        .target_language = GLSLANG_TARGET_SPV,
-        .target_language_version = vulkan ? GLSLANG_TARGET_SPV_1_5 : opengl,
-        .code = code,
-        .default_version = 460,
-        .default_profile = GLSLANG_CORE_PROFILE,
-        .messages = GLSLANG_MSG_SPV_RULES_BIT | (vulkan ? GLSLANG_MSG_VULKAN_RULES_BIT : 0) |
-                    GLSLANG_MSG_CASCADING_ERRORS_BIT,
-        .resource = glslang_default_resource(),
-    };
 }
 
 /* ---- Start ----------------------------------------------------------------------------------- */
@@ -62,7 +33,7 @@ bool spirv_init(void)
 {
     static atomic_bool started;
     if (!started)
-        started = glslang_initialize_process();
+        started = glslang_start();
     return started;
 }
 
@@ -479,17 +450,16 @@ static uint32_t *make_exact(const uint32_t *words, size_t count, size_t *new_cou
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
 
-static bool take_words(const struct model *model, glslang_program_t *program, struct shader *shader)
+/* Takes over `words`. */
+static bool take_words(const struct model *model, uint32_t *words, size_t count,
+                       struct shader *shader)
 {
-    size_t count = glslang_program_SPIRV_get_size(program);
-    const uint32_t *words = glslang_program_SPIRV_get_ptr(program);
     if (model->pipeline.fast) {
-        shader->words = malloc(count * sizeof *words);
-        if (shader->words)
-            memcpy(shader->words, words, count * sizeof *words);
+        shader->words = words;
         shader->word_count = count;
     } else {
         shader->words = make_exact(words, count, &shader->word_count);
+        free(words);
     }
     return shader->words &&
            (model->pipeline.gpu || spirv_keep_loops(shader->words, shader->word_count));
@@ -506,7 +476,7 @@ static bool validate(const struct pass *pass, enum backend backend, const struct
     spvValidatorOptionsSetFriendlyNames(options, false);
     spv_const_binary_t binary = {shader->words, shader->word_count};
     bool valid = spvValidateWithOptions(context, options, &binary, NULL) == SPV_SUCCESS;
-    if (!valid) {
+    if (!valid && diag) {
         spv_diagnostic diagnostic = NULL;
         spvValidateBinary(context, shader->words, shader->word_count, &diagnostic);
         diag_error(diag, pass->shader_loc, "pass %s: spirv-val says: %s", pass->name,
@@ -522,28 +492,15 @@ static bool validate(const struct pass *pass, enum backend backend, const struct
 static bool compile(const struct model *model, const struct pass *pass, enum backend backend,
                     bool lines, struct shader *shader, struct diag *diag)
 {
-    glslang_input_t input = input_of(backend, shader->stage, shader->glsl.data);
-    glslang_shader_t *compiled = glslang_shader_create(&input);
-    glslang_program_t *program = glslang_program_create();
-    bool ok = compiled && program;
-    if (!ok)
-        diag_error(diag, pass->shader_loc, "pass %s: glslang could not start", pass->name);
-    if (ok && !(ok = glslang_shader_preprocess(compiled, &input) &&
-                     glslang_shader_parse(compiled, &input)))
-        report_log(model, pass, glslang_shader_get_info_log(compiled), diag);
-    if (ok) {
-        glslang_program_add_shader(program, compiled);
-        if (!(ok = glslang_program_link(program, input.messages)))
-            report_log(model, pass, glslang_program_get_info_log(program), diag);
-    }
-    if (ok) {
-        glslang_spv_options_t options = {.generate_debug_info = lines, .disable_optimizer = true};
-        glslang_program_SPIRV_generate_with_options(program, input.stage, &options);
-        ok = take_words(model, program, shader);
-    }
-    glslang_program_delete(program);
-    glslang_shader_delete(compiled);
-    return ok;
+    const struct glslang_job job = {shader->glsl.data, shader->stage, backend == BACKEND_VK,
+                                    has_subgroups(shader->glsl.data), lines};
+    char *log = NULL;
+    size_t count;
+    uint32_t *words = glslang_compile(&job, &count, &log);
+    if (!words && diag)
+        report_log(model, pass, log ? log : "out of memory", diag);
+    free(log);
+    return words && take_words(model, words, count, shader);
 }
 
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
