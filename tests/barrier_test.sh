@@ -16,7 +16,6 @@ audit() { # description arguments...
 
 pipelines() { # size
     audit "ssvp at $1" "$root/templates/ssvp.yaml" "${tiny[@]}" "${bounces[@]}" --size "$1"
-    audit "ssvp, split, at $1" "$root/templates/ssvp.yaml" "${tiny[@]}" --set split=1 "${bounces[@]}" --size "$1"
     audit "rsm at $1" "$root/templates/rsm.yaml" --set rsm_size=32 --live bounces=0 --size "$1"
     audit "features at $1" "$specs/features.yaml" --live blur=false --size "$1"
     audit "mips at $1" "$specs/mips.yaml" --live shrink=false --size "$1"

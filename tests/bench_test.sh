@@ -36,7 +36,6 @@ PYTHON
 
 check "tells what ran" holds "$work/both.json" 'b["pipeline"] == "ssvp"' '(b["width"], b["height"]) == (64, 48)' \
     'b["frames"] == 4 and b["warmup"] == 1' '"first_vpls=16" in b["sets"]' '[s["side"] for s in b["sides"]] == ["gl", "vk"]'
-# split and gather never run with split = 0: they are not in the pipeline, while all that are have as many times as frames
 check "every pass has a time per measured frame" holds "$work/both.json" \
     'all(len(s["passes"]) == 33 for s in b["sides"])' \
     'all(p["ms"]["count"] == 4 for s in b["sides"] for p in s["passes"])' \

@@ -50,11 +50,11 @@ done
 # 1920 * 1080 * 16 bytes are 31.64 MiB; 8 maps of 256 * 256 * 8 bytes are 4 MiB; 240 * 8 is 1920, and 135 * 8 is 1080
 check "sizes of resources and dispatches" has ssvp.dot 'rgba32f 1920×1080' '31.6 MiB' 'r32ui 256×256×8' '4.0 MiB' \
     'dispatch 240×135 workgroups of 8×8' 'draw of the scene, 8 instances'
-check "what a baked when leaves out" has ssvp.dot ' d_split [' '<b>shade_split</b>&nbsp; left out: when split == 1 &amp;&amp; bounces &gt; 0'
 check "what waits for what" has ssvp.dot 'colour attachment → compute storage read'
-check "with split and no bounces" draw split templates/ssvp.yaml --set split=1 --set bounces=0
-check "... passes are skipped by default" has split.dot ' p_gather [' 'SKIPPED by default: when bounces &gt; 0' \
-    '<b>shade</b>&nbsp; left out: when split == 0'
+check "without maps of the second bounce and without bounces" draw none templates/ssvp.yaml --set second_clusters=0 --set bounces=0
+check "... what a baked when leaves out" has none.dot ' d_second_map_test [' \
+    '<b>second.map.test</b>&nbsp; left out: when bounces &gt; 1 &amp;&amp; second_clusters &gt; 0'
+check "... passes are skipped by default" has none.dot ' p_shade [' 'SKIPPED by default: when bounces &gt; 0'
 touch "$work/file"
 check_status 2 "a place that cannot be written to" \
     "$gen" templates/rsm.yaml --graph "$work/one.dot" --lifetimes "$work/file/two.dot"

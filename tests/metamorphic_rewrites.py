@@ -105,11 +105,6 @@ def uses_resource(entry, name):
     return name in reads(entry) + changes(entry)
 
 
-def runs(entry):
-    """False for the passes that the values in force drop."""
-    return "split == 1" not in str(entry.get("when"))
-
-
 def replace_access(entry, old, new):
     """Puts the name `new` wherever the pass accesses `old`."""
     for key in ("reads", "writes", "updates"):
@@ -395,8 +390,7 @@ def dead_passes(pipeline):
     spec["samplers"]["dead_filter"] = {"kind": "filter", "filter": "linear"}
     for i, entry in enumerate(pipeline.passes()):
         passes.append(entry)
-        if runs(entry):
-            alive += [name for name in changes(entry) if name not in alive]
+        alive += [name for name in changes(entry) if name not in alive]
         seen = alive[-5:]
         draws = i % 3 == 1
         name, image, body = f"dead_{i}", f"dead_image_{i}", f"dead_{i}.glsl"
@@ -567,7 +561,7 @@ def bake_uniform(pipeline):
 # In ssvp, what is not the length of an array.
 @rewrite("baked parameters made uniform", "ssvp")
 def make_uniform(pipeline):
-    for name in ("second_by_flux", "split", "cull_triangles"):
+    for name in ("second_by_flux", "cull_triangles"):
         pipeline.spec["params"][name]["uniform"] = True
 
 
@@ -701,7 +695,29 @@ def wider_formats(pipeline):
 # Interleaved shading in place, or on sub-images that are gathered afterwards: a pixel sees the same VPLs.
 @rewrite("shaded on split images and gathered", "ssvp")
 def split_and_gather(pipeline):
-    pipeline.spec["params"]["split"]["value"] = 1
+    body_per_pass(pipeline)
+    images, passes = pipeline.spec["images"], pipeline.passes()
+    shade = next(entry for entry in passes if entry["name"] == "shade")
+    moved = {name: f"split_{name}" for name in ("gbuffer_position", "gbuffer_normal", "irradiance")}
+    for old, new in moved.items():
+        images[new] = dict(images[old])
+        replace_access(shade, old, new)
+    text = replace_words(pipeline.bodies[shade["shader"]], moved)
+    pipeline.bodies[shade["shader"]] = text.replace("interleave_pixel()", "interleave_split()")
+    guard = "    ivec2 p = invocation().xy, size = irradiance_size(), q = pattern_split(p, size);\n" \
+            "    if (any(greaterThanEqual(p, size)))\n        return;\n"
+    pipeline.bodies["split.glsl"] = "void main()\n{\n" + guard.replace("irradiance", "gbuffer_position") + \
+        "    split_gbuffer_position_store(q, gbuffer_position(p));\n" \
+        "    split_gbuffer_normal_store(q, gbuffer_normal(p));\n}\n"
+    pipeline.bodies["gather.glsl"] = "void main()\n{\n" + guard + \
+        "    irradiance_store(p, split_irradiance(q));\n}\n"
+    same = {"when": shade["when"], "uses": ["pattern"]}
+    at = passes.index(shade)
+    passes.insert(at + 1, {"name": "gather", "dispatch": "irradiance", "reads": ["split_irradiance"],
+                           "writes": ["irradiance"], "shader": "gather.glsl", **same})
+    passes.insert(at, {"name": "split", "dispatch": "gbuffer_position",
+                       "reads": ["gbuffer_position", "gbuffer_normal"],
+                       "writes": ["split_gbuffer_position", "split_gbuffer_normal"], "shader": "split.glsl", **same})
     pipeline.pass_names["shade"] = "gather"
 
 
@@ -717,7 +733,7 @@ def copies(pipeline):
             replace_access(entry, old, new)
         pipeline.bodies[entry["shader"]] = replace_words(pipeline.bodies[entry["shader"]], words)
         passes.append(entry)
-        for name in names_of(entry.get("writes")) if runs(entry) else []:
+        for name in names_of(entry.get("writes")):
             makers = [other for other in pipeline.passes() if name in changes(other)]
             image = pipeline.spec["images"].get(name, {})
             if len(makers) > 1 or name in output or image.get("format") == "d32f" or any(

@@ -733,59 +733,6 @@ static void clusters_begin_anew_unless_reused(void **state)
     assert_memory_not_equal(means[2], means[0], sizeof means[0]);
 }
 
-/* Segovia et al. 2006 for any size: class columns start where the wider ones before them end. */
-static size_t split_axis(size_t p, size_t size, size_t n)
-{
-    size_t start = 0;
-    for (size_t c = 0; c < p % n; ++c)
-        start += (size - c + n - 1) / n;
-    return start + p / n;
-}
-
-/* 50x38 with tiles of 4x4 and 3x5, none of which divide it. */
-static void split_then_gather_is_the_identity(void **state)
-{
-    (void)state;
-    const size_t tiles[2][2] = {{4, 4}, {3, 5}};
-    for (int b = 0; b < 2; ++b)
-        for (int i = 0; i < 2; ++i) {
-            struct dump dump, strided;
-            char sets[128];
-            snprintf(sets, sizeof sets, "--set tile=[%zu,%zu]", tiles[i][0], tiles[i][1]);
-            render(&strided, "spot", backends[b], sets);
-            snprintf(sets, sizeof sets, "--set split=1 --set tile=[%zu,%zu]", tiles[i][0],
-                     tiles[i][1]);
-            render(&dump, "spot", backends[b], sets);
-            struct dump_entry whole = dump_read(&dump, NULL, "gbuffer_position");
-            struct dump_entry split = dump_read(&dump, NULL, "split_position");
-            struct dump_entry shaded = dump_read(&dump, NULL, "split_irradiance");
-            struct dump_entry gathered = dump_read(&dump, NULL, "irradiance");
-            struct dump_entry direct = dump_read(&strided, NULL, "irradiance");
-            for (size_t y = 0; y < whole.height; ++y)
-                for (size_t x = 0; x < whole.width; ++x) {
-                    size_t u = split_axis(x, whole.width, tiles[i][0]),
-                           v = split_axis(y, whole.height, tiles[i][1]);
-                    float a[4], c[4];
-                    dump_texel(&whole, x, y, 0, a);
-                    dump_texel(&split, u, v, 0, c);
-                    expect_same(a, c, 4);
-                    dump_texel(&gathered, x, y, 0, a);
-                    dump_texel(&shaded, u, v, 0, c);
-                    expect_same(a, c, 4);
-                }
-            assert_int_equal(direct.size, gathered.size);
-            assert_memory_equal(direct.data, gathered.data,
-                                direct.size); /* shading does not know how it was fed */
-            dump_entry_free(&whole);
-            dump_entry_free(&split);
-            dump_entry_free(&shaded);
-            dump_entry_free(&gathered);
-            dump_entry_free(&direct);
-            dump_close(&dump);
-            dump_close(&strided);
-        }
-}
-
 /* What the second bounce, without visibility, adds to a pixel is the sum over its class of (Phi/pi) cos cos
  * / (d^2 + disk cos), times the classes. */
 static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
@@ -899,7 +846,6 @@ int main(void)
         cmocka_unit_test(patterns_are_shifted_unless_reused),
         cmocka_unit_test(culling_changes_no_texel),
         cmocka_unit_test(clusters_begin_anew_unless_reused),
-        cmocka_unit_test(split_then_gather_is_the_identity),
         cmocka_unit_test(second_bounce_irradiance_is_the_sum_of_its_class),
         cmocka_unit_test(display_is_reinhards_curve_of_radiance),
     };

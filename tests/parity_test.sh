@@ -26,7 +26,7 @@ done
 agrees "in one pixel" clustered cornell --size 1x1 "${fewer[@]}"
 agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${fewer[@]}" --set bounces=1
 agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 64x32 "${fewer[@]}" --set bounces=0
-agrees "with 32 clusters, split and gathered" ssvp cornell --size 37x23 --set clusters=32 --set split=1
+agrees "with 32 clusters" ssvp cornell --size 37x23 --set clusters=32
 agrees "over three frames, whose clusters are seeded from the last" ssvp cornell --size 37x23 "${fewer[@]}" --frames 3
 agrees "as printed: Equation 2, no second-bounce visibility, whose passes stay for what they clear" ssvp cornell --size 37x23 \
     "${fewer[@]}" --set metrics.vpl_distance.normal_term=dot --set second_clusters=0

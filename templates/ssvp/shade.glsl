@@ -1,4 +1,6 @@
-/* Shading in place: each class reads and writes its own pixels, strided. */
+/* Irradiance, W/m2, from the VPLs of a pixel's class; each class reads and writes its own pixels,
+ * strided (Segovia et al. 2006). Formulae, "Shading": sum of Phi / pi (n_k . w)+ (n . -w)+ V / d^2,
+ * times the number of classes. Background pixels have a zero normal, so they get zero. */
 #include "vpl.glsl"
 
 void main()
@@ -6,6 +8,48 @@ void main()
     ivec2 p = interleave_pixel();
     vec3 x = gbuffer_position(p).xyz;
     vec3 n = gbuffer_normal(p).xyz;
-#include "shade_vpls.glsl"
-    irradiance_store(p, shaded);
+    float closest = 1e-8 * frame.scene_radius * frame.scene_radius;
+    /* Each class looks up the maps at a small offset. The filter over the tile turns this into
+     * percentage-closer filtering, visibility_blur texels wide. */
+    vec2 stratum = vec2(interleave_class() % tile.x, interleave_class() / tile.x) + 0.5;
+    vec2 middle = 0.5 * float(map_size) + visibility_blur * (stratum / vec2(tile) - 0.5);
+    /* Half the diagonal of a texel, in radians, where texels are largest. */
+    float bias = visibility_bias * (2.28 / float(map_size));
+    vec3 sum = vec3(0.0);
+
+    /* All VPLs of a cluster share the map of its eye. It says how far away that is which hides the
+     * eye: VPLs nearer than this are visible. A VPL nearer than its eye is visible, too: what hides
+     * the eye says little about it. */
+    bool some = visibility_near > 0.0;
+    float first_open[first_eyes_length];
+    int k = 0;
+    for (Eye e : first_eye_range) {
+        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
+        float seen = first_reach(ivec3(s.texel, e.layer)).r;
+        bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
+        first_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
+    }
+    for (ClassVpl v : first_range) {
+        vec3 d = x - v.position;
+        float geometry = geometry_term(d, v.normal, v.disk, n, closest);
+        bool open = dot(d, d) < max(first_open[v.eye], v.near_square);
+        sum += v.flux * (open ? geometry : 0.0);
+    }
+    float second_open[second_eyes_length];
+    k = 0;
+    for (Eye e : second_eye_range) {
+        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
+        float seen = second_reach(ivec3(s.texel, e.layer)).r;
+        bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
+        second_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
+    }
+    for (ClassVpl v : second_range) {
+        vec3 d = x - v.position;
+        float geometry = geometry_term(d, v.normal, v.disk, n, closest);
+        bool open = second_visibility == 0 || dot(d, d) < max(second_open[v.eye], v.near_square);
+        sum += v.flux * (open ? geometry : 0.0);
+    }
+
+    /* Half floats end at 65504. */
+    irradiance_store(p, vec4(min(sum * (float(class_count) / PI), 60000.0), 1.0));
 }

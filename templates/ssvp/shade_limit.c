@@ -1,4 +1,4 @@
-/* The pass `shade` on the CPU: the same sum over the same VPLs as shade_vpls.glsl, for AVX2. Eight
+/* The pass `shade` on the CPU: the same sum over the same VPLs as shade.glsl, for AVX2. Eight
  * pixels of one class, which stand strided in the images, fill the lanes; all that a VPL needs is
  * broadcast, the maps are gathered from. Rows go to the processor's threads. */
 #include "limit.h"

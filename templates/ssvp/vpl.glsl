@@ -1,5 +1,5 @@
 /* Light of a VPL, and its visibility by maps, at one receiver with position x and unit normal n.
- * Used by shade_vpls.glsl and instant_radiosity/shade.glsl.
+ * Used by shade.glsl and instant_radiosity/shade.glsl.
  *
  * No branches: drivers that run on CPUs then keep all values in registers. Cosines stay
  * unnormalised, so that one division serves several. Lower bounds of `closest`, m2, only guard
