@@ -577,6 +577,8 @@ static bool add_parts(struct glsl *glsl)
         add_fullscreen_vertex(glsl);
     else if (!glsl_body(glsl) || !glsl_check_precise(glsl) || !glsl_ranges(glsl))
         return false;
+    if (!made && !glsl_texels(glsl))
+        return false;
     if (!made)
         add_defines(glsl);
     if (glsl->pass->layers && glsl->stage == STAGE_IS_VERTEX && glsl->backend == BACKEND_VK)

@@ -90,6 +90,7 @@ static void emit_binding(const struct c_output *c, const struct dt_binding *bind
 {
     static const char *const kinds[] = {[DT_BIND_UNIFORM] = "DT_BIND_UNIFORM",
                                         [DT_BIND_STORAGE] = "DT_BIND_STORAGE",
+                                        [DT_BIND_TEXELS] = "DT_BIND_TEXELS",
                                         [DT_BIND_TEXTURE] = "DT_BIND_TEXTURE",
                                         [DT_BIND_IMAGE] = "DT_BIND_IMAGE"};
     text_add(c->out, "            {.binding = %u, .resource = ", binding->binding);

@@ -82,6 +82,8 @@ struct loc glsl_body_loc(const struct glsl *glsl, const char *body, size_t offse
 /* glsl_range.c: expands `for (Type v : range) { ... }` in PART_BODY; adds declarations to
  * PART_CACHES. */
 bool glsl_ranges(struct glsl *glsl);
+/* glsl_access.c: the scene's texel buffers are read by calls in PART_BODY. */
+bool glsl_texels(struct glsl *glsl);
 /* glsl_access.c: into PART_FUNCTIONS and PART_RESOURCES. */
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);

@@ -302,6 +302,101 @@ static bool gives_texels(const struct glsl *glsl, const struct access *access)
     return true;
 }
 
+/* ---- Texel buffers ------------------------------------------------------------------------- */
+
+/* The fields of an element of a builtin by its words, from texelFetch(NAME_texels, ...). */
+static const char *const texel_readers[BUILTIN_COUNT] = {
+    [BUILTIN_VERTICES] =
+        "SceneVertex scene_vertices_at(uint i)\n{\n"
+        "    int k = 5 * int(i);\n"
+        "    uvec2 a = texelFetch(scene_vertices_texels, k).xy;\n"
+        "    uvec2 b = texelFetch(scene_vertices_texels, k + 1).xy;\n"
+        "    uvec2 c = texelFetch(scene_vertices_texels, k + 2).xy;\n"
+        "    vec2 uv = uintBitsToFloat(texelFetch(scene_vertices_texels, k + 3).xy);\n"
+        "    uvec2 e = texelFetch(scene_vertices_texels, k + 4).xy;\n"
+        "    return SceneVertex(uintBitsToFloat(a.x), uintBitsToFloat(a.y), uintBitsToFloat(b.x),\n"
+        "                       uintBitsToFloat(b.y), uintBitsToFloat(c.x), uintBitsToFloat(c.y),\n"
+        "                       uv.x, uv.y, e.x, e.y);\n}\n\n"
+        "int scene_vertices_length()\n{\n    int texels = textureSize(scene_vertices_texels);\n    "
+        "return texels / 5;\n}\n\n",
+    [BUILTIN_INDICES] =
+        "uint scene_indices_at(uint i)\n{\n    return texelFetch(scene_indices_texels, "
+        "int(i)).x;\n}\n\n"
+        "int scene_indices_length()\n{\n    return textureSize(scene_indices_texels);\n}\n\n",
+};
+
+/* Whether the next tokens are these; then *cursor is behind the last. */
+static bool skip_tokens(const char **cursor, const char *const *tokens, size_t count)
+{
+    const char *at = *cursor;
+    for (size_t i = 0; i < count; i++)
+        if (!token_is(token_next(&at), tokens[i]))
+            return false;
+    *cursor = at;
+    return true;
+}
+
+/* Texel buffers are read by calls: NAME[i] becomes NAME_at(uint(i)), NAME.length() NAME_length().
+ * Not in macros. */
+static void call_texels(struct glsl *glsl, const char *name)
+{
+    enum { MOST_DEPTH = 64 };
+    static const char *const length[] = {".", "length", "(", ")"};
+    struct text *body = &glsl->parts[PART_BODY], out = {0};
+    bool ours[MOST_DEPTH] = {false}; /* of the open brackets */
+    int depth = 0;
+    const char *from = body->data ? body->data : "", *cursor = from;
+    struct token before = {0}, token;
+    for (; (token = token_next(&cursor)).length; before = token) {
+        const char *replaced = NULL, *end = token.text;
+        bool named = token_is(token, name) && !token_is(before, ".");
+        if (token_is(token, "]") && depth && ours[--depth]) {
+            replaced = "))";
+        } else if (token_is(token, "[") && depth < MOST_DEPTH) {
+            ours[depth++] = false;
+        } else if (named && skip_tokens(&cursor, length, DT_ARRAY_COUNT(length))) {
+            replaced = "_length()";
+            end += token.length;
+        } else if (named && depth < MOST_DEPTH && skip_tokens(&cursor, &(const char *){"["}, 1)) {
+            replaced = "_at(uint(";
+            end += token.length;
+            ours[depth++] = true;
+        }
+        if (!replaced)
+            continue;
+        text_add_bytes(&out, from, (size_t)(end - from));
+        text_add(&out, "%s", replaced);
+        from = cursor;
+    }
+    if (out.length) {
+        text_add(&out, "%s", from);
+        text_free(body);
+        *body = out;
+    }
+}
+
+bool glsl_texels(struct glsl *glsl)
+{
+    bool ok = true;
+    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
+        const struct access *access = &glsl->pass->accesses[i];
+        const char *name = access->name;
+        if (access->resource || !(access->kind & ACCESS_FETCH))
+            continue;
+        call_texels(glsl, name);
+        if (glsl_uses(glsl, "%s", name)) {
+            diag_error(glsl->diag, access->loc,
+                       "%s is a texel buffer: a body reads `%s[index]` and `%s.length()`, and not "
+                       "in macros",
+                       name, name, name);
+            ok = false;
+        }
+        if (glsl_uses(glsl, "%s_at", name) || glsl_uses(glsl, "%s_length", name))
+            text_add(&glsl->parts[PART_FUNCTIONS], "%s", texel_readers[access->builtin]);
+    }
+    return ok;
+}
+
 /* Whether the name is a colour target's variable in the body, so no function can have it. */
 static bool names_target(const struct glsl *glsl, const struct access *access)
 {
@@ -411,9 +506,19 @@ static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text
         "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
     static const char *const elements[BUILTIN_COUNT] = {"SceneVertex", "uint", "SceneMaterial",
                                                         "SceneObject", NULL};
-    if (binding < 0 || !glsl_uses(glsl, "%s", names[builtin]))
+    if (binding < 0)
         return;
-    bool uniform = builtin == BUILTIN_MATERIALS && glsl->pass->uniform_materials;
+    if (texel_readers[builtin] && !glsl->pipeline->gpu) {
+        if (!glsl_uses(glsl, "%s_texels", names[builtin]))
+            return;
+        text_add(out, "layout(");
+        glsl_binding(glsl, binding, out);
+        text_add(out, ") uniform usamplerBuffer %s_texels;\n", names[builtin]);
+        return;
+    }
+    if (!glsl_uses(glsl, "%s", names[builtin]))
+        return;
+    bool uniform = builtin == BUILTIN_MATERIALS && !glsl->pipeline->gpu;
     text_add(out, "layout(%s", uniform ? "std140, " : elements[builtin] ? "std430, " : "");
     glsl_binding(glsl, binding, out);
     if (uniform)

@@ -244,10 +244,11 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     struct dt_binding binding = {
         .binding = (uint16_t)access->binding,
         .resource = object_of(access),
-        .kind = !is_image(access)
-                    ? access->kind & ACCESS_UNIFORM ? DT_BIND_UNIFORM : DT_BIND_STORAGE
-                : texture ? DT_BIND_TEXTURE
-                          : DT_BIND_IMAGE,
+        .kind = !is_image(access) ? access->kind & ACCESS_UNIFORM ? DT_BIND_UNIFORM
+                                    : texture                     ? DT_BIND_TEXELS
+                                                                  : DT_BIND_STORAGE
+                : texture         ? DT_BIND_TEXTURE
+                                  : DT_BIND_IMAGE,
     };
     if (!is_image(access))
         return binding;

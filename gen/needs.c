@@ -54,12 +54,15 @@ static const struct {
 
 static uint32_t block_bytes(const struct pass *pass)
 {
-    uint64_t most = pass->uniform_materials ? DT_MAX_MATERIALS * sizeof(struct dt_material) : 0;
+    const uint64_t materials = DT_MAX_MATERIALS * sizeof(struct dt_material);
+    uint64_t most = pass->uniform_materials ? materials : 0;
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct resource *resource = pass->accesses[i].resource;
-        if (!resource || !(pass->accesses[i].kind & ACCESS_UNIFORM))
+        if (!(pass->accesses[i].kind & ACCESS_UNIFORM))
             continue;
-        uint64_t bytes = resource->block ? resource->block : resource->bytes;
+        uint64_t bytes = !resource         ? materials
+                         : resource->block ? resource->block
+                                           : resource->bytes;
         most = bytes > most ? bytes : most;
     }
     return most > UINT32_MAX ? UINT32_MAX : (uint32_t)most;
@@ -71,6 +74,7 @@ static void count_limits(const struct pass *pass, const struct dt_program *progr
 {
     static const enum limit kinds[] = {[DT_BIND_UNIFORM] = UNIFORMS,
                                        [DT_BIND_STORAGE] = STORAGES,
+                                       [DT_BIND_TEXELS] = TEXTURES,
                                        [DT_BIND_TEXTURE] = TEXTURES,
                                        [DT_BIND_IMAGE] = IMAGES};
     memset(needs, 0, LIMITS * sizeof *needs);

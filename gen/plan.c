@@ -123,8 +123,10 @@ static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struc
 
         access->binding = access->attachment = -1;
         if (!access->resource) {
+            bool mesh = access->builtin == BUILTIN_VERTICES || access->builtin == BUILTIN_INDICES;
             access->kind = access->builtin == BUILTIN_TEXTURES ? ACCESS_SAMPLED
-                           : access->builtin == BUILTIN_MATERIALS && pass->uniform_materials
+                           : mesh && !pipeline->gpu            ? ACCESS_FETCH
+                           : access->builtin == BUILTIN_MATERIALS && !pipeline->gpu
                                ? ACCESS_UNIFORM
                                : ACCESS_STORAGE_READ;
         } else if (access->resource->kind == DT_IMAGE) {

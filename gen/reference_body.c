@@ -95,8 +95,11 @@ static const struct body_name frame_names[] = {
 };
 
 static const struct body_name scene_names[] = {
-    {"SceneVertex scene_vertices[]", "`reads: [scene_vertices]`", "Vertices of the scene."},
-    {"uint scene_indices[]", "`reads: [scene_indices]`", "Three indices for each triangle."},
+    {"SceneVertex scene_vertices[]", "`reads: [scene_vertices]`",
+     "Vertices of the scene. With `target: software` a texel buffer: read an element by its index, "
+     "or `scene_vertices.length()`."},
+    {"uint scene_indices[]", "`reads: [scene_indices]`",
+     "Three indices for each triangle, stored in the same way."},
     {"SceneMaterial scene_materials[]", "`draw: scene`, or `reads: [scene_materials]`",
      "Materials."},
     {"SceneObject scene_objects[]", "`reads: [scene_objects]`",

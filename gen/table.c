@@ -251,7 +251,10 @@ const struct key table_keys[] = {
      "GL_KHR_shader_subgroup). In which order these reduce is the device's.",
      "exact"},
     {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "software|gpu", OPTIONAL, "software",
-     "The kind of device that storage classes and loop shapes are chosen for.", "gpu"},
+     "The kind of device that storage classes and loop shapes are chosen for. `software` reads the "
+     "scene's vertices and indices from texel buffers, whose size some devices limit to 65,536 "
+     "elements.",
+     "gpu"},
     {SECTION_TOP, "params", KEY_MAP, SECTION_PARAMS, NULL, OPTIONAL, NULL, "Parameters.",
      "{clusters: 8}"},
     {SECTION_TOP, "constants", KEY_MAP, SECTION_CONSTANTS, NULL, OPTIONAL, NULL,

@@ -87,6 +87,8 @@ bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers
 static bool bind_buffer(struct gl_runtime *rt, const struct dt_binding *binding)
 {
     const struct gl_buffer *buffer = gl_buffer_of(rt, binding->resource);
+    if (binding->kind == DT_BIND_TEXELS)
+        return GL(rt, buffer->name, BindTextureUnit(binding->binding, buffer->texels));
     bool uniform = binding->kind == DT_BIND_UNIFORM;
     GLsizeiptr size = uniform && buffer->block > buffer->size ? buffer->block : buffer->size;
     return GL(rt, buffer->name,
@@ -126,7 +128,8 @@ bool gl_bind(void *runtime, uint32_t pass)
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const struct dt_binding *binding = &info->bindings[i];
         gl_state_keep_binding(rt, binding->kind, binding->binding);
-        bool buffer = binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE;
+        bool buffer = binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE ||
+                      binding->kind == DT_BIND_TEXELS;
         if (!(buffer ? bind_buffer(rt, binding) : bind_image(rt, binding, program->views[i])))
             return false;
     }

@@ -31,6 +31,7 @@ struct gl_buffer {
     GLsizeiptr size;  /* bytes, at least 16 */
     GLsizeiptr block; /* bytes bound as a uniform block, if more than size */
     GLintptr offset;  /* bytes; 0 except in a host's buffer */
+    GLuint texels;    /* buffer texture; created when first bound as a texel buffer */
     bool imported;    /* the host owns the buffer */
 };
 
@@ -160,6 +161,8 @@ GLsizei gl_mip_size(uint32_t size, uint32_t mip);
 bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data);
 bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size);
+/* Creates `texels`, unless it is there. resource: DT_SCENE_VERTICES or DT_SCENE_INDICES. */
+bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource);
 void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer);
 
 /* Uses `least` bytes or all of a host's range; an error names `name`. */
@@ -197,7 +200,7 @@ extern const struct dt_backend gl_backend;
 bool gl_builtin_create(struct gl_runtime *rt);
 void gl_builtin_destroy(struct gl_runtime *rt);
 /* `resource`: index in the pipeline, or enum dt_builtin. */
-const struct gl_buffer *gl_buffer_of(const struct gl_runtime *rt, uint32_t resource);
+struct gl_buffer *gl_buffer_of(struct gl_runtime *rt, uint32_t resource);
 const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resource);
 
 /* ---- frame.c --------------------------------------------------------------------------------- */

@@ -37,7 +37,7 @@ static struct gl_resource *resource_of(const struct gl_runtime *rt, uint32_t res
     return dt_resource(&rt->core, resource);
 }
 
-const struct gl_buffer *gl_buffer_of(const struct gl_runtime *rt, uint32_t resource)
+struct gl_buffer *gl_buffer_of(struct gl_runtime *rt, uint32_t resource)
 {
     switch (resource) {
     case DT_FRAME:
@@ -263,11 +263,23 @@ static bool create_framebuffer(struct gl_runtime *rt, GLuint *framebuffer, uint3
            dt_error(&rt->core, "pass %s: %s", name, status_text(status));
 }
 
+static bool create_texels(struct gl_runtime *rt, const struct dt_program *info)
+{
+    for (uint32_t i = 0; i < info->binding_count; i++) {
+        uint16_t resource = info->bindings[i].resource;
+        if (info->bindings[i].kind == DT_BIND_TEXELS &&
+            !gl_buffer_texels(rt, gl_buffer_of(rt, resource), resource))
+            return false;
+    }
+    return true;
+}
+
 static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
 {
     struct gl_runtime *rt = (struct gl_runtime *)core;
     struct gl_program *program = made;
-    return create_views(rt, program, &core->panel->programs[pass]) &&
+    return create_texels(rt, &core->panel->programs[pass]) &&
+           create_views(rt, program, &core->panel->programs[pass]) &&
            (core->pipeline->passes[pass].kind == DT_PASS_DISPATCH ||
             create_framebuffer(rt, &program->framebuffer, pass));
 }

@@ -112,8 +112,23 @@ bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int b
                                       GL_RED_INTEGER, GL_UNSIGNED_INT, &value));
 }
 
+bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource)
+{
+    bool vertices = resource == DT_SCENE_VERTICES;
+    return buffer->texels ||
+           (dt_front_texels(&rt->core, buffer->name,
+                            (uint64_t)buffer->size /
+                                (vertices ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL)) &&
+            GL(rt, buffer->name, CreateTextures(GL_TEXTURE_BUFFER, 1, &buffer->texels)) &&
+            GL(rt, buffer->name,
+               TextureBufferRange(buffer->texels, vertices ? GL_RG32UI : GL_R32UI, buffer->handle,
+                                  buffer->offset, buffer->size)));
+}
+
 void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
 {
+    if (buffer->texels)
+        rt->gl.DeleteTextures(1, &buffer->texels);
     if (buffer->handle && !buffer->imported)
         rt->gl.DeleteBuffers(1, &buffer->handle);
     *buffer = (struct gl_buffer){0};

@@ -65,10 +65,12 @@ static void read_limits(struct gl_runtime *rt)
         .color_targets = attachments < buffers ? attachments : buffers,
         .bindings = {[DT_BIND_UNIFORM] = integer(rt, GL_MAX_UNIFORM_BUFFER_BINDINGS),
                      [DT_BIND_STORAGE] = integer(rt, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS),
+                     [DT_BIND_TEXELS] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS),
                      [DT_BIND_TEXTURE] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS),
                      [DT_BIND_IMAGE] = integer(rt, GL_MAX_IMAGE_UNITS)},
         .uniform_bytes = integer64(rt, GL_MAX_UNIFORM_BLOCK_SIZE),
         .storage_bytes = integer64(rt, GL_MAX_SHADER_STORAGE_BLOCK_SIZE),
+        .texels = integer(rt, GL_MAX_TEXTURE_BUFFER_SIZE),
         .draws = UINT32_MAX,
         .clip_distances = integer(rt, GL_MAX_CLIP_DISTANCES),
     };
@@ -79,7 +81,9 @@ static void read_limits(struct gl_runtime *rt)
     rt->gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &l->anisotropy);
     uint64_t storage = integer64(rt, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
     uint64_t uniform = integer64(rt, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);
+    uint64_t texels = integer64(rt, GL_TEXTURE_BUFFER_OFFSET_ALIGNMENT);
     rt->buffer_alignment = storage > uniform ? storage : uniform;
+    rt->buffer_alignment = texels > rt->buffer_alignment ? texels : rt->buffer_alignment;
 }
 
 bool gl_is_software(const struct gl_runtime *rt)
@@ -174,6 +178,7 @@ static const struct {
     {GL_TEXTURE_BINDING_3D, GL_TEXTURE_3D},
     {GL_TEXTURE_BINDING_CUBE_MAP, GL_TEXTURE_CUBE_MAP},
     {GL_TEXTURE_BINDING_CUBE_MAP_ARRAY, GL_TEXTURE_CUBE_MAP_ARRAY},
+    {GL_TEXTURE_BINDING_BUFFER, GL_TEXTURE_BUFFER},
 };
 
 enum {
@@ -447,6 +452,7 @@ static void keep_image(const struct gl_runtime *rt, struct kept_image *image, GL
 void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLuint at)
 {
     struct gl_kept *kept = rt->kept;
+    kind = kind == DT_BIND_TEXELS ? DT_BIND_TEXTURE : kind; /* of the same units */
     if (!kept || at >= MAX_BINDINGS || (kept->kept[kind] >> at & 1))
         return;
     kept->kept[kind] |= (uint64_t)1 << at;
@@ -457,6 +463,7 @@ void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLu
     case DT_BIND_STORAGE:
         keep_range(rt, &kept->storage[at], at, true);
         break;
+    case DT_BIND_TEXELS:
     case DT_BIND_TEXTURE:
         keep_texture(rt, &kept->texture[at], at);
         break;

@@ -173,12 +173,14 @@ struct dt_vk_attribute {
 /* The scene that passes draw and read. The host owns the buffers; they must live until the next
  * import or close. The host may write them between frames; the next frame uses the new content. */
 struct dt_vk_scene {
-    /* struct dt_vertex[]; usage VERTEX_BUFFER and STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads
-     * scene_vertices, and `attributes` has all that draws read */
+    /* struct dt_vertex[]; usage VERTEX_BUFFER, UNIFORM_TEXEL_BUFFER, and of pipelines with `target:
+     * gpu` STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads scene_vertices, and `attributes` has all
+     * that draws read */
     struct dt_vk_range vertices;
     /* of a layout of the host's own, in place of a field of `vertices`; VK_NULL_HANDLE: none */
     struct dt_vk_attribute attributes[DT_ATTRIBUTES];
-    /* uint32_t[], three per triangle; usage INDEX_BUFFER and STORAGE_BUFFER; lavapipe: offset 0 */
+    /* uint32_t[], three per triangle; usage INDEX_BUFFER and those of `vertices`; lavapipe: offset
+     * 0 */
     struct dt_vk_range indices;
     uint32_t index_count;
     /* struct dt_material[DT_MAX_MATERIALS]; unused elements may have any content; STORAGE_BUFFER,

@@ -55,6 +55,8 @@
     X(CreateImageView)                                                                             \
     X(CreatePipelineLayout)                                                                        \
     X(CreateQueryPool)                                                                             \
+    X(CreateBufferView)                                                                            \
+    X(DestroyBufferView)                                                                           \
     X(CreateSampler)                                                                               \
     X(CreateShaderModule)                                                                          \
     X(DestroyBuffer)                                                                               \

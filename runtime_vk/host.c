@@ -149,7 +149,8 @@ static void release_scene(struct vk_runtime *rt)
     if (builtin->textures.imported)
         builtin->textures = (struct vk_image){0};
     vk_image_destroy(rt, &builtin->textures);
-    builtin->vertices = builtin->indices = (struct vk_buffer){0};
+    vk_buffer_destroy(rt, &builtin->vertices);
+    vk_buffer_destroy(rt, &builtin->indices);
     builtin->materials = builtin->objects = (struct vk_buffer){0};
     rt->core.has_scene = rt->core.has_objects = false;
     rt->index_count = 0;

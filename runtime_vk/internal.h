@@ -17,6 +17,7 @@ struct vk_buffer {
     VkDeviceSize offset;        /* bytes; 0 except in a host's buffer */
     VkDeviceSize size;          /* bytes, at least 16 */
     VkDeviceSize block;         /* bytes bound as a uniform block, if more than size; else 0 */
+    VkBufferView texels;        /* created when first bound as a texel buffer */
     VkBufferUsageFlags usage;   /* as created; of an import 0 */
     bool imported;              /* the host owns handle and memory */
     struct dt_vk_memory memory; /* owned; null: a slot's or a host's */
@@ -235,6 +236,8 @@ bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
 /* Uses `least` bytes or all of a host's range; an error names `name`. */
 bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
                       const struct dt_vk_range *range, VkDeviceSize least);
+/* Creates `texels`, unless it is there. resource: DT_SCENE_VERTICES or DT_SCENE_INDICES. */
+bool vk_buffer_texels(struct vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource);
 void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer);
 
 struct vk_image_info {
@@ -311,6 +314,7 @@ void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
 /* Content of one binding: a buffer, or an image with or without sampler. */
 struct vk_descriptor {
     VkDescriptorBufferInfo buffer;
+    VkBufferView texels;
     VkDescriptorImageInfo image;
 };
 /* Writes all bindings of the program in one call. Not allowed while recording. */

@@ -361,7 +361,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
-static const struct vk_buffer *find_buffer(const struct vk_runtime *rt, uint16_t resource)
+static struct vk_buffer *find_buffer(struct vk_runtime *rt, uint16_t resource)
 {
     switch (resource) {
     case DT_FRAME:
@@ -381,7 +381,7 @@ static const struct vk_buffer *find_buffer(const struct vk_runtime *rt, uint16_t
     }
 }
 
-static VkDescriptorBufferInfo buffer_descriptor(const struct vk_runtime *rt,
+static VkDescriptorBufferInfo buffer_descriptor(struct vk_runtime *rt,
                                                 const struct dt_binding *binding)
 {
     const struct vk_buffer *buffer = find_buffer(rt, binding->resource);
@@ -416,14 +416,19 @@ static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
 
 static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
 {
-    const struct vk_runtime *rt = vk_runtime_of(core);
+    struct vk_runtime *rt = vk_runtime_of(core);
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_descriptor descriptors[DT_MAX_BINDINGS];
     for (uint32_t i = 0; i < state->binding_count; i++) {
         const struct dt_binding *binding = &state->bindings[i];
-        if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE)
+        if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE) {
             descriptors[i].buffer = buffer_descriptor(rt, binding);
-        else
+        } else if (binding->kind == DT_BIND_TEXELS) {
+            struct vk_buffer *buffer = find_buffer(rt, binding->resource);
+            if (!vk_buffer_texels(rt, buffer, binding->resource))
+                return false;
+            descriptors[i].texels = buffer->texels;
+        } else
             descriptors[i].image = image_descriptor(rt, binding);
     }
     vk_program_bind(rt, program, state->bindings, descriptors, state->binding_count);

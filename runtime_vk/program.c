@@ -22,6 +22,7 @@ enum {
 static const VkDescriptorType descriptor_types[] = {
     [DT_BIND_UNIFORM] = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
     [DT_BIND_STORAGE] = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+    [DT_BIND_TEXELS] = VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER,
     [DT_BIND_TEXTURE] = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
     [DT_BIND_IMAGE] = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
 };
@@ -99,15 +100,18 @@ void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *progr
 {
     VkWriteDescriptorSet writes[DT_MAX_BINDINGS];
     for (uint32_t i = 0; i < count; i++) {
-        bool buffer = bindings[i].kind == DT_BIND_UNIFORM || bindings[i].kind == DT_BIND_STORAGE;
+        enum dt_binding_kind kind = bindings[i].kind;
+        bool buffer = kind == DT_BIND_UNIFORM || kind == DT_BIND_STORAGE;
+        bool texels = kind == DT_BIND_TEXELS;
         writes[i] = (VkWriteDescriptorSet){
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
             .dstSet = program->set,
             .dstBinding = bindings[i].binding,
             .descriptorCount = 1,
-            .descriptorType = descriptor_types[bindings[i].kind],
+            .descriptorType = descriptor_types[kind],
             .pBufferInfo = buffer ? &descriptors[i].buffer : NULL,
-            .pImageInfo = buffer ? NULL : &descriptors[i].image,
+            .pTexelBufferView = texels ? &descriptors[i].texels : NULL,
+            .pImageInfo = buffer || texels ? NULL : &descriptors[i].image,
         };
     }
     rt->vk.UpdateDescriptorSets(rt->device, count, writes, 0, NULL);

@@ -105,6 +105,8 @@ bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, con
     VkDeviceSize alignment = rt->properties.limits.minStorageBufferOffsetAlignment;
     if (alignment < rt->properties.limits.minUniformBufferOffsetAlignment)
         alignment = rt->properties.limits.minUniformBufferOffsetAlignment;
+    if (alignment < rt->properties.limits.minTexelBufferOffsetAlignment)
+        alignment = rt->properties.limits.minTexelBufferOffsetAlignment;
     VkDeviceSize size = range->buffer ? range->size : 0;
     if (!dt_front_range(&rt->core, name, range->offset, size, least, alignment))
         return false;
@@ -148,8 +150,26 @@ bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
            vk_buffer_bind(rt, buffer, &buffer->memory);
 }
 
+bool vk_buffer_texels(struct vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource)
+{
+    bool vertices = resource == DT_SCENE_VERTICES;
+    const VkBufferViewCreateInfo create = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+        .buffer = buffer->handle,
+        .format = vertices ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT,
+        .offset = buffer->offset,
+        .range = buffer->size,
+    };
+    return buffer->texels ||
+           (dt_front_texels(&rt->core, buffer->name,
+                            buffer->size / (vertices ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL)) &&
+            VK(rt, rt->vk.CreateBufferView(rt->device, &create, rt->callbacks, &buffer->texels),
+               buffer->name));
+}
+
 void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
 {
+    rt->vk.DestroyBufferView(rt->device, buffer->texels, rt->callbacks);
     if (!buffer->imported)
         rt->vk.DestroyBuffer(rt->device, buffer->handle, rt->callbacks);
     vk_memory_destroy(rt, &buffer->memory);

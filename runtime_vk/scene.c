@@ -74,12 +74,14 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
     struct vk_buffer_info vertices = {
         .name = "scene_vertices",
         .size = (VkDeviceSize)scene->vertex_count * sizeof *scene->vertices,
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
     };
     struct vk_buffer_info indices = {
         .name = "scene_indices",
         .size = (VkDeviceSize)scene->index_count * sizeof *scene->indices,
-        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT,
     };
     struct vk_buffer_info materials = {
         .name = "scene_materials",

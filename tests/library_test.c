@@ -167,8 +167,9 @@ static void make_geometry(void)
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = GEOMETRY_BYTES,
         .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
-                 VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT};
     VkMemoryRequirements needs;
     assert_int_equal(vkCreateBuffer(vk.device, &info, NULL, &vk.geometry), VK_SUCCESS);
     vkGetBufferMemoryRequirements(vk.device, vk.geometry, &needs);

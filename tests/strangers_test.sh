@@ -20,6 +20,11 @@ agrees() { # last line but one, arguments...: exit status 0, and what is told of
     "$diptych" compare "$@" >"$work/table" && grep -E "$want" "$work/table" && tail -n 1 "$work/table" | grep -q 'agree$'
 }
 
+# shellcheck disable=SC2317 # called through check
+refused() { # arguments...
+    ! "$diptych" compare "$@" 2>"$work/errors" && grep -q 'in a texel buffer; generate the pipeline with `target: gpu`' "$work/errors"
+}
+
 for driver in "${strangers[@]}"; do
     check "$driver: texels differ at edges, what is computed from them is exact" agrees \
         '^on equal inputs [1-9][0-9]* of 43200 drawn texels differ, at edges within the contract$' "${edges[@]:1}" \
@@ -40,10 +45,14 @@ for driver in "${strangers[@]}"; do
         scenes=(cornell)
         [ -z "${DIPTYCH_LONG:-}" ] || { scenes=(cornell atrium) && small=(--size 320x180); }
         for scene in "${scenes[@]}"; do
+            [ $scene = cornell ] || small+=(--set target=gpu) # its texel buffers are too small
             check "$driver: $spec, $scene: every pass that computes is exact" agrees '^on equal inputs' \
                 --spec "templates/$spec.yaml" --scene "scenes/$scene.yaml" --backend "$home,$driver" "${small[@]}"
         done
     done
+    atrium=(--spec templates/rsm.yaml --scene scenes/atrium.yaml --backend "$home,$driver" --size 160x90 --set rsm_size=128)
+    check "$driver: a scene that is too large for its texel buffers is refused" refused "${atrium[@]}"
+    check "... and read from storage buffers with target=gpu" agrees '^on equal inputs' "${atrium[@]}" --set target=gpu
     check "$driver: post" "$diptych" compare --spec templates/post.yaml --input photo=templates/pictures/post.png --backend "$home,$driver"
     check "$driver: machine" "$diptych" compare --spec templates/machine.yaml --size 64x64 --backend "$home,$driver"
 done

@@ -225,13 +225,25 @@ VkResult vkCreateImageView(VkDevice device, const VkImageViewCreateInfo *info,
     return result;
 }
 
-static const struct view *view_of(VkImageView view)
+VkResult vkCreateBufferView(VkDevice device, const VkBufferViewCreateInfo *info,
+                            const VkAllocationCallbacks *allocator, VkBufferView *view)
+{
+    REAL(vkCreateBufferView);
+    VkResult result = real(device, info, allocator, view);
+
+    if (result == VK_SUCCESS)
+        tape.views[FREE_PLACE(tape.views)] = (struct view){
+            .handle = (uint64_t)*view, .resource = resource_of((uint64_t)info->buffer), .mips = 1};
+    return result;
+}
+
+static const struct view *view_of(uint64_t view)
 {
     static const struct view none = {.resource = NONE};
     uint32_t place = PLACE_OF(tape.views, view);
 
     if (place == NONE)
-        tape.problem = "an image view that was not seen being created";
+        tape.problem = "a view that was not seen being created";
     return place == NONE ? &none : &tape.views[place];
 }
 
@@ -323,8 +335,12 @@ static void write_descriptor(const VkWriteDescriptorSet *write)
     if (write->pBufferInfo) {
         descriptor.resource = resource_of((uint64_t)write->pBufferInfo->buffer);
         descriptor.mips = 1;
+    } else if (write->pTexelBufferView) {
+        const struct view *view = view_of((uint64_t)*write->pTexelBufferView);
+        descriptor.resource = view->resource;
+        descriptor.mips = view->mips;
     } else {
-        const struct view *view = view_of(write->pImageInfo->imageView);
+        const struct view *view = view_of((uint64_t)write->pImageInfo->imageView);
         descriptor.resource = view->resource;
         descriptor.mips = view->mips;
         descriptor.layout = write->pImageInfo->imageLayout;
@@ -370,6 +386,14 @@ void vkDestroyImage(VkDevice device, VkImage image, const VkAllocationCallbacks 
 void vkDestroyImageView(VkDevice device, VkImageView view, const VkAllocationCallbacks *allocator)
 {
     REAL(vkDestroyImageView);
+
+    FORGET(tape.views, view);
+    real(device, view, allocator);
+}
+
+void vkDestroyBufferView(VkDevice device, VkBufferView view, const VkAllocationCallbacks *allocator)
+{
+    REAL(vkDestroyBufferView);
 
     FORGET(tape.views, view);
     real(device, view, allocator);
@@ -425,7 +449,8 @@ static void touch_descriptor(const struct descriptor *descriptor, uint8_t uses,
 {
     VkAccessFlags2 read = descriptor->type == VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
                               ? ACCESS(UNIFORM_READ)
-                          : descriptor->type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER
+                          : descriptor->type == VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER ||
+                                  descriptor->type == VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
                               ? ACCESS(SHADER_SAMPLED_READ)
                               : ACCESS(SHADER_STORAGE_READ);
 
@@ -620,7 +645,7 @@ void vkCmdDispatchIndirect(VkCommandBuffer commands, VkBuffer buffer, VkDeviceSi
 static void touch_target(const VkRenderingAttachmentInfo *target, VkPipelineStageFlags2 stage,
                          VkAccessFlags2 access, bool writes)
 {
-    const struct view *view = view_of(target->imageView);
+    const struct view *view = view_of((uint64_t)target->imageView);
 
     touch(view->resource, view->mips, target->imageLayout, stage, access, writes);
 }

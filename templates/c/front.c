@@ -65,6 +65,7 @@ static bool check_bindings(const struct dt_core *core, const struct dt_panel *pa
 {
     static const char *const kinds[] = {[DT_BIND_UNIFORM] = "uniform buffers",
                                         [DT_BIND_STORAGE] = "storage buffers",
+                                        [DT_BIND_TEXELS] = "texel buffers",
                                         [DT_BIND_TEXTURE] = "textures",
                                         [DT_BIND_IMAGE] = "storage images"};
     const struct dt_program *program = &panel->programs[pass];
@@ -566,6 +567,16 @@ bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, 
                         kind == DT_IMAGE ? "image" : "buffer", resource);
     core->sized = false; /* until the next resize */
     return true;
+}
+
+bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elements)
+{
+    return elements <= core->limits.texels ||
+           dt_error(core,
+                    "%s: %llu elements, but %s has at most %llu in a texel buffer; generate the "
+                    "pipeline with `target: gpu`",
+                    name, (unsigned long long)elements, core->device_name,
+                    (unsigned long long)core->limits.texels);
 }
 
 bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offset, uint64_t size,

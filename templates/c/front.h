@@ -14,8 +14,9 @@ struct dt_limits {
     uint32_t target_size[2];           /* width and height of a render target */
     uint32_t color_targets;
     uint32_t bindings
-        [4]; /* by enum dt_binding_kind: in one shader stage; OpenGL: limits the numbers, too */
+        [5]; /* by enum dt_binding_kind: in one shader stage; OpenGL: limits the numbers, too */
     uint64_t uniform_bytes, storage_bytes; /* bound as one block */
+    uint64_t texels;                       /* elements of a texel buffer */
     uint32_t groups[3];                    /* of a dispatch */
     uint32_t draws;                        /* of one indirect draw call */
     uint32_t clip_distances;
@@ -174,6 +175,8 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
 /* Checks that the pipeline has this image or buffer, which a host chooses something for; requires
  * create. A resize must follow. `verb`: in messages. */
 bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, uint32_t resource);
+/* Whether a buffer of the scene can be a texel buffer of `elements`. */
+bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elements);
 /* Whether a host's range of a buffer can be bound as `name`, which needs `least` bytes. `alignment`: the
  * device's, in bytes. */
 bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offset, uint64_t size,

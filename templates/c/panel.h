@@ -107,7 +107,17 @@ enum dt_builtin {
     DT_SCENE_TEXTURES,  /* array texture, with a trilinear, repeating sampler */
 };
 
-enum dt_binding_kind { DT_BIND_UNIFORM, DT_BIND_STORAGE, DT_BIND_TEXTURE, DT_BIND_IMAGE };
+enum dt_binding_kind {
+    DT_BIND_UNIFORM,
+    DT_BIND_STORAGE,
+    DT_BIND_TEXELS, /* texel buffer: of DT_SCENE_VERTICES or DT_SCENE_INDICES */
+    DT_BIND_TEXTURE,
+    DT_BIND_IMAGE
+};
+enum { /* bytes of an element of a texel buffer: R32G32_UINT, R32_UINT */
+       DT_VERTEX_TEXEL = 8,
+       DT_INDEX_TEXEL = 4
+};
 enum { DT_ALL_MIPS = 0xff, DT_MAX_MIPS = 16, DT_MAX_COLOR_TARGETS = 8, DT_MAX_BINDINGS = 64 };
 enum {
     DT_DRAW_BYTES = 20,       /* of one indirect draw: VkDrawIndexedIndirectCommand */

@@ -123,6 +123,7 @@ static struct buffer make_scene(const struct renderer *renderer, const struct dt
     struct buffer geometry =
         make_buffer(renderer, materials->offset + materials->size,
                     VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                        VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
                         VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     vertices->buffer = indices->buffer = materials->buffer = geometry.handle;
     import->index_count = scene->index_count;
