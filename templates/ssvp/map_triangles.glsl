@@ -6,24 +6,25 @@
  * other views, the texel decides: of huge near triangles SwiftShader clips up to a quarter too much.
  * Depth is a constant / reach, which keeps the precision of far surfaces. */
 
+#include "../shared/hole.glsl"
+
 #ifdef VERTEX
 #include "map.glsl"
 
-layout(location = 0) out vec2 uv;
-layout(location = 1) flat out float alpha_cutoff;
-layout(location = 2) flat out int texture_layer;
-layout(location = 3) flat out uint triangle;
-layout(location = 4) flat out int face; /* 0: of the corner; else x, -x, y, -y */
+layout(location = 4) flat out uint triangle;
+layout(location = 5) flat out int face; /* 0: of the corner; else x, -x, y, -y */
+
+vec3 local_of(vec3 position, int c)
+{
+    vec3 d = position - views[c].position;
+    return vec3(dot(d, views[c].tangent), dot(d, views[c].bitangent), dot(d, views[c].normal));
+}
 
 void main()
 {
     int c = gl_InstanceIndex / 5;
     face = gl_InstanceIndex % 5;
-    vec3 d = vertex_position - views[c].position;
-    vec3 local = vec3(dot(d, views[c].tangent), dot(d, views[c].bitangent), dot(d, views[c].normal));
-    uv = vertex_uv;
-    alpha_cutoff = scene_materials[vertex_material].alpha_cutoff;
-    texture_layer = scene_materials[vertex_material].texture_layer;
+    vec3 local = local_of(vertex_position, c);
     triangle = vertex_triangle;
     bool turned = face == 0 ? abs(local.y) > abs(local.x) : face > 2;
     float ahead = turned ? local.y : local.x;
@@ -36,17 +37,18 @@ void main()
     gl_ClipDistance[1] = 1.5 * ahead - beside;
     gl_ClipDistance[2] = 1.5 * ahead + beside;
     gl_Layer = c;
+    Triangle t = own_triangle();
+    vec3 b = local_of(corner_position(t.b), c);
+    vec3 e = local_of(corner_position(t.c), c);
+    float turn = back ? -1.0 : 1.0;
+    pass_holes(t, gl_Position.xyw, vec3(b.xy, (turned ? b.y : b.x) * turn + SLANT * b.z),
+               vec3(e.xy, (turned ? e.y : e.x) * turn + SLANT * e.z), vec2(float(map_size)));
 }
 #endif
 
 #ifdef FRAGMENT
-#include "../shared/hole.glsl"
-
-layout(location = 0) in vec2 uv;
-layout(location = 1) flat in float alpha_cutoff;
-layout(location = 2) flat in int texture_layer;
-layout(location = 3) flat in uint triangle;
-layout(location = 4) flat in int face;
+layout(location = 4) flat in uint triangle;
+layout(location = 5) flat in int face;
 
 void main()
 {
@@ -55,7 +57,7 @@ void main()
     float ahead = face > 2 ? p.y : p.x;
     float beside = face > 2 ? p.x : p.y;
     bool other = abs(beside) > ((face & 1) == 0 ? -ahead : ahead);
-    if ((face > 0 && other) || is_hole(uv, texture_layer, alpha_cutoff, 0))
+    if ((face > 0 && other) || is_hole(hole_scale(), true))
         discard;
     number = uvec4(triangle + 1u, 0u, 0u, 1u);
 }
