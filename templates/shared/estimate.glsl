@@ -9,6 +9,13 @@ float reciprocal_estimate(float x)
 #endif
 }
 
+/* 1 / x within 2e-7, also of negative numbers. */
+float reciprocal_close(float x)
+{
+    float r = reciprocal_estimate(x);
+    return r + r * (1.0 - x * r);
+}
+
 float sqrt_estimate(float x)
 {
 #ifdef EXACT

@@ -8,6 +8,7 @@
  * SNAP to a centre stay. Triangles across the horizon stay, too: their projection has no bounds. No
  * branches: drivers that run on CPUs then keep all values in registers. */
 
+#include "../shared/estimate.glsl"
 #include "map.glsl"
 
 const float SNAP = 1.0 / 256.0;
@@ -22,7 +23,7 @@ vec3 local_of(vec3 d, ClusterView v)
 vec3 place(vec3 local)
 {
     float middle = 0.5 * float(map_size);
-    return vec3(local.xy * (middle / reach_of(local)) + middle, local.z);
+    return vec3(local.xy * (middle * reciprocal_close(reach_of(local))) + middle, local.z);
 }
 
 bool both_signs(float a, float b, float c)
@@ -46,8 +47,9 @@ bool covers_centre(vec2 a, vec2 b, vec2 c, float turn, vec2 last)
     x.x = x.x == 0.0 ? 1e-20 : x.x; /* edge along the rows: its bound lies far outside the row */
     x.y = x.y == 0.0 ? 1e-20 : x.y;
     x.z = x.z == 0.0 ? 1e-20 : x.z;
-    vec3 place = inner / x;
-    vec3 slope = y / x;
+    vec3 part = vec3(reciprocal_close(x.x), reciprocal_close(x.y), reciprocal_close(x.z));
+    vec3 place = inner * part;
+    vec3 slope = y * part;
     bool covers = false;
     for (int row = 0; row < ROWS; row++) {
         vec3 edge = place - slope * float(row);
