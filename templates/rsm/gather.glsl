@@ -32,7 +32,8 @@ void main()
         vec3 d = x - rsm_position(within).xyz;
         float square = max(dot(d, d), closest);
         float cosines = max(dot(rsm_normal(within).xyz, d), 0.0) * max(-dot(n, d), 0.0);
-        sum += rsm_flux(within).rgb * (weight * cosines / (square * (square + bound)));
+        float below = reciprocal_estimate(square * (square + bound));
+        sum += rsm_flux(within).rgb * (weight * cosines * below);
     }
 
     /* Texels in the disk, pi radius^2, times flux / pi. Half floats end at 65504. */

@@ -2,6 +2,8 @@
  * side, weights all interleave classes equally, so it removes the pattern of the tile. Neighbours
  * beyond a discontinuity have no weight: other normals, or positions off the tangent plane.
  * Includers define SOURCE, the function that reads the image. */
+#include "estimate.glsl"
+
 vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
 {
     vec4 centre = gbuffer_position(p);
@@ -9,8 +11,8 @@ vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
     int radius = max(denoise_radius * tile_length, 1);
     int first = axis.x != 0 ? p.x : p.y;
     int last = (axis.x != 0 ? size.x : size.y) - 1 - first;
-    float inverse_depth = 1.0 / (denoise_plane * max(centre.w, 1e-12));
-    float inverse_normal = 1.0 / (1.0 - denoise_normal);
+    float inverse_depth = reciprocal_close(denoise_plane * max(centre.w, 1e-12));
+    float inverse_normal = reciprocal_close(1.0 - denoise_normal);
     vec3 sum = vec3(0.0);
     float weights = 0.0;
     for (int i = max(1 - radius, -first); i <= min(radius - 1, last); i++) {
@@ -23,5 +25,5 @@ vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
         sum += SOURCE(q).rgb * weight;
         weights += weight;
     }
-    return vec4(weights > 0.0 ? sum / weights : vec3(0.0), 1.0);
+    return vec4(weights > 0.0 ? sum * reciprocal_close(weights) : vec3(0.0), 1.0);
 }

@@ -1,11 +1,12 @@
 /* Both kinds of light. */
+#include "estimate.glsl"
 
 /* Fraction of a spot's intensity at the cosine of the angle to its axis: full within the inner half
  * angle, none beyond the outer, a smooth step of the cosine between. */
 float spot_falloff(float cosine)
 {
     float width = max(frame.light.cos_inner - frame.light.cos_outer, 1e-6);
-    float t = clamp((cosine - frame.light.cos_outer) / width, 0.0, 1.0);
+    float t = clamp((cosine - frame.light.cos_outer) * reciprocal_close(width), 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 
@@ -25,7 +26,8 @@ vec3 unshadowed_irradiance(vec3 x, vec3 n)
         return frame.light.color * cosine;
     vec3 d = frame.light.position - x;
     float square = max(dot(d, d), 1e-8 * frame.scene_radius * frame.scene_radius);
-    return frame.light.color * (spot_falloff(-dot(l, frame.light.direction)) * cosine / square);
+    float falling = spot_falloff(-dot(l, frame.light.direction)) * cosine;
+    return frame.light.color * (falling * reciprocal_close(square));
 }
 
 /* Reflected flux of one of `count` equal samples of the light's map that falls on x (formulae:

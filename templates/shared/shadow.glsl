@@ -7,10 +7,11 @@
  * lower bound at the cone. */
 vec2 light_texel(vec3 x, out bool inside)
 {
+    vec3 away = x - frame.light.position;
     vec4 clip = transform_point(frame.light_view.view_projection, x);
     float floor_w = frame.light.kind == 0 ? 0.0
-        : max(frame.light.cos_outer, 0.05) * length(x - frame.light.position);
-    vec2 ndc = clip.xy / max(clip.w, max(floor_w, 1e-12));
+        : max(frame.light.cos_outer, 0.05) * sqrt_estimate(dot(away, away));
+    vec2 ndc = clip.xy * reciprocal_close(max(clip.w, max(floor_w, 1e-12)));
     inside = clip.w > 0.0 && abs(ndc.x) < 1.0 && abs(ndc.y) < 1.0;
     return clamp(ndc * 0.5 + 0.5, 0.0, 1.0) * float(rsm_size);
 }
@@ -40,7 +41,8 @@ float light_visibility(vec3 x, vec3 n)
         return 0.0; /* the map covers all that the light reaches */
     float along = max(dot(x - frame.light.position, frame.light.direction), 0.0);
     float depth = frame.light.kind == 0 ? 1.0 : along;
-    float bias = shadow_bias * depth * sqrt(frame.light.area) / float(rsm_size);
+    float bias = shadow_bias * depth * sqrt_estimate(frame.light.area) *
+                 reciprocal_estimate(float(rsm_size));
     ivec2 middle = ivec2(floor(p));
     vec2 f = p - (vec2(middle) + 0.5);
     vec3 wx = spline(f.x), wy = spline(f.y);

@@ -1,5 +1,6 @@
 /* Tone mapping (Reinhard et al. 2002, Equations 2 and 4) on luminance, then the sRGB curve and 8
  * bits. */
+#include "estimate.glsl"
 #include "srgb.glsl"
 
 void main()
@@ -10,7 +11,8 @@ void main()
         return;
     vec3 colour = radiance(p).rgb * luminance_scale[0];
     float luminance = dot(colour, vec3(0.2126, 0.7152, 0.0722));
-    colour *= (1.0 + luminance / (white * white)) / (1.0 + luminance);
+    float whitest = reciprocal_close(white * white);
+    colour *= (1.0 + luminance * whitest) * reciprocal_close(1.0 + luminance);
     colour = clamp(colour, 0.0, 1.0);
     vec3 codes = floor(vec3(srgb(colour.r), srgb(colour.g), srgb(colour.b)) * 255.0 + 0.5);
     display_store(p, vec4(codes * (1.0 / 255.0), 1.0));
