@@ -52,7 +52,7 @@ def without_comments(text):
 def supplied_names():
     """What bodies may name: what the emitters ask for with glsl_uses, what no parameter may be called because the generator
     declares it, and what templates/glsl defines; less what is for the generator's own use."""
-    own = {"NAME", "NAME_quads", "Frame", "Live", "tile_gather_axis"}
+    own = {"NAME", "NAME_quads", "NAME_at", "NAME_length", "NAME_texels", "Frame", "Live", "tile_gather_axis"}
     names = set()
     for path in glob.glob("gen/*.c"):
         with open(path, encoding="utf-8") as file:
