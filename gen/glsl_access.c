@@ -500,7 +500,9 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
         text_add(out, "precise %s;\n", access_word(access));
 }
 
-static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text *out)
+/* kind: of the access to it. */
+static void add_builtin(struct glsl *glsl, int builtin, unsigned kind, int binding,
+                        struct text *out)
 {
     static const char *const names[BUILTIN_COUNT] = {
         "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
@@ -508,7 +510,7 @@ static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text
                                                         "SceneObject", NULL};
     if (binding < 0)
         return;
-    if (texel_readers[builtin] && !glsl->pipeline->gpu) {
+    if (kind & ACCESS_FETCH) {
         if (!glsl_uses(glsl, "%s_texels", names[builtin]))
             return;
         text_add(out, "layout(");
@@ -518,7 +520,7 @@ static void add_builtin(struct glsl *glsl, int builtin, int binding, struct text
     }
     if (!glsl_uses(glsl, "%s", names[builtin]))
         return;
-    bool uniform = builtin == BUILTIN_MATERIALS && !glsl->pipeline->gpu;
+    bool uniform = kind & ACCESS_UNIFORM;
     text_add(out, "layout(%s", uniform ? "std140, " : elements[builtin] ? "std430, " : "");
     glsl_binding(glsl, binding, out);
     if (uniform)
@@ -569,14 +571,16 @@ void glsl_resources(struct glsl *glsl)
         else if (access->resource && access->binding >= 0)
             add_buffer(glsl, access, out);
         else if (!access->resource && access->builtin >= 0 && access->binding >= 0) {
-            add_builtin(glsl, access->builtin, access->binding, out);
+            add_builtin(glsl, access->builtin, access->kind, access->binding, out);
             listed[access->builtin] = true;
         }
     }
     if (!listed[BUILTIN_MATERIALS])
-        add_builtin(glsl, BUILTIN_MATERIALS, pass->materials_binding, out);
+        add_builtin(glsl, BUILTIN_MATERIALS,
+                    pass->uniform_materials ? ACCESS_UNIFORM : ACCESS_STORAGE_READ,
+                    pass->materials_binding, out);
     if (!listed[BUILTIN_TEXTURES])
-        add_builtin(glsl, BUILTIN_TEXTURES, pass->textures_binding, out);
+        add_builtin(glsl, BUILTIN_TEXTURES, ACCESS_SAMPLED, pass->textures_binding, out);
     if (glsl->stage == STAGE_IS_FRAGMENT)
         add_targets(glsl, out);
 }

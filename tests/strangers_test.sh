@@ -22,7 +22,7 @@ agrees() { # last line but one, arguments...: exit status 0, and what is told of
 
 # shellcheck disable=SC2317 # called through check
 refused() { # arguments...
-    ! "$diptych" compare "$@" 2>"$work/errors" && grep -q 'in a texel buffer; generate the pipeline with `target: gpu`' "$work/errors"
+    ! "$diptych" compare "$@" 2>"$work/errors" && grep -q "in a texel buffer; generate the pipeline with .target: gpu." "$work/errors"
 }
 
 for driver in "${strangers[@]}"; do
@@ -45,7 +45,7 @@ for driver in "${strangers[@]}"; do
         scenes=(cornell)
         [ -z "${DIPTYCH_LONG:-}" ] || { scenes=(cornell atrium) && small=(--size 320x180); }
         for scene in "${scenes[@]}"; do
-            [ $scene = cornell ] || small+=(--set target=gpu) # its texel buffers are too small
+            [ "$scene" = cornell ] || small+=(--set target=gpu) # its texel buffers are too small
             check "$driver: $spec, $scene: every pass that computes is exact" agrees '^on equal inputs' \
                 --spec "templates/$spec.yaml" --scene "scenes/$scene.yaml" --backend "$home,$driver" "${small[@]}"
         done
