@@ -75,7 +75,8 @@ void dt_gl_close(struct gl_runtime *rt); /* accepts NULL; does not destroy impor
 /* ---- The scene ------------------------------------------------------------------------------- */
 
 /* Bytes `offset` to `offset + size` of a buffer; the offset is a multiple of
- * GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT and GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT. */
+ * GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT and
+ * GL_TEXTURE_BUFFER_OFFSET_ALIGNMENT. */
 struct dt_gl_range {
     unsigned buffer;
     uint64_t offset, size;

@@ -156,7 +156,8 @@ void dt_vk_close(struct vk_runtime *rt); /* accepts NULL; does not destroy impor
 /* ---- The scene ------------------------------------------------------------------------------- */
 
 /* Bytes `offset` to `offset + size` of a buffer; the offset is a multiple of the device's
- * minStorageBufferOffsetAlignment and minUniformBufferOffsetAlignment. */
+ * minStorageBufferOffsetAlignment, minUniformBufferOffsetAlignment and
+ * minTexelBufferOffsetAlignment. */
 struct dt_vk_range {
     VkBuffer buffer;
     VkDeviceSize offset, size;

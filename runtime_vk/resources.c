@@ -153,16 +153,17 @@ bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
 bool vk_buffer_texels(struct vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource)
 {
     bool vertices = resource == DT_SCENE_VERTICES;
+    VkDeviceSize texel = vertices ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL;
+    VkDeviceSize count = buffer->size / texel;
     const VkBufferViewCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
         .buffer = buffer->handle,
         .format = vertices ? VK_FORMAT_R32G32_UINT : VK_FORMAT_R32_UINT,
         .offset = buffer->offset,
-        .range = buffer->size,
+        .range = count * texel,
     };
     return buffer->texels ||
-           (dt_front_texels(&rt->core, buffer->name,
-                            buffer->size / (vertices ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL)) &&
+           (dt_front_texels(&rt->core, buffer->name, count) &&
             VK(rt, rt->vk.CreateBufferView(rt->device, &create, rt->callbacks, &buffer->texels),
                buffer->name));
 }
