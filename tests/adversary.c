@@ -1,8 +1,9 @@
-/* A Vulkan driver as far off as the standards allow: a library to preload, which rewrites each shader
- * module on its way to the driver. Results of open operations are off by one unit in the last place,
- * linear filters by a weight step, and stores round either way. Rasterization stays: derivatives,
- * levels of detail, interpolation. ADVERSARY=FILE gets a line for each module: numbers of open
- * operations, samplings and stores. For adversary_test.sh; independent of the tables in gen/prove.c. */
+/* A preloaded library that makes a Vulkan driver as inexact as the standards allow. The library
+ * rewrites each shader module on the way to the driver. Results of open operations are off by one
+ * unit in the last place, linear filters by a weight step, and stores round either way.
+ * Rasterization stays unchanged: derivatives, levels of detail, interpolation. ADVERSARY=FILE gets
+ * a line for each module: numbers of open operations, samplings and stores. For adversary_test.sh;
+ * independent of the tables in gen/prove.c. */
 #include <dlfcn.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -75,7 +76,7 @@ static const uint32_t *type_of(const struct rewrite *to, uint32_t id)
     return definition(to, definition(to, id)[1]);
 }
 
-/* The result of the type instruction in `words`; 0: it has none. */
+/* Id of the type with this head and these operands in `words`; 0: `words` has no such type. */
 static uint32_t find_type(const uint32_t *words, size_t count, uint32_t head,
                           const uint32_t *operands)
 {
@@ -85,7 +86,8 @@ static uint32_t find_type(const uint32_t *words, size_t count, uint32_t head,
     return 0;
 }
 
-/* The type with these operands, which a module may declare once. */
+/* The type with these operands. Reuses an existing declaration, since a module may declare a type
+ * only once. */
 static uint32_t declare(struct rewrite *to, uint32_t opcode, const uint32_t *operands,
                         uint32_t count)
 {
@@ -184,7 +186,8 @@ static uint32_t make_off(struct rewrite *to)
     return end_function(&f, uint_2(&f, SpvOpIAdd, f.bits, step));
 }
 
-/* Either neighbour that has 13 bits of the mantissa less; what has them stays. */
+/* Rounds up or down to a number with 13 mantissa bits less; keeps a number that has only these
+ * bits. */
 static uint32_t make_half(struct rewrite *to)
 {
     const struct function f = begin_function(to);
@@ -194,7 +197,7 @@ static uint32_t make_half(struct rewrite *to)
     return end_function(&f, uint_2(&f, SpvOpIAdd, uint_2(&f, SpvOpISub, f.bits, rest), up));
 }
 
-/* Half a code of 8 bits less, or none: rounds down where the driver rounds to nearest. */
+/* Subtracts half a code of 8 bits, or nothing: rounds down where the driver rounds to nearest. */
 static uint32_t make_code_8(struct rewrite *to)
 {
     const struct function f = begin_function(to);
@@ -208,7 +211,7 @@ static uint32_t make_code_8(struct rewrite *to)
     return end_function(&f, put_1(to, &to->functions, SpvOpBitcast, to->whole, value));
 }
 
-/* Puts calls of a function for each number of a value. */
+/* Emits a call of the function for each number of a value. */
 static void apply(struct rewrite *to, uint32_t function, uint32_t type, uint32_t from,
                   uint32_t result)
 {
@@ -234,7 +237,8 @@ static bool is_float(const struct rewrite *to, const uint32_t *type)
     return is(type, SpvOpTypeFloat) && type[2] == 32;
 }
 
-/* Whether an operation with a result of floats is none, or is correctly rounded. */
+/* Whether an instruction with a float result is not open: no arithmetic, a derivative, or correctly
+ * rounded. */
 static bool is_closed(const struct rewrite *to, const uint32_t *instruction)
 {
     switch (*instruction & 0xffff) {
@@ -285,7 +289,7 @@ static bool is_closed(const struct rewrite *to, const uint32_t *instruction)
     }
 }
 
-/* The instruction with another id at one place. */
+/* Emits the instruction with the word `at` replaced by `id`. */
 static void put_changed(struct rewrite *to, const uint32_t *instruction, uint32_t at, uint32_t id)
 {
     add_words(&to->code, instruction, *instruction >> 16);
@@ -300,7 +304,7 @@ static void put_open(struct rewrite *to, const uint32_t *instruction)
     to->open++;
 }
 
-/* A sampling of a 2D image: 1/256 of a texel to the right. */
+/* Emits a sampling of a 2D image, moved 1/256 of a texel to the right. */
 static void put_sample(struct rewrite *to, const uint32_t *instruction)
 {
     const uint32_t *sampled = type_of(to, instruction[3]), *image = definition(to, sampled[2]);
@@ -331,7 +335,7 @@ static bool samples_2d(const struct rewrite *to, const uint32_t *instruction)
     return definition(to, type_of(to, instruction[3])[2])[3] == SpvDim2D;
 }
 
-/* The function of stores to an image; 0: its format holds any value. */
+/* The function that rounds stores to this image; 0: the format holds any value. */
 static uint32_t store_function(const struct rewrite *to, const uint32_t *instruction)
 {
     if (!is(instruction, SpvOpImageWrite) || !is_float(to, type_of(to, instruction[3])))
@@ -376,7 +380,7 @@ static void survey(struct rewrite *to)
     }
 }
 
-/* min, max and clamp are open for zeros of two signs alone: they are counted, and stay. */
+/* min, max and clamp are open only for zeros of different signs: they are counted, not changed. */
 static bool only_zeros(const struct rewrite *to, const uint32_t *instruction)
 {
     return is(instruction, SpvOpExtInst) && instruction[3] == to->glsl &&

@@ -24,7 +24,7 @@
 #include "app/result/picture.h"
 #include "scenes/nearest.h"
 
-/* ---- What was said --------------------------------------------------------------------------- */
+/* ---- Log ------------------------------------------------------------------------------------- */
 
 struct ear {
     char last[512];
@@ -134,7 +134,8 @@ static void hash_is_xxh3(void **state)
     assert_true(hash == UINT64_C(0xd78fda63144c5c84));
 }
 
-/* Whatever came before, and however many pieces it is read in. */
+/* hash_file and hash_bytes give the same hash, also after earlier input, and for a file that takes
+ * several reads. */
 static void a_file_hashes_as_its_bytes(void **state)
 {
     (void)state;
@@ -182,8 +183,8 @@ static void files_appear_whole(void **state)
     free(deep);
 }
 
-/* As a person keeps scenes: a link into another folder, a file that only he may read; and --json into a
- * pipe. */
+/* Writing follows a link into another folder, keeps the mode of a file, and writes into a pipe.
+ * Users link scenes, protect files, and send --json into a pipe. */
 static void files_keep_their_place(void **state)
 {
     (void)state;
@@ -235,13 +236,13 @@ static void drafts_become_files_whole(void **state)
     char *text = file_read(path, &size, &log);
     assert_string_equal(text, "1 lines\n");
     assert_true(file_draft_begin(&draft, &log));
-    assert_false(file_draft_end(&draft, path, &log)); /* of nothing: the former file stays */
+    assert_false(file_draft_end(&draft, path, &log)); /* an empty draft: the old file stays */
     assert_int_equal(ear.errors, 1);
     assert_true(file_exists(path));
     assert_true(file_draft_begin(&draft, &log));
     fputs("lost", draft.out);
     file_draft_discard(&draft);
-    assert_false(file_draft_end(&draft, path, &log)); /* and has been reported before */
+    assert_false(file_draft_end(&draft, path, &log)); /* a discarded draft: no second error */
     assert_int_equal(ear.errors, 1);
     file_remove_tree(folder);
     free(text);
@@ -250,7 +251,7 @@ static void drafts_become_files_whole(void **state)
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* What the template makes of the data, or the error; into `text`. */
+/* Fills the template with the data, into `text`. If that fails, `ear` has the error. */
 static bool fill(const char *template, const char *data, char text[256], struct ear *ear)
 {
     static const char path[] = "build/tests/fill.txt", beside[] = "build/tests/fill_beside.txt";
@@ -270,7 +271,7 @@ static bool fill(const char *template, const char *data, char text[256], struct 
     return good;
 }
 
-/* Expected texts are those that mustache's specification has for the same tags. */
+/* Expected texts follow the specification of mustache for the same tags. */
 static void templates_are_filled(void **state)
 {
     (void)state;
@@ -369,8 +370,7 @@ static void halves_are_ieee(void **state)
     assert_true(isnan(number_value(NUMBER_HALF, (const uint8_t *)&nan)));
 }
 
-/* Every half is the nearest to itself, and to all that lies closer to it than to a neighbour; ties go
- * to the even one. */
+/* A number is stored as the nearest half or code. A tie goes to the even half. */
 static void numbers_are_stored_to_the_nearest(void **state)
 {
     (void)state;
@@ -579,7 +579,7 @@ struct speaker {
     char *text;
 };
 
-/* Between the two meetings both capture. */
+/* Both threads capture while each one reports its error, between the two meetings. */
 static void *speak(void *user)
 {
     struct speaker *speaker = user;

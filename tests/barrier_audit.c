@@ -1,10 +1,11 @@
-/* barrier_audit SPEC [--set NAME=VALUE]... [--live NAME=VALUE]... [--size WxH] [--bits] [--verbose]:
- * is every barrier of a generated Vulkan pipeline needed, and are they enough? Renders frames of the
- * pipeline with validation on, each barrier left out in turn, and reads every frame's commands (tape.c)
- * with a model of the specification's synchronization (hazard.c). A barrier that a pass needs only when
- * it runs, or only when it is skipped, is judged over all frames: the defaults and one per --live.
- * Prints a line per barrier on request and the counts; exit status 0: no hazard and none redundant, 1:
- * else, 2: could not run. Run by barrier_test.sh. */
+/* barrier_audit SPEC [--set NAME=VALUE]... [--live NAME=VALUE]... [--size WxH] [--bits]
+ * [--verbose]: checks that every barrier of a generated Vulkan pipeline is needed, and that they
+ * are enough. Renders frames of the pipeline with validation on, each barrier left out in turn.
+ * Reads every frame's commands (tape.c) with a model of the specification's synchronization
+ * (hazard.c). Judges a barrier over all frames, the defaults and one per --live, since a pass may
+ * need it only when the pass runs, or only when it is skipped. Prints a line per barrier on request
+ * and the counts. Exit status 0: no hazard and no redundant barrier, 1: else, 2: could not run. Run
+ * by barrier_test.sh. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,21 +20,21 @@
 
 enum { MAX_LIVES = 8, MAX_TAPES = 2 * (MAX_LIVES + 1) };
 
-/* What is done to one barrier. */
+/* How the audit changes one barrier. */
 enum change {
-    DROPPED, /* it is not there */
-    WEAKENED /* it changes the layout, but waits for nothing */
+    DROPPED, /* the barrier is left out */
+    WEAKENED /* the barrier changes the layout, but waits for nothing */
 };
 
 /* Why the layers may be silent about a hazard; bits. */
 enum silence {
     UNEXPLAINED = 1,
-    STORES = 2, /* they leave out a store of a shader after another one, even if it reads, too */
-    ATTACHMENTS = 4, /* they do not follow what a dynamic rendering does to its attachments */
-    ALIASES = 8,     /* they do not know that an image shares its memory with something else */
-    LAYOUTS = 16,    /* a change of layout may follow another one */
-    INDICES = 32,    /* newer ones do not know which indices an indirect draw reads */
-    FRAMES = 64 /* it lies between two submissions, which they do not hold against each other */
+    STORES = 2,      /* layers ignore a store after a store, also of a shader that reads, too */
+    ATTACHMENTS = 4, /* layers do not follow the attachments of a dynamic rendering */
+    ALIASES = 8,     /* layers do not know that an image shares its memory */
+    LAYOUTS = 16,    /* layers allow a change of layout after another one */
+    INDICES = 32,    /* newer layers do not know which indices an indirect draw reads */
+    FRAMES = 64      /* layers do not compare two submissions */
 };
 
 struct verdict {
@@ -46,7 +47,7 @@ struct verdict {
 struct counts {
     uint32_t all, core, sync, model, nobody;
     uint32_t stores, attachments, aliases, layouts, indices,
-        frames; /* of those that only the model sees */
+        frames; /* reasons, for barriers that only the model misses */
 };
 
 struct audit {
@@ -60,7 +61,7 @@ struct audit {
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label;
     uint32_t core, sync; /* messages since the last reset */
     char last[512];      /* message that is not a validation message */
-    /* With all barriers: of the defaults and of each --live the first frame and the second. */
+    /* With all barriers: two frames with the defaults, then two with each --live. */
     struct tape tapes[MAX_TAPES];
     uint32_t tape_count;
     struct counts dropped, weakened;
@@ -86,7 +87,7 @@ static void on_message(void *user, enum dt_level level, const char *message)
         printf("%s\n", message);
 }
 
-/* Of loading the pipeline. */
+/* Prints errors of loading the pipeline. */
 static void on_console(void *user, enum dt_level level, const char *message)
 {
     (void)user;
@@ -115,7 +116,7 @@ static void VKAPI_PTR on_label(VkCommandBuffer commands, const VkDebugUtilsLabel
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-/* One triangle in front of an orthographic camera: what is drawn does not matter here. */
+/* One triangle in front of an orthographic camera; the picture does not matter here. */
 static bool set_scene(void)
 {
     static const struct dt_vertex vertices[3] = {
@@ -189,7 +190,7 @@ static void free_tape(struct tape *tape)
     free(tape->entries);
 }
 
-/* The same frame twice, without a wait between the two: what a host's frames in flight are. */
+/* The same frame twice without a wait between, like a host's frames in flight. */
 static struct tape twice(const struct tape *tape)
 {
     struct tape both = *tape;
@@ -219,8 +220,8 @@ static struct tape twice(const struct tape *tape)
     return both;
 }
 
-/* One frame of fresh resources and the next one. Its commands go to tapes[0] and [1] unless that is
- * NULL, its messages are counted. */
+/* Renders a frame with fresh resources and the next frame, and counts their messages. Copies their
+ * commands to tapes[0] and tapes[1], unless `tapes` is NULL. */
 static bool render(struct tape *tapes)
 {
     struct dt_frame frame = {.scene_radius = 1, .triangle_count = 1};
@@ -325,7 +326,7 @@ static bool set_live(const char *live)
     return false;
 }
 
-/* No message and no hazard, in any frame. */
+/* Records the tapes with all barriers in place. Each message and each hazard is a failure. */
 static bool record_tapes(void)
 {
     for (uint32_t i = 0; i <= audit.live_count; i++) {
@@ -394,8 +395,9 @@ static bool same_tape(const struct tape *a, const struct tape *b)
     return same;
 }
 
-/* Which planned barrier the runtime changed: its numbers count in the order of the generated tables,
- * a tape lists buffers before images. UINT32_MAX when the frame differs in anything else. */
+/* Index of the planned barrier that the runtime changed; UINT32_MAX: the frame differs in anything
+ * else. The runtime numbers barriers in the order of the generated tables; a tape lists buffers
+ * before images. */
 static uint32_t find_changed(const struct tape *changed, const struct tape *all, enum change change)
 {
     for (uint32_t index = 0; index < planned_count(all); index++) {
@@ -427,7 +429,8 @@ static bool is_store(const struct tape_entry *entry)
     return !entry->is_barrier && entry->access.access == VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
 }
 
-/* Whether the shader that reads here also stores to the same image: the layers see the store alone. */
+/* Whether the shader that reads here also stores to the same image. The layers see only the
+ * store. */
 static bool is_update(const struct tape *tape, const struct tape_entry *entry)
 {
     bool update = false;
@@ -489,7 +492,7 @@ static void judge(enum change change, uint32_t index, struct verdict *verdict)
 
         apply(change, &tape, planned_entry(&tape, index));
         hazard_find(&tape, on_hazard, &(struct judgement){&tape, verdict});
-        if (!verdict->hazards) { /* then it orders one frame after another */
+        if (!verdict->hazards) { /* the barrier may order one frame after another */
             struct tape both = twice(&tape);
 
             hazard_find(&both, on_hazard, &(struct judgement){&both, verdict});
@@ -532,8 +535,8 @@ static void print_verdict(enum change change, uint32_t number, uint32_t index,
            verdict->sync ? "sync" : "-", verdict->hazards ? "model" : "-", verdict->example);
 }
 
-/* Renders with barrier `number` changed, with the defaults and with every --live. *index: which one of
- * the tapes' barriers it is. */
+/* Renders with barrier `number` changed, with the defaults and with every --live. *index: index of
+ * this barrier among the planned ones of a tape. */
 static bool render_change(enum change change, uint32_t number, uint32_t *index,
                           struct verdict *verdict)
 {

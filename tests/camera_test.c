@@ -1,5 +1,5 @@
-/* The camera of the window: how it moves, and what its file looks like after it was saved. Expected
- * directions are those of a right-handed room; the file is read by libfyaml. */
+/* The camera of the window: its movements, and its file after a save. Expected directions are those
+ * of a right-handed room; libfyaml reads the file. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -69,11 +69,11 @@ static void ignore(void *user, enum dt_level level, const char *message)
     ++*(int *)user;
 }
 
-/* Numbers that few digits do not give back. */
+/* Floats that need many digits: a file with few digits does not restore most of them. */
 static const struct scene_camera odd = {
     {0.278f, 1.0f / 3, 1e-7f}, {-123456.789f, 0.1f, -0.8f}, {0, 1, 0}, 0.685914397f};
 
-/* Saves into a file of that content and returns what it is then; free(). */
+/* Saves the camera into a file with this content. Returns the new content, to free(). */
 static char *saved(const char *content, bool wanted)
 {
     char path[] = "/tmp/camera-XXXXXX";
@@ -112,7 +112,7 @@ static void assert_camera(const char *text)
     fy_document_destroy(document);
 }
 
-/* What stands before and after the camera must be the same. */
+/* The text before and after the camera must stay the same. */
 static void check_saved(const char *before, const char *camera, const char *after)
 {
     char *content = format_string("%s%s%s", before, camera, after);
@@ -121,7 +121,7 @@ static void check_saved(const char *before, const char *camera, const char *afte
     assert_camera(text);
     assert_true(strncmp(text, before, strlen(before)) == 0);
     assert_true(length > strlen(after) && strcmp(text + length - strlen(after), after) == 0);
-    assert_null(strstr(text, "9.5")); /* nothing of the old one */
+    assert_null(strstr(text, "9.5")); /* no number of the old camera */
     assert_non_null(strstr(text, "[0.278, "));
     free(text);
     free(content);

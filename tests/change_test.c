@@ -1,5 +1,5 @@
-/* Change from frame to frame against closed forms: planes that are seen by cameras that this file
- * builds and intersects itself, with irradiance that is known at every point of space. */
+/* Change from frame to frame against closed forms. This file builds cameras and intersects them
+ * with planes; the irradiance is known at every point of space. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 
 enum { WIDTH = 40, HEIGHT = 24, PIXELS = WIDTH * HEIGHT };
 
-/* Two frames and what they show. */
+/* Two frames: their visible points and their pictures. */
 struct fixture {
     struct seen_point points[2][PIXELS];
     struct seen seen[2];
@@ -30,8 +30,8 @@ static int row_of(int pixel)
     return pixel / WIDTH;
 }
 
-/* Pixels are unit squares of the plane z = 0, and frame t looks at what lies `shift` further to the
- * right, and up. */
+/* Pixels are unit squares of the plane z = 0. Frame t looks at the plane further to the right by
+ * `right`, and further up by `up`. */
 static void look_straight(struct fixture *fixture, int t, double right, double up)
 {
     struct seen *seen = &fixture->seen[t];
@@ -52,7 +52,7 @@ static void look_straight(struct fixture *fixture, int t, double right, double u
     fixture->reference[t] = (struct rgb_image){WIDTH, HEIGHT, fixture->truth[t]};
 }
 
-/* Repeatable, in 0..1, of a cell of space. */
+/* A repeatable number in 0..1 for each cell of space. */
 static float cell(double x, double y)
 {
     uint32_t seed = (uint32_t)(int)floor(x) * 2654435761u ^ (uint32_t)(int)floor(y) * 40503u;
@@ -138,7 +138,8 @@ static void brightening_is_its_factor(void **state)
     expect_near(measure(fixture, false, 8).change, change.change, 1e-6); /* all of one sign */
 }
 
-/* By whole pixels any texture, by parts of them one that is linear between them. */
+/* A moved texture has no change: any texture moved by whole pixels, or a linear one moved by parts
+ * of pixels. */
 static void moved_textures_are_found_again(void **state)
 {
     struct fixture *fixture = *state;
@@ -155,15 +156,15 @@ static void moved_textures_are_found_again(void **state)
     change = measure(fixture, false, 1);
     assert_int_equal(change.compared, (WIDTH - 4) * (HEIGHT - 2));
     expect_near(change.change, 0, 1e-4);
-    /* in one place of the picture it changes by the slope along the way */
+    /* at a fixed place of the picture, the change is the slope along the way */
     memcpy(fixture->seen[1].view_projection, fixture->seen[0].view_projection,
            sizeof fixture->seen[0].view_projection);
     memcpy(fixture->points[1], fixture->points[0], sizeof fixture->points[0]);
     expect_near(measure(fixture, false, 1).change, 2 * (3.25 * 0.5 - 1.5 * 0.25), 1e-4);
 }
 
-/* Columns 10 to 14 of the first frame show another plane, nearer to the eye, which has gone; of what lay
- * behind it nothing is known. Likewise of what has turned, and of a pixel that is not finite. */
+/* Pixels without an earlier value are left out: where a plane nearer to the eye has gone, in
+ * columns 10 to 14, and where a surface has turned. So is a pixel that is not finite. */
 static void what_comes_into_view_is_left_out(void **state)
 {
     struct fixture *fixture = *state;
@@ -252,7 +253,8 @@ static void a_walking_camera_finds_the_floor_again(void **state)
     assert_true(same_place > 0.05);
 }
 
-/* Both brighten by 0.5; the test adds 0.125 more in every other column and 0.125 less between. */
+/* Both pictures brighten by 0.5. The test adds 0.125 in every other column and subtracts 0.125 in
+ * the rest. */
 static void flicker_is_the_difference_of_changes(void **state)
 {
     struct fixture *fixture = *state;

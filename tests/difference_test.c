@@ -1,4 +1,4 @@
-/* Differences under a contract, and what is told of them. Expected values come from IEEE 754 and the
+/* Differences under a contract, and their descriptions. Expected values come from IEEE 754 and the
  * contracts' definitions. */
 #include <math.h>
 #include <setjmp.h>
@@ -155,7 +155,7 @@ static void ulps_go_through_zero(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
 }
 
-/* Distances in ulp are those that nextafterf has. */
+/* Distances in ulp count steps of nextafterf. */
 static void histograms_count_ulps(void **state)
 {
     (void)state;
@@ -219,8 +219,8 @@ static struct difference compare_texels(const struct dt_resource *resource, cons
     return difference;
 }
 
-/* Wherever it stands, also in the last, odd texels; the largest finite number and the bits of a
- * NaN in an integer do pass. */
+/* NaN and infinity are found in every texel, also in the last, odd ones. The largest finite number
+ * passes, and so do the bits of a NaN in an integer. */
 static void nan_is_found_anywhere(void **state)
 {
     (void)state;
@@ -256,7 +256,8 @@ static void nan_is_found_anywhere(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_EQUAL);
 }
 
-/* 5/255 is a bound that 5 codes keep and 6 do not; a share counts texels, in each frame. */
+/* Differences of 5 codes keep the bound 5/255; those of 6 codes do not. A share of outliers counts
+ * texels, in each frame. */
 static void outliers_are_counted(void **state)
 {
     (void)state;
@@ -351,7 +352,7 @@ static void draws_may_differ_at_edges(void **state)
     struct difference difference = compare_draws(DT_FORMAT_R32UI, left, right, edges);
     assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
     free(edges);
-    /* at most the share */
+    /* at most the allowed share of texels may differ */
     const struct dt_bytes same[2] = {drawn(left), drawn(left)};
     assert_true(edges_find(&edges, &numbers, same));
     memcpy(right, left, sizeof right);
@@ -413,8 +414,8 @@ static void layers_are_named(void **state)
 
 /* ---- Decimals -------------------------------------------------------------------------------- */
 
-/* The nearest half, ties to even: the value in units of its last place, rounded, counts on from the
- * smallest half of its exponent. */
+/* Bits of the nearest half, ties to even. The value is rounded to units in its last place. The bits
+ * are (exponent + 14) * 1024 plus these units. */
 static uint16_t half_bits(double value)
 {
     int exponent = value != 0 && ilogb(value) > -14 ? ilogb(value) : -14;
@@ -422,8 +423,8 @@ static uint16_t half_bits(double value)
     return (uint16_t)((signbit(value) ? 0x8000 : 0) + (exponent + 14) * 1024 + (int)units);
 }
 
-/* Every finite half is told by a decimal that is nearest to it, and no longer than the shortest that
- * printf makes. */
+/* The description of every finite half has a decimal that reads back as this half. The decimal is
+ * not longer than the shortest one of printf. */
 static void halves_read_back(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Reads what `diptych render --dump` wrote; see dump_reader.h. Written against the format in the
+/* Reads the output of `diptych render --dump`; see dump_reader.h. Written against the format in the
  * README, not against the code that writes it. */
 #include "dump_reader.h"
 

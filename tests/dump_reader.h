@@ -26,7 +26,7 @@ struct dump_entry { /* one resource, or one mip of it, after one pass */
  * dump. The program is $DIPTYCH_BUILD/diptych, build/diptych without it; the working directory is
  * the project's root. */
 void dump_render(struct dump *dump, const char *arguments);
-void dump_close(struct dump *dump); /* removes what dump_render made */
+void dump_close(struct dump *dump); /* removes the files of dump_render */
 
 /* pass NULL: the last pass that wrote the resource. Of an image with mips, mip 0. */
 struct dump_entry dump_read(const struct dump *dump, const char *pass, const char *resource);

@@ -1,7 +1,7 @@
-/* Results of tests/specs/exact.yaml against double precision. That both backends give the same bits
- * is not enough: a replacement could be wrong in both. Bounds of the replaced functions are those
- * that templates/glsl/exact.glsl states or that its order of operations implies, in units u = 2^-24
- * of rounding. tests/specs/arithmetic.yaml has the functions of one number over all exponents. */
+/* Results of tests/specs/exact.yaml against double precision. The same bits on both backends are
+ * not enough, since a replacement could be wrong in both. templates/glsl/exact.glsl states the
+ * bounds of the replaced functions, or its order of operations implies them, in units u = 2^-24 of
+ * rounding. tests/specs/arithmetic.yaml has the functions of one number over all exponents. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -173,7 +173,8 @@ static void angles_are_within_four_units(void **state)
     each_case("angles", check_angles);
 }
 
-/* Where the arcs have a value of their own: at 0, 1, -1 and infinity, quadrant by quadrant. */
+/* Arc functions at 0, 1, -1 and infinity, where they have a value of their own, quadrant by
+ * quadrant. */
 static void angles_of_special_values(void **state)
 {
     (void)state;
@@ -341,8 +342,8 @@ static const struct function {
     {"root", "above_one", NULL, sqrtl, NULL, 0, 2e-5 * 0x1p24},
 };
 
-/* Error in units in the last place. No error: both are NaN or both denormal; an infinity within four
- * units of the largest float. */
+/* Error in units in the last place. The error is 0 where both are NaN or both denormal, and for an
+ * infinity within four units of the largest float. */
 static double error_of(float value, long double expected)
 {
     if (isnan(expected) || isnan(value))

@@ -1,9 +1,11 @@
-/* A preloaded library that makes one call fail or kills the process at it: FAIL_CALL=name:N, the N-th call
- * of malloc, calloc, realloc, open, read, write (and fwrite), rename or mmap; with FAIL_KILL set, SIGKILL before the
- * call. FAIL_UNDER=FOLDER: of open and rename, only calls with a path in there count, since libraries
- * abort where their own files cannot be opened. FAIL_OWN: only calls by the program itself count, also through libc (strdup).
- * With FAIL_COUNT=FILE it writes the number of calls of each name at exit. A crash or an abort
- * prints "stopped in OBJECT", the innermost that is no system library, and the stack. For failing.py. */
+/* A preloaded library that makes one call fail, or kills the process at that call. FAIL_CALL=name:N
+ * chooses the N-th call of malloc, calloc, realloc, open, read, write (and fwrite), rename or mmap.
+ * With FAIL_KILL the process gets SIGKILL before the call. With FAIL_UNDER=FOLDER, calls of open
+ * and rename count only with a path in FOLDER, since libraries abort where they cannot open their
+ * own files. With FAIL_OWN, only calls by the program itself count, also through libc (strdup).
+ * With FAIL_COUNT=FILE the library writes the number of calls of each name at exit. A crash or an
+ * abort prints the stack and "stopped in OBJECT", the innermost object that is no system library.
+ * For failing.py. */
 #include <dlfcn.h>
 #include <errno.h>
 #include <execinfo.h>
@@ -59,7 +61,7 @@ static bool lies_in(const void *address, struct range range)
     return (uintptr_t)address >= range.begin && (uintptr_t)address < range.end;
 }
 
-/* Whether the program called, also through libc. */
+/* Whether the program itself made the call, directly or through libc. */
 static bool is_own(const void *caller)
 {
     static _Thread_local bool inside;
@@ -93,7 +95,7 @@ static void say(const char *text)
         _exit(EXIT_FAILURE);
 }
 
-/* A line with the innermost object that is no system library. */
+/* Prints a line with the innermost object that is no system library. */
 static void tell_object(const char *what, void *const *frames, int count)
 {
     Dl_info info = {.dli_fname = "?"};
@@ -117,7 +119,7 @@ __attribute__((constructor)) static void start(void)
 {
     static const int signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT};
     void *frame;
-    backtrace(&frame, 1); /* loads what it needs */
+    backtrace(&frame, 1); /* the first call loads a library */
     dl_iterate_phdr(find_range, NULL);
     struct sigaction action = {.sa_handler = tell_stop, .sa_flags = SA_RESETHAND | SA_NODEFER};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)

@@ -1,5 +1,5 @@
-/* What --fault puts in, held against the words of its documentation, number by number: on a runtime
- * made of arrays. That compare finds faults on real drivers is tests/fault_test.sh's part. */
+/* The faults of --fault against their documentation, number by number, on a runtime made of arrays.
+ * tests/fault_test.sh checks that compare finds faults on real drivers. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -58,7 +58,7 @@ enum { MOST = 256 };
 
 struct memory {
     uint8_t bytes[RESOURCES][MOST];
-    bool stubborn; /* keeps what it has */
+    bool stubborn; /* ignores writes */
     char last[512];
     unsigned errors;
 };
@@ -222,7 +222,7 @@ static void check_sign(uint32_t resource, const uint8_t *old, const uint8_t *new
 {
     uint32_t before = 0, after = 0;
     switch (resource) {
-    case THINGS: /* a float or, at 16, an int: the caller tells by the offset */
+    case THINGS: /* a float or, at 16, an int: the caller checks the offset */
         memcpy(&before, old, 4);
         memcpy(&after, new, 4);
         assert_true(after == (before ^ 0x80000000) || after == ~before);
@@ -266,7 +266,7 @@ static void test_sign_is_that_of_one_number(void **state)
         assert_true(seen[r] > 0);
 }
 
-/* An element whose numbers are all 0 or 1 now, and none as before. */
+/* The fault replaces every number of one element: 0 by 1, and any other number by 0. */
 static void test_texel_is_all_of_one_element(void **state)
 {
     (void)state;
@@ -379,7 +379,7 @@ static void test_observers_see_the_fault(void **state)
     (void)state;
     assert_true(observed(DT_RUN, FAULT_BIT, DT_RUN));
     assert_false(observed(DT_RUN, FAULT_MISSING, DT_SKIP));
-    /* what the observer skips is not the pass's work */
+    /* no fault changes the results of a pass that the observer skips or stops */
     assert_false(observed(DT_SKIP, FAULT_BIT, DT_SKIP));
     assert_false(observed(DT_STOP, FAULT_MISSING, DT_STOP));
 }

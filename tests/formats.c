@@ -172,7 +172,7 @@ void formats_run(const struct dt_runtime *runtime, const struct dt_runtime_optio
     assert_true(runtime->create(rt, shaders) && runtime->resize(rt, 16, 16));
     write_all(runtime, rt, written);
     check_all(runtime, rt, written);
-    assert_true(runtime->render(rt, &frame, NULL, NULL)); /* which touches nothing */
+    assert_true(runtime->render(rt, &frame, NULL, NULL)); /* the frame touches nothing */
     check_all(runtime, rt, written);
     for (uint32_t i = 0; i < FORMATS_RESOURCES; i++)
         for (uint32_t mip = 0; mip < mip_count(i); mip++)

@@ -1,7 +1,9 @@
-/* Feeds files to what reads them: `fuzz KIND FILE...`, from the project's root. Nothing may crash, and what fails must say why.
- * Kinds: spec, a pipeline spec, and body, the GLSL of the one pass of a spec; scene and evidence, several files in one, each
- * behind a line "=== NAME"; input, an array or a picture; cache, an entry of the shader cache. Built by tests/fuzz.ninja for
- * afl-fuzz, which writes the file anew before each turn of the loop; built with the other tests for fuzz_test.sh. */
+/* Feeds files to the functions that read them: `fuzz KIND FILE...`, from the project's root.
+ * Nothing may crash, and each failure must have a message. Kinds: spec, a pipeline spec, and body,
+ * the GLSL of the one pass of a spec; scene and evidence, several files in one, each behind a line
+ * "=== NAME"; input, an array or a picture; cache, an entry of the shader cache. Built by
+ * tests/fuzz.ninja for afl-fuzz, which writes the file anew before each turn of the loop; built
+ * with the other tests for fuzz_test.sh. */
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -91,7 +93,7 @@ bool fuzz_unpack(const char *bytes, size_t size)
         struct stat status;
         snprintf(text, sizeof text, "%.*s", (int)(line - name), name);
         fuzz_path(path, text);
-        if (!stat(path, &status) || next == line) /* stands twice, or has no line of its own */
+        if (!stat(path, &status) || next == line) /* this name again, or no content */
             return false;
         fuzz_put(text, line + 1, (size_t)((next ? next : end) - line - 1));
         at = next ? next + 1 : end;

@@ -1,4 +1,5 @@
-/* What fuzz_gen.c and fuzz_app.c share with fuzz.c. Each kind tries one input: files in fuzz_folder, which fuzz.c empties. */
+/* Declarations that fuzz_gen.c and fuzz_app.c share with fuzz.c. Each kind tries one input: files
+ * in fuzz_folder, which fuzz.c empties. */
 #ifndef DIPTYCH_TESTS_FUZZ_H
 #define DIPTYCH_TESTS_FUZZ_H
 
@@ -9,12 +10,13 @@ extern const char *fuzz_templates;   /* folder with glsl/ and the bodies of test
 extern const struct dt_log fuzz_log; /* prints, and counts errors in fuzz_messages */
 extern unsigned fuzz_messages;
 
-/* What the fuzzer looks for: abort() where it does not hold. */
+/* Calls abort() where the condition does not hold, so that the fuzzer keeps the input. */
 void fuzz_insist(bool holds, const char *what);
 /* The path of a file in the folder. */
 void fuzz_path(char path[256], const char *name);
 void fuzz_put(const char *name, const char *bytes, size_t size);
-/* Writes the files of an input, each behind a line "=== NAME"; false: it is not of that form. */
+/* Writes the files of an input, each behind a line "=== NAME"; false: the input has another
+ * form. */
 bool fuzz_unpack(const char *bytes, size_t size);
 
 void fuzz_spec(const char *bytes, size_t size);

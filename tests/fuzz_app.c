@@ -1,4 +1,4 @@
-/* What fuzz.c feeds to scenes/ and app/: scenes, inputs, evidence folders, dumps. */
+/* Inputs that fuzz.c feeds to scenes/ and app/: scenes, inputs, evidence folders, dumps. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,8 +9,9 @@
 #include "scenes/npy.h"
 #include "scenes/picture_size.h"
 
-/* A scene.yaml and what it names, with a motion.yaml or none. The mesh is read in a child process, which a library may bring to
- * a signal but our code not to a sanitizer's report: that is a failure without a message. */
+/* A scene.yaml with its files, and a motion.yaml or none. A child process reads the mesh. A library
+ * may crash there, which is an error with a message. A sanitizer's report about our code is a
+ * failure without a message. */
 void fuzz_scene(const char *bytes, size_t size)
 {
     char path[256];

@@ -1,4 +1,4 @@
-/* What fuzz.c feeds to gen/: specs, bodies, entries of the shader cache. */
+/* Inputs that fuzz.c feeds to gen/: specs, bodies, entries of the shader cache. */
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,7 +62,8 @@ void fuzz_body(const char *bytes, size_t size)
     load_spec("spec.yaml");
 }
 
-/* An entry that another process left damaged: a miss, or the words that were written. */
+/* A cache entry that another process left damaged. It must be a miss, or give the words that were
+ * written. */
 void fuzz_cache(const char *bytes, size_t size)
 {
     static uint32_t words[] = {0x07230203, 0x00010000, 0, 1, 0};

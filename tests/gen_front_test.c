@@ -222,9 +222,9 @@ static void kept_passes(const char *spec, char kept[256])
     arena_free(model.arena);
 }
 
-/* A pass that is skipped clears what it would write. One that is skipped always is left out, but not
- * when a pass that stays reads those clear values: that nobody else writes, directly or by way of
- * another that stays for the same reason. */
+/* A skipped pass clears the resources that it would write. A pass that is always skipped is left
+ * out. It stays where a remaining pass reads these clear values and no other pass writes them. The
+ * reader may be an always skipped pass that stays for the same reason. */
 static void off_for_good(void **state)
 {
     static const char head[] = "pipeline: off\n"

@@ -379,8 +379,8 @@ static void test_products_precede_the_body(void **state)
     shader_free(&shader);
 }
 
-/* What a disk sampler does to points of the unit square can be had for points of the body's own: a
- * function of the disk's name, which is there for bodies that call it, and on disks alone. */
+/* A disk sampler also has a function that maps points of the unit square, points of the body's own:
+ * DISK_map(u). The function exists on disks alone, and only for bodies that call it. */
 static void test_map_of_a_sampler(void **state)
 {
     static const struct {
@@ -419,7 +419,7 @@ static char *replaced(const char *text, const char *from, const char *to)
     return out.data;
 }
 
-/* Of the accesses of `shade`, in their order. */
+/* Other words for the accesses of `shade`, in their order. */
 static const struct {
     const char *name, *as;
 } words[] = {{"normals", "surface"},
@@ -428,7 +428,7 @@ static const struct {
              {"cells", "places"},
              {"shadows", "darkness"}};
 
-/* `text` as it is with other words for the resources; takes it, and gives one to free(). */
+/* `text` with other words for the resources. Frees `text`; free() the result. */
 static char *in_other_words(char *text)
 {
     for (uint32_t i = 0; i < COUNT(words); i++) {
@@ -439,7 +439,7 @@ static char *in_other_words(char *text)
     return text;
 }
 
-/* What stands behind the library, from the first resource on; free() */
+/* The GLSL behind the library, from the first resource on; free() */
 static char *resources_and_body(struct fixture *f, enum backend backend, const char *body)
 {
     f->model.glsl_source_count = 0;
@@ -452,8 +452,8 @@ static char *resources_and_body(struct fixture *f, enum backend backend, const c
     return text;
 }
 
-/* A pass that lists resources `as` something else, with a body that says so, is the same pass but for
- * these words. */
+/* A pass may list resources `as` other words. If the body uses these words, the shader stays the
+ * same but for the words. */
 static void test_words_of_a_pass(void **state)
 {
     struct fixture *f = *state;
@@ -494,7 +494,7 @@ static uint32_t occurrences(const char *text, const char *what)
     return count;
 }
 
-/* Shapes of a loop over five elements: how often the body is written and what it reads. */
+/* Shapes of a loop over five elements: the copies of the body, the barriers and the caches. */
 static void test_range_shapes(void **state)
 {
     static const char body[] =
@@ -533,7 +533,7 @@ static void test_range_shapes(void **state)
     shader_free(&shader);
 }
 
-/* The shader reads how many there are, so the number itself is nowhere in it. */
+/* The shader reads the number of elements, so the shader has no literal of this number. */
 static void test_counted_range(void **state)
 {
     struct fixture *f = *state;
@@ -558,7 +558,7 @@ static void test_counted_range(void **state)
     shader_free(&shader);
 }
 
-/* A range that starts at what main() computes cannot be copied before. */
+/* If main() computes the first element of a range, the copy follows this computation. */
 static void test_copy_follows_its_first_element(void **state)
 {
     struct fixture *f = *state;
@@ -575,8 +575,8 @@ static void test_copy_follows_its_first_element(void **state)
     shader_free(&shader);
 }
 
-/* From a uniform block elements are copied 16 bytes at a time: position and kind share the first of
- * a Light2's three, a second light's flux is in the sixth. */
+/* Elements of a uniform block are copied 16 bytes at a time. A Light2 has three such parts:
+ * position and kind share the first. The flux of the second light is in the sixth. */
 static void test_range_by_words(void **state)
 {
     struct fixture *f = *state;
@@ -618,7 +618,7 @@ static void test_whole_element(void **state)
     shader_free(&shader);
 }
 
-/* What a body must not do with a range, each with the one error that it gives. */
+/* Forbidden uses of a range in a body, each with exactly one error. */
 static void test_range_errors(void **state)
 {
     static const char *const bodies[] = {
@@ -640,8 +640,8 @@ static void test_range_errors(void **state)
     }
 }
 
-/* Of each loop of the fragment shader `body`, in the order of the module: '1' where the driver is to
- * leave it as it is, else '0'. */
+/* One character for each loop of the fragment shader `body`, in the order of the module: '1' if the
+ * driver must not unroll the loop, else '0'. */
 static void loops_of(struct fixture *f, const char *body, enum backend backend, char *loops)
 {
     set_body(f, TONE, "tone.glsl", body);
@@ -653,9 +653,9 @@ static void loops_of(struct fixture *f, const char *body, enum backend backend, 
     shader_free(&shader);
 }
 
-/* Reads are what makes a turn long; a loop in another one is the driver's affair, since all turns
- * count towards the most that software drivers do; so is one that takes its turn through an array of
- * its own. */
+/* A loop with many reads in each turn is not unrolled. The driver decides about an inner loop,
+ * since its limit counts the turns of both loops. The driver also decides about a loop whose
+ * counter indexes a local array. */
 static void test_long_loops_stay_loops(void **state)
 {
     static const char start[] =
@@ -689,7 +689,7 @@ static void test_long_loops_stay_loops(void **state)
             }
 }
 
-/* A variable of the whole shader, used in a function: glslang does not get to see its `precise`. */
+/* A global variable that a function uses. glslang does not see the `precise` of this variable. */
 static void test_global_variables(void **state)
 {
     struct fixture *f = *state;
@@ -706,7 +706,7 @@ static void test_global_variables(void **state)
     }
 }
 
-/* Errors of the GLSL compiler are told at the author's line and column. */
+/* Errors of the GLSL compiler name the author's line and column. */
 static void test_compile_error_place(void **state)
 {
     struct fixture *f = *state;

@@ -1,21 +1,21 @@
 /* The hazards of a tape; see hazard.h. The model is the specification's (Vulkan 1.3, chapter 7.1
  * "Execution and Memory Dependencies", 7.6 "Pipeline Barriers", and the memory model's appendix):
  *
- * - A barrier orders what its first synchronization scope holds before what its second one holds, of
- *   all resources; barriers chain when the second scope of one meets the first scope of the next. Source stages
+ * - A barrier orders its first synchronization scope before its second one, for all resources.
+ *   Barriers chain when the second scope of one meets the first scope of the next. Source stages
  *   include logically earlier ones, destination stages logically later ones.
- * - A write is seen by a later access, or ordered before a later write, only if it was made available
- *   by a barrier whose first access scope holds it, and made visible by that or a chained one whose
- *   second access scope holds the later access. Access scopes have exactly the stages that are named,
- *   and hold only memory of the barrier's resource.
+ * - A later access sees a write, or a later write is ordered after it, only with both of these: a
+ *   barrier whose first access scope holds the write makes it available; that barrier or a chained
+ *   one, whose second access scope holds the later access, makes it visible. Access scopes have
+ *   exactly the stages that are named, and hold only memory of the barrier's resource.
  * - A read needs no more than an execution dependency before a later write.
  * - A change of layout reads and writes all of the range, after the first scope and its availability,
- *   before the second scope; what it wrote is available, and visible to the second access scope. It
- *   starts from the layout that the image has, or from UNDEFINED; accesses find the image in the layout
- *   that they name.
+ *   before the second scope. Its write is available, and visible to the second access scope. The
+ *   change starts from the layout that the image has, or from UNDEFINED. An access needs the image
+ *   in the layout that the access names.
  *
- * Every access is followed from barrier to barrier, one node for each piece of memory that no
- * resource covers in part. */
+ * The checker follows every access from barrier to barrier, with one node for each piece of memory.
+ * No resource covers a piece in part. */
 #include "hazard.h"
 
 #include <stdlib.h>

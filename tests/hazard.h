@@ -58,7 +58,7 @@ struct tape {
 };
 
 struct hazard {
-    uint32_t earlier; /* entry, or UINT32_MAX: what ran before the tape */
+    uint32_t earlier; /* entry, or UINT32_MAX: work before the tape */
     uint32_t later;   /* entry: an access, or a barrier that changes a layout */
     const char *kind; /* "write after read" and so on; "wrong layout" has no earlier entry */
 };

@@ -1,6 +1,6 @@
-/* The model of Vulkan's synchronization that barrier_audit judges by, on tapes written by hand: each
- * test is a sentence of the specification (1.3, chapters 7.1, 7.6 and 12.4). And the reader of SPIR-V, on
- * shaders whose source tells what it must find. Run by ninja test. */
+/* The model of Vulkan's synchronization that barrier_audit judges by, on tapes written by hand.
+ * Each test checks a sentence of the specification (1.3, chapters 7.1, 7.6 and 12.4). Also the
+ * reader of SPIR-V, on shaders whose source shows the expected result. Run by ninja test. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -71,7 +71,7 @@ static int teardown(void **state)
     return 0;
 }
 
-/* A command of its own that does one thing. */
+/* A command with this one access. */
 static void touch_mip(struct fixture *f, uint32_t resource, uint32_t mip,
                       VkPipelineStageFlags2 stage, VkAccessFlags2 access)
 {
@@ -239,7 +239,7 @@ static void barriers_chain_through_a_common_stage(void **state)
     expect(f, NULL);
     touch(f, A, COMPUTE, STORES);
     barrier(f, A, COMPUTE, STORES, EARLY, LOADS);
-    barrier(f, A, INDIRECT, 0, FRAGMENT, LOADS); /* waits for nothing that waited */
+    barrier(f, A, INDIRECT, 0, FRAGMENT, LOADS); /* INDIRECT did not wait, so no chain */
     touch(f, A, FRAGMENT, LOADS);
     expect(f, "read after write");
     touch(f, A, COMPUTE, STORES);
@@ -276,13 +276,13 @@ static void execution_is_not_limited_to_the_resource(void **state)
     touch(f, A, COMPUTE, STORES);
     expect(f, NULL);
     touch(f, A, COMPUTE, STORES);
-    barrier(f, B, COMPUTE, STORES, COMPUTE, LOADS); /* availability is */
+    barrier(f, B, COMPUTE, STORES, COMPUTE, LOADS); /* availability is limited to B */
     barrier(f, A, COMPUTE, 0, COMPUTE, LOADS);
     touch(f, A, COMPUTE, LOADS);
     expect(f, "read after write");
     touch(f, A, COMPUTE, STORES);
     barrier(f, A, COMPUTE, STORES, COMPUTE, 0);
-    barrier(f, B, COMPUTE, 0, COMPUTE, LOADS); /* and visibility */
+    barrier(f, B, COMPUTE, 0, COMPUTE, LOADS); /* visibility is limited to B */
     touch(f, A, COMPUTE, LOADS);
     expect(f, "read after write");
 }
@@ -370,7 +370,7 @@ static void accesses_wait_for_a_change_of_layout(void **state)
     touch(f, IMAGE, FRAGMENT, LOADS);
     expect(f, "read after write");
     to_layout(barrier(f, IMAGE, NOTHING, 0, COMPUTE, LOADS), UNDEFINED, GENERAL);
-    barrier(f, IMAGE, COMPUTE, 0, FRAGMENT, LOADS); /* what it wrote is available */
+    barrier(f, IMAGE, COMPUTE, 0, FRAGMENT, LOADS); /* the change made its write available */
     touch(f, IMAGE, FRAGMENT, LOADS);
     expect(f, NULL);
 }
@@ -380,7 +380,7 @@ static void images_are_found_in_the_layout_that_is_named(void **state)
     struct fixture *f;
 
     begin(state, &f);
-    touch(f, IMAGE, COMPUTE, LOADS); /* asks for GENERAL, which it has */
+    touch(f, IMAGE, COMPUTE, LOADS); /* needs GENERAL, the present layout */
     expect(f, NULL);
     to_layout(barrier(f, IMAGE, NOTHING, 0, COMPUTE, LOADS), GENERAL, READ_ONLY);
     touch(f, IMAGE, COMPUTE, LOADS);
@@ -419,7 +419,7 @@ static void aliases_share_their_bytes(void **state)
     barrier(f, BESIDE, COMPUTE, STORES, COMPUTE, STORES);
     touch(f, BESIDE, COMPUTE, STORES);
     expect(f, NULL);
-    /* the barrier of the second user made none of the bytes beyond it available for the third */
+    /* the barrier on SMALL does not make the bytes behind it available for BESIDE */
     touch(f, LARGE, COMPUTE, STORES);
     barrier(f, SMALL, COMPUTE, STORES, COMPUTE, STORES);
     touch(f, SMALL, COMPUTE, STORES);

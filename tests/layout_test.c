@@ -1,6 +1,6 @@
-/* What the GPU writes by field, C reads by the generated structs, from both backends; and what C
- * puts into the live block, the GPU sees. The values are those of specs/layout_fill.glsl: 100 *
- * element + a running number. */
+/* C reads the GPU's output by the generated structs, from both backends; the GPU reads the live
+ * block that C fills. The values are those of specs/layout_fill.glsl: 100 * element + a running
+ * number. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

@@ -1,7 +1,8 @@
 /* The libraries for other programs, as a program sees them: linked statically, on a device and in a
- * context of the test's own. Wrong calls are told in one message that names the thing, and a right one
- * goes on from there; a frame that is never submitted leaves no trace. Validation, with synchronization
- * checking, stays silent. What they draw is held against the command by install_test.sh. */
+ * context of the test's own. A wrong call gives one message that names the thing, and a right call
+ * after it succeeds. A frame that is never submitted leaves no trace. Validation, with
+ * synchronization checking, stays silent. install_test.sh compares the pictures with those of the
+ * command. */
 #include <malloc.h>
 #include <math.h>
 #include <pthread.h>
@@ -31,7 +32,7 @@
 
 enum { WIDTH = 24, HEIGHT = 16, TRAIL_BYTES = WIDTH * HEIGHT * 16, GEOMETRY_BYTES = 1 << 20 };
 
-/* ---- What was said --------------------------------------------------------------------------- */
+/* ---- Log ------------------------------------------------------------------------------------- */
 
 static struct {
     int errors, warnings, validation;
@@ -61,7 +62,7 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
     return VK_FALSE;
 }
 
-/* A call that must fail, and say one thing with these words in it. */
+/* The call must fail with exactly one error, which contains these words. */
 #define REFUSED(call, words)                                                                       \
     do {                                                                                           \
         heard.errors = 0;                                                                          \
@@ -203,7 +204,7 @@ static int open_vulkan(void **state)
     return 0;
 }
 
-/* Besides what the instance asks for: hazards between command buffers, too. */
+/* Like open_vulkan, but validation checks for hazards between command buffers, too. */
 static int open_vulkan_for_flight(void **state)
 {
     setenv("VK_LAYER_ENABLES",
@@ -225,7 +226,7 @@ static int close_vulkan(void **state)
     vkDestroyDevice(vk.device, NULL);
     destroy(vk.instance, vk.messenger, NULL);
     vkDestroyInstance(vk.instance, NULL);
-    return heard.validation; /* what the pipelines left behind is told by the device */
+    return heard.validation; /* includes objects that pipelines left behind */
 }
 
 static struct dt_vk_host vk_host(void)
@@ -306,7 +307,7 @@ static void assert_can_sample_images(struct vk_runtime *rt)
     }
 }
 
-/* Two frames in flight, in parts of so many passes, and what the trail through both of them is. */
+/* Records two frames in flight, in parts of `passes` passes each. `trail`: the trail after both. */
 static void run_parts(struct vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
 {
     struct dt_vk_resource resource;
@@ -371,7 +372,7 @@ static struct dt_bytes bytes_of(uint32_t resource, uint32_t mip)
     return bytes;
 }
 
-/* The table of colours: this one for all. */
+/* Fills the table of colours with one colour. */
 static void write_grade(write_content *write, const uint8_t color[4])
 {
     struct dt_bytes grade = bytes_of(OUTSIDE_RESOURCE_GRADE, 0);
@@ -383,7 +384,8 @@ static void write_grade(write_content *write, const uint8_t color[4])
 
 static const float graded_alone[8] = {1, 1, 1}, nothing[8]; /* weights; a vec3 has four */
 
-/* Content for all inputs but the table and what is `imported`, which takes none. */
+/* Writes content for all inputs but the table and the `imported` one. The `imported` input refuses
+ * content. */
 static void write_inputs(write_content *write, uint32_t imported)
 {
     for (uint32_t i = 0; i < OUTSIDE_RESOURCES; i++) {
@@ -403,8 +405,8 @@ static void write_inputs(write_content *write, uint32_t imported)
     }
 }
 
-/* Content for all inputs, the table last, with which the picture is the table's colour. `reads`, a
- * frame, is refused until then. */
+/* Writes content for all inputs, the table last. The picture then has the table's colour. `reads`,
+ * a frame, must fail before. */
 static void hand_in(write_content *write, bool (*reads)(void), const uint8_t color[4])
 {
     write_inputs(write, OUTSIDE_RESOURCES);
@@ -460,7 +462,7 @@ static void vulkan_tells_wrong_hosts(void **state)
     dt_vk_close(NULL);
 }
 
-/* Before there is a device. */
+/* dt_vk_suits works without a VkDevice. */
 static void vulkan_tells_which_device_suits(void **state)
 {
     (void)state;
@@ -482,7 +484,8 @@ static void vulkan_tells_which_device_suits(void **state)
     REFUSED(dt_vk_suits(&host, &features_vk), "must be given");
 }
 
-/* What the device was created with is up to the host: here it is told wrongly. */
+/* Only the host knows the features that its device was created with. Here the host describes them
+ * wrongly. */
 static void vulkan_checks_enabled_features(void **state)
 {
     (void)state;
@@ -574,7 +577,7 @@ static void vulkan_tells_wrong_calls(void **state)
                                  .mips = 1};
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "usage 0x0");
-    image.image = VK_NULL_HANDLE; /* taken back */
+    image.image = VK_NULL_HANDLE; /* cancels the import */
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_vk_timings(rt, 0, ms), "timing");
@@ -593,11 +596,11 @@ static void vulkan_forgets_what_was_not_submitted(void **state)
     run_frames(rt, wanted);
     assert_can_sample_images(rt);
     assert_memory_not_equal(wanted, zero, TRAIL_BYTES);
-    run_frames(rt, found); /* a trail goes on */
+    run_frames(rt, found); /* the trail continues */
     assert_memory_not_equal(wanted, found, TRAIL_BYTES);
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     struct dt_frame frame = frame_of(7);
-    assert_true(dt_vk_record(rt, begin(), &frame, NULL)); /* and there it ends */
+    assert_true(dt_vk_record(rt, begin(), &frame, NULL)); /* never submitted */
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, found);
     assert_memory_equal(wanted, found, TRAIL_BYTES);
@@ -663,7 +666,7 @@ static void vulkan_draws_vertices_of_another_layout(void **state)
     dt_vk_close(rt);
 }
 
-/* An indirect draw with the scene's own indices, which `features` has none of. */
+/* Records an indirect draw with the scene's own indices; `features` has no such draw. */
 static bool record_scene_indirect(const struct dt_recording *r)
 {
     return r->verbs->begin(r->runtime, FEATURES_PASS_HALVES, true) &&
@@ -671,8 +674,9 @@ static bool record_scene_indirect(const struct dt_recording *r)
                                    FEATURES_RESOURCE_DRAW_ARGUMENTS);
 }
 
-/* lavapipe (22.3.6) counts indices of indirect draws from the start of their buffer, wherever it is bound:
- * there the scene of these tests, whose indices stand behind its vertices, is refused. */
+/* lavapipe (22.3.6) counts the indices of an indirect draw from the start of their buffer, and
+ * ignores the offset of the binding. The runtime refuses the scene of these tests there, since its
+ * indices stand behind its vertices. */
 static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
 {
     (void)state;
@@ -737,7 +741,7 @@ struct own_image {
     VkImageView view; /* as an array */
 };
 
-/* Without a view. */
+/* Creates the image without a view. */
 static struct own_image create_image(const VkImageCreateInfo *info)
 {
     struct own_image own = {0};
@@ -814,7 +818,8 @@ static struct own_image make_textures(const uint8_t texels[2][4])
     return own;
 }
 
-/* A frame, whose every texel in the host's `color` is to have these codes; 2 more or less are rounding. */
+/* Renders a frame. Every texel in the host's `color` must have these codes, within 2 for
+ * rounding. */
 static void draws(struct vk_runtime *rt, const struct own_image *color, const double codes[3])
 {
     const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
@@ -834,7 +839,7 @@ static void draws(struct vk_runtime *rt, const struct own_image *color, const do
                 fail_msg("texel %d.%d is %d, not %g", i, c, texels[4 * i + c], codes[c]);
 }
 
-/* The linear value of an 8 bit code by IEC 61966-2-1, in the same units. */
+/* The linear value of an 8 bit code by IEC 61966-2-1, also from 0 to 255. */
 static double linear(double code)
 {
     return 255 * pow((code / 255 + 0.055) / 1.055, 2.4);
@@ -870,11 +875,11 @@ static void vulkan_draws_the_hosts_textures(void **state)
     draws(rt, &color, (double[]){linear(250), linear(60) / 2, linear(60)});
     material->texture = -1;
     draws(rt, &color, (double[]){255, 127.5, 255});
-    material->texture = 1; /* where the host has no textures any more, there is white */
+    material->texture = 1; /* without textures, the colour is white */
     assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_resize(rt, WIDTH, HEIGHT));
     draws(rt, &color, (double[]){255, 127.5, 255});
     dt_vk_close(rt);
-    destroy_image(&textures); /* which the runtime has left alone */
+    destroy_image(&textures); /* the runtime did not destroy them */
     destroy_image(&color);
     memset(material, 0, sizeof *material);
     assert_int_equal(heard.validation, 0);
@@ -960,7 +965,7 @@ static bool vulkan_records(void)
     return dt_vk_record(outside.rt, outside.commands, &frame, NULL);
 }
 
-/* Records a frame, and a copy of its picture to this place of the geometry's buffer. */
+/* Records a frame, and a copy of its picture to `offset` in the geometry's buffer. */
 static void record_picture(VkDeviceSize offset)
 {
     struct dt_vk_resource picture = {0};
@@ -973,7 +978,8 @@ static void record_picture(VkDeviceSize offset)
                            &region);
 }
 
-/* Content that is replaced between two frames of one command buffer is the second frame's alone. */
+/* If content is replaced between two frames of one command buffer, only the second frame has the
+ * new content. */
 static void vulkan_takes_inputs(void **state)
 {
     (void)state;
@@ -983,8 +989,8 @@ static void vulkan_takes_inputs(void **state)
     assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk));
     const struct dt_vk_image image = {.image = (VkImage)&heard /* never used as one */};
     REFUSED(dt_vk_import_image(outside.rt, OUTSIDE_RESOURCE_PHOTO, &image),
-            "which the layout_before");    /* and is no import: the photo is written */
-    for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
+            "which the layout_before");    /* no import: hand_in writes the photo */
+    for (int turn = 0; turn < 2; turn++) { /* a resize drops all content */
         assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT));
         outside.commands = begin();
         REFUSED(vulkan_records(), "mip 0 of the input kernel has no content");
@@ -1001,7 +1007,7 @@ static void vulkan_takes_inputs(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
-/* A picture with these weights in the host's buffer. */
+/* Renders with these weights in the host's buffer; the picture must have this colour. */
 static void vulkan_paints_with(const float weights[8], VkDeviceSize at, const uint8_t color[4])
 {
     memcpy((char *)vk.bytes + at, weights, sizeof graded_alone);
@@ -1107,7 +1113,7 @@ static void *VKAPI_PTR own_realloc(void *user, void *block, size_t size, size_t 
 static const VkAllocationCallbacks own_callbacks = {
     .pfnAllocation = own_alloc, .pfnReallocation = own_realloc, .pfnFree = own_free};
 
-/* Never from the start of the memory. */
+/* Allocates at an offset, never from the start of the memory. */
 static VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char *name,
                              struct dt_vk_memory *out)
 {
@@ -1364,7 +1370,8 @@ static void end_frame(const struct flight *flight, uint32_t frame)
                      VK_SUCCESS);
 }
 
-/* What the host writes into its image before a frame; a place for each frame in flight to copy it to. */
+/* The value that the host writes into its image before a frame. Below: the place for the frame's
+ * copy, one for each frame in flight. */
 static float written_before(uint32_t frame)
 {
     return 0.125f * (float)(frame % 4);
@@ -1374,7 +1381,7 @@ static VkDeviceSize copy_of(uint32_t frame)
     return GEOMETRY_BYTES / 2 + (VkDeviceSize)(frame % IN_FLIGHT) * TRAIL_BYTES;
 }
 
-/* No barrier of the host's but those for its own changes of layout. */
+/* The host records no barriers but those for its own changes of layout. */
 static void write_image(VkCommandBuffer commands, VkImage image, VkImageLayout layout, float value)
 {
     const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -1383,7 +1390,7 @@ static void write_image(VkCommandBuffer commands, VkImage image, VkImageLayout l
     vkCmdClearColorImage(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &all);
 }
 
-/* A frame in which the trail begins as the host's. */
+/* Records a frame whose trail starts from the host's image. */
 static void record_own_trail(struct vk_runtime *rt, const struct flight *flight, VkImage image,
                              uint32_t frame)
 {
@@ -1401,8 +1408,8 @@ static void record_own_trail(struct vk_runtime *rt, const struct flight *flight,
     end_frame(flight, frame);
 }
 
-/* The trail is what the host wrote and the newest picture, which is the same in every frame, mixed by the
- * default weight of 0.25. */
+/* The trail mixes the value that the host wrote with the newest picture, by the default weight of
+ * 0.25. The picture is the same in every frame. */
 static void check_trail(const struct flight *flight, uint32_t frame, float first[TRAIL_BYTES / 4])
 {
     wait_for(flight, frame);
@@ -1429,9 +1436,9 @@ static void import_trail(struct vk_runtime *rt, const struct own_image *image)
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &import));
 }
 
-/* Outputs are imported, and left ready for a copy, as hosts do it: across command buffers the validation
- * layers of 1.3.239 do not see that a change of layout waits for a write by way of another barrier (their
- * issue 6508), and would complain about an output that is written and that nobody reads. */
+/* Imports the output, and leaves it ready for a copy, as hosts do. Across command buffers, the
+ * validation layers of 1.3.239 do not see that a change of layout waits for a write through another
+ * barrier (their issue 6508). The layers would complain about an output that no command reads. */
 static struct own_image import_output(struct vk_runtime *rt, uint32_t width)
 {
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
@@ -1456,8 +1463,8 @@ static bool vulkan_records_passes(uint32_t first, uint32_t end)
                                end);
 }
 
-/* Between the passes the host clears what the second one reads, in the same command buffer or in one
- * of its own. */
+/* Records the two passes. With `clears`, the host clears the second pass's input between them, and
+ * the second pass goes into a command buffer of its own. */
 static void paint_between(bool clears, VkDeviceSize offset)
 {
     const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -1524,7 +1531,7 @@ static void vulkan_records_parts(void **state)
     assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
     is_painted((const uint8_t *)vk.bytes + FIRST, black);
     is_painted((const uint8_t *)vk.bytes + SECOND, white);
-    assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT)); /* which abandons the frame */
+    assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT)); /* abandons the frame */
     outside.commands = begin();
     write_for_blurred(vulkan_writes);
     assert_true(vulkan_records());
@@ -1532,8 +1539,8 @@ static void vulkan_records_parts(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
-/* Each frame in flight sees its own live parameters, as a buffer of the host tells, and has its times.
- * Nothing waits but for the frame before the last. */
+/* Each frame in flight has its own live parameters, as a buffer of the host shows, and its own
+ * times. A frame waits only for the frame before the last. */
 static void vulkan_tells_frames_in_flight_apart(void **state)
 {
     (void)state;
@@ -1576,8 +1583,8 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
-/* In every frame the host copies weights into a buffer that it imported, and the picture out, without a
- * barrier of its own. */
+/* In every frame the host copies weights into an imported buffer, and copies the picture out,
+ * without a barrier of its own. */
 static void copy_around(const struct dt_vk_sync *sync)
 {
     enum { WEIGHTS = GEOMETRY_BYTES / 4, SOURCE = WEIGHTS + 4096, PICTURE = GEOMETRY_BYTES / 2 };
@@ -1615,7 +1622,8 @@ static void copy_around(const struct dt_vk_sync *sync)
     is_painted((const uint8_t *)vk.bytes + PICTURE + 4 * (size_t)WIDTH * HEIGHT, first_color);
 }
 
-/* Less than what the host does is a hazard: validation sees these barriers and no others. */
+/* Validation sees the runtime's barriers and no others. It reports a hazard if `sync` lacks some of
+ * the host's work. */
 static void vulkan_waits_only_for_what_the_host_does(void **state)
 {
     (void)state;
@@ -1641,8 +1649,9 @@ static void vulkan_waits_only_for_what_the_host_does(void **state)
     assert_true(own.stages & VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
 }
 
-/* Between two passes the host clears what the first wrote and the second reads, without a barrier of
- * its own. `drop`: the barrier to leave out. Returns whether validation hears a hazard. */
+/* Between two passes the host clears the image that the first writes and the second reads, without
+ * a barrier of its own. `drop`: the barrier to leave out. *seam: number of the last barrier before
+ * the host's command. Returns whether validation reports a hazard. */
 static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned *seam)
 {
     const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
@@ -1671,8 +1680,8 @@ static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned
     return heard.validation;
 }
 
-/* Validation is silent, and hears a hazard without the last barrier before the host's command, or
- * without the first after it. */
+/* Validation is silent with all barriers. It reports a hazard without the last barrier before the
+ * host's command, or without the first one after it. */
 static void vulkan_waits_at_seams(void **state)
 {
     (void)state;
@@ -1691,7 +1700,8 @@ static void vulkan_waits_at_seams(void **state)
     heard.validation = 0;
 }
 
-/* A buffer and an image of another family. EXTERNAL is one on every device. */
+/* A buffer and an image that another queue family owns. EXTERNAL is such a family on every
+ * device. */
 static void vulkan_exchanges_imports(void **state)
 {
     (void)state;
@@ -1728,7 +1738,7 @@ static void vulkan_exchanges_imports(void **state)
     write_grade(vulkan_writes, first_color);
     own.acquired = own.released = 0;
     assert_true(vulkan_records_passes(0, 1));
-    assert_int_equal(own.acquired, 1); /* the picture's content is lost */
+    assert_int_equal(own.acquired, 1); /* only the weights; the picture has no content yet */
     assert_int_equal(own.released, 0);
     assert_true(vulkan_records_passes(1, OUTSIDE_PASSES));
     assert_int_equal(own.acquired, 1);
@@ -1753,8 +1763,8 @@ static void vulkan_exchanges_imports(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
-/* Two pipelines, each with two frames in flight, one of them with an image that the host writes before
- * every frame and reads after it. */
+/* Two pipelines, each with two frames in flight. The host writes an image of the first pipeline
+ * before every frame and reads it after the frame. */
 static void run_in_flight(const struct dt_shaders *shaders)
 {
     static float first[TRAIL_BYTES / 4];
@@ -1794,8 +1804,8 @@ static void vulkan_keeps_frames_in_flight_apart(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
-/* Validation must be able to fail, or its silence means nothing: first uses that wait for nothing, not even
- * for the barrier with which a frame begins. */
+/* Checks that validation can fail, since its silence means nothing otherwise. First uses wait for
+ * nothing here, not even for the barrier at the start of a frame. */
 static const struct dt_verbs *verbs_below;
 
 static bool barriers_without_stages(void *runtime, uint32_t pass, const struct dt_barrier *barriers,
@@ -1963,7 +1973,7 @@ static void opengl_tells_wrong_calls(void **state)
 static void opengl_tells_errors_that_were_there(void **state)
 {
     (void)state;
-    enable(GL_RGBA8); /* which is no switch */
+    enable(GL_RGBA8); /* no capability: GL_INVALID_ENUM */
     heard.warnings = heard.errors = 0;
     struct gl_runtime *rt =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
@@ -2054,7 +2064,7 @@ static bool opengl_records(void)
     return dt_gl_record(outside_gl_runtime, &frame, NULL);
 }
 
-/* The picture of the frame before. */
+/* The picture of the last frame must have this colour. */
 static void opengl_painted(const uint8_t color[4])
 {
     PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
@@ -2102,14 +2112,14 @@ static void opengl_records_parts(void **state)
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
-/* `glsl`: from the text in generated C, not from the SPIR-V. */
+/* `glsl`: uses the GLSL text in the generated C, not the SPIR-V. */
 static void take_inputs(bool glsl)
 {
     struct gl_runtime *rt = dt_gl_open(
         &(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress, .glsl = glsl});
     outside_gl_runtime = rt;
     assert_true(rt && dt_gl_create(rt, &outside_gl));
-    for (int turn = 0; turn < 2; turn++) { /* a resize forgets all */
+    for (int turn = 0; turn < 2; turn++) { /* a resize drops all content */
         assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
         REFUSED(opengl_records(), "mip 0 of the input kernel has no content");
         hand_in(opengl_writes, opengl_records, first_color);
@@ -2117,7 +2127,7 @@ static void take_inputs(bool glsl)
         write_grade(opengl_writes, second_color);
         opengl_paints(second_color);
     }
-    /* an image of the host needs no content, and takes none */
+    /* an imported image needs no content, and refuses content */
     struct dt_bytes photo = bytes_of(OUTSIDE_RESOURCE_PHOTO, 0);
     assert_true(
         dt_gl_import_image(rt, OUTSIDE_RESOURCE_PHOTO, texture_of(GL_SRGB8_ALPHA8, WIDTH)) &&
@@ -2208,7 +2218,7 @@ static void opengl_takes_3d_images_and_cubes(void **state)
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
-/* A query buffer of the host would take the times. */
+/* If the host has bound a query buffer, OpenGL would write the times into this buffer. */
 static void opengl_takes_times_beside_a_query_buffer(void **state)
 {
     (void)state;
@@ -2247,7 +2257,7 @@ static void opengl_takes_times_beside_a_query_buffer(void **state)
 
 /* ---- Scenes ---------------------------------------------------------------------------------- */
 
-/* scenes/cornell.yaml by hand. */
+/* Composes the frame of scenes/cornell.yaml by hand. */
 static void a_frame_is_composed_as_of_a_file(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
-/* Maps of clusters against rays: what the eyes of ssvp.yaml see in 500 directions, over all maps of a
- * bounce, is what Embree hits first. With DIPTYCH_LONG more scenes and clusters; with DIPTYCH_SCENES,
- * the folder of the paper's meshes, Sibenik, too. */
+/* Maps of clusters against rays, in 500 directions over all maps of a bounce of ssvp.yaml. A map
+ * must show the surface that Embree hits first. With DIPTYCH_LONG more scenes and clusters; with
+ * DIPTYCH_SCENES, the folder of the paper's meshes, Sibenik, too. */
 #include "app/truth/rays.h"
 #include "dump_reader.h"
 #include "scenes/scene.h"
@@ -54,7 +54,8 @@ static bool is_right(const struct ray_scene *rays, struct vec3 eye, struct vec3 
     return fabsf(reach * length - distance) <= 1e-3f * distance;
 }
 
-/* Texels that are off by more than 0.1 %, of TEXELS, spread evenly by the R2 sequence. */
+/* Counts texels that are off by more than 0.1 %, among TEXELS texels that the R2 sequence spreads
+ * evenly. */
 static int count_wrong(const struct dump *dump, const struct ray_scene *rays, const char *bounce)
 {
     char name[32];

@@ -256,8 +256,8 @@ static void flip_of_equal_images_is_zero_and_it_is_symmetric(void **state)
     assert_memory_equal(f->errors, other, sizeof other);
 }
 
-/* The ACES fit reaches 0.85 where (2.51 x2 + 0.03 x) / (2.43 x2 + 0.59 x + 0.14), x scaled by 0.6,
- * does: solved here by bisection. */
+/* The x where the ACES fit reaches 0.85, by bisection. The fit is (2.51 s2 + 0.03 s) / (2.43 s2 +
+ * 0.59 s + 0.14) with s = 0.6 x. */
 static double nearly_white(void)
 {
     double low = 0, high = 100;
@@ -289,8 +289,8 @@ static void hdr_exposures_span_median_to_brightest(void **state)
     assert_int_equal(exposures.count, 1);
 }
 
-/* What only a long exposure shows is found by the HDR version, and light that no screen could show
- * does not make it NaN. */
+/* HDR FLIP finds a difference that only a long exposure shows. Light that no screen could show does
+ * not make the result NaN. */
 static void hdr_sees_into_the_dark(void **state)
 {
     struct fixture *f = *state;
@@ -331,7 +331,8 @@ static void errors_of_two_constants(void **state)
     assert_true(errors.rmse == 0 && isinf(errors.psnr));
 }
 
-/* Worked out by hand, pixel by pixel; what is NaN or Inf in either picture leaves no trace. */
+/* Worked out by hand, pixel by pixel. A pixel that is NaN or Inf in either picture counts in
+ * not_finite alone. */
 static void darkness_shows(void **state)
 {
     (void)state;
@@ -343,7 +344,8 @@ static void darkness_shows(void **state)
     const struct rgb_image reference = {8, 1, right}, test = {8, 1, given};
     struct image_errors errors = image_errors_measure(&reference, &test);
     assert_float_equal(errors.not_finite, 2, 0);
-    /* an eighth, and green that became blue: 0.7152 to 0.0722; red to blue is a third */
+    /* darker: an eighth, and green that became blue, 0.7152 to 0.0722; not red that became blue, a
+     * third */
     assert_float_equal(errors.darker, 2.0 / 6, 1e-12);
     assert_float_equal(errors.brighter, 2.0 / 6, 1e-12); /* black that is lit, and eight times */
     assert_float_equal(errors.ratio, (3 * 16.1875 + 2) / (3 * 3.0 + 2), 1e-12);
@@ -355,8 +357,8 @@ static void darkness_shows(void **state)
     assert_true(swapped.darker == errors.brighter && swapped.brighter == errors.darker);
 }
 
-/* Of 6.25 times too dark and as many times too bright, relative MSE sees the first as less than a
- * twentieth of the second; the symmetric error sees both alike. */
+/* One picture is 6.25 times too dark, the other 6.25 times too bright. For relative MSE, the first
+ * error is less than a twentieth of the second. The symmetric error is the same for both. */
 static void too_dark_counts_as_too_bright(void **state)
 {
     struct fixture *f = *state;

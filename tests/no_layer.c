@@ -1,4 +1,4 @@
-/* A preloaded library: every Vulkan device tells that it has no shaderOutputLayer. */
+/* A preloaded library: every Vulkan device reports that it has no shaderOutputLayer. */
 #include <dlfcn.h>
 #include <vulkan/vulkan.h>
 

@@ -1,6 +1,7 @@
-/* Stages of templates/ssvp.yaml against what they should compute, in double precision in C, on dumped resources of both
- * backends: sampling patterns, VPLs, clusters, second-bounce flux, interleaving, shading, tone mapping. Shares no code with the
- * shaders; formulas and names of quantities are the papers'. */
+/* Stages of templates/ssvp.yaml against their definition, in double precision in C, on dumped
+ * resources of both backends: sampling patterns, VPLs, clusters, second-bounce flux, interleaving,
+ * shading, tone mapping. Shares no code with the shaders; formulas and names of quantities are the
+ * papers'. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +22,8 @@
 #define CLUSTERS    8
 static const double pi = 3.14159265358979323846;
 
-/* The smallest sizes that leave the stages their shape, a metric scale that the test knows, one frame. */
+/* The smallest sizes that keep the shape of the stages, a metric scale that the test knows, one
+ * frame. */
 #define COMMON                                                                                     \
     " --spec templates/ssvp.yaml --size 50x38 --set rsm_size=128 --set map_size=64"                \
     " --set metrics.vpl_distance.scale=0.5 "
@@ -183,7 +185,8 @@ static double spot_share(const float *x)
     return t * t * (3 - 2 * t) * side * side / FIRST_VPLS * cosine * cosine * cosine;
 }
 
-/* Unit, turned to the light, and upright on the triangle, which shows in a texel beside this one, too. */
+/* The normal has length 1, faces the light, and is perpendicular to the triangle. A texel beside
+ * this one that shows the same triangle gives its plane. */
 static void expect_normal(const float *n, const struct dump_entry *triangle,
                           const struct dump_entry *position, const size_t *t)
 {
@@ -285,7 +288,8 @@ static double metric(const float *pa, const float *na, const float *pb, const fl
     return 0.6 * distance3(pa, pb) / 0.5 + 0.4 * (1 - fmax(dot3(na, nb), 0));
 }
 
-/* Each label is the argmin over the centres, its margin the distance to the next best; each mean the mean of its members; frame 3 starts from frame 2's means. */
+/* Each label is the argmin over the centres, and its margin the difference to the next best. Each
+ * mean is the mean of its members. Frame 3 starts from frame 2's means. */
 static void clusters_are_those_of_kmeans(void **state)
 {
     (void)state;
@@ -349,8 +353,8 @@ static void clusters_are_those_of_kmeans(void **state)
     }
 }
 
-/* Where the VPLs of the second bounce stand: their cluster, the point of the disk, and the samples that
- * their cluster has. */
+/* Place of a second-bounce VPL: its cluster, its point on the disk, and the number of samples of
+ * its cluster. */
 struct disk_sample {
     unsigned cluster;
     double point[2], number;
@@ -383,8 +387,9 @@ static void shares_by_power(const double power[CLUSTERS], struct disk_sample sam
     }
 }
 
-/* What the maps of clusters show, as an image of positions, w 1 on a surface, else 0: along each texel's ray,
- * (p, sqrt(2) (1 - max |p|)) in the frame of the map (Cigolle et al. 2014), as far as the map says. */
+/* The surfaces in the maps of clusters, as an image of positions; w is 1 on a surface, else 0. A
+ * texel's ray is (p, sqrt(2) (1 - max |p|)) in the frame of the map (Cigolle et al. 2014). The map
+ * has the distance along the ray. */
 static struct dump_entry map_positions(const struct dump *dump)
 {
     struct dump_entry views = dump_read(dump, NULL, "first.views");
@@ -405,7 +410,7 @@ static struct dump_entry map_positions(const struct dump *dump)
         float reach[4], position[4];
         dump_texel(&map, x, y, layer, reach);
         position[3] = reach[0] < 1e29f;
-        reach[0] *= position[3]; /* nothing is seen: the eye itself */
+        reach[0] *= position[3]; /* no surface: the position of the eye */
         for (int c = 0; c < 3; ++c) {
             double ray = p[0] * vec(&views, layer, "tangent")[c] +
                          p[1] * vec(&views, layer, "bitangent")[c] +
@@ -428,7 +433,8 @@ static void map_texel(const double disk[2], size_t texel[2])
         texel[i] = (size_t)fmin(fmax((disk[i] / reach + 0.5) * MAP_SIZE, 0), MAP_SIZE - 1);
 }
 
-/* Reflectance of the Cornell Box, from cornell.mtl: the side walls are red and green, all else is white. */
+/* Reflectance of the Cornell Box, from cornell.mtl: the side walls are red and green, all else is
+ * white. */
 static const double *cornell_albedo(const float position[3], const float normal[3])
 {
     static const double white[3] = {0.725, 0.71, 0.68}, red[3] = {0.63, 0.065, 0.05},
@@ -437,7 +443,8 @@ static const double *cornell_albedo(const float position[3], const float normal[
     return side && position[0] > 0.54f ? red : side && position[0] < 0.001f ? green : white;
 }
 
-/* Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), from the texel that the disk point falls on; Phi_C the members' sum. */
+/* Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), with rho from the texel under the disk point,
+ * and Phi_C the sum of the members' flux. */
 static void check_second_flux(const char *backend, bool by_power)
 {
     struct dump dump;
@@ -475,7 +482,7 @@ static void check_second_flux(const char *backend, bool by_power)
         map_texel(p, texel);
         dump_texel(&position, texel[0], texel[1], samples[k].cluster, x);
         if (distance3(vec(&second, k, "position"), x) > 1e-6)
-            continue; /* the point lies on the border of two texels, where float and double may part */
+            continue; /* on the border of two texels float and double may differ */
         checked++;
         const double *rho = cornell_albedo(x, vec(&second, k, "normal"));
         for (int c = 0; c < 3; ++c) {
@@ -504,8 +511,8 @@ static void second_bounce_flux_is_as_derived(void **state)
     }
 }
 
-/* The surface of one texel, from the positions of its neighbours; 0 where these do not lie in one plane
- * with it, and with the VPL's normal across. */
+/* The surface of one texel, from the positions of its neighbours. 0 where the neighbours do not lie
+ * in the plane of the texel that has the VPL's normal. */
 static double texel_surface(const struct dump_entry *positions, size_t x, size_t y, size_t layer,
                             const float *normal)
 {
@@ -529,8 +536,8 @@ static double texel_surface(const struct dump_entry *positions, size_t x, size_t
     return sqrt(dot3(cross, cross));
 }
 
-/* A VPL of the first bounce stands for as much surface as RSM_SIZE^2 / FIRST_VPLS texels like its own
- * cover, up to the tenfold of what is seen of it. */
+/* A first-bounce VPL stands for the surface of RSM_SIZE^2 / FIRST_VPLS texels like its own, at most
+ * for ten times the area that the light sees. */
 static void first_vpls_stand_for_the_surface_of_their_texels(void **state)
 {
     (void)state;
@@ -570,8 +577,8 @@ static double fraction(double x)
     return x - floor(x);
 }
 
-/* How many of the VPLs lie where their map has been looked at in double precision; on the border of two
- * texels float and double may part. */
+/* Counts VPLs at the position that the map has at their sample, computed in double precision. On
+ * the border of two texels float and double may differ. */
 static unsigned count_at(const struct dump_entry *vpls, const struct dump_entry *position,
                          bool disk, const double shift[2])
 {
@@ -597,8 +604,8 @@ static unsigned count_at(const struct dump_entry *vpls, const struct dump_entry 
     return count;
 }
 
-/* Without reuse, the patterns of the third frame are shifted: on the square, and on the disk in the square
- * of the radius and in the angle. */
+/* Without reuse, the patterns of the third frame are shifted: on the square, and on the disk in the
+ * square of the radius and in the angle. */
 static void patterns_are_shifted_unless_reused(void **state)
 {
     (void)state;
@@ -668,9 +675,9 @@ static void write_ball(const char *folder)
     assert_int_equal(fclose(scene), 0);
 }
 
-/* A map shows the same, and second-bounce VPLs find the same surface in it, whether it draws the whole
- * scene, as it does where too few triangles are culled or its list finds no room, or a list of the
- * triangles that can show in it; these are less. */
+/* A map draws the whole scene, or a list of the triangles that can show in it. The map shows the
+ * same either way, and second-bounce VPLs find the same surface. The map draws the whole scene
+ * where culling removes too few triangles or the list finds no room. The list is shorter. */
 static void culling_changes_no_texel(void **state)
 {
     (void)state;
@@ -711,8 +718,8 @@ static void culling_changes_no_texel(void **state)
     assert_int_equal(system(arguments), 0);
 }
 
-/* Where nothing moves, k-means begun anew ends in every frame where it ended in the first; begun with the
- * last centres it goes on. */
+/* In a still scene, k-means that begins anew ends in every frame as in the first. K-means that
+ * begins with the last centres goes on. */
 static void clusters_begin_anew_unless_reused(void **state)
 {
     (void)state;
@@ -733,8 +740,8 @@ static void clusters_begin_anew_unless_reused(void **state)
     assert_memory_not_equal(means[2], means[0], sizeof means[0]);
 }
 
-/* What the second bounce, without visibility, adds to a pixel is the sum over its class of (Phi/pi) cos cos
- * / (d^2 + disk cos), times the classes. */
+/* Without visibility, the second bounce adds to a pixel the sum over its class of (Phi/pi) cos cos
+ * / (d^2 + disk cos), times the number of classes. */
 static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
 {
     (void)state;
@@ -780,7 +787,7 @@ static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
                                (square * (square + foreshortened));
                 }
                 if (nearest < 1e-4)
-                    continue; /* there the singularity does, and half floats end */
+                    continue; /* near a VPL the term diverges, and half floats overflow */
                 expect_near(e2[1] - e1[1], 16 * sum, 2e-3, 2e-3 * (e1[1] + e2[1]) + 1e-5);
                 checked++;
             }
@@ -795,7 +802,8 @@ static void second_bounce_irradiance_is_the_sum_of_its_class(void **state)
     }
 }
 
-/* Reinhard et al. 2002, Equations 1, 2 and 4 on luminance, IEC 61966-2-1, with the defaults a = 0.18, white = 4. */
+/* Reinhard et al. 2002, Equations 1, 2 and 4 on luminance, IEC 61966-2-1, with the defaults a =
+ * 0.18, white = 4. */
 static void display_is_reinhards_curve_of_radiance(void **state)
 {
     (void)state;

@@ -204,7 +204,7 @@ static void test_history_is_read_before_it_is_written(void **state)
     touch(writer, b, MODE_WRITE);
     assert_true(plan(f));
     assert_ptr_equal(f->model.pipeline.order[0], reader);
-    /* The writer waits for the reader to be done, and for nothing to become available. */
+    /* The writer waits until the reader is done; no write has to become available. */
     assert_int_equal(barrier_on(writer, b)->from_stages, STAGE_COMPUTE);
     assert_false(barrier_on(writer, b)->from_writes);
 }
@@ -309,7 +309,8 @@ static void test_kinds_and_bindings(void **state)
     assert_int_equal(draw->textures_binding, 4);
 }
 
-/* 4096 vec4 are the 64 KiB that software drivers have; a uint array would be padded in std140. */
+/* 4096 vec4 fill the 64 KiB of a uniform block on software drivers; std140 would pad a uint
+ * array. */
 static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
 {
     struct fixture *f = *state;
@@ -346,8 +347,8 @@ static uint32_t uniform_blocks(const struct pass *p)
     return blocks;
 }
 
-/* Twelve blocks are what every device has: nine, materials, frame and live parameters. Ranges that
- * the plan reads in place are among the nine. */
+/* Every device has twelve uniform blocks: nine for buffers, and one each for materials, frame and
+ * live parameters. Ranges that the plan reads in place are among the nine. */
 static void test_uniform_blocks_are_few(void **state)
 {
     static const char *const names[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k"};
@@ -373,7 +374,7 @@ static void test_uniform_blocks_are_few(void **state)
     assert_int_equal(ranges[0].loop, LOOP_ROLL);
 }
 
-/* On a CPU a workgroup that copies ranges is large, unless the spec says how large. */
+/* On a CPU a workgroup that copies ranges is large, unless the spec sets its size. */
 static void test_ranges_make_workgroups_large(void **state)
 {
     struct fixture *f = *state;
@@ -449,7 +450,8 @@ static void test_long_range_is_rolled_in_place(void **state)
     }
 }
 
-/* Of long ranges the shortest are unrolled, up to 256 elements together; none that reads images. */
+/* Among long ranges, the plan unrolls the shortest, up to 256 elements together, and none that
+ * reads images. */
 static void test_shortest_ranges_are_unrolled(void **state)
 {
     static const struct {
@@ -501,12 +503,12 @@ static void test_a_range_follows_the_spec(void **state)
     range.count_value = 37;            /* prime: a short last block */
     assert_true(plan(f));
     assert_int_equal(range.chunk, 32);
-    range.loop = LOOP_AUTO; /* copied as told, but not unrolled */
+    range.loop = LOOP_AUTO; /* copied as in the spec, but not unrolled */
     range.count_value = 512;
     assert_true(plan(f));
     assert_int_equal(range.storage, STORAGE_SHARED);
     assert_int_equal(range.loop, LOOP_ROLL);
-    range.storage = STORAGE_AUTO; /* unrolled as told, but not copied */
+    range.storage = STORAGE_AUTO; /* unrolled as in the spec, but not copied */
     range.loop = LOOP_UNROLL;
     assert_true(plan(f));
     assert_int_equal(range.storage, STORAGE_AUTO);
@@ -676,7 +678,7 @@ static void test_second_reader_waits_for_the_layout(void **state)
     assert_int_equal(layout_of(barrier_on(show, depth)->to), LAYOUT_READ);
 }
 
-/* Drawing one mip anew leaves what was stored in another. */
+/* Drawing into one mip keeps the stores in another. */
 static void test_stores_in_another_mip_stay_stored(void **state)
 {
     struct fixture *f = *state;
@@ -692,7 +694,7 @@ static void test_stores_in_another_mip_stay_stored(void **state)
     assert_true(plan(f));
 }
 
-/* Writing one mip waits for nothing that happened to another; reading all of them waits for each. */
+/* A write to one mip waits for no other mip; a read of all mips waits for each. */
 static void test_mips_wait_for_themselves(void **state)
 {
     struct fixture *f = *state;
@@ -717,7 +719,8 @@ static void test_mips_wait_for_themselves(void **state)
     assert_int_equal(barrier_on(again, a)->from, ACCESS_STORAGE_WRITE);
 }
 
-/* Where a skipped reader may leave a write unread, whoever takes the memory waits for the write, too. */
+/* If a reader may be skipped, the write before it may stay unread. The next user of the memory then
+ * waits for the write, too. */
 static void test_skipped_readers_leave_the_write(void **state)
 {
     struct fixture *f = *state;
@@ -740,8 +743,8 @@ static void test_skipped_readers_leave_the_write(void **state)
     assert_true(barrier_on(last, next)->from & ACCESS_STORAGE_WRITE);
 }
 
-/* What the last frame stored in a resource with history needs a barrier in the first pass of this
- * one. */
+/* History crosses frames: the first pass reads the last frame's stores without a barrier of its
+ * own. */
 static void test_history_crosses_frames(void **state)
 {
     struct fixture *f = *state;
@@ -796,8 +799,8 @@ static void test_chain_takes_two_slots(void **state)
     assert_int_equal(barrier_on(&f->passes[2], &f->resources[2])->from_stages, STAGE_COMPUTE);
 }
 
-/* Three users of one place, the second small: what the first wrote beyond it, and nobody read, is
- * made available for the third. */
+/* Three users of one place; the second is small. No pass reads the first one's write beyond the
+ * second. This write is made available for the third. */
 static void test_third_user_waits_for_unread_writes(void **state)
 {
     struct fixture *f = *state;
@@ -821,8 +824,9 @@ static void test_third_user_waits_for_unread_writes(void **state)
     assert_true(barrier_on(last, next)->from_writes);
 }
 
-/* Buffer, target, buffer in one place. Synchronization validation does not see that waiting for the target
- * is waiting for the readers of the first buffer; it does where another buffer took all of it in between. */
+/* Buffer, target, buffer in one place. Synchronization validation does not see that a wait for the
+ * target includes the readers of the first buffer. It does see that where another buffer took the
+ * whole place in between. */
 static void test_buffer_waits_for_the_buffer_before_a_target(void **state)
 {
     struct fixture *f = *state;

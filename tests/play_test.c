@@ -1,6 +1,7 @@
-/* The app plays a planned spec, other programs compile what diptych-gen writes of it: both must be the same
- * pipeline. For every spec that is shipped or tested, the tables of a spec read here are held against
- * those of the generated C, and its frame against the generated record, call by call with arguments. */
+/* The app plays a planned spec; other programs compile the output of diptych-gen. Both must be the
+ * same pipeline. For every shipped or tested spec, this test compares the tables of the spec read
+ * here with those of the generated C. It also compares its frame with the generated record, call by
+ * call with arguments. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -368,7 +369,7 @@ static void frames_are_the_same_with_other_live_parameters(void **state)
     assert_true(tried > 20);
 }
 
-/* Once for all tests: each takes a compilation of every shader. */
+/* Opens the pairs once for all tests, since each pair compiles every shader. */
 static int open_pairs(void **state)
 {
     (void)state;

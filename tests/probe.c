@@ -241,7 +241,7 @@ static const struct dt_need needs[] = {
 
 /* ---- One frame ------------------------------------------------------------------------------- */
 
-/* A pass that runs, except for its work. */
+/* Begins a pass that runs, up to its work. */
 static bool start(const struct dt_recording *r, uint32_t pass, const struct dt_barrier *barriers,
                   uint32_t count)
 {

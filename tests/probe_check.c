@@ -1,4 +1,5 @@
-/* What the frames of the pipeline in probe.h hold: values follow from its scene and shaders. */
+/* Checks the frames of the pipeline in probe.h; expected values follow from its scene and
+ * shaders. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -86,7 +87,7 @@ void probe_check_depth(const struct dt_runtime *runtime, void *rt, uint32_t widt
 static bool stack_value_ok(uint32_t x, uint32_t y, uint32_t layer, uint32_t value)
 {
     bool front = x > 2 * y;      /* the clockwise triangle, nearest of all */
-    bool quad = x < 8 && y >= 4; /* of the left one, what is seen */
+    bool quad = x < 8 && y >= 4; /* visible part of the left quad */
     uint32_t drawn = front || quad || y < 4 ? layer + 1 : 5;
     if (layer == 1 && front)
         return value == 22;
@@ -146,7 +147,7 @@ static void check_levels(const struct dt_runtime *runtime, void *rt, uint32_t wi
                          uint32_t height)
 {
     float levels[2][8][16] = {{{0}}};
-    if (height % 2) /* the row in the middle is anybody's */
+    if (height % 2) /* the content of the middle row is not defined */
         return;
     for (uint32_t y = 0; y < 8; y++)
         for (uint32_t x = 0; x < 16; x++)

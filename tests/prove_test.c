@@ -1,5 +1,5 @@
-/* What the proof finds in single statements, compiled as they stand: one row for each operation that
- * the tables of gen/prove.c have as open. prove_test.sh has those that are exact. */
+/* Findings of the proof in single statements, compiled as they stand: one row for each open
+ * operation in the tables of gen/prove.c. prove_test.sh has the exact operations. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>
@@ -30,7 +30,7 @@ static const char fragment[] = "#version 460\n"
 
 static const struct row {
     const char *statement;
-    const char *word; /* what is found once or more; NULL: nothing */
+    const char *word; /* the finding, once or more; NULL: none */
 } in_compute[] =
     {
         {"x = x + y;", "+"},

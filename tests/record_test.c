@@ -1,5 +1,5 @@
-/* What generated pipelines do in a frame, seen by a table of verbs that takes notes: the order of calls,
- * the resources and layouts of barriers, and the clears of passes that are switched off. `record_test
+/* Frames of generated pipelines, seen by a table of verbs that takes notes: the order of calls, the
+ * resources and layouts of barriers, and the clears of passes that are switched off. `record_test
  * NAME` prints the notes of one frame instead. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -60,7 +60,7 @@ static const struct recorder_note *take(struct walk *walk, enum recorder_verb ve
     return note;
 }
 
-/* ---- What a pass may touch ------------------------------------------------------------------- */
+/* ---- Resources of a pass --------------------------------------------------------------------- */
 
 static bool lists(const uint16_t *list, uint32_t count, uint32_t resource)
 {
@@ -82,7 +82,7 @@ static bool is_image(const struct walk *walk, uint32_t resource)
            walk->pipeline->resources[resource].kind == DT_IMAGE;
 }
 
-/* What its program binds and draws into is what its reflection lists. */
+/* The pass's reflection lists every resource that its program binds. */
 static void check_program(const struct walk *walk, uint32_t pass)
 {
     const struct dt_program *program = &walk->panel->programs[pass];
@@ -185,7 +185,8 @@ static bool is_target(const struct walk *walk, uint32_t pass, uint32_t resource)
     return found;
 }
 
-/* A pass that does not run clears what it would have written, but for what it updates. */
+/* A pass that does not run clears the resources that it would write, but not those that it
+ * updates. */
 static void check_clears(struct walk *walk, uint32_t pass)
 {
     const struct dt_pass *p = &walk->pipeline->passes[pass];
@@ -280,7 +281,7 @@ static void passes_that_are_off_clear(void **state)
     assert_true(offs > 0); /* features has one at least */
 }
 
-/* A verb that fails is the last one. */
+/* After a failed verb the record calls no other. */
 static void nothing_is_called_after_a_failure(void **state)
 {
     (void)state;

@@ -1,4 +1,5 @@
-/* The box around what fails, and the one element that halving ends at, against maps drawn here. */
+/* The box around failing elements, and the one element that halving finds, against maps drawn
+ * here. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

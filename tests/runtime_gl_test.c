@@ -1,5 +1,5 @@
-/* What only the OpenGL runtime has: its contexts and drivers, GLSL text, KHR_debug, the loss of a
- * device. What it has in common with the other is in runtime_test.c. */
+/* The OpenGL runtime's own parts: its contexts and drivers, GLSL text, KHR_debug, the loss of a
+ * device. runtime_test.c has the parts in common with Vulkan. */
 #include <EGL/egl.h>
 #include <dlfcn.h>
 #include <glob.h>
@@ -138,7 +138,7 @@ static void unknown_contexts_are_named(void **state)
     struct dt_runtime_options wanted = options("telepathy", false);
     assert_null(runtime_gl.open(&wanted));
     expect_error("there is no OpenGL context 'telepathy': choose egl, zink, osmesa or window");
-    /* Mesa can be told to find no errors; a run under it would prove nothing. */
+    /* With MESA_NO_ERROR, Mesa reports no errors, so a run would prove nothing. */
     wanted = options(NULL, false);
     setenv("MESA_NO_ERROR", "1", 1);
     assert_null(runtime_gl.open(&wanted));
@@ -189,7 +189,7 @@ static void zink_itself(void **state)
     runtime_gl.close(rt);
 }
 
-/* After another driver: that one stays. */
+/* Opening zink after another driver fails, since Mesa keeps the first one. */
 static void zink_may_come_too_late(void **state)
 {
     (void)state;
@@ -226,7 +226,7 @@ static void broken_text_is_told_with_its_pass(void **state)
     assert_int_equal(heard.errors, 0);
 }
 
-/* Numbers of bindings are limited, and not just how many there are. */
+/* The limit holds for the number of each binding, not only for their count. */
 static void bindings_have_numbers_below_the_limit(void **state)
 {
     (void)state;
@@ -245,8 +245,8 @@ static void bindings_have_numbers_below_the_limit(void **state)
     runtime_gl.close(rt);
 }
 
-/* A misuse that only the driver can see is told by the callback and by the failing call, and
- * counted. */
+/* The callback and the failing call both report a misuse that only the driver can see. The runtime
+ * counts the message. */
 static void the_driver_speaks(void **state)
 {
     (void)state;
@@ -259,7 +259,8 @@ static void the_driver_speaks(void **state)
     runtime_gl.close(rt);
 }
 
-/* Where memory cannot be shared, a texture can: that of an earlier image of the same kind. */
+/* OpenGL cannot share memory, but an image can share the texture of an earlier image of the same
+ * kind. */
 static void images_share_a_texture(void **state)
 {
     (void)state;
@@ -275,15 +276,15 @@ static void images_share_a_texture(void **state)
     pipeline.resources = resources;
     panel.pipeline = &pipeline;
     panel.storage = storage;
-    resources[PROBE_GLOW].format = DT_FORMAT_RGBA8; /* as of the display, which nobody reads */
+    resources[PROBE_GLOW].format = DT_FORMAT_RGBA8; /* as of the display, which no pass reads */
     storage[PROBE_GLOW].share = PROBE_DISPLAY;
-    storage[PROBE_MASK].share = PROBE_COLOR; /* which has another format */
+    storage[PROBE_MASK].share = PROBE_COLOR; /* color has another format */
     assert_true(runtime_gl.create(rt, &shaders) && runtime_gl.resize(rt, 16, 8));
     assert_int_equal(gl_image_of(rt, PROBE_GLOW)->handle, gl_image_of(rt, PROBE_DISPLAY)->handle);
     assert_int_not_equal(gl_image_of(rt, PROBE_MASK)->handle, gl_image_of(rt, PROBE_COLOR)->handle);
     assert_true(runtime_gl.render(rt, &frame, NULL, NULL));
     probe_check_stack(&runtime_gl, rt);
-    assert_true(runtime_gl.resize(rt, 8, 8)); /* the texture goes once, with its owner */
+    assert_true(runtime_gl.resize(rt, 8, 8)); /* frees the texture once, with its owner */
     assert_true(runtime_gl.render(rt, &frame, NULL, NULL));
     assert_true(runtime_gl.create(rt, &probe_gl));
     runtime_gl.close(rt);
@@ -292,7 +293,8 @@ static void images_share_a_texture(void **state)
 
 /* ---- A lost device --------------------------------------------------------------------------- */
 
-/* The driver says so by the status alone, as Mesa does, or by every call's error as well. */
+/* A simulated loss. The driver reports it by the status alone, as Mesa does, or by every call's
+ * error as well. */
 static struct {
     GLenum status; /* GL_NO_ERROR: none was lost */
     bool errors;
@@ -310,7 +312,7 @@ static GLenum GLAD_API_PTR lost_status(void)
     return lost.status ? lost.status : lost.reset_status();
 }
 
-/* Stands before the function of libEGL, through which glad loads OpenGL's. */
+/* Replaces the function of libEGL, through which glad loads OpenGL's functions. */
 __eglMustCastToProperFunctionPointerType eglGetProcAddress(const char *name)
 {
     __typeof__(&eglGetProcAddress) real;
@@ -377,7 +379,7 @@ static void a_lost_device_is_told_with_the_pass(void **state)
     check_loss(true);
 }
 
-/* What is lost can only be told by a context that was made to tell. */
+/* Only a context that was created with reset notification can report a loss. */
 static void contexts_tell_when_they_are_lost(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Both runtimes, driven as the app drives them: every test runs on each, with the pipelines of probe.h
- * and formats.h. Wrong calls and limits get the same words from both. Validation, with synchronization
- * checking, and KHR_debug stay silent. What only one of them has is in runtime_gl_test.c and
- * runtime_vk_test.c. */
+/* Both runtimes, driven as the app drives them: every test runs on each, with the pipelines of
+ * probe.h and formats.h. Both report wrong calls and limits in the same words. Validation, with
+ * synchronization checking, and KHR_debug stay silent. runtime_gl_test.c and runtime_vk_test.c test
+ * the parts that only one runtime has. */
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,7 +21,7 @@
 
 extern const struct dt_runtime runtime_gl, runtime_vk;
 
-/* ---- What was said --------------------------------------------------------------------------- */
+/* ---- Log ------------------------------------------------------------------------------------- */
 
 static struct {
     uint32_t errors;
@@ -98,13 +98,14 @@ static void what_was_written_is_read_back(void **state)
     formats_run(bench->runtime, &wanted, bench->formats, &heard.errors);
 }
 
-/* OpenGL keeps a depth within 0 to 1, which the poison as a number is not. */
+/* OpenGL keeps a depth within 0 to 1; the poison as a number lies outside. */
 static bool may_be_clamped(const struct bench *bench, const struct dt_resource *resource)
 {
     return bench == &gl && resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F;
 }
 
-/* History is zero, also where other bytes have been; all else has the poison in every byte. */
+/* History starts as zero, also in memory that had other bytes; all else has the poison in every
+ * byte. */
 static void resources_begin_with_zero_or_poison(void **state)
 {
     const struct bench *bench = *state;
@@ -127,7 +128,7 @@ static void resources_begin_with_zero_or_poison(void **state)
     close_silent(bench, rt);
 }
 
-/* Without live parameters a frame has their defaults, and another scene shows after a resize. sRGB code
+/* A frame without live parameters has their defaults. Another scene shows after a resize. sRGB code
  * 188 decodes to 0.5029; its neighbours 187 and 189 to 0.4969 and 0.5089. */
 static void a_new_scene_is_drawn_after_a_resize(void **state)
 {
@@ -197,7 +198,7 @@ static void an_observer_sees_every_pass_and_may_stop(void **state)
     probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
     watcher.passes = 0;
     watcher.stop_after = PROBE_SCENE;
-    assert_false(render(bench, rt, NULL, &observer)); /* whoever stops it has said why */
+    assert_false(render(bench, rt, NULL, &observer)); /* no error: the observer reports why */
     assert_int_equal(watcher.passes, PROBE_SCENE + 1);
     probe_check_color(bench->runtime, rt, 16, 8);
     assert_int_equal(heard.errors, 0);
@@ -229,7 +230,7 @@ static void runtimes_live_side_by_side(void **state)
     }
 }
 
-/* Decides about passes before they run, and may paint what the count pass reads. */
+/* Decides about passes before they run, and may write the color that the count pass reads. */
 struct director {
     const struct bench *bench;
     void *rt;
@@ -275,8 +276,8 @@ static void what_is_written_before_a_pass_is_what_it_reads(void **state)
     close_silent(bench, rt);
 }
 
-/* Buffers are as they were; images that the plan discards have no content that one could rely on,
- * but the layout of the plan: the next frame and validation go on as if nothing were amiss. */
+/* A skipped pass leaves buffers as they were. Images that the plan discards have no reliable
+ * content, but the layout of the plan. So the next frame renders, and validation stays silent. */
 static void a_skipped_pass_does_nothing_but_its_barriers(void **state)
 {
     const struct bench *bench = *state;
@@ -311,7 +312,8 @@ static void a_skipped_pass_does_nothing_but_its_barriers(void **state)
     close_silent(bench, rt);
 }
 
-/* The image and the buffer that the mask pass, switched off, would have cleared are not. */
+/* A pass that an observer skips does not clear, even if it is switched off. The mask pass keeps its
+ * image and its buffer. */
 static void a_skipped_pass_does_not_clear(void **state)
 {
     const struct bench *bench = *state;
@@ -383,7 +385,8 @@ static struct variant *make_variant(const struct bench *bench)
     return v;
 }
 
-/* The scene pass with other depth states: what is drawn is the last, the first or the nearest. */
+/* The scene pass with other depth states: the frame shows the last, the first or the nearest
+ * surface. */
 static void depth_tests_compare_as_the_panel_says(void **state)
 {
     static const struct {
@@ -425,7 +428,7 @@ static void depth_tests_compare_as_the_panel_says(void **state)
             fail_msg("case %zu: front %d, depth %g and %g", i, front, (double)left, (double)right);
         free(color.data);
         free(depth.data);
-        assert_true(bench->runtime->create(rt, bench->probe)); /* before the other goes */
+        assert_true(bench->runtime->create(rt, bench->probe)); /* before the other tables go */
         free(v);
     }
     close_silent(bench, rt);
@@ -496,12 +499,12 @@ static void change_nothing(struct variant *v)
     (void)v;
 }
 
-/* An edit takes over what it leaves as it was, and nothing else. */
+/* A new pipeline keeps the programs that stay the same, and makes only the others. */
 static void programs_go_on_where_they_are_the_same(void **state)
 {
     static const struct {
-        void (*change)(struct variant *v); /* against the probe itself */
-        uint32_t made;                     /* coming from the one before */
+        void (*change)(struct variant *v); /* relative to the probe itself */
+        uint32_t made;                     /* after the case before */
     } cases[] = {
         {change_nothing, 0},
         {change_code, 1u << PROBE_AGAIN},
@@ -545,7 +548,7 @@ static void programs_go_on_where_they_are_the_same(void **state)
     free(before);
 }
 
-/* Another pipeline in between, of other resources and fewer passes. */
+/* Another pipeline in between, with other resources and fewer passes. */
 static void a_panel_takes_the_place_of_another(void **state)
 {
     const struct bench *bench = *state;
@@ -574,7 +577,8 @@ struct transcript {
     uint32_t count;
 };
 
-/* The message in words that both backends have: without the names of device and API. */
+/* Notes the message without the names of device and API, so that both backends have the same
+ * words. */
 static void note(struct transcript *transcript, const struct bench *bench, void *rt)
 {
     const struct dt_core *core = rt;
@@ -592,7 +596,7 @@ static void note(struct transcript *transcript, const struct bench *bench, void 
     }
 }
 
-/* A call that fails with exactly one error, of these words. */
+/* The call must fail with exactly one error, which contains these words. */
 #define WRONG(call, words)                                                                         \
     do {                                                                                           \
         heard.errors = 0;                                                                          \
@@ -670,7 +674,7 @@ static void wrong_after_resize(struct transcript *transcript, const struct bench
     const struct dt_observer stops = {.before_pass = before_pass, .user = &(struct director){0}};
     assert_false(render(bench, rt, NULL, &stops));
     WRONG(render(bench, rt, NULL, NULL), "or a failed frame");
-    assert_true(runtime->read(rt, PROBE_FRAMES, 0, &bytes)); /* but what is there can be read */
+    assert_true(runtime->read(rt, PROBE_FRAMES, 0, &bytes)); /* existing content can be read */
     free(bytes.data);
     assert_true(runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
 }
@@ -734,7 +738,7 @@ static struct dt_limits *limits_of(void *rt)
     return &((struct dt_core *)rt)->limits;
 }
 
-/* What is refused when the pipeline is created. */
+/* Limits that creating a pipeline checks. */
 static void limits_of_programs(struct transcript *transcript, const struct bench *bench, void *rt)
 {
     const struct dt_runtime *runtime = bench->runtime;
@@ -786,11 +790,11 @@ static void limits_of_programs(struct transcript *transcript, const struct bench
     WRONG(runtime->create(rt, &v->shaders), "sampler linear: anisotropy 16, but ");
     *limits = own;
     WRONG(runtime->resize(rt, 16, 8),
-          "create and set_scene come first"); /* nothing is left of it */
+          "create and set_scene come first"); /* the refused pipeline is gone */
     free(v);
 }
 
-/* What is refused when resources are made. */
+/* Limits that making resources checks. */
 static void limits_of_resources(struct transcript *transcript, const struct bench *bench, void *rt)
 {
     const struct dt_runtime *runtime = bench->runtime;
@@ -825,7 +829,7 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     WRONG(runtime->resize(rt, 8, 8), "image levels: 6 mips, but 16x8 texels have 1 to 5");
     v->resources[PROBE_LEVELS].mips = PROBE_MIPS;
     v->storage[PROBE_ROWS].usage |= DT_READ_UNIFORM;
-    v->storage[PROBE_ROWS].block = 1u << 20; /* what shaders declare counts, not what is written */
+    v->storage[PROBE_ROWS].block = 1u << 20; /* the declared size counts, not the written one */
     limits->uniform_bytes = 65536;
     WRONG(runtime->resize(rt, 8, 8), "buffer rows: 1048576 bytes, but ");
     *limits = own;
@@ -842,7 +846,7 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     *limits = own; /* the scene before is still there */
     assert_true(runtime->resize(rt, 8, 8) && render(bench, rt, NULL, NULL));
     probe_check_color(runtime, rt, 8, 8);
-    assert_true(runtime->create(rt, bench->probe)); /* before the other goes */
+    assert_true(runtime->create(rt, bench->probe)); /* before the other tables go */
     free(v);
 }
 
@@ -857,7 +861,7 @@ static bool record_no_layers(const struct dt_recording *r)
            r->verbs->draw_fullscreen(r->runtime, PROBE_SHOW, 0);
 }
 
-/* What is refused while a frame is recorded. */
+/* Limits that recording a frame checks. */
 static void limits_of_frames(struct transcript *transcript, const struct bench *bench, void *rt)
 {
     const struct dt_runtime *runtime = bench->runtime;
@@ -900,7 +904,7 @@ static void limits(struct transcript *transcript, const struct bench *bench)
 
 /* ---- The same words -------------------------------------------------------------------------- */
 
-/* The numbers of a device's own limits differ. */
+/* Removes the limits of a device from the line, since devices differ in them. */
 static void blank_sizes(char *line)
 {
     char *at = strstr(line, "DEVICE takes 1x1 to ");
@@ -945,12 +949,12 @@ static void huge_extent(const struct dt_pipeline *pipeline, uint32_t resource, u
         dt_set_extent(size, UINT32_MAX, 1, 1);
 }
 
-/* More than any machine has, and no limit that is known before. */
+/* The memory exceeds any machine, but no limit that the runtime knows. */
 static void too_much_memory_is_one_error(void **state)
 {
     const struct bench *bench = *state;
     struct dt_runtime_options wanted = options();
-    wanted.debug = false; /* which has words of its own for it */
+    wanted.debug = false; /* debug output has messages of its own */
     void *rt = bench->runtime->open(&wanted);
     assert_true(rt && bench->runtime->set_scene(rt, &probe_scene));
     struct variant *v = make_variant(bench);
@@ -972,7 +976,8 @@ static void too_much_memory_is_one_error(void **state)
     free(v);
 }
 
-/* Xvfb begins anew when its last client leaves, and meanwhile takes no other: this program stays one. */
+/* Xvfb restarts when its last client leaves, and takes no client meanwhile. This program stays a
+ * client to prevent that. */
 static int stay_connected(void **state)
 {
     (void)state;
@@ -1022,7 +1027,7 @@ static void a_window_shows_only_pictures_of_rgba8(void **state)
 #test ", vk", test, NULL, NULL, &vk                                                        \
     }
 
-/* ---- What a runtime adds to the frame -------------------------------------------------------- */
+/* ---- Values that a runtime adds to the frame ------------------------------------------------- */
 
 static int64_t three_positions(const struct dt_pipeline *pipeline, const void *live)
 {

@@ -1,5 +1,5 @@
-/* What only the Vulkan runtime has: barriers that can be left out, devices and their features, and memory
- * that runs out. What it has in common with the other is in runtime_test.c. */
+/* The Vulkan runtime's own parts: barriers that can be left out, devices and their features, and
+ * memory that runs out. runtime_test.c has the parts in common with OpenGL. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +35,7 @@ static void on_message(void *user, enum dt_level level, const char *message)
 
 static int fail_allocation; /* the n-th vkAllocateMemory from now on fails; 0: none */
 
-/* Stands before the loader's function of that name. */
+/* Replaces the loader's function of that name. */
 VkResult vkAllocateMemory(VkDevice device, const VkMemoryAllocateInfo *pAllocateInfo,
                           const VkAllocationCallbacks *pAllocator, VkDeviceMemory *pMemory)
 {
@@ -46,7 +46,7 @@ VkResult vkAllocateMemory(VkDevice device, const VkMemoryAllocateInfo *pAllocate
     return real(device, pAllocateInfo, pAllocator, pMemory);
 }
 
-static bool lacks_geometry; /* the device tells that it has no geometry shaders */
+static bool lacks_geometry; /* the device reports no geometry shaders */
 
 void vkGetPhysicalDeviceFeatures2(VkPhysicalDevice physicalDevice,
                                   VkPhysicalDeviceFeatures2 *pFeatures)
@@ -70,7 +70,8 @@ static void *open_ready(void)
 
 /* ---- Barriers -------------------------------------------------------------------------------- */
 
-/* Whether the last message tells of it. Newer layers write READ_AFTER_WRITE for SYNC-HAZARD-READ-AFTER-WRITE. */
+/* Whether the last message contains `what`. Newer layers write READ_AFTER_WRITE for
+ * SYNC-HAZARD-READ-AFTER-WRITE. */
 static bool is_heard(const char *what)
 {
     char other[64];
@@ -140,8 +141,8 @@ static void a_barrier_that_is_not_there_cannot_be_dropped(void **state)
     runtime_vk.close(rt);
 }
 
-/* Validation must be able to fail, or its silence means nothing: the groups of the mask pass are
- * read as arguments without a barrier after the pass that wrote them. */
+/* Checks that validation can fail, since its silence means nothing otherwise. The mask pass reads
+ * its groups as arguments without a barrier after the pass that wrote them. */
 static bool forgetful_record(const struct dt_recording *r)
 {
     static const struct dt_barrier barrier = {PROBE_MASK,       DT_STAGE_COMPUTE, 0,
@@ -173,7 +174,8 @@ static void a_missing_barrier_is_heard(void **state)
     runtime_vk.close(rt);
 }
 
-/* A pass that comes without a barrier of its own relies on it. Poison left GENERAL. */
+/* Reading and writing keep the layout, since a pass without a barrier of its own relies on it. The
+ * poison leaves images GENERAL. */
 static void reading_and_writing_keep_the_layout(void **state)
 {
     (void)state;
@@ -224,7 +226,8 @@ static void an_unknown_device_is_named_and_the_known_are_listed(void **state)
     assert_int_equal(heard.errors, 2);
 }
 
-/* A device is refused only by a pipeline with a pass that needs what it lacks; the pipeline before stays. */
+/* The runtime refuses a device only for a pipeline with a pass that needs a feature the device
+ * lacks. The pipeline before stays. */
 static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
 {
     (void)state;
@@ -261,8 +264,9 @@ static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
 
 /* ---- Memory ---------------------------------------------------------------------------------- */
 
-/* Fails the first, second, ... allocation until everything works: one error each time, and
- * nothing is left behind, which the validation layers would tell when the device is destroyed. */
+/* Fails the first, second, ... allocation until everything works. Each failure gives one error and
+ * leaves nothing behind. The validation layers would report leftovers when the device is
+ * destroyed. */
 static void out_of_memory_is_one_error_and_a_clean_end(void **state)
 {
     (void)state;

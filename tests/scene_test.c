@@ -133,7 +133,8 @@ static void assert_normals(const struct scene *scene)
     }
 }
 
-/* So each triangle's first vertex is the first of no other. */
+/* Each triangle's first vertex has the number of the triangle, so no two triangles share that
+ * vertex. */
 static void assert_numbered(const struct scene *scene)
 {
     for (uint32_t t = 0; t < scene->data.index_count / 3; t++)
@@ -628,8 +629,7 @@ static void sun_view_holds_the_scene(void **state)
     scene_free(&scene);
 }
 
-/* Light that falls aslant through a hole of 1 x 0.5 shows it foreshortened: 0.5 times the
- * cosine. */
+/* Light that falls aslant sees a hole of 1 x 0.5 foreshortened: 0.5 times the cosine. */
 static void opening_bounds_the_sun_view(void **state)
 {
     (void)state;
@@ -873,9 +873,9 @@ static struct scene_light light_at(const struct scene *scene, uint32_t frame)
     return light;
 }
 
-/* Catmull and Rom's spline through evenly spaced points is 0.5 ((-t + 2t2 - t3) p0 + (2 - 5t2 + 3t3) p1
- * + (t + 4t2 - 3t3) p2 + (-t2 + t3) p3); and through points on a line in time, it is the line, however
- * they are spaced. */
+/* Catmull and Rom's spline through evenly spaced points is 0.5 ((-t + 2t2 - t3) p0 + (2 - 5t2 +
+ * 3t3) p1 + (t + 4t2 - 3t3) p2 + (-t2 + t3) p3). Through points on a line in time, the spline is
+ * that line at any spacing. */
 static void splines_are_those_of_the_paper(void **state)
 {
     (void)state;
@@ -922,8 +922,8 @@ static void lines_and_seconds(void **state)
     scene_free(&scene);
 }
 
-/* A spot that the scene aims goes on looking at its target, wherever it moves, and the light view
- * follows. */
+/* A spot with a target in the scene keeps looking at the target while the spot moves. The light
+ * view follows. */
 static void moving_spot_keeps_its_target(void **state)
 {
     (void)state;
@@ -993,7 +993,7 @@ static void wrong_motion_files_are_told_in_one_run(void **state)
         both, 1);
 }
 
-/* What is right at every key may be wrong between two of them. */
+/* Values that are right at every key may be wrong between two keys. */
 static void frames_between_keys_are_tried(void **state)
 {
     (void)state;

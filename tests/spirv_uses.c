@@ -79,7 +79,7 @@ static void visit_call(struct module *module, const uint32_t *instruction, uint3
         module->reachable[instruction[3]] = true;
 }
 
-/* What an instruction does with a descriptor at one of its operands. */
+/* Effect of an instruction on a descriptor at one of its operands. */
 struct effect {
     uint32_t operand; /* word of the instruction */
     uint8_t uses;
@@ -183,7 +183,7 @@ bool spirv_uses(const uint32_t *words, size_t count, uint8_t uses[SPIRV_BINDINGS
         abort();
     walk(&module, visit_declaration);
     module.reachable[module.entry] = true;
-    /* functions may be called before they are defined: as often as calls can nest */
+    /* a function may be called before its definition: one walk for each level of nested calls */
     for (int depth = 0; depth < 64; depth++)
         walk(&module, visit_call);
     walk(&module, visit_use);

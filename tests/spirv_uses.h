@@ -10,7 +10,7 @@
 enum { SPIRV_READS = 1, SPIRV_WRITES = 2, SPIRV_BINDINGS = 64 };
 
 /* Fills uses with a mask per binding of set 0. False if the module has something that this reader
- * does not support; *problem says what. */
+ * does not support; *problem names it. */
 bool spirv_uses(const uint32_t *words, size_t count, uint8_t uses[SPIRV_BINDINGS],
                 const char **problem);
 

@@ -1,5 +1,6 @@
-/* Strips, read back from their files: which layer, how bright, where. Expected codes come from the
- * definition: from dark grey, 48, to 255 with the square root of the amplified difference. */
+/* Strips, read back from their files: the layer, the brightness, the place. Expected codes come
+ * from the definition: from dark grey, 48, to 255 with the square root of the amplified
+ * difference. */
 #include <float.h>
 #include <math.h>
 #include <setjmp.h>
@@ -36,7 +37,7 @@ struct seen {
     uint8_t *texels; /* RGBA */
 };
 
-/* The panels as files of their own have the texels of the strip, but for its yellow square. */
+/* The panels in files of their own have the same texels as the strip, but no yellow square. */
 static void compare_apart(const char *folder, const struct seen *seen,
                           const struct dt_resource *resource, const struct dt_bytes copies[2])
 {
@@ -88,7 +89,8 @@ static struct seen look(const struct dt_resource *resource, const void *left, co
     return seen;
 }
 
-/* The code of texel (x, y), y upwards, in a panel: both its corners, since it was enlarged. */
+/* Checks the code of texel (x, y), y upwards, in a panel. The texel is enlarged, so both its
+ * corners count. */
 static void expect_code(const struct seen *seen, uint32_t panel, uint32_t x, uint32_t y,
                         uint32_t red, uint32_t green, uint32_t blue)
 {
@@ -169,7 +171,7 @@ static void worst_layer_is_shown(void **state)
     free(seen.texels);
 }
 
-/* Of 200 texels that differ, two may be beyond full brightness; not three. */
+/* Two of 200 texels that differ may lie beyond full brightness; three may not. */
 static void outliers_do_not_hide_the_rest(void **state)
 {
     (void)state;

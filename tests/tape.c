@@ -1,4 +1,4 @@
-/* The recorder; see tape.h. Each kind of object has a table; what is destroyed leaves a free place.
+/* The recorder; see tape.h. Each kind of object has a table; a destroyed one leaves a free place.
  * Parameters have names of this project's style, not of Vulkan's headers:
  * NOLINTBEGIN(readability-inconsistent-declaration-parameter-name) */
 #include "tape.h"
@@ -365,7 +365,7 @@ void vkUpdateDescriptorSets(VkDevice device, uint32_t count, const VkWriteDescri
     real(device, count, writes, copy_count, copies);
 }
 
-/* ---- What is destroyed ----------------------------------------------------------------------- */
+/* ---- Destruction ----------------------------------------------------------------------------- */
 
 void vkDestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks *allocator)
 {

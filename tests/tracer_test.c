@@ -1,4 +1,4 @@
-/* The path tracer against what is known without one: nets, closed forms of radiometry, rates of
+/* The path tracer against results that need no tracer: nets, closed forms of radiometry, rates of
  * convergence, invariances. Scenes are made here, triangle by triangle. */
 #include "app/truth/film.h"
 #include "app/truth/rays.h"
@@ -46,7 +46,7 @@ static const struct dt_log loud = {print, NULL};
 
 enum { MOST_TRIANGLES = 64, MOST_MATERIALS = 4 };
 
-/* A scene that grows by quads; what scene_load would have made of a file. */
+/* A scene that grows by quads, in the form that scene_load gives. */
 struct stage {
     struct scene scene;
     struct dt_vertex vertices[3 * MOST_TRIANGLES];
@@ -255,8 +255,8 @@ static void test_sobol_points_are_nets(void **state)
         }
 }
 
-/* Pearson's chi squared of 16 x 16 cells, over pairs of numbers that must have nothing to do with
- * one another; with 255 degrees of freedom it is 255 +- 22.6. */
+/* Pearson's chi squared of 16 x 16 cells, over pairs of numbers that must be independent; with 255
+ * degrees of freedom it is 255 +- 22.6. */
 static double chi_squared(enum sequence_kind kind, int which)
 {
     enum { SIDE = 16, COUNT = 1 << 14 };
@@ -278,8 +278,8 @@ static double chi_squared(enum sequence_kind kind, int which)
     return sum;
 }
 
-/* Between pairs, between pixels, and from pixel to pixel at one sample. Sobol points are more even
- * than chance along each axis, so only too large a sum is a fault of theirs. */
+/* Compares two pairs, two pixels, and neighbouring pixels at one sample. Sobol points are more even
+ * than chance along each axis, so only a sum that is too large is an error. */
 static void test_dimensions_and_pixels_are_unrelated(void **state)
 {
     (void)state;
@@ -292,9 +292,9 @@ static void test_dimensions_and_pixels_are_unrelated(void **state)
 /* ---- White furnace --------------------------------------------------------------------------- */
 
 /* In a closed room whose walls all emit e and reflect a, radiance is the same everywhere and in all
- * directions: e (1 + a + a^2 + ...), as many terms as bounces are allowed, and one for what a wall
- * emits towards the eye and one for direct light. The room is turned, so that no wall lies along an
- * axis, and stands where coordinates are a hundred times its size. */
+ * directions: e (1 + a + a^2 + ...). The sum has one term for each allowed bounce, one for the
+ * emission towards the eye, and one for direct light. The room is turned, so that no wall lies
+ * along an axis, and stands where coordinates are a hundred times its size. */
 static void furnace(struct tracer_info info, double albedo, double want, double tolerance)
 {
     static const double axes[3][3] = {
@@ -435,8 +435,8 @@ static void test_patch_under_a_spot_light(void **state)
     film_free(&film);
 }
 
-/* A roof over half of the floor keeps the light away there and nowhere else, and light comes only
- * through the opening. The light falls straight down. */
+/* The light falls straight down. It lights only the floor between `low` and `high`: under the gap
+ * of a roof, or under the opening of the light. */
 static void shadow_case(bool roof, double low, double high)
 {
     static struct stage stage;
@@ -523,7 +523,7 @@ static void test_form_factors_of_squares(void **state)
 }
 
 /* The same number by light that is reflected once: a floor of albedo a under a light from straight
- * above, which the wall on its edge does not see. */
+ * above. This light does not reach the wall on the floor's edge. */
 static void test_first_bounce_of_a_directional_light(void **state)
 {
     (void)state;
@@ -580,9 +580,9 @@ static void test_energy_of_each_bounce_in_a_closed_box(void **state)
     }
 }
 
-/* Nothing that is hidden is lit: neither a plane over a floor that a spot lights, behind a screen, nor
- * a plane with nothing over it, though its interpolated normals lean so far that half of what they
- * see is the plane itself. */
+/* Hidden surfaces stay dark. First, a screen hides a plane from the spot and from the floor that
+ * the spot lights. Then a plane has nothing over it. Its interpolated normals lean so far that half
+ * of their directions hit the plane itself. */
 static void test_hidden_surfaces_stay_dark(void **state)
 {
     (void)state;
@@ -648,8 +648,8 @@ static struct errors square_errors(enum sequence_kind kind, uint32_t samples)
     return errors;
 }
 
-/* Slope of the line through (log N, log error) for N = 16, 64, 256, 1024; the noise that the film
- * tells is right for independent numbers and not too low for Sobol points. */
+/* Slope of the line through (log N, log error) for N = 16, 64, 256, 1024. The film's own estimate
+ * of the noise is right for independent numbers and not too low for Sobol points. */
 static double slope(enum sequence_kind kind, double *last)
 {
     double sum = 0;
@@ -722,14 +722,14 @@ static void test_threads_leave_no_trace(void **state)
     assert_true(mean_of(&film[0]) > 0);
     assert_same_film(&film[0], &film[1]);
     assert_same_film(&film[0], &film[2]);
-    assert_true(mean_of(&film[0]) != mean_of(&other)); /* the seed does */
+    assert_true(mean_of(&film[0]) != mean_of(&other)); /* the seed changes the film */
     for (int i = 0; i < 3; i++)
         film_free(&film[i]);
     film_free(&other);
 }
 
-/* Lengths times a power of two, intensities by its square: the same picture to the last bit, since
- * nothing in the tracer has a length of its own. */
+/* Lengths scale by a power of two, intensities by its square. The picture stays the same to the
+ * last bit, since the tracer has no length of its own. */
 static void test_scale_leaves_no_trace(void **state)
 {
     (void)state;
@@ -831,8 +831,8 @@ static void test_other_checkpoints_are_refused(void **state)
 
 /* ---- Materials ------------------------------------------------------------------------------- */
 
-/* A texture of 2 x 2 codes on a floor one unit wide: at the texels' centres their colour in linear
- * light, half way between two of them the mean of those; it repeats. */
+/* A texture of 2 x 2 codes on a floor one unit wide. At the texels' centres it has their colour in
+ * linear light, half way between two of them their mean. The texture repeats. */
 static void test_textures(void **state)
 {
     (void)state;
@@ -864,7 +864,7 @@ static void test_textures(void **state)
     ray_scene_close(rays);
 }
 
-/* A curtain whose texture has holes lets rays and light pass there, and only there. */
+/* Rays and light pass a curtain only through the holes of its texture. */
 static void test_holes(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
-/* Put before the Vulkan loader and GLFW by LD_PRELOAD: the window's surface is out of date, suboptimal and
- * lost, each once, as it is when people move windows between screens. With LOSE=N,M,... the device is
- * lost instead, when it is waited for, or asked for its health, for the Nth time and the Mth; and it
- * stays so until there is another. Says so on stderr. */
+/* Preloaded before the Vulkan loader and GLFW. The window's surface is out of date, suboptimal and
+ * lost, each once, as when people move windows between screens. With LOSE=N,M,... the device is
+ * lost instead, at the Nth and the Mth wait for it or query of its health. The device stays lost
+ * until the program makes another. Each loss is printed on stderr. */
 #include <dlfcn.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@ static void tell(const char *what)
 
 static bool device_is_lost;
 
-/* Whether one of the numbers in LOSE is that of this call. */
+/* Loses the device if LOSE has the number of this call. Returns whether the device is lost. */
 static bool lose_now(void)
 {
     static int calls;
@@ -43,7 +43,8 @@ VkResult vkCreateDevice(VkPhysicalDevice physical, const VkDeviceCreateInfo *inf
     return next(physical, info, allocator, device);
 }
 
-/* The real device has finished, so that what its user then destroys is not in use. */
+/* Waits for the real device first, so that objects are not in use when the program destroys
+ * them. */
 VkResult vkWaitForFences(VkDevice device, uint32_t count, const VkFence *fences, VkBool32 all,
                          uint64_t timeout)
 {

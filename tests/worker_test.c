@@ -1,6 +1,6 @@
 /* Worker processes and the blame, with runtimes that are made here and go wrong on demand: they
- * crash, leave out a pass, write something else on every run, begin with the wrong history. What must
- * come out is known because the fault was put in here. */
+ * crash, leave out a pass, write something else on every run, begin with the wrong history. The
+ * test puts the fault in, so the expected result is known. */
 #include <errno.h>
 #include <setjmp.h>
 #include <signal.h>
@@ -324,7 +324,7 @@ uint32_t motion_frames(const struct motion *motion)
     return 1;
 }
 
-/* ---- What a test needs ------------------------------------------------------------------------ */
+/* ---- Fixture --------------------------------------------------------------------------------- */
 
 struct bench {
     struct console console;
@@ -443,7 +443,7 @@ static void workers_go_from_stop_to_stop(void **state)
     assert_go(&worker, WORKER_BEFORE_PASS, 1, COUNT);
     assert_true(worker_resume(&worker, DT_SKIP));
     assert_stop(&worker, WORKER_AFTER_PASS, 1, COUNT);
-    assert_holds(&worker, NUMBERS, other); /* it did nothing */
+    assert_holds(&worker, NUMBERS, other); /* the skipped pass wrote nothing */
     assert_go(&worker, WORKER_BEFORE_PASS, 1, DOUBLE);
     assert_go(&worker, WORKER_AFTER_PASS, 1, DOUBLE);
     assert_go(&worker, WORKER_AFTER_PASS, 1, KEEP);
@@ -470,7 +470,7 @@ static void earlier_frames_run_without_a_stop(void **state)
     worker_close(&worker);                                     /* in the middle */
     assert_childless();
 
-    info.session.first_frame = 2; /* or not at all */
+    info.session.first_frame = 2; /* earlier frames do not run at all */
     assert_true(worker_start(&worker, &info));
     assert_stop(&worker, WORKER_READY, 0, 0);
     assert_go(&worker, WORKER_AFTER_PASS, 2, COUNT);
@@ -481,7 +481,7 @@ static void earlier_frames_run_without_a_stop(void **state)
     assert_int_equal(bench->errors, 0);
 }
 
-/* Until it is over, one way or the other. */
+/* Runs the worker until it finishes or fails. */
 static void run_out(struct worker *worker, const struct worker_info *info)
 {
     struct worker_place place;
@@ -589,7 +589,7 @@ static void rows_know_where_inputs_come_from(void **state)
     assert_int_equal(rows->history.list[index].resource, KEPT);
 }
 
-/* What gl writes in frame 2, row by row: see the pipeline. */
+/* The values that gl writes in frame 2, row by row: see the pipeline. */
 static const uint32_t right[3][ELEMENTS] = {{20, 21, 22, 23}, {40, 42, 44, 46}, {60, 66, 72, 78}};
 
 struct case_of_blame {
@@ -598,7 +598,7 @@ struct case_of_blame {
     bool early;
 };
 
-/* Frame 2, after a first run that went like this. */
+/* Finds the blame in frame 2, after a first run with these results. */
 static void find(struct bench *bench, struct blame *blame, const struct case_of_blame *it)
 {
     uint64_t fingerprints[3];
@@ -710,7 +710,7 @@ static void sides_that_stray_are_named(void **state)
     assert_int_equal(blame.row, DOUBLE);
     blame_free(&blame);
 
-    /* of vk the first run says that it was wrong on equal inputs, and the second does it right */
+    /* the first run finds vk wrong on equal inputs; the second run of vk is right */
     memset(scripts, 0, sizeof scripts);
     find(bench, &blame, &(struct case_of_blame){{false, true, true}, false, DOUBLE, false});
     assert_int_equal(blame.outcome, BLAME_NOT_REPEATABLE);
