@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The libraries' ABI is that of the last release with the same soname, by abidiff: tags are v0.1.0, and so on. Only with DIPTYCH_LONG,
-# as the release is built for it. DIPTYCH_ABI_BASE is another commit to compare with. The comparison itself is always tested,
-# with libraries of changed sources. TAP.
+# abidiff compares the libraries' ABI with that of the last release with the same soname; tags are v0.1.0, and so on. Runs only
+# with DIPTYCH_LONG, as the test builds that release. DIPTYCH_ABI_BASE selects another commit to compare with. The comparison
+# itself is always tested, with libraries of changed sources. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
 public=(templates/c/{diptych,panel,limit}.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h scenes/diptych_scene.h
@@ -12,7 +12,7 @@ if ! command -v abidiff >/dev/null; then
     finish
 fi
 
-# Types of the public headers must stay the same; new functions are welcome. What the headers leave out is private.
+# Types of the public headers must stay the same; new functions may appear. Types outside the public headers are private.
 # shellcheck disable=SC2317 # called through check
 same_abi() { # tree library tree library
     local side
@@ -24,7 +24,7 @@ same_abi() { # tree library tree library
     abidiff --hd1 "$work/headers1" --hd2 "$work/headers3" --no-added-syms "$2" "$4"
 }
 
-# A library of two of the sources, after sed has changed a file in a copy of them.
+# Compares a library of two of the sources with that of a copy in which sed has changed a file.
 # shellcheck disable=SC2317
 same_after() { # file sed-script
     rm -rf "$work/changed"

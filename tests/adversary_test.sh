@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Exact pipelines on a Vulkan driver that is as far off as the standards allow (tests/adversary.c) leave the bits of OpenGL, which is
-# left alone. With exactness: fast the same driver is found. TAP.
+# tests/adversary.c makes a Vulkan driver as inaccurate as the standards allow; it does not change OpenGL. Exact pipelines on that
+# driver give the bits of OpenGL. With exactness: fast compare finds differences. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
 adversary=(env "ADVERSARY=$work/modules" "LD_PRELOAD=$build/tests/adversary.so" "$diptych")
 
 # shellcheck disable=SC2317 # called through check
-meets() { # pattern: the numbers of open operations, of samplings and of stores in all modules since the last call
+meets() { # pattern: matches the numbers of open operations, samplings and stores in all modules since the last call
     awk '{ open += $1; samples += $2; stores += $3 } END { print open, samples, stores }' "$work/modules" >"$work/sums"
     rm "$work/modules"
     grep -xE "$1" "$work/sums" || { cat "$work/sums"; false; }
@@ -20,7 +20,7 @@ for name in rsm ${DIPTYCH_LONG:+ssvp}; do
 done
 
 # shellcheck disable=SC2317
-differs() { # options...: from a dump of the same driver, but with the adversary alone
+differs() { # options...: a dump of the driver equals the driver's results, and differs from those with the adversary
     rm -rf "$work/dump"
     "$diptych" render --backend vk "$@" --dump "$work/dump" && "$diptych" compare --backend vk "$@" --against "$work/dump" || return
     "${adversary[@]}" compare --backend vk "$@" --against "$work/dump" >"$work/table"

@@ -21,7 +21,7 @@ for step in ROOMS:
     BELOW.update({"app/" + room: lower for room in step})
 BELOW["app"] = list(BELOW)  # app/main.c
 BELOW["tests"] = list(BELOW)
-SEARCHED = ["", "app/", "templates/c/"]  # as the compiler is told to, after the file's own folder
+SEARCHED = ["", "app/", "templates/c/"]  # the compiler's include folders, searched after the file's own folder
 WITHOUT_GRAPHICS = ["templates", "scenes", "gen"]
 GRAPHICS = re.compile(r"(vulkan|glad|GL|GLES\d*|EGL|KHR|GLFW)/|imgui")
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Every wrong spec in tests/bad gets exactly the diagnostics beside it, exit status 1, and no output; specs named warn_* are
-# accepted with exactly their warnings. What editors match in compilers' output matches every one of them. One run tells both;
-# --check, which is asked for every fourth and for warnings, says the same. TAP.
+# Every wrong spec in tests/bad gets exactly the diagnostics beside it, exit status 1, and no output. Specs named warn_* are
+# accepted with exactly their warnings. The patterns that editors use for compilers' output match every diagnostic. --check runs
+# for every fourth wrong spec and for warn_*; its diagnostics are the same. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root/tests/bad" || exit 1
@@ -21,7 +21,7 @@ nothing_written() {
     [ ! -e "$work/out" ] && [ ! -e "$work/out.dot" ] && [ ! -e "$work/out.d" ]
 }
 
-# VS Code's problem matcher $gcc, and what vim makes of %f:%l:%c: %t%*[a-z]: %m. Lines of source and carets stand behind a bar.
+# The pattern of VS Code's problem matcher $gcc and of vim's %f:%l:%c: %t%*[a-z]: %m. Source lines and carets begin with a bar.
 # shellcheck disable=SC2317
 is_matched() { # file
     local line number=0

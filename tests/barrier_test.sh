@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Every barrier of every pipeline is needed, and no other: each is dropped in turn, and each that changes a layout is made
-# to wait for nothing; the validation layers, or a model of the specification where they are known to be silent, must
-# miss it (tests/barrier_audit.c). The counts are printed as comments. Long: more frame sizes.
+# Every barrier of every pipeline is needed, and no barrier is missing. tests/barrier_audit.c drops each barrier in turn; a layout
+# change also runs without its wait. The validation layers must report the missing barrier; where the layers are known to be
+# silent, a model of the specification must. The counts are printed as comments. Long: more frame sizes.
 . "$(dirname "$0")/tap.sh"
 specs=$root/tests/specs
 tiny=(--set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set map_size=32)
@@ -38,8 +38,8 @@ if [ -n "${DIPTYCH_LONG:-}" ]; then
     pipelines 24x16
 fi
 
-# The recorder stands before functions of Vulkan: what it does not stand before it does not see. Two of them only the frames
-# of a host have, and copies of images only windows.
+# The recorder sees only the functions of Vulkan that it intercepts. Of the commands left out here, vkCmdClearDepthStencilImage
+# and vkCmdUpdateBuffer occur only in frames of a host, and vkCmdCopyImage only in windows.
 check "every command that the runtime records is seen by the audit" \
     bash -c "for name in \$(grep -ohE 'vk\.?Cmd[A-Za-z0-9]+' '$root'/runtime_vk/*.c | tr -d . | sort -u); do
         case \$name in
@@ -49,7 +49,7 @@ check "every command that the runtime records is seen by the audit" \
         grep -q \"^\(void\|VkResult\) \$name(\" '$root/tests/tape.c' || { echo \"\$name\"; exit 1; }
     done"
 
-# The same from the command line.
+# Dropped barriers on the command line.
 # shellcheck disable=SC2317 # called through check
 render() { # arguments...
     "$diptych" render --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk \
@@ -64,7 +64,7 @@ check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependenc
 check_status 1 "a barrier that the frame does not have is an error" render --drop-barrier 1000
 check_status 2 "OpenGL has no barrier to drop" \
     "$diptych" render --scene "$root/scenes/cornell.yaml" --size 24x16 --backend gl --drop-barrier 1 -o "$work/gl.png"
-# first.number takes memory of rsm_triangle and leaves it to second.number here, and is the smallest.
+# Here first.number reuses memory of rsm_triangle, second.number reuses that of first.number, and first.number is the smallest.
 check "memory that changes hands through a smaller image is silent under validation" "$build/diptych" render --debug --backend vk \
     --scene "$root/scenes/cornell.yaml" --spec "$root/templates/ssvp.yaml" --size 37x23 --frames 3 --set rsm_size=64 \
     --set map_size=32 --set first_vpls=64 --set second_vpls=96 --set clusters=3 -o "$work/a.png"

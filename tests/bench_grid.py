@@ -1,6 +1,6 @@
-"""Times of ssvp's shading over tiles, VPLs and clusters, for `ninja bench-grid`: times plain C, with the generator's own choice of
-storage and loop for the ranges of VPLs beside each other choice. A row per point and backend, then the worst. Asserts nothing:
-needs a quiet machine.
+"""Measures ssvp's shading over tiles, VPLs and clusters, for `ninja bench-grid`. Prints the time relative to plain C, and
+relative to the best choice of storage and loop for the ranges of VPLs. One row per point and backend, then the worst. Asserts
+nothing, as times need a quiet machine.
 
 usage: bench_grid.py BUILD"""
 import json
@@ -15,12 +15,12 @@ POINTS = [(8, 64, 1), (8, 2048, 64), (4, 256, 8), (4, 2048, 8), (2, 256, 8), (2,
           (1, 2048, 64)]
 CHOICES = [(storage, loop) for storage in ("shared", "uniform", "buffer") for loop in ("unroll", "roll")]
 RANGES = ["first_range", "second_range"]
-# Pixels, so that shade takes milliseconds also where a pixel has few VPLs: what a dispatch costs whatever its size must not count.
+# (VPLs per pixel at most, frame size): shade must take milliseconds, so that the fixed cost of a dispatch does not count.
 SIZES = [(64, "640x360"), (256, "320x180"), (math.inf, "160x90")]
 
 
 def measure(build, point, choice, folder):
-    """Ratios to plain C by backend; none where the choice is not possible, such as a block that is too large."""
+    """Ratios to plain C by backend; empty if the choice is not possible, for example because a block is too large."""
     tile, vpls, clusters = point
     sets = [f"tile=[{tile},{tile}]", f"first_vpls={vpls}", f"second_vpls={vpls}", f"clusters={clusters}", "rsm_size=256",
             "map_size=64"]
@@ -37,7 +37,7 @@ def measure(build, point, choice, folder):
     with open(path) as file:
         result = json.load(file)
     limit = next(row["limit"]["ms"]["p5"] for row in result["passes"] if row["pass"] == "shade")
-    # The fastest frames: other load on the machine only adds.
+    # Compares the fastest frames, as other load on the machine only adds time.
     return {side["side"]: row["ms"]["p5"] / limit for side in result["sides"] for row in side["passes"] if row["pass"] == "shade"}
 
 

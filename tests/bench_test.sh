@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# `bench` on the command line: what it counts and how it tells it; no time is judged. TAP.
+# `bench` on the command line: checks its counts and its output, but no times. TAP.
 . "$(dirname "$0")/tap.sh"
 tiny=(--size 64x48 --set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set map_size=32)
 bench=("$diptych" bench --scene "$root/scenes/cornell.yaml" "${tiny[@]}")
@@ -51,8 +51,9 @@ check "a skipped pass is null" holds "$work/one.json" \
     '{p["pass"]: p["ms"] for p in b["sides"][0]["passes"]}["composite"]["count"] == 2' \
     'all(p["limit"] is None for p in b["passes"] if p["pass"] != "gbuffer_triangles")'
 
-# tests/specs/work.yaml, counted by hand: a thousand invocations of 11 operations over vec3s of 16 bytes; 64 x 48 texels of 4
-# bytes, 11 operations each; the library's division adds 10, the store's rounding 8; 5 x 2 groups of 8 x 4 invocations with one; a thousand with loops.
+# The passes of tests/specs/work.yaml, counted by hand. First 1000 invocations over vec3s of 16 bytes: 11 operations, and 10 for
+# the library's division. Then 64 x 48 texels of 4 bytes: 11 operations, and 8 for the store's rounding. Then 5 x 2 groups of
+# 8 x 4 invocations with one operation, and 1000 invocations with loops.
 counted=("$diptych" bench --spec "$root/tests/specs/work.yaml" --scene "$root/scenes/cornell.yaml" --size 32x16)
 check "counts what a pass has to do" "${counted[@]}" --set rows=5 --frames 1 --warmup 1 --json "$work/work.json"
 check "bytes are those of what is read and written, once" holds "$work/work.json" \
@@ -65,12 +66,12 @@ check "rates are amounts by time" holds "$work/work.json" \
     'all(abs(p["gflop_s"] * p["ms"]["median"] * 1e6 - w["flops"]) < 1 for s in b["sides"] for p, w in zip(s["passes"], b["passes"]))' \
     'all(s["machine"]["gb_s"] > 0 and s["machine"]["gflop_s"] > 0 for s in b["sides"])' 'b["memcpy_gb_s"] > 0' \
     'all(p["floor_ms"] > 0 for s in b["sides"] for p in s["passes"])'
-# a draw of the scene runs over its vertices and the texels of its targets, here the numbers of triangles: 4 + 4 bytes each
+# A scene draw counts its vertices and the texels of its targets, here triangle numbers and depths of 4 bytes each.
 check "a draw counts its vertices and texels" holds "$work/both.json" \
     '{p["pass"]: p["bytes_written"] for p in b["passes"]}["gbuffer_triangles"] == 64 * 48 * 8' \
     '{p["pass"]: p["flops"] for p in b["passes"]}["gbuffer_triangles"] > 64 * 48'
 
-# The C beside a pass: a rasterizer, shade's own, and one that can be made wrong.
+# The plain C beside passes: a rasterizer, ssvp/shade_limit.c, and work_limit.c, which --set spare=1 makes wrong.
 check "the C of a pass agrees with its shader" holds "$work/both.json" \
     '[p["pass"] for p in b["passes"] if p["limit"]] == ["gbuffer_triangles", "shade"]' \
     'b["passes"][0]["limit"]["outliers"] <= b["passes"][0]["limit"]["outliers_allowed"] <= 0.02' \
@@ -88,7 +89,7 @@ check "and no numbers are written" holds "$work/wrong.json" '"sides" not in b' '
 
 # ---- tune ----------------------------------------------------------------------------------------------------------
 
-# A loop over a range is several times as fast on a CPU when it does not read a storage buffer. --set keeps workgroups.
+# On a CPU a loop over a range is several times as fast if it does not read a storage buffer. --set fixes the workgroups.
 cat >"$work/sums.yaml" <<'END'
 pipeline: sums
 structs: {Lamp: {place: vec3, size: float, light: vec3, fall: float}}

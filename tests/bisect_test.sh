@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# compare --bisect keeps the guilty pass in a folder, and replay runs it there alone: dispatches, draws, layers, mips and history;
-# after the folder was moved, the project changed and nothing there could be written; never from a damaged copy. TAP.
+# compare --bisect writes the guilty pass to a folder; replay runs that pass alone: dispatches, draws, layers, mips and history.
+# replay also works after the folder has moved, the project has changed and its cache is not writable. It refuses a damaged
+# copy. TAP.
 . "$(dirname "$0")/tap.sh"
 specs=$root/tests/specs
 scene=$root/scenes/cornell.yaml
 cd "$work" || exit 1
 cases=$work
 
-# A tree like the project's, to change later: bodies, library and tools.
+# A copy of the project's bodies, library and tools, which the test changes later.
 mkdir -p project/build/glad
 cp "$build/diptych" "$build/diptych-gen" "$build/libdiptych_image.so" project/build/
 cp -r "$build/glad/include" project/build/glad/
@@ -15,7 +16,7 @@ cp -r "$root/templates" project/
 ln -s "$root/runtime_gl" "$root/runtime_vk" "$root/scenes" project/
 own=$work/project/build/diptych
 
-# Faults of one backend, as people make them.
+# Faults in one backend, as a programmer makes them.
 mkdir -p count scene remember slice halve
 cp "$specs"/features* count/
 cp "$specs"/features* scene/
@@ -68,7 +69,7 @@ check "a fault put in on purpose" bisected mark marks "1 element differs within 
 check "against a dump" bisected quarter "pyramid mip 2" \
     "1 element differs within x " --spec "$specs/mips.yaml" --against dump --backend vk --fault vk:quarter:texel
 
-# What follows must come out of the folders alone: they move, the sources change, the project's cache cannot be written.
+# From here replay must use the folders alone: they move, the sources change, the project's cache is not writable.
 mkdir elsewhere
 mv case.* elsewhere/ && cases=$work/elsewhere
 for file in count/* scene/* remember/* slice/* halve/*.* halve/parts/* project/templates/*.yaml project/templates/*/*.glsl; do
@@ -76,7 +77,7 @@ for file in count/* scene/* remember/* slice/* halve/*.* halve/parts/* project/t
 done
 rm -rf project/build/cache && touch project/build/cache
 export XDG_CACHE_HOME=$work/cache
-for pass in count scene remember slice halve; do # that of scene is OpenGL's, the side that is held to be right
+for pass in count scene remember slice halve; do # scene has its fault in OpenGL, the reference side
     check "$pass: gl leaves what was expected" replayed 0 "pass $pass on gl: as expected" $pass --backend gl
     check "$pass: vk does not, as before" replayed 1 "is not as expected, and all is bit for bit as vk had it" $pass --backend vk
 done
@@ -105,7 +106,7 @@ reproduced() {
 check "reproduce.sh runs both sides from any folder" reproduced
 check_status 2 "... and says what it lacks" env DIPTYCH=no-such-command "$cases/case.count/reproduce.sh"
 
-# The body in the folder is the one that runs: with the fault taken out, Vulkan leaves what was expected.
+# replay runs the body in the folder: without the fault, Vulkan's result is as expected.
 sed -i '/#ifdef VULKAN/,/#endif/d' "$cases/case.count/spec/features_count.glsl"
 check "a body that was mended in the folder" replayed 0 "pass count on vk: as expected" count --backend vk
 
@@ -119,7 +120,7 @@ refuses() { # text command...
     [ "$status" = 2 ] && [ "$(grep -c 'error:' log)" = 1 ] && grep -qF -- "$text" log && [ ! -s table ]
 }
 # shellcheck disable=SC2317
-damaged() { # text command...: the command damages a copy, which replay then refuses with this text
+damaged() { # text command...: the command damages a copy; replay refuses the copy with this text
     local text=$1
     shift
     rm -rf "$work/damaged" && cp -r "$cases/case.halve" "$work/damaged" && (cd "$work/damaged" && "$@") &&
@@ -135,7 +136,7 @@ check "a pass that is gone" damaged "has no pass half" sed -i 's/"pass":\t"halve
 check "no folder" refuses "absent/manifest.json: cannot be read" "$own" replay absent --backend vk
 check "no backend" refuses "--backend NAME is missing" "$own" replay "$cases/case.halve"
 
-# Whole or not at all.
+# --bisect writes a whole folder or none.
 compare=("$diptych" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9)
 mkdir foreign && touch foreign/mine
 check "somebody's folder is refused" refuses "foreign: exists and was not written by an earlier --bisect" \

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The build does what changed and no more. Tried on a copy of the tree with its finished build, whose
-# times ninja goes by: the tree stays as it is, and the ninja that runs this test undisturbed. TAP.
+# The build makes only outputs of changed files. Runs on a copy of the tree and of its finished build, with all file times. So
+# the test does not change the tree, nor disturb the ninja that runs this test. TAP.
 . "$(dirname "$0")/tap.sh"
 tree=$work/tree
 export NINJA_STATUS="[%f/%t] "
@@ -15,13 +15,13 @@ mkdir "$tree"
     done) || exit
 cd "$tree" || exit
 
-# The program, and the pipelines as C, which only tests need.
+# Builds the program, and the pipelines as C, which only tests need.
 # shellcheck disable=SC2120,SC2119,SC2317 # called through check
 ninja() { # option...
     command ninja all build/obj/pipelines.a "$@"
 }
 
-# The command runs so many edges, all of which fit the extended regular expression.
+# The command runs from `least` to `most` edges, and all match the extended regular expression.
 # shellcheck disable=SC2317 # called through check
 edges() { # least most pattern ninja-command...
     local least=$1 most=$2 pattern=$3 count
@@ -49,7 +49,7 @@ older() { # file...: all older than the stamp
 check "the copy is built" ninja
 check "a second time there is nothing to do" nothing_to_do
 
-# A dry run does not know what will turn out unchanged.
+# A dry run lists more edges, as it cannot know which outputs will stay unchanged.
 sleep 0.05
 touch "$work/stamp"
 sleep 0.05

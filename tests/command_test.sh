@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The command line says what is wrong, once, by the exit status that scripts rely on, and leaves nothing half-written. TAP.
+# The command line reports each error once, with the exit status that scripts rely on, and leaves no half-written file. TAP.
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
 render=("$diptych" render --scene "$scene" --size 8x8)
@@ -43,7 +43,7 @@ refused 1 "choose another size" "${render[@]}" --backend vk -o "$work/a.png" --s
 refused 2 "absent.yaml" "${compare[@]}" --spec "$work/absent.yaml"
 refused 2 "cannot be written" "${compare[@]}" --json "$work/absent/a.json"
 
-# A capture, where RenderDoc is: the file begins with its mark, and has the names of passes. Else the error says what to install.
+# With RenderDoc, the capture begins with RDOC. Without RenderDoc, the error says what to install.
 grey=("$diptych" render --spec "$root/tests/specs/grey.yaml" --size 8x8 --backend gl --capture "$work/frame.rdc")
 if /sbin/ldconfig -p | grep -q librenderdoc.so; then
     check "a capture for RenderDoc" "${grey[@]}"
@@ -62,7 +62,7 @@ for verb in list render sweep; do
     check "help $verb is $verb --help" same_help $verb
 done
 
-# What is wrong in a file is told with its place, as compilers tell it, and without a word before it: editors match that.
+# Errors in files begin with their place, as those of compilers do, so that editors find the place.
 cat >"$work/scene.yaml" <<END
 mesh: $root/scenes/cornell.obj
 camra: {}
@@ -75,7 +75,7 @@ printf 'tittle: x\npictures: []\nreference: {bounces: 1}\nsweep: {parameter: til
 sed '/rsm_flux: /s/rgba32f,/rgba9,/' "$root/templates/rsm.yaml" >"$work/spec.yaml"
 ln -s "$root/templates/shared" "$root/templates/rsm" "$work/"
 # shellcheck disable=SC2317
-placed() { # places command...: one for each line that tells an error, in order, and nothing else of the kind
+placed() { # places command...: the places of all errors, in order; no error lacks a place
     local places=$1
     shift
     ! "$@" >"$work/said" 2>&1 </dev/null || return
@@ -92,7 +92,7 @@ check "a report outline's" placed "outline.yaml:1:1 outline.yaml:2:1" \
 check "a spec's" placed "spec.yaml:$(grep -n rgba9 "$work/spec.yaml" | cut -d: -f1):30" \
     "${render[@]}" --backend vk -o "$work/a.png" --spec "$work/spec.yaml"
 
-# Each of these two is refused without the other: a block of 16 KiB holds few lights, and there are 256 to begin with.
+# A uniform block of 16 KiB holds few lights, so storage, tile and first_vpls must be checked together.
 check "values that are valid only together are" \
     "${render[@]}" --backend vk -o "$work/a.png" --set passes.shade.ranges.first_range.storage=uniform \
     --set 'tile=[1,1]' --set first_vpls=64
@@ -123,7 +123,7 @@ refused 1 'needs exactly one %d' "${metrics[@]}" --test "$work/%d%d.exr" --frame
 cp "$work/a.exr" "$work/absent_0.exr"
 refused 1 'absent_1.exr' "${metrics[@]}" --test "$work/absent_%d.exr" --frames 2
 # shellcheck disable=SC2317
-several() { # numbers of two pictures are the means and standard errors of those of each
+several() { # the metrics of two pictures are the means and standard errors of each picture's metrics
     local frame
     "$diptych" render --scene "$scene" --size 16x8 --backend vk --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
     for frame in 0 1; do
@@ -148,7 +148,7 @@ assert both["standard_errors"]["hdr"]["mean_reference"] == 0 < both["standard_er
 }
 check "several pictures are averaged" several
 
-# A pipeline of one's own is planned on the spot, without a C compiler. Its cache is its own, too: a copy of the tools.
+# A user's pipeline is planned at run time, without a C compiler. A copy of the tools gives this test its own cache.
 mkdir -p "$work/project/build" "$work/spec"
 cp "$build/diptych" "$build/diptych-gen" "$build"/libdiptych_image.so "$work/project/build/"
 ln -s "$root/templates" "$root/scenes" "$work/project/"
@@ -171,7 +171,7 @@ at_once() {
 }
 check "two processes fill it at once" at_once
 # shellcheck disable=SC2317
-unused() { # mode: of the folder, which is then left alone and told of, once
+unused() { # mode of the cache folder: the run does not use the folder, and warns once
     rm -rf "$cache"
     mkdir -m "$1" "$cache"
     "${own[@]}" 2>"$work/said" && [ "$(grep -c 'not used as a cache: other users may write to the folder' "$work/said")" = 1 ] &&
@@ -181,7 +181,7 @@ check "a cache that everybody may write to is not used" unused 777
 check "nor one that the group may" unused 770
 rm -rf "$cache"
 # shellcheck disable=SC2317
-within_size() { # the least recently used go first
+within_size() { # evicts the least recently used entry
     "${own[@]}" && head -c 2M /dev/zero >"$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&
         echo killed >"$cache/.1-0" && touch -d '2 days ago' "$cache/.1-0" &&
         sed -i 's/rgb, count/bgr, count/' "$work/spec/mips_show.glsl" && DIPTYCH_CACHE_MIB=1 "${own[@]}" &&
@@ -189,7 +189,7 @@ within_size() { # the least recently used go first
 }
 check "the cache is kept within its size, and what a killed process left is removed" within_size
 
-# A body of the templates, then one of that name beside the spec.
+# First a body below the templates, then a body of the same name beside the spec.
 rm "$work/project/templates"
 cp -r "$root/templates" "$work/project/"
 mv "$work/spec/mips_show.glsl" "$work/project/templates/"
@@ -197,7 +197,7 @@ check "a body below the templates" "${own[@]}"
 mv "$work/own.png" "$work/below.png"
 sed 's/rgb, count/bgr, count/' "$work/project/templates/mips_show.glsl" >"$work/spec/mips_show.glsl"
 # shellcheck disable=SC2317
-other() { # picture than with that body
+other() { # the picture differs from that of the body below the templates
     "${own[@]}" && ! cmp -s "$work/own.png" "$work/below.png"
 }
 check "one that comes beside the spec is taken, though what was made without it is kept" other

@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
-# compare as a user meets it: its last line, its exit status and its JSON, for agreement, for a fault in either side, and for
-# whatever cannot be compared; dumps of another driver held against the backends here, whole and damaged; no process is
-# left behind. TAP.
+# compare on the command line: its last line, exit status and JSON for agreement, for a fault in either side, and for inputs that
+# it refuses. Compares whole and damaged dumps with the backends here. An interrupted comparison leaves no process. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
 scene=scenes/cornell.yaml
@@ -49,7 +48,7 @@ check "... the JSON says so of every row" holds "it['agree'] is True and it['fir
     and all(r['verdict'] == 'equal' and r['differing'] == 0 and r['elements'] > 0 for r in it['results']) \
     and it['pipeline'] == 'features' and (it['width'], it['height'], it['frames']) == (17, 9, 1)"
 check "... and nothing was run again" holds "not any('own_error' in r for r in it['results'])"
-# every run of a backend is a process that makes a Vulkan instance, which the loader tells
+# Each run of the Vulkan backend is a process that makes a Vulkan instance; the loader's messages show how many.
 # shellcheck disable=SC2317 # called through check
 runs_vulkan() { # times option...
     local times=$1
@@ -116,7 +115,7 @@ check "... of that size" holds "(it['width'], it['height'], it['frames']) == (17
 check "... and with both backends" ends 0 "$agreement" "${here[@]}" --against "$work/dump"
 
 # shellcheck disable=SC2317
-damaged() { # python: what happens to the dump in the folder `d`, whose manifest is `m`
+damaged() { # python: damages a copy of the dump, in the folder `d` with the manifest `m`
     rm -rf "$work/damaged" && cp -r "$work/dump" "$work/damaged" && python3 - "$work/damaged" <<PYTHON
 import glob, json, os, sys
 d = sys.argv[1]
@@ -215,7 +214,7 @@ echo 'void main() {}' >"$work/idle.glsl"
 check "a pipeline that writes nothing" refuses "nothing: no pass writes anything: nothing to compare" \
     "$diptych" compare --scene $scene --spec "$work/nothing.yaml" --size 8x8
 # shellcheck disable=SC2317
-strays() { # a race comes out otherwise now and then only
+strays() { # tries ten times, as a race changes the result only now and then
     for _ in $(seq 10); do
         "$diptych" compare --scene "$scene" --spec tests/specs/racing.yaml --size 64x64 --backend gl,gl >"$work/table" 2>&1
         tail -n 1 "$work/table" | grep -E "^(gl|gl#2) is not repeatable: pass [a-z_]+ wrote another [a-z_]+ when it ran again, in frame 0$" && return
@@ -281,7 +280,7 @@ check "--update alone" refuses "needs --golden" "${mine[@]}" --size 8x8 --update
 # ---- Processes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317
-alone() { # signal status: ended in the middle, a comparison takes its workers along
+alone() { # signal status: a comparison that the signal ends leaves no worker
     local mark=$work/mark-$1 got
     "$diptych" compare --scene "$scene" --size 640x360 --frames 1000 --json "$mark" >"$work/table" 2>"$work/said" &
     local parent=$!

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Contracts from the spec to the verdict: what tests/specs/contracts.yaml says of each resource stands in the reflection
-# (numbers, fractions and percentages; margins by resource and field), and a fault is judged by it; pictures of what differs.
+# Contracts from the spec to the verdict. The reflection has each contract of tests/specs/contracts.yaml: numbers, fractions and
+# percentages, margins by resource and field. compare judges a fault by the contract; --pictures shows the differences.
 # TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
@@ -30,7 +30,7 @@ END
 compare=("$diptych" compare --spec "$spec" --scene scenes/cornell.yaml --size 17x9)
 check "both backends keep them" "${compare[@]}"
 
-# One point, at x = 1/2 exactly, the edge between the sides: its last bit decides. Seed 2 chooses x.
+# One point at x = 1/2, exactly on the edge between the sides, so the last bit of x decides. Seed 2 makes the fault choose x.
 flip=("${compare[@]}" --set points=1 --fault vk:place:bit:2)
 loose=(--set 'contracts.side_margins={abs: 1/1000}')
 # shellcheck disable=SC2317

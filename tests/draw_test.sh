@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What draws can do, tests/specs/particles.yaml: the backends agree, and every texel of the targets is what a rasterizer of
-# axis-aligned squares and the formulas of blending give. And formats of few bits, tests/specs/formats.yaml: dispatches and
-# draws leave the codes that their numbers have. TAP.
+# Draws, tests/specs/particles.yaml: the backends agree, and every texel of the targets equals the result of a rasterizer of
+# axis-aligned squares and of the blend formulas. Formats of few bits, tests/specs/formats.yaml: dispatches and draws write
+# the right code for each number. TAP.
 . "$(dirname "$0")/tap.sh"
 spec=$root/tests/specs/particles.yaml
 
@@ -141,7 +141,7 @@ for backend in gl vk; do
     check "every texel has the code of its number, $backend" coded $backend
 done
 
-# Kept triangles: tests/specs/cull.yaml. Draws of lists have the pictures that draws of the whole scene have.
+# Culling, tests/specs/cull.yaml: draws of the lists of kept triangles give the pictures of draws of the whole scene.
 kept=$root/tests/specs/cull.yaml
 check "culled draws agree, validation silent" \
     "$diptych" compare --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --debug --backend gl,vk,gl+glsl

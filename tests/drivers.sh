@@ -1,6 +1,6 @@
 # shellcheck shell=bash disable=SC2034,SC2154 # for those that source this, after tap.sh
-# Vulkan drivers that share no code with Mesa, for --backend: the array `strangers`, empty where there are none, for the reason
-# $no_strangers. `vk` alone may be any of them then: Mesa's is vk@llvmpipe.
+# Sets the array `strangers`: names for --backend of Vulkan drivers that share no code with Mesa. The array is empty if there are
+# none; $no_strangers is the reason for a skip. Otherwise `vk` alone may be any driver, and vk@llvmpipe is Mesa's.
 strangers=()
 no_strangers="SwiftShader is not here: run tests/swiftshader.sh"
 icd=$root/build/swiftshader/vk_swiftshader_icd.json

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Exact mode function by function: tests/specs/exact.yaml and arithmetic.yaml run everything that it replaces, over
-# some thousand inputs with special values among them. exact_accuracy_test.c holds the same results against double precision.
+# Exact mode, function by function: tests/specs/exact.yaml and arithmetic.yaml run every function that exact mode replaces, over
+# some thousand inputs, special values included. exact_accuracy_test.c compares the same results with double precision.
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
 specs=$root/tests/specs
 
 exact=(--scene "$scene" --spec "$specs/exact.yaml" --size 9x5)
 
-# The inputs have NaN and infinity among them, which no compare lets pass, so that the dumps themselves are held together.
+# Compares the files of the dumps: the inputs include NaN and infinity, which `compare` never accepts as equal.
 # shellcheck disable=SC2317 # called through check
 dumps() { # options...: the files of both backends that differ, in the order of the passes
     rm -rf "$work/gl" "$work/vk"
@@ -37,7 +37,7 @@ same_bits_of_text() {
 check "every function gives the same bits, validation silent" same_bits 8 --debug
 check "... and over other inputs" same_bits 8 --set cases=20000
 check "every function gives the same bits with OpenGL fed GLSL text" same_bits_of_text
-# On cornell they do in compare_test.sh.
+# compare_test.sh compares them on cornell.
 for spec in "$specs/features.yaml" "$root/templates/ssvp.yaml" "$root/templates/rsm.yaml"; do
     check "$(basename "$spec" .yaml) agrees on the atrium with OpenGL fed GLSL text" \
         "$diptych" compare --scene "$root/scenes/atrium.yaml" --spec "$spec" --size 37x23 --glsl
@@ -48,12 +48,12 @@ check "division and functions agree over all exponents" "${arithmetic[@]}"
 check "... with OpenGL fed GLSL text" "${arithmetic[@]}" --glsl
 check "arithmetic in arguments agrees with OpenGL fed GLSL text" \
     "$diptych" compare --spec "$root/templates/machine.yaml" --scene "$scene" --size 32x32 --glsl
-# A control: the same way of looking sees what exact mode removes.
+# A control: the same comparison finds the differences that exact mode removes.
 check_status 1 "fast mode differs" dumps --set exactness=fast
 check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"
 check "... and not in its inputs" [ "$(grep -c draw_inputs "$work/table")" = 0 ]
 
-# Subgroup operations: with exactness: fast, from devices that have them.
+# Subgroup operations run with exactness: fast, on devices that have them.
 # shellcheck disable=SC2317 # called through check
 reduces() { # backend
     rm -rf "$work/subgroups"

@@ -1,8 +1,9 @@
 """Makes the N-th call of malloc, open, read, write, rename... fail in a command: `failing.py LIBRARY SAMPLES OUT -- COMMAND`.
-OUT is the folder or file that the command writes. Each run must end with status 0 and the right output, or with another, a
-message, and the output of before: OLD has the options with which that is made. No run may crash or hang;
-with FOREIGN=1, crashes and hangs in libraries that are not built here, and failures that a driver tells nobody, are only counted. With KILL=1 the process is killed there instead: the next run must find the folder fit to use, and
-leave no temporary file. SAMPLES: numbers N to try for each kind of call, spread evenly; 0: all. Called by hostile_test.sh."""
+OUT is the folder or file that the command writes. Each run must end with status 0 and the right output, or with another status,
+a message and the previous output. OLD has the options for that previous output. No run may crash or hang. With FOREIGN=1,
+crashes and hangs in libraries that are not built here are only counted, and so are failures that a driver does not report.
+With KILL=1 the call kills the process instead: the next run must succeed and leave no temporary file.
+SAMPLES: numbers N to try for each kind of call, spread evenly; 0: all. Called by hostile_test.sh."""
 import collections
 import hashlib
 import os
@@ -18,7 +19,7 @@ KINDS = os.environ.get("KINDS", "malloc calloc realloc open read write rename mm
 
 
 def content(path):
-    """Hashes of all files by name; None where there is none."""
+    """Hashes of all files by name; empty without a file."""
     if os.path.isfile(path):
         return {"": hashlib.sha256(open(path, "rb").read()).hexdigest()}
     found = {}
@@ -49,7 +50,7 @@ def run(library, command, **more):
 
 
 def foreign_library(result, command):
-    """Name of the library not built here in which a run crashed or hung, or of the driver that told nobody of a failed call; else None."""
+    """Name of the foreign library in which a run crashed or hung, or of the driver that hid a failed call; else false."""
     stopped = re.search("^stopped in (/.+)$", result.stderr, re.M)
     failed = re.search("^failed in (/.*/(dri/|libvulkan_|libLLVM|libgallium).*)$", result.stderr, re.M)
     found = failed if result.returncode == 0 else stopped
@@ -58,7 +59,7 @@ def foreign_library(result, command):
 
 
 def judge(result, out, right, old):
-    """What is wrong with a run; None: nothing."""
+    """The error of a run, or None."""
     if result.returncode == HANGS:
         return "it hangs"
     if result.returncode < 0:

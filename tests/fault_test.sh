@@ -1,4 +1,4 @@
 #!/usr/bin/env bash
-# The test of the test: compare finds every fault that is put in on purpose, and names its pass. TAP.
+# A test of compare itself: it finds every injected fault and names the fault's pass. TAP.
 . "$(dirname "$0")/tap.sh"
 python3 "$root/tests/faults.py" "$diptych" "$root" "$work"

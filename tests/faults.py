@@ -1,6 +1,6 @@
-"""Faults put in on purpose, and found: for every pass of rsm, taa and post and some of ssvp one, of another backend and kind
-from pass to pass, or with DIPTYCH_LONG set for every shipped pipeline of either backend every kind, compare must name exactly
-the pass that has it, the resource and the frame. What was put in is told by the log, what was found by the last line; neither knows the other.
+"""Injects faults: compare must name exactly the pass, the resource and the frame of each. Every pass of rsm, taa and post gets
+one fault, and so do some passes of ssvp; backend and kind change from pass to pass. With DIPTYCH_LONG, every pass of these and
+more pipelines gets every kind in both backends. The log names the injected fault, the last line the found one, independently.
 TAP; called by fault_test.sh with the command, the project's folder and a folder to work in."""
 
 import json
@@ -16,7 +16,7 @@ KINDS = (*CHANGES, "missing")
 SMALL = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "16x16", "--set", "rsm_size=16"]
 SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", "--set", "first_vpls=16",
                 "--set", "second_vpls=16", "--set", "clusters=2", "--set", "map_size=16",
-                # of two maps one finds room for its list, so that no draw is empty
+                # the list has room for one of two maps, so no draw is empty
                 "--set", "second_clusters=2", "--set", "map_triangles=300"]
 FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
 SSVP_PASSES = ("first.kmeans", "paraboloid.test", "paraboloid.list", "paraboloid", "shade", "composite")
@@ -54,7 +54,7 @@ def passes_of(options):
 
 
 def is_named(fault, options):
-    """Puts one fault in; returns the resource that has it, or None and why it was not found."""
+    """Injects one fault; returns (resource, None), or (None, reason) if compare does not name the fault."""
     side, name, kind = re.split("[:@]", fault)[:3]
     frame = fault.split("@")[1] if "@" in fault else "0"
     run = compare([*options, "--fault", fault])
@@ -67,7 +67,7 @@ def is_named(fault, options):
 
 
 class Faults:
-    """Counts what is put in and what is found."""
+    """Counts injected and found faults."""
 
     def __init__(self):
         self.injected = self.found = self.passes = 0
@@ -75,7 +75,7 @@ class Faults:
         self.pool = ThreadPoolExecutor(2)
 
     def inject(self, faults, options):
-        """Returns the reasons of those that were not found."""
+        """Returns a reason for each fault that was not found."""
         outcomes = list(self.pool.map(lambda fault: is_named(fault, options), faults))
         self.injected += len(outcomes)
         self.found += sum(why is None for _, why in outcomes)
@@ -86,7 +86,7 @@ class Faults:
         seed = self.injected
         faults = [f"{side}:{name}:{kind}:{seed + i}" for i, (side, kind) in
                   enumerate((side, kind) for side in ("gl", "vk") for kind in KINDS)]
-        if not os.environ.get("DIPTYCH_LONG"):   # one: either side in turn, and of each side every kind in turn
+        if not os.environ.get("DIPTYCH_LONG"):   # one fault: sides alternate, and each side goes through the kinds
             kind = self.passes // 2 % len(KINDS)
             faults = [faults[self.passes % 2 * len(KINDS) + kind]]
             self.passes += 1
@@ -102,7 +102,7 @@ def main():
     for title, options in pipelines:
         names, why = passes_of(options)
         report(bool(names), f"{title} agrees without a fault", [why] if why else [])
-        if title == "ssvp" and not os.environ.get("DIPTYCH_LONG"):   # what rsm has nothing like
+        if title == "ssvp" and not os.environ.get("DIPTYCH_LONG"):   # only passes without a counterpart in rsm
             names = [name for name in names if name in SSVP_PASSES]
         for name in names:
             key = (title.split()[0], name)
@@ -111,13 +111,13 @@ def main():
             seen.add(key)
             reasons = faults.every_kind(name, options)
             report(not reasons, f"{title}, pass {name}: all faults are found", reasons)
-    # A pass that is skipped clears what it writes, and that is content as any other. (Without the clear it may be the
-    # same by chance: zeros of a resource in whose memory it lies.)
+    # A skipped pass clears its outputs, and compare checks the cleared content. (Not the kind `missing`: without the clear the
+    # content may be right by chance, as zeros of another resource in the same memory.)
     cleared = [f"{side}:shade:{kind}:7" for kind in CHANGES for side in ("gl", "vk")]
     reasons = faults.inject(cleared if os.environ.get("DIPTYCH_LONG") else cleared[:2], [*SSVP, "--set", "bounces=0"])
     report(not reasons, "in what a skipped pass has cleared", reasons)
-    # History: right in the first frames, so that the later one is named. (In the third frame k-means has come to rest,
-    # and when it does nothing its clusters are right all the same; the counter of `remember` is not.)
+    # History: the first frames are right, so compare must name a later frame. (k-means does not get the kind `missing`: in the
+    # third frame it has converged, and its clusters are right without the pass. The counter of `remember` is then wrong.)
     if os.environ.get("DIPTYCH_LONG"):
         kmeans = [(side, kind, frame) for side in ("gl", "vk") for kind in CHANGES for frame in (1, 2)]
         remember = [(side, kind, 2) for side in ("gl", "vk") for kind in KINDS]
@@ -128,12 +128,12 @@ def main():
     reasons += faults.inject([f"{side}:remember:{kind}:2@{frame}" for side, kind, frame in remember],
                              [*FEATURES, "--frames", "3"])
     report(not reasons, "in later frames of three, in passes with history", reasons)
-    # how much later passes draw: a fault there must not keep a device busy for ever
+    # a fault in the amount that later passes draw must not keep a device busy for ever
     reasons = faults.every_kind("count", FEATURES)
     report(not reasons, "in the arguments of indirect draws and dispatches", reasons)
-    # what nothing reads is compared all the same
+    # compare checks resources that no pass reads, too
     unread = {"gbuffer_depth", "display"}
-    for seed in range(1008, 1068):   # the first of them, as rsm is now, is in the depths
+    for seed in range(1008, 1068):   # with the present rsm, the first seed hits the depths
         if unread <= faults.resources:
             break
         faults.inject([f"vk:gbuffer_triangles:bit:{seed}"], RSM)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A pipeline that nobody here renders with runs on both backends without a line of C: tests/specs/features.yaml uses every
-# feature of the language. And compare can fail: a mip that is broken in one backend is found and named.
+# tests/specs/features.yaml uses every feature of the language, and runs on both backends without a line of C. A control: compare
+# finds and names a mip that is wrong in one backend.
 . "$(dirname "$0")/tap.sh"
 specs=$root/tests/specs
 scene=$root/scenes/cornell.yaml
@@ -19,7 +19,7 @@ for shrink in true false; do
         "$diptych" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --frames 2 --set shrink=$shrink --debug
 done
 # shellcheck disable=SC2317 # called through check
-skipped_mips() { # backend: what a skipped pass clears is its own mip; pixel (0, 0) shows the smallest one
+skipped_mips() { # backend: a skipped pass clears only its own mip; pixel (0, 0) shows the smallest mip
     local dump=$work/mips_$1
     "$diptych" render --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --set shrink=false \
         --backend "$1" --dump "$dump" &&

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# How far ssvp's indirect irradiance is from the path tracer's, which shares none of its code: the energy of each bounce in a
-# closed white box, where nothing is hidden, and whether in the Cornell Box each bounce, visibility of the second one, and
-# more clusters bring the picture nearer. Three frames, so that the clusters have settled. In the Cornell Box and the atrium
-# no error goes beyond a limit: relative MSE does not show darkness, so the others are held, too. TAP. Long: more scenes.
+# Compares ssvp's indirect irradiance with the path tracer's, which shares no code with ssvp. In a closed white box, where nothing
+# is hidden, each bounce has the right energy. In the Cornell Box each bounce, second-bounce visibility and more clusters lower
+# the error. After three frames the clusters have settled. In the Cornell Box and the atrium each error stays below its limit;
+# other errors than relative MSE are checked because that one does not show darkness. TAP. Long: more scenes.
 # shellcheck disable=SC2317 # functions are called through check
 . "$(dirname "$0")/tap.sh"
 size=160x90 samples=64 frames=3
@@ -20,7 +20,7 @@ ours() { # file scene sets...
         -o "$work/$file" "$@"
 }
 
-measured() { # reference test key: flip of the tone-mapped pictures, all else of the linear ones
+measured() { # reference test key: flip is that of the tone-mapped pictures, all other metrics are those of the linear ones
     local told=$work/$1-$2
     if [ ! "$told" -nt "$work/$2" ]; then
         "$diptych" metrics --reference "$work/$1" --test "$work/$2" --exposure 1 --flip ldr --json "$told.json" >/dev/null &&
@@ -39,14 +39,14 @@ is() { # expression with numbers, for awk
     awk "BEGIN { exit !($1) }"
 }
 
-energy() { # frame bounce: what it adds is within 5 % of the truth
+energy() { # frame bounce: the energy that the bounce adds is within 5 % of the truth
     local without=0 with truth
     [ "$2" = 1 ] || without=$(measured box1.exr "ours1.$1.exr" mean_test) || return
     with=$(measured box1.exr "ours$2.$1.exr" mean_test) && truth=$(measured "box$2.exr" "ours1.$1.exr" mean_reference) &&
         is "($with - $without) / $truth > 0.95 && ($with - $without) / $truth < 1.05"
 }
 
-nearer() { # reference near far key...: these errors of the first are smaller; without keys, its relative MSE
+nearer() { # reference near far key...: `near` has smaller errors than `far`; without keys, a smaller relative MSE
     local near far key reference=$1 first=$2 second=$3
     shift 3
     for key in "${@:-relative_mse}"; do
@@ -78,7 +78,7 @@ all() {
 }
 check "further bounces have their energy" all
 
-# Each VPL of the second bounce stands for its part of the surface that the clusters see, here all of the box, 24 m2.
+# The areas of second-bounce VPLs add up to the surface that the clusters see, here the whole box, 24 m2.
 areas() {
     local total
     "$diptych" render --scene "$root/scenes/white_box.yaml" --size 16x16 --backend vk --set second_vpls=1024 \
@@ -123,15 +123,15 @@ for scene in "${scenes[@]}"; do
     check "$scene: 32 clusters are nearer than 2" nearer "$scene.truth.exr" many.exr few.exr
     [ "$scene" != cornell ] || check "cornell: no error beyond its limit" within cornell.truth.exr two.exr relative_mse 0 0.025 \
         smape 0 0.075 flip 0 0.13 ratio 0.93 1.07 darker 0 0.01 brighter 0 0.005
-    [ "$scene" = cornell ] || continue # elsewhere eight maps of second-bounce visibility hide no more of 32 clusters' VPLs
+    [ "$scene" = cornell ] || continue # elsewhere eight maps of second-bounce visibility do not hide more of 32 clusters' VPLs
     check "$scene: 32 clusters are nearer when maps of second-bounce visibility grow with them" nearer "$scene.truth.exr" many.exr eight.exr
 done
 
-# More clusters do not make it worse. The eyes of one pattern are luckier than another's, so a fifth more than the number of
-# clusters before is let pass, but 32 must be nearer than 8. Long: the mean over four patterns.
+# More clusters do not raise the error. The error varies with the pattern of the eyes, so a step to more clusters may add a fifth,
+# but 32 clusters must be better than 8. Long: the mean over four patterns.
 patterns=1
 [ -z "${DIPTYCH_LONG:-}" ] || patterns=4
-average() { # scene clusters picture: the mean of the relative mean squared errors; of one pattern, that of the picture
+average() { # scene clusters picture: the mean relative MSE of all patterns; for one pattern, that of the picture
     local frame
     [ "$patterns" -gt 1 ] || { measured "$1.truth.exr" "$3" relative_mse; return; }
     frames=$patterns ours "$1.$2.%d.exr" "$1" --set "clusters=$2" --set reuse_pattern=0 || return
@@ -149,8 +149,8 @@ for scene in "${scenes[@]}"; do
     check "$scene: errors of 8, 16, 32 clusters" grows "$scene"
 done
 
-# Instant Radiosity has no bias but what maps and half floats have: ten times the VPLs leave less than a third of the error.
-lights=passes.shade.ranges.all_lights # written out, 200 of them take longer to compile than to shine
+# Only maps and half floats bias Instant Radiosity: with ten times the VPLs, less than a third of the error remains.
+lights=passes.shade.ranges.all_lights # an unrolled loop over 200 lights takes longer to compile than to run
 prepare() {
     local vpls
     truth first.truth.exr cornell 1 1 || return
@@ -166,8 +166,8 @@ falls() {
 check "instant radiosity, traced and rendered" prepare
 check "instant radiosity: the error falls with the number of VPLs" falls
 
-# Pipelines of one bounce: what each adds to its simpler form brings the picture nearer.
-adds() { # pipeline setting set...: near with the sets, far with the setting
+# Pipelines of one bounce: the feature of each lowers the error of its simpler form.
+adds() { # pipeline setting set...: the near picture uses the sets, the far one also the setting
     local pipeline=$1 simpler=$2
     shift 2
     ours "$pipeline.near.exr" cornell --spec "$root/templates/$pipeline.yaml" "$@" &&
@@ -178,7 +178,7 @@ check "ssdo: the bounce" adds ssdo bleeding=0 --set 'sky=[0,0,0]'
 check "deep: the second layer" adds deep layers=1 --set 'ambient=[0,0,0]'
 check "clustered: more clusters" adds clustered clusters=4
 
-# Sixteen frames of jitter against pixels that are averaged over their area.
+# Compares sixteen jittered frames with pixels that are averaged over their area.
 antialiases() {
     local one many
     "$diptych" reference --scene "$root/scenes/cornell.yaml" --size "$size" --bounces 0 --filter box --spp "$samples" \

@@ -1,5 +1,5 @@
-"""A spec written out by hand: included files, groups, repeats and culling in their places, for tests that look into specs.
-Paths are relative to the spec; `second.views` is called second_views, as in bodies and in C."""
+"""Flattens a spec, for tests that look into specs: expands included files, groups, repeats and culling in their places.
+Paths become relative to the spec; `second.views` becomes second_views, as in bodies and in C."""
 import copy
 import os
 import re
@@ -18,7 +18,7 @@ def beside(path, name):
 
 
 class Scope:
-    """What names mean in an instance: `words` are texts of arguments and numbers, `own` are declared there."""
+    """The meaning of names in an instance: `words` has texts of arguments and numbers, `own` the names that it declares."""
 
     def __init__(self, words, own, prefix="", suffix="", outer=None):
         self.words, self.own, self.prefix, self.suffix, self.outer = words, own, prefix, suffix, outer
@@ -77,7 +77,7 @@ def access(scope, entry):
 
 
 def instance_of(scope, entry):
-    """A pass or a resource with the names that it has outside."""
+    """A copy of a pass or a resource of an instance, with the names that are valid outside the instance."""
     entry = copy.deepcopy(entry)
     for key, value in entry.items():
         if key in ("reads", "writes", "updates"):
@@ -102,7 +102,7 @@ class Flattening:
         self.templates = os.path.dirname(path)
 
     def read(self, file):
-        """The passes of a file that was not read before."""
+        """The passes of a file; none if the file was read before."""
         if file in self.documents:
             return []
         with open(beside(self.path, file), encoding="utf-8") as text:
@@ -121,7 +121,7 @@ class Flattening:
         return passes
 
     def place(self, file, passes):
-        """Paths relative to the spec; those of the templates stay."""
+        """Makes paths relative to the spec; paths below the templates stay."""
         def of(name):
             return beside(file, name) if os.path.exists(beside(self.path, beside(file, name))) else name
         for entry in passes:
@@ -131,7 +131,7 @@ class Flattening:
             self.place(file, entry.get("passes", []))
 
     def expand(self, scope, passes, spec):
-        """The passes with their instances; adds what these declare to the spec."""
+        """The passes with all instances expanded; adds the declarations of the instances to the spec."""
         out = []
         for entry in passes:
             self.expanded |= any(key in entry for key in ("repeat", "group")) or isinstance(entry.get("cull"), dict)
@@ -193,7 +193,7 @@ class Flattening:
                 self.expand(rest, [whole], spec))
 
     def bodies(self, entry):
-        """The text of a pass's body, with what it includes."""
+        """The text of a pass's body and of its includes."""
         texts, names = [], entry["shader"] if isinstance(entry["shader"], list) else [entry["shader"]]
         for name in names:
             for folder in (os.path.dirname(self.path), self.templates, "templates"):
@@ -208,7 +208,7 @@ class Flattening:
         return "\n".join(texts)
 
     def define_words(self, entry):
-        """Bodies know arguments, constants and numbers of their instance."""
+        """Adds macros for the instance's arguments, constants and numbers that the body of a pass uses."""
         words = entry.pop("words", {})
         text = re.sub(r"/\*.*?\*/|//[^\n]*", " ", self.bodies(entry), flags=re.S) if words else ""
         for word, value in words.items():

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The README's two commands on a bare Debian: installs one into a folder, clones this checkout's last commit into that, and runs
-# `./bootstrap demo` or `./bootstrap test` there. `deb`: also makes the package, and installs it in a second bare Debian,
-# R-user, with no more than its users need: builds and runs tests/hosts/project there. Needs root, debootstrap, and a network.
-# usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test|deb]    R is kept, and used again
+# Tests the README's two commands on a bare Debian: installs Debian into the folder R, clones this checkout's last commit into R,
+# and runs `./bootstrap demo` or `./bootstrap test` there. `deb` also makes the package and installs it in a second bare Debian,
+# R-user, with only the packages that users need. There it builds and runs tests/hosts/project.
+# Needs root, debootstrap, and a network. R is kept and used again.
+# usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test|deb]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 suite=${SUITE:-trixie} what=${1:-demo}
@@ -36,7 +37,7 @@ if [ "$what" != deb ]; then
 fi
 inside "$root" "cd /src && ./bootstrap demo && apt-get install -y -q --no-install-recommends dpkg-dev && ninja deb"
 
-# A new one each time. What is installed by name: the package's Recommends, and a user's tools.
+# R-user is new each time. apt-get installs the package's Recommends and a user's tools by name.
 umount -l "$root"-user/{proc,sys,dev} 2>/dev/null || true
 rm -rf --one-file-system "$root-user"
 bare "$root-user"

@@ -11,7 +11,7 @@ kinds=("$@")
 out=$build/found
 failures=0
 export AFL_SKIP_CPUFREQ=1 AFL_I_DONT_CARE_ABOUT_MISSING_CRASHES=1 AFL_NO_UI=1 AFL_NO_AFFINITY=1
-# our code ends at a report with 99; a library that crashes in a child process is a signal, which the parent tells
+# A sanitizer's report aborts. ASan leaves SIGSEGV alone: a library's crash in a child is a signal, which the parent reports.
 export ASAN_OPTIONS=abort_on_error=1:detect_leaks=0:symbolize=0:allocator_may_return_null=1:handle_segv=0 UBSAN_OPTIONS=abort_on_error=1
 
 seeds() { # kind
@@ -31,7 +31,7 @@ fuzz() { # kind
         -- "$build/tests/fuzz" "$1" @@ >"$out/$1.log" 2>&1
 }
 
-keep() { # kind: what fails again, alone; not more than a few, which often have one cause
+keep() { # kind: keeps inputs that also fail alone; at most eight, as they often have one cause
     local file status
     for file in "$out/$1"/default/crashes/id* "$out/$1"/default/hangs/id*; do
         [ -e "$file" ] || continue

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# What `ninja fuzz` begins with and what it has found (fuzz.c, fuzz.sh) neither crashes nor hangs. TAP.
+# The seeds of `ninja fuzz` and the inputs that it has found (fuzz.c, fuzz.sh) neither crash nor hang. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
 # shellcheck disable=SC2317 # called through check
-survives() { # kind file: 1 when glslang takes too long, which is told
+survives() { # kind file: status 1 also passes: glslang took too long, with a message
     local status=0
     timeout 60 "$build/tests/fuzz" "$1" "$2" || status=$?
     [ "$status" -le 1 ]

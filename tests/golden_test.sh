@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# What the generator writes: for tests/golden/small.yaml exactly the files of tests/golden/small
-# (SPIR-V left out, since it changes with glslang; UPDATE=1 rewrites them); C without a warning, valid
-# SPIR-V, bytes that depend on the spec alone, and for every type of parameter a value from --set. TAP.
+# The generator's output. For tests/golden/small.yaml it equals the files of tests/golden/small, without the SPIR-V, which
+# changes with glslang; UPDATE=1 rewrites these files. The C compiles without a warning, the SPIR-V is valid, and the bytes depend
+# on the spec alone. --set works for every type of parameter. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root" || exit 1
 
 # shellcheck disable=SC2317 # called through check
-without_words() { # file: generated C with the words of SPIR-V left out, and what is counted in them
+without_words() { # file: prints generated C without the bytes of SPIR-V and the counts of their operations
     awk '{ gsub(/NULL, [0-9]+, /, "NULL, 0 /* bytes of SPIR-V */, "); sub(/\.flops = \{[0-9, ]+\}/, ".flops = {/* counted */}") }
          sub(/^static const uint8_t .*\[\] = \{$/, "& /* packed SPIR-V */") { }
          !/^    [0-9,]+(\};)?$/' "$1"
@@ -43,7 +43,7 @@ valid_spirv() { # name
 }
 
 # shellcheck disable=SC2317
-names_nothing_of_here() { # name: where, when and on what machine it was made
+names_nothing_of_here() { # name: the output contains no path, date or host name
     local word
     for word in "$root" "$work" "$(date +%Y-%m-%d)" "$(date '+%b %e %Y')"; do
         ! grep -rFa -- "$word" "$work/$1" || return
@@ -108,7 +108,7 @@ check "--names and --glsl are options" "$gen" tests/golden/small.yaml -o "$work/
 check "... that add names and GLSL to generated C" has_more
 check "... which compiles" compiles more small
 
-# Every type, baked, live and uniform: what is set is a constant in the GLSL, or a value in the C.
+# Every type as baked, live and uniform parameter: --set changes a constant in the GLSL, or a value in the C.
 # shellcheck disable=SC2317
 sets() { # type value baked live
     rm -rf "$work/set"
@@ -118,7 +118,7 @@ sets() { # type value baked live
     done
     grep -F ".live.live_$1 = $4," "$work/set/kinds.c" && grep -F ".uniform.uniform_$1 = $4," "$work/set/kinds.c"
 }
-# A number that shaders read is not in them, nor in the lengths of the blocks that it decides.
+# Shaders that read a number at run time do not contain it, not even as the length of a block.
 # shellcheck disable=SC2317
 same_shaders() { # folder pass...
     local api name

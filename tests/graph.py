@@ -1,6 +1,6 @@
-"""Checks for tests/graph_test.sh: `graph.py SPEC GRAPH.dot PLAIN LIFETIMES.dot` holds both drawings against the spec itself,
-read with another YAML library: who reads and writes what, when, and who has to wait. PLAIN is what `dot -Tplain` made of the
-first: where its boxes and arrows lie."""
+"""Checks for tests/graph_test.sh: `graph.py SPEC GRAPH.dot PLAIN LIFETIMES.dot` compares both drawings with the spec, read
+with another YAML library: the reads, writes, order and waits of all passes. PLAIN is the output of `dot -Tplain` for the first
+drawing, with the places of boxes and arrows."""
 import html
 import itertools
 import re
@@ -18,7 +18,7 @@ def names(accesses):
 
 
 def uses(spec):
-    """(pass, resource) -> set of r and w, as the spec has them; what the scene has is not drawn with lines."""
+    """(pass, resource) -> set of r and w, from the spec; without the scene's resources, which have no lines in the drawing."""
     found = {}
     for step in spec["passes"]:
         reads = names(step.get("reads")) | names(step.get("updates"))
@@ -32,7 +32,7 @@ def uses(spec):
 
 
 def writer(drawn, known, place, name, history):
-    """Who wrote last what the pass at `place` uses: an earlier pass; of a history that it reads, else one of the last frame."""
+    """The place of the last writer before `place`: an earlier pass, or for a history that is read, a pass of the last frame."""
     earlier = range(place - 1, -1, -1)
     later = range(len(drawn) - 1, place, -1) if history and "r" in known[drawn[place], name] else ()
     return next((other for other in (*earlier, *later) if "w" in known.get((drawn[other], name), "")), None)
@@ -48,7 +48,7 @@ def listed(text):
 
 
 def check_passes(spec, found):
-    """Each pass is drawn once, by its number in order of execution; what is left out has a condition."""
+    """Each pass is drawn once, with its number in order of execution; a pass that is left out has a condition."""
     drawn = [name[2:] for name in found if name.startswith("p_")]
     for step in spec["passes"]:
         if ("p_" + step["name"] in found) == ("d_" + step["name"] in found):
@@ -64,7 +64,7 @@ def check_passes(spec, found):
 
 
 def check_reads(label, step, known):
-    """A pass names all that it reads, at a bar or without a wait; returns what it waits for."""
+    """A pass names all resources that it reads, at a bar or without a wait; returns the resources that it waits for."""
     bars = [set(listed(bar.rsplit(":", 1)[0])) for bar in re.findall(r'<font color="white">(.*?)</font>', label)]
     waited = set().union(*bars)
     if len(waited) != sum(map(len, bars)):
@@ -81,7 +81,7 @@ def check_reads(label, step, known):
 
 
 def check_writes(label, place, drawn, known, histories):
-    """A row for all that a pass writes, with the numbers of the passes that read that."""
+    """One row for each resource that a pass writes, with the numbers of the passes that read the resource."""
     rows = re.findall(r'<tr><td width="\d+" align="left" [^>]*>&nbsp;(\w+)(.*?)</td>.*&nbsp;(?:→ )?([\d, ]*)</td></tr>', label)
     written = {name for (step, name), kinds in known.items() if step == drawn[place] and "w" in kinds}
     if sorted(name for name, _, _ in rows) != sorted(written):
@@ -96,7 +96,7 @@ def check_writes(label, place, drawn, known, histories):
 
 
 def check_waits(waits, drawn, known):
-    """Whoever reads first what was written earlier in the frame waits for it, and whoever writes what was used."""
+    """A pass waits for a resource if the last user in the frame wrote it, or if the pass writes a resource used before."""
     for place, step in enumerate(drawn):
         for (user, name), kinds in known.items():
             before = [known[other, name] for other in drawn[:place] if (other, name) in known]
@@ -105,7 +105,7 @@ def check_waits(waits, drawn, known):
 
 
 def check_arrows(dot, drawn, known, histories):
-    """Arrows are those between passes that use what others wrote, and no others; heavy: that write it, too."""
+    """Arrows go from the writer of a resource to its users, and nowhere else; an arrow is heavy if the user also writes."""
     wanted = {}
     for place, step in enumerate(drawn):
         for (user, name), kinds in known.items():
@@ -132,7 +132,7 @@ def points(numbers):
 
 
 def check_places(plain, drawn):
-    """Passes go down the page, no box hides another, no arrow runs through one; at two pages' width, text keeps half its size."""
+    """Passes go down the page, boxes do not overlap, arrows do not cross boxes. At most two pages wide: text keeps half its size."""
     found, edge = {}, 0.03
     width = float(re.search(r"^graph \S+ (\S+)", plain).group(1))
     for name, *numbers in re.findall(r"^node (\w+) (\S+) (\S+) (\S+) (\S+) ", plain, re.MULTILINE):
@@ -166,7 +166,7 @@ def check_lifetimes(text, drawn, known, resources):
 
 
 def check_slots(text):
-    """What shares memory is never alive in the same pass."""
+    """Resources that share memory are never alive in the same pass."""
     for slot in text.split("<hr/>")[1:-1]:
         alive = set()
         for row in re.findall(r"&nbsp;\w+(?: <i>\(unused\)</i>)?</td>(.*?)</tr>", slot):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The two drawings of a pipeline: Graphviz takes them without a word, and they tell what the spec says
-# (graph.py); sizes, passes that a baked `when` leaves out, and barriers are those of pipelines that are known. TAP.
+# The two drawings of a pipeline: Graphviz accepts them without a message, and they match the spec (graph.py). For known
+# pipelines the test checks sizes, barriers, and passes that a baked `when` leaves out. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root" || exit 1

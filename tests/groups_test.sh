@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Groups and repeats, tests/specs/groups.yaml: the backends agree, a hand that expands and unrolls them gets the same bytes, its
-# radix sort sorts, and --set, tables, drawings and faults name the instances. TAP.
+# Groups and repeats, tests/specs/groups.yaml: the backends agree, a spec expanded and unrolled by hand gives the same bytes, and
+# the radix sort sorts. --set, tables, drawings and faults name the instances. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root" || exit 1
@@ -40,7 +40,7 @@ PYTHON
 }
 check "the repeated passes sort, and keep the order of equal keys" sorts
 
-# The shaders that a --set changes, by their passes.
+# Checks that --set changes the shaders of exactly these passes.
 # shellcheck disable=SC2317
 changes() { # PATH=VALUE passes
     rm -rf "$work/set"

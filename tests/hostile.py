@@ -75,7 +75,7 @@ def scene(name, mtl, before=""):
 
 
 def png(name, size):
-    """Black, of one bit a pixel."""
+    """Writes a black picture with one bit a pixel."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
     packer = zlib.compressobj(9)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What comes in from outside breaks nothing: specs of absurd size, files that are none, streams that are full. Each ends soon,
-# with a message and the right exit status. TAP.
+# Hostile input breaks nothing: huge specs, pipes and devices in place of files, full streams. Each run ends soon, with a message
+# and the right exit status. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root" || exit 1
@@ -9,7 +9,7 @@ cd "$root" || exit 1
 
 /usr/bin/python3 tests/hostile.py "$work"
 # shellcheck disable=SC2317 # called through check
-ends() { # spec status text: within 10 s of processor time, which is five times what a loaded machine needs
+ends() { # spec status text: within 10 s of processor time, five times the need of a loaded machine
     "$gen" --check --limit "${4:-10}" --templates templates "$work/$1.yaml" >"$work/said" 2>&1
     local status=$?
     cut -c 1-200 "$work/said" | head -n 3
@@ -30,7 +30,7 @@ check "... name the pass" grep -q "while compiling the pass fill ([^ ]*/macros.y
 check "20,000 cases" ends cases 1 "more processor time than the limit" 1
 check "20,000 blocks" ends braces 1 "memory exhausted"
 
-# ---- Files that are none --------------------------------------------------------------------------------------------
+# ---- Pipes and devices in place of files ----------------------------------------------------------------------------
 
 mkfifo "$work/pipe"
 ln -s /dev/zero "$work/zero"
@@ -65,13 +65,13 @@ samples=1 render=2
 failing=(/usr/bin/python3 tests/failing.py "$build/tests/failing.so")
 out=$work/out
 generate=("$gen" tests/specs/features.yaml -o "$out" --depfile "$out/depfile" --graph "$out/graph.dot")
-if [ -n "${DIPTYCH_LONG:-}" ]; then # every call of a small pipeline; of a large one they would take days
+if [ -n "${DIPTYCH_LONG:-}" ]; then # every call, for a small pipeline; a large one would take days
     small=("$gen" "$work/fill.yaml" --templates templates -o "$out")
     check "a small generation when any call fails" env "OLD=--set exactness=fast" FOREIGN=1 "${failing[@]}" 0 "$out" -- "${small[@]}"
 fi
 check "generation when a call fails" env "OLD=--set bins=8" "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
 # shellcheck disable=SC2317
-sweeps_its_own() { # what a killed run left, and nothing that looks like it
+sweeps_its_own() { # removes temporary files of a killed run, but no file with a similar name
     mkdir -p "$out"
     touch "$out/notes.tmp-99999999" "$out/old.h.diptych-tmp-99999999"
     "${generate[@]}" && [ -e "$out/notes.tmp-99999999" ] && [ ! -e "$out/old.h.diptych-tmp-99999999" ]
@@ -84,7 +84,7 @@ check "a picture when a file cannot be read or written" env "OLD=--set bins=8" "
     "${failing[@]}" $render "$work/a.png" -- "$diptych" render --backend vk --scene scenes/cornell.yaml \
     --spec "$work/picture/features.yaml" --size 16x8 -o "$work/a.png"
 
-# Calls of diptych itself, then calls of any library, where a driver may crash.
+# First, calls of diptych itself fail. Then calls of any library fail, where a driver may crash.
 samples=2
 [ -z "${DIPTYCH_LONG:-}" ] || samples=0
 for backend in gl vk; do
@@ -123,7 +123,7 @@ check "... a killed comparison" leaves_nobody "$diptych" compare --scene scenes/
 # ---- Scenes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317
-warns() { # text command...: does its work all the same
+warns() { # text command...: prints the warning and succeeds
     local text=$1
     shift
     timeout 60 "$@" >"$work/said" 2>&1 || { cat "$work/said"; return 1; }
@@ -151,7 +151,7 @@ sed -i 's/histogram\[bin\].count = n;/&\n#ifdef VULKAN\n    histogram[bin].count
 "$diptych" compare --scene scenes/cornell.yaml --spec "$work/spec/features.yaml" --size 17x9 --bisect "$work/good" >"$work/said" 2>&1
 # shellcheck disable=SC2317
 damaged() { # text sed-script-for-the-manifest
-    rm -rf "$work/evil" # as long as good: a test of the path's first bytes alone must not do
+    rm -rf "$work/evil" # as long as `good`: the check must not compare only as many first bytes of the path
     cp -r "$work/good" "$work/evil"
     sed -i "$2" "$work/evil/manifest.json"
     refuses "$1" "$diptych" replay "$work/evil" --backend vk

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What `ninja install` puts down, moved to another folder and used there, with the source tree out of sight: the command, and
-# renderers of somebody else's (tests/hosts): two take the pipelines in and find the command's bits, two hand over what they drew;
-# and a project that CMake and Meson build. TAP.
+# Moves the files of `ninja install` to another folder and uses them there, with the source tree hidden: the command, and foreign
+# renderers (tests/hosts). Two renderers run the pipelines and get the command's bits; two pass their own G-buffer to a pipeline.
+# CMake and Meson build a project with the installed files. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 size=(96 64)
@@ -14,7 +14,7 @@ scene=share/diptych/scenes/cornell.yaml
 installs() {
     DESTDIR=$work/dest PREFIX=/opt/diptych sh app/install.sh "$version"
 }
-# Beside the command line that ninja would run, the test's own.
+# ninja would run the same command line as this test.
 # shellcheck disable=SC2317
 ninja_runs_it() {
     ninja -t commands -s install | grep -Fx "sh app/install.sh $version"
@@ -74,7 +74,7 @@ only_own_symbols() { # nothing defined but dt_..., no function of the graphics A
 check "libraries define dt_ names alone, need no loader, keep no state and print nothing" only_own_symbols
 
 # shellcheck disable=SC2317
-player_exports() { # no names of the libraries within it: the linker's own begin with _
+player_exports() { # exports no names of the libraries inside; names that begin with _ are the linker's
     nm -D --defined-only "$installed/lib/libdiptych_play.so" | awk '$3 !~ /^_/ { print $3 }' | grep -v '^dt_play_' && return 1
     readelf -d "$installed/lib/libdiptych_play.so" | grep -q "SONAME.*libdiptych_play.so.$soversion\]"
 }
@@ -82,7 +82,7 @@ check "the player defines dt_play_ names alone" player_exports
 
 # ---- The command, from another folder ----
 
-# Runs with the source tree covered up, where the kernel lets us.
+# Mounts an empty file system over the source tree, where the kernel permits that.
 hidden=(unshare -rm sh -c "mount -t tmpfs none '$root' && cd '$work' && exec \"\$@\"" sh)
 "${hidden[@]}" true 2>"$work/output" || hidden=()
 # shellcheck disable=SC2317
@@ -100,7 +100,7 @@ in_cache() {
     [ -d "$work/cache/diptych" ] && [ ! -e "$installed/bin/cache" ]
 }
 # shellcheck disable=SC2317
-no_ego() { # what was compiled for the cache was made of installed files alone
+no_ego() { # the cache was compiled from installed files alone
     ! grep -rl --include='*.d' "$root/" "$work/cache"
 }
 for backend in gl vk; do
@@ -112,7 +112,7 @@ check "... a second time without a compiler" env PATH= "$(command -v env)" -u CC
 check "... caches where the user's files are" in_cache
 check "... made of what is installed" no_ego
 # shellcheck disable=SC2317
-python_renders() { # and finds the command's bits
+python_renders() { # the module's bits are the command's
     hide env "PYTHONPATH=$installed/lib/python3/dist-packages" /usr/bin/python3 -c "
 import diptych
 pipeline = diptych.open('$installed/share/diptych/templates/ssvp.yaml', scene='$installed/$scene', size=(${size[0]}, ${size[1]}))
@@ -138,7 +138,7 @@ options_in_help() { # command...: a line each
     "$@" --help | sed -n 's/^  \(-[^ ]*\).*/\1/p' | sort -u
 }
 # shellcheck disable=SC2317
-completed() { # word...: how bash would complete the last of them
+completed() { # word...: bash's completions of the last word
     bash -c 'source "$1" && shift && COMP_WORDS=("$@") && COMP_CWORD=$(($# - 1)) &&
         "_${1//-/_}" && printf "%s\n" "${COMPREPLY[@]}"' bash \
         "$installed/share/bash-completion/completions/$1" "$@" | sort -u
@@ -161,7 +161,7 @@ completes_arguments() {
         [ "$(cd "$installed" && completed diptych-gen --templates inc)" = include ]
 }
 # shellcheck disable=SC2317
-manual_has_all() { # and groff finds nothing wrong with it
+manual_has_all() { # the pages have every option, and groff reports no error
     local page="$installed/share/man/man1" verb
     for verb in $("$installed/bin/diptych" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
         diff <(options_in_help "$installed/bin/diptych" "$verb") \
@@ -262,7 +262,7 @@ read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
 read -ra private < <(pkg-config --static --libs-only-l --libs-only-other diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
 check "the installed generator generates" generate
 # shellcheck disable=SC2317
-takes_version() { # MAJOR|MINOR|PATCH number: a host whose diptych.h has this in its version
+takes_version() { # MAJOR|MINOR|PATCH number: compiles a host against a diptych.h with this part of the version
     mkdir -p "$work/version"
     sed "s/^#define DT_VERSION_$1 .*/#define DT_VERSION_$1 $2/" "$installed/include/diptych/diptych.h" >"$work/version/diptych.h"
     grep -qx "#define DT_VERSION_$1 $2" "$work/version/diptych.h" || return 2
@@ -303,7 +303,7 @@ check "an OpenGL renderer with a G-buffer of its own builds with static librarie
     "$installed"/lib/libdiptych_gl.a "${private[@]}" -lEGL -lGL
 check "... has it lit in two views, of SPIR-V and of GLSL" run_silent host_inputs_gl
 
-# A wall that looks like the picture from above, in the host's own texture array.
+# A wall whose texture is a picture rendered above, in the host's own texture array.
 mkdir "$work/wall"
 cat >"$work/wall/wall.obj" <<'END'
 mtllib wall.mtl
@@ -349,7 +349,7 @@ int main()
     return dt_vk_open(&vk) || dt_gl_open(&gl) || live.bounces || dt_scene_open("", nullptr, &vk.log);
 }
 END
-    # a loader's variables, a renderer's functions
+    # Names of a loader's variables and of a renderer's functions, which must not clash with the libraries.
     echo "void *vkCreateBuffer, *glad_glBindBuffer; int vk_check, gl_check, scene_load;" >"$work/host/names.c"
     read -ra cflags < <(pkg-config --cflags diptych-vk)
     hide cc -c "$work/host/names.c" -o "$work/host/names.o" && hide c++ -std=c++17 -Wall -Wextra -Werror \
@@ -359,9 +359,9 @@ check "all three libraries go into one C++ program, beside its own names" both_s
 
 # ---- Build systems ----
 
-# The project of tests/hosts/project, built by one of them: each step does what it must and no more.
+# Builds tests/hosts/project with one build system: each step does the necessary work and no more.
 # shellcheck disable=SC2317
-built() { # least pattern command...: so many lines of the build have the pattern, and 0 means none
+built() { # least pattern command...: at least this number of the build's lines match the pattern; 0: none match
     local least=$1 pattern=$2 count
     shift 2
     hide "$@" >"$work/built" 2>&1 || { cat "$work/built" && return 1; }
@@ -391,14 +391,14 @@ build_system() { # name set-up-command -- build-command
     echo '/* no other words */' >>"$project/wave.glsl"
     check "... generates anew when a body was touched" built 1 'Generating' "$@" "$project/build"
     check "... and that once" built 0 "$work_done" "$@" "$project/build"
-    [ "$name" != make ] || return # which cannot know that a file came out the same
+    [ "$name" != make ] || return # make cannot know that a new file equals the old one
     sed -i 's/0\.5 + 0\.5/0.4 + 0.6/' "$project/wave.glsl"
     check "... compiles one file when a body has changed" compiles wave_vk_shaders "$@" "$project/build"
     echo '/* no other words, again */' >>"$project/wave.glsl"
     check "... and none for a comment" compiles '' "$@" "$project/build"
 }
 # shellcheck disable=SC2317
-compiles() { # file command...: this one alone; empty: none
+compiles() { # file command...: the build compiles this file alone; an empty name: no file
     local file=$1
     shift
     hide "$@" --verbose >"$work/built" 2>&1 || { cat "$work/built" && return 1; }

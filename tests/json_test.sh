@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# --json of every verb: one shape, when all went well and when it did not, with errors that have their places; and nothing of
-# a file where it cannot be whole. What report tells is looked at by report_test.sh, which makes one. TAP.
+# --json of every verb: the same shape on success and on failure, errors with their places, and never a partial file.
+# report_test.sh checks the JSON of report. TAP.
 . "$(dirname "$0")/tap.sh"
 python=/usr/bin/python3
 scene=(--scene "$root/scenes/cornell.yaml")
 small=("${scene[@]}" --size 16x16 --spec "$root/templates/rsm.yaml" --set samples=4 --set rsm_size=16)
 
 # shellcheck disable=SC2317 # called through check
-tells() { # status expression verb option...: what it writes is JSON of the shape; the expression looks at it as `it`
+tells() { # status expression verb option...: the verb writes JSON of the shape; the expression about this JSON, `it`, holds
     local want=$1 expression=$2 tool=("$diptych" "$3")
     [ "$3" != check ] || tool=("$build/diptych-gen" --check)
     shift 3
@@ -63,7 +63,7 @@ check "list prints a table" table_has
 fine "it['width'] == 16 and it['output'].endswith('a.exr') and it['resource'] == 'radiance' and it['backend'] == 'vk'" \
     render "${small[@]}" --backend vk -o "$work/a.exr"
 fine "it['agree'] and it['guilty'] is None and it['devices']" compare "${small[@]}"
-# the fault is one bit of one element: that is the region, wherever it is
+# The fault flips one bit of one element, so the region is that element, wherever it is.
 check "compare with a fault" tells 1 "not errors and not it['agree'] and it['guilty']['pass'] == 'denoise_rows' and
     it['guilty']['case'].endswith('/case') and it['guilty']['region']['failing'] == 1 and
     it['guilty']['region']['low'] == it['guilty']['region']['high'] == it['guilty']['region']['smallest'] and

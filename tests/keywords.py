@@ -26,7 +26,7 @@ superp input output filter sizeof cast namespace using sampler samplerShadow sub
 subpassInputMS isubpassInputMS usubpassInputMS sampler3DRect"""
 SHAPES = ["1D", "2D", "3D", "Cube", "2DRect", "1DArray", "2DArray", "CubeArray", "Buffer", "2DMS", "2DMSArray"]
 WINDOWS = """cdecl environ errno far h_addr hyper interface near pascal s_addr small chx1 cmb16 ctl1 edt1 frm4 grp1 ico4 lst1 psh16 rad1
-rct4 scr8 stc32"""  # of <windows.h>, where a struct's member has no other name
+rct4 scr8 stc32"""  # macros of <windows.h>, forbidden as names of struct members
 MACROS = "NULL offsetof size_t int8_t int32_t uint8_t uint32_t uint64_t linux unix static_assert noreturn INT32_MAX UINT8_C"
 
 

@@ -1,8 +1,12 @@
-"""Checks for tests/language_test.sh: `files FILE...`: each names its schema as yaml-language-server reads it, and is valid by it;
-`misspelled FILE...`: and would not be with any one of its keys misspelled; `reference SCHEMA FILE` holds the reference's tables against the schema: the
-same keys in every section, and examples that the schema accepts; `keys SCHEMA... -- SOURCE...`: the schemas have the keys
-that the reader's tables in C have; `used SCHEMA FILE...`: the specs use every key of the schema; `body REFERENCE SPEC`: the bodies beside the spec use every name that the reference's chapter on
-bodies lists, and the chapter lists every name that the generator's C and templates/glsl supply."""
+"""Checks for tests/language_test.sh:
+
+`files FILE...`: each file names its schema as yaml-language-server reads it, and is valid by that schema.
+`misspelled FILE...`: the schema refuses the file with any one of its keys misspelled.
+`reference SCHEMA FILE`: every section of the reference has the keys of the schema, with examples that the schema accepts.
+`keys SCHEMA... -- SOURCE...`: the schemas have the keys of the reader's tables in C.
+`used SCHEMA FILE...`: the specs use every key of the schema.
+`body REFERENCE SPEC`: the bodies beside the spec use every name in the reference's chapter on bodies. The chapter lists every
+name that the generator's C and templates/glsl supply."""
 import copy
 import glob
 import json
@@ -50,8 +54,8 @@ def without_comments(text):
 
 
 def supplied_names():
-    """What bodies may name: what the emitters ask for with glsl_uses, what no parameter may be called because the generator
-    declares it, and what templates/glsl defines; less what is for the generator's own use."""
+    """Names that bodies may use: arguments of glsl_uses in the emitters, names that are taken because the generator declares
+    them, and definitions of templates/glsl. Leaves out names for the generator's own use."""
     own = {"NAME", "NAME_quads", "NAME_at", "NAME_length", "NAME_texels", "Frame", "Live", "tile_gather_axis"}
     names = set()
     for path in glob.glob("gen/*.c"):
@@ -107,7 +111,7 @@ def load(path):
 
 
 def misspelled(value, fixed=False):
-    """The value with one of its keys misspelled, for every key that the language fixes, not the file."""
+    """Yields the value with one key misspelled, for every key of the language; names that the file chooses stay."""
     if isinstance(value, list):
         for i, item in enumerate(value):
             for wrong in misspelled(item):
@@ -122,7 +126,7 @@ def misspelled(value, fixed=False):
             yield {**value, key: wrong}
 
 
-# what stands below these is called as the file likes
+# keys below these are names that the file chooses
 NAMED = {"params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves", "ranges", "defines", "contracts"}
 
 
@@ -144,7 +148,7 @@ def check_file(path):
 def check_misspelled(path):
     validator, value = check_file(path)
     value = copy.deepcopy(value)
-    for name in ("structs", "published"):  # their keys are names, down to the last
+    for name in ("structs", "published"):  # all keys below these are names
         value.pop(name, None)
     for wrong in misspelled(value):
         if validator.is_valid(wrong):
@@ -170,7 +174,7 @@ def used_keys(value, part, definitions):
     if not isinstance(value, dict) or "properties" not in definition:
         return
     if not jsonschema.Draft202012Validator({"$defs": definitions, **part}).is_valid(value):
-        return   # of another kind of element
+        return   # the element is of another kind
     for key, item in value.items():
         known = key in definition["properties"]
         yield section, key if known else "NAME"
@@ -198,7 +202,7 @@ def check_keys(schemas, sources):
     for path in sources:
         with open(path, encoding="utf-8") as file:
             read |= set(re.findall(r'(?:KEY_OF_NUMBERS\(|\.name = )"(\w+)"', file.read()))
-    if known not in (read, read - {"scene", "motion"}):  # what the files are called
+    if known not in (read, read - {"scene", "motion"}):  # the tables also contain the names of both kinds of files
         sys.exit(f"only the schemas have {sorted(known - read)}, only the reader has {sorted(read - known)}")
 
 

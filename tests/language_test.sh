@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The language's table, its schema and its reference say the same: shipped specs are valid by the schema, every key of the
-# schema stands in the reference, every example in the reference is YAML that the schema accepts; so are scenes, motions and
-# outlines of reports and views by theirs. And the command line's errors, overrides and untouched outputs. UPDATE=1 writes the schema that
-# editors find. TAP.
+# The language's table, its schema and its reference agree: shipped specs are valid by the schema, the reference has every key of
+# the schema, and the schema accepts every example in the reference. Scenes, motions and outlines of reports and views are valid
+# by their own schemas. Also tests the command line's errors and overrides, and that unchanged outputs are not rewritten.
+# UPDATE=1 writes the schema that editors use. TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 cd "$root" || exit 1
@@ -98,7 +98,7 @@ check "... or its pass" says "did you mean \`three\`?" "$gen" --check tests/spec
 check "--set of an include" says "includes cannot be set" "$gen" --check tests/specs/parts.yaml --set 'include=[a.yaml]'
 touch "$work/file"
 check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
-# Macros of a pass: a literal each, which #if can use, and which a parameter changes.
+# A pass's macros are literals, so #if can use them; a parameter changes them.
 # shellcheck disable=SC2317
 defines() { # line...
     "$gen" tests/specs/features.yaml -o "$work/defines" --set bins=8 >&2 || return
@@ -107,7 +107,7 @@ defines() { # line...
 }
 check "a pass's macros stand before its body" defines
 check "--set of a macro" says 'BIAS' "$gen" --check tests/specs/features.yaml --set passes.mark.defines.BIAS=frame.width
-# A sampled mip and an updated one: the texel read is of the updated one.
+# A pass samples one mip and updates another: texel reads are of the updated mip.
 # shellcheck disable=SC2317
 reads_updated() {
     "$gen" tests/specs/upsample.yaml -o "$work/upsample" || return

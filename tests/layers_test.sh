@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Layered draws on a Vulkan device without shaderOutputLayer, which draws each layer alone: the same bits. tests/no_layer.c hides
-# the feature; SwiftShader has none. The vertex shader still drops what belongs to other layers, or everything would be in each.
+# On a Vulkan device without shaderOutputLayer the runtime draws each layer alone; the bits stay the same. tests/no_layer.c hides
+# the feature; SwiftShader lacks it. The vertex shader must drop triangles of other layers, or each layer would have all of them.
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
 specs=$root/tests/specs

@@ -1,10 +1,10 @@
-"""Metamorphic tests: a pipeline and a rewrite of it that must not change a bit are rendered by both backends, and every
-resource after every pass is held against its counterpart, field by field. Prints TAP.
+"""Metamorphic tests: both backends render a pipeline and a rewrite of it that must not change a bit. Compares every resource
+after every pass with its counterpart, field by field. Prints TAP.
 
     metamorphic.py [--all] [--only TEXT] BUILD
 
-BUILD is the folder of the executables. Without --all each kind of rewrite is tried on one pipeline, some of them together
-and each alone only where that fails; with --all each alone on every pipeline that it fits."""
+BUILD is the folder of the executables. Without --all, tries each kind of rewrite on one pipeline: some together, and each of
+those alone only if they fail. With --all, tries each alone on every pipeline that it fits."""
 import argparse
 import json
 import os
@@ -28,7 +28,7 @@ PIPELINES = {
 
 
 class Failure(Exception):
-    """Why a test fails, for people."""
+    """The reason why a test fails, as a message."""
 
 
 class Workshop:
@@ -106,7 +106,7 @@ def field_size(entry, field):
 
 
 def field_bytes(entry, data, field, count):
-    """The bytes of one field in the first `count` elements, without what lies between. `field` is None for the texels
+    """The bytes of one field in the first `count` elements, without the bytes between. `field` is None for the texels
     of an image."""
     stride, size, offset = entry["stride"], field_size(entry, field), field["offset"] if field else 0
     if field and field.get("array_count"):
@@ -121,7 +121,7 @@ def element_count(entry):
 
 
 def compare_field(where, first, second):
-    """Each: entry, its data, field. Returns how many bytes were compared."""
+    """`first` and `second`: entry, its data, field. Returns the number of bytes that were compared."""
     count, size = element_count(first[0]), field_size(first[0], first[2])
     a, b = field_bytes(*first, count), field_bytes(*second, count)
     if a == b and len(a) == count * size:
@@ -132,13 +132,13 @@ def compare_field(where, first, second):
 
 
 def narrow(entry, data, stride):
-    """The first `stride` bytes of every texel: the channels that a format with fewer has."""
+    """The first `stride` bytes of every texel: the channels of the narrower format."""
     texels = (data[i:i + stride] for i in range(0, len(data), entry["stride"]))
     return {**entry, "stride": stride}, b"".join(texels)
 
 
 def compare_entry(original, rewritten, entry, pipeline):
-    """Holds one entry of the original's dump against its counterpart; returns the number of bytes."""
+    """Compares one entry of the original's dump with its counterpart; returns the number of bytes."""
     mip = entry.get("mip", 0)
     pass_name, whole = entry["pass"].replace(".", "_"), entry["resource"].replace(".", "_")   # flat.py has no dots
     pass_name = pipeline.pass_names.get(pass_name, pass_name)
@@ -174,7 +174,7 @@ def same_files(first, second):
 
 
 def try_rewrite(workshop, name, description, *functions):
-    """Returns what was compared, in words; raises Failure where anything differs."""
+    """Returns a summary of the comparison; raises Failure on a difference."""
     path, settings = PIPELINES[name]
     path = os.path.join(ROOT, path)
     pipeline = rewrites.apply(functions, path, settings)
@@ -215,7 +215,7 @@ class Report:
 
 
 def try_together(workshop, report):
-    """Tells of the rewrites that change nothing together, and returns them. The others are to be tried alone."""
+    """Tries groups of rewrites and reports the results. Returns those that change nothing; the caller tries the others alone."""
     descriptions = {function: description for description, (function, _) in rewrites.REWRITES.items()}
     fine = set()
     for name, functions in rewrites.TOGETHER:

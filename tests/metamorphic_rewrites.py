@@ -1,6 +1,6 @@
-"""Rewrites of a pipeline that must not change a bit of what it computes. Each takes a Pipeline, a spec and its GLSL
-bodies as text, changes it in place and notes where the content of the original's resources is found afterwards.
-Above each stands why nothing may change. metamorphic.py applies them and compares."""
+"""Rewrites of a pipeline that must not change a bit of its results. Each rewrite takes a Pipeline: a spec and the text of its
+GLSL bodies. It changes the Pipeline in place, and notes the new places of the original's resources. The comment above each
+rewrite says why nothing may change. metamorphic.py applies the rewrites and compares."""
 import copy
 import json
 import os
@@ -12,17 +12,17 @@ import flat
 
 SECTIONS = ("params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves")
 
-# The words that a declared name brings into bodies.
+# Suffixes of the words that a declared name defines in bodies.
 SUFFIXES = ("_sample_lod", "_class_size", "_count", "_size", "_store", "_sample", "_compare", "_tile", "_map",
             "_classes", "_class", "_split", "_gather")
 
 WORD = r"[A-Za-z_]\w*"
-INDEX = r"(?:[^][]|\[[^]]*\])*"   # of an element, with brackets in it
+INDEX = r"(?:[^][]|\[[^]]*\])*"   # an element's index, with or without brackets in it
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]+"([^"]+)"[^\n]*\n', re.M)
 
 
 class Pipeline:
-    """A spec as a tree, its bodies by path, and where a rewrite has put what the original has."""
+    """A spec as a tree, its bodies by path, and the places to which a rewrite has moved the original's content."""
 
     def __init__(self, path):
         self.file = os.path.basename(path)
@@ -31,21 +31,21 @@ class Pipeline:
             self.original_text = file.read()
         if included:
             self.original_text = yaml.safe_dump(self.spec, sort_keys=False, width=110)
-        self.text = None   # of the spec, where a rewrite is about the text itself; else the tree is written
+        self.text = None   # the spec's text, if a rewrite changes the text itself; else `write` writes the tree
         self.bodies = {}
         for entry in self.passes():
             self.join(os.path.dirname(path), entry)
             self.load(os.path.dirname(path), entry["shader"])
         self.settings = {}   # --set of parameters
-        self.pass_names = {}   # of the original -> here; names that are the same are left out
-        self.names = {}        # the same, of resources
+        self.pass_names = {}   # name in the original -> name here; without names that stay
+        self.names = {}        # the same for resources
         self.fields = {}       # (resource, field) of the original -> (resource, field) here
-        self.longer = False    # buffers may have more elements than the original's, behind them
+        self.longer = False    # buffers may have more elements at their end than the original's
         self.wider = False     # texels may have more channels
         self.same_output = False   # the generator must write the very same files
 
     def join(self, folder, entry):
-        """One file for a body of two."""
+        """Joins a body of several files to one file."""
         if isinstance(entry["shader"], list):
             path = f"{entry['name']}_joined.glsl"
             self.bodies[path] = "".join(f'#include "{name}"\n' for name in entry["shader"])
@@ -62,7 +62,7 @@ class Pipeline:
             self.load(folder, flat.beside(path, included))
 
     def visible(self):
-        """What the generator sees, in its order."""
+        """The whole input of the generator, in its order."""
         return json.dumps([self.text or self.original_text, self.spec, self.bodies, self.settings])
 
     def passes(self):
@@ -93,7 +93,7 @@ def names_of(access):
 
 
 def reads(entry):
-    """What the pass reads, also as arguments of an indirect draw or dispatch and as indices."""
+    """Resources that the pass reads, including indirect arguments and indices."""
     return names_of(entry.get("reads")) + [entry[key] for key in ("indirect", "indices") if key in entry]
 
 
@@ -121,8 +121,8 @@ def as_list(value):
 
 
 def replace_words(text, words):
-    """Whole words that are not a member of something (`frame.width`); a word that is declared, or made from it by a
-    suffix, as `vpls_count`."""
+    """Replaces whole words that are not members (as in `frame.width`): words that are declared, and words made from
+    these by a suffix, as `vpls_count`."""
     def replace(found):
         word = found.group()
         if word in words:
@@ -180,7 +180,7 @@ def accesses(entry):
 
 
 def own_names(pipeline):
-    """Bodies call resources by their names again, where passes list them `as` something else."""
+    """Replaces names in bodies that passes list with `as` by the resources' own names."""
     for entry in pipeline.passes():
         words = {access["as"]: access["name"] for access in accesses(entry) if "as" in access}
         if not words:
@@ -214,7 +214,7 @@ def is_filtered(pipeline, name):
 
 
 def only_called(pipeline, name):
-    """The bodies mention the image by calls alone, never by `#define SOURCE name`."""
+    """Whether the bodies use the image only in calls, never in `#define SOURCE name`."""
     return not any(re.search(rf"(?<![\w.]){name}\b(?!\s*\()", text) for text in pipeline.bodies.values())
 
 
@@ -224,22 +224,21 @@ REWRITES = {}
 
 
 def rewrite(description, *specs):
-    """Registers a rewrite for the specs that it has something to do in; the first of them stands for all in a short
-    run."""
+    """Registers a rewrite for the specs that it can change; a short run uses only the first of these."""
     def register(function):
         REWRITES[description] = (function, specs)
         return function
     return register
 
 
-# The spec gives the values that the original gets from the command line. So does every rewrite that renders.
+# The spec has the values that the original gets from the command line. All rewrites that render do the same.
 @rewrite("values set in the spec", "ssvp", "rsm")
 def values_set_in_spec(pipeline):
     values_in_spec(pipeline)
     pipeline.same_output = True
 
 
-# Overrides of different values do not meet.
+# Overrides of different values are independent.
 @rewrite("overrides in another order", "rsm", "ssvp")
 def overrides_backwards(pipeline):
     pipeline.settings = dict(reversed(pipeline.settings.items()))
@@ -252,7 +251,7 @@ def values_in_spec(pipeline):
     pipeline.settings = {}
 
 
-# Names carry no meaning: not their length, not their order in the alphabet, not what they resemble.
+# Names have no meaning: their length, alphabetical order and resemblance to other names do not matter.
 @rewrite("everything renamed", "ssvp", "rsm", "features", "mips")
 def rename_everything(pipeline):
     declared = [name for section in SECTIONS for name in pipeline.section(section)]
@@ -298,7 +297,7 @@ def rename_everything(pipeline):
     pipeline.names, pipeline.pass_names, pipeline.spec = words, passes, spec
 
 
-# What a body calls a resource is a matter between it and its pass.
+# The name of a resource in a body matters only to that body and its pass.
 @rewrite("bodies call resources by their names", "ssvp", "features")
 def names_in_bodies(pipeline):
     own_names(pipeline)
@@ -337,9 +336,9 @@ def reorder_passes(pipeline):
     pipeline.spec["passes"] = order
 
 
-# What passes read and write says in which order they run, wherever they stand in the list. Content that is kept from
-# frame to frame is what a pass reads that is listed before the one that changes it, so there `after` keeps the order.
-# Not ssvp, where updates of one resource come in the order of the list.
+# Reads and writes decide the order of passes, and their places in the list do not. One exception: a pass listed before the
+# writer of a history resource reads the last frame's content, so `after` keeps that order. Not ssvp, where updates of one
+# resource run in the order of the list.
 @rewrite("passes listed backwards", "features", "rsm")
 def passes_backwards(pipeline):
     for i, entry in enumerate(pipeline.passes()):
@@ -350,8 +349,8 @@ def passes_backwards(pipeline):
     pipeline.passes().reverse()
 
 
-# Declarations are a set, and so is what a pass reads, writes or uses: bindings and offsets follow their order, content
-# does not.
+# Declarations are a set, and so are the reads, writes and uses of a pass: their order decides bindings and offsets, but not
+# content.
 @rewrite("declarations and lists backwards", "ssvp", "rsm", "features", "mips")
 def declarations_backwards(pipeline):
     for section in SECTIONS:
@@ -378,8 +377,8 @@ def first_number(pipeline, name):
     return f"float({path}{'.x' if 'vec' in kind else ''})"
 
 
-# What nobody reads changes nothing, though it takes part in lifetimes, memory and barriers: the dead passes read all
-# that is there before them.
+# Resources that no live pass reads change nothing, although they take part in lifetimes, memory and barriers. Each dead pass
+# reads up to five resources that earlier passes write.
 @rewrite("dead passes and resources", "rsm", "ssvp", "features", "mips")
 def dead_passes(pipeline):
     spec, passes, alive = pipeline.spec, [], []
@@ -404,7 +403,7 @@ def dead_passes(pipeline):
     spec["passes"] = passes
 
 
-# An element's fields lie side by side or in two buffers: the same numbers.
+# An element's fields have the same values in one buffer or in two.
 @rewrite("two buffers merged into one of structs", "ssvp", "features")
 def merge_buffers(pipeline):
     own_names(pipeline)
@@ -443,7 +442,7 @@ def split_buffer(pipeline, buffer):
         re.sub(rf"(?<![\w.]){buffer}_count\b", f"{buffer}_{next(iter(fields))}_count", text)))
 
 
-# The same, the other way: every field in a buffer of its own.
+# The inverse: every field in a buffer of its own.
 @rewrite("buffers of structs split", "ssvp", "rsm", "features")
 def split_buffers(pipeline):
     own_names(pipeline)
@@ -461,7 +460,7 @@ def restructure(pipeline, change):
     pipeline.spec["structs"] = {name: fields if name in dictated else change(fields) for name, fields in structs.items()}
 
 
-# Fields that no body mentions only move the others.
+# Unused fields change only the offsets of the others.
 @rewrite("structs padded with unused fields", "rsm", "ssvp", "features")
 def pad_structs(pipeline):
     kinds = ["float", "vec3", "float[3]", "mat4", "uint", "ivec2"]
@@ -474,14 +473,14 @@ def pad_structs(pipeline):
     restructure(pipeline, pad)
 
 
-# Bodies name fields and never count on their places.
+# Bodies access fields by name, so the order of fields does not matter.
 @rewrite("fields of structs backwards", "features", "ssvp", "rsm")
 def fields_backwards(pipeline):
     restructure(pipeline, lambda fields: dict(reversed(fields.items())))
 
 
-# A constant is its expression.
-# Not ssvp: a comparison is a number in a constant, and none in GLSL.
+# A constant equals its expression.
+# Not ssvp: a comparison in a constant is a number, but in GLSL it is none.
 @rewrite("constants inlined", "rsm", "features")
 def inline_constants(pipeline):
     constants = {name: f"({value['value'] if isinstance(value, dict) else value})"
@@ -508,8 +507,7 @@ def inline_constants(pipeline):
         lambda word: expression(inline(word.group())) if word.group() in constants else word.group(), text))
 
 
-# Integer expressions are exact: x, x + 0, min(x, x), 3 * x / 3, c ? x : x are one number; a condition and its double
-# negation one truth.
+# Integer expressions are exact: x, x + 0, min(x, x), 3 * x / 3 and c ? x : x are equal. A condition equals its double negation.
 @rewrite("expressions replaced by equal ones", "ssvp", "rsm", "features", "mips")
 def equal_expressions(pipeline):
     forms = ["({0}) + 0", "min({0}, {0})", "3 * ({0}) / 3", "1 < 2 ? ({0}) : ({0}) + 1", "-(0 - ({0}))",
@@ -542,8 +540,8 @@ def equal_expressions(pipeline):
         spec["constants"][name] = {**value, "value": equal(value["value"])} if isinstance(value, dict) else equal(value)
 
 
-# A value is the same number, known at build time or handed over with the frame. But for denoise_normal: bodies subtract
-# it from 1.0, and glslang computes with constants in double precision, for both backends alike.
+# A parameter has the same value as a literal and as an input of the frame. denoise_normal is an exception: bodies subtract it
+# from 1.0, and glslang computes with constants in double precision, for both backends alike.
 @rewrite("live parameters baked", "rsm", "ssvp", "features", "mips")
 def bake_live(pipeline):
     for name, param in pipeline.spec["params"].items():
@@ -558,18 +556,18 @@ def bake_uniform(pipeline):
             param.pop("uniform", None)
 
 
-# In ssvp, what is not the length of an array.
+# Only parameters of ssvp that are not the length of an array.
 @rewrite("baked parameters made uniform", "ssvp")
 def make_uniform(pipeline):
     for name in ("second_by_flux", "cull_triangles"):
         pipeline.spec["params"][name]["uniform"] = True
 
 
-# The same, the other way, for those that decide no count and no size.
+# The inverse, for a parameter that decides no count and no size.
 @rewrite("baked parameter made live", "ssvp")
 def make_live(pipeline):
     iterations = pipeline.spec["params"]["kmeans_iterations"]
-    del iterations["uniform"]   # of another kind, one cannot be both
+    del iterations["uniform"]   # a parameter cannot be both uniform and live
     iterations["live"] = True
 
 
@@ -579,7 +577,7 @@ def place_ranges(pipeline, storage, loop):
             part.update(storage=storage, loop=loop)
 
 
-# Where a range's elements live, and how its loop is written, is a question of time.
+# The storage of a range's elements and the form of its loop change only the time.
 @rewrite("ranges rolled over a uniform block", "ssvp", "features")
 def ranges_uniform(pipeline):
     place_ranges(pipeline, "uniform", "roll")
@@ -613,8 +611,8 @@ def ranges_as_loops(pipeline):
             pipeline.bodies[entry["shader"]] = re.sub(rf"for \(({WORD}) ({WORD}) : {name}\) {{", head, text)
 
 
-# Every invocation does its own part, however they are grouped. Only passes that ask for invocations, and whose bodies
-# turn away or clamp those beyond the last one.
+# Every invocation does its own work, in workgroups of any size. Only for passes that dispatch by invocations, and whose bodies
+# skip or clamp invocations beyond the last one.
 @rewrite("other workgroups", "rsm", "ssvp", "features")
 def other_workgroups(pipeline):
     for i, entry in enumerate(pipeline.passes()):
@@ -624,7 +622,7 @@ def other_workgroups(pipeline):
         entry["local"] = [[16, 4], [4, 2], [1, 8]][i % 3] if flat else [96, 37, 63][i % 3]
 
 
-# A dispatch by invocations is one by as many groups as hold them.
+# A dispatch by invocations equals a dispatch by the number of groups that hold these invocations.
 @rewrite("dispatches written as groups", "features", "ssvp", "rsm")
 def dispatch_groups(pipeline):
     for entry in pipeline.passes():
@@ -656,8 +654,7 @@ def make_layered(pipeline):
         edit_bodies(pipeline, add_layer)
 
 
-# What lies behind the last element that anybody asks for is nobody's business. Every element of an indirect draw's
-# arguments is asked for.
+# Elements behind the last used element do not matter. Not for arguments of indirect draws, whose elements are all in use.
 @rewrite("buffers longer than needed", "rsm", "ssvp", "features")
 def longer(pipeline):
     own_names(pipeline)
@@ -668,14 +665,14 @@ def longer(pipeline):
     pipeline.longer = True
 
 
-# Whoever writes a resource anew in every frame does not see what it held in the last one.
+# A pass that writes a resource anew in every frame does not see the content of the last frame.
 @rewrite("history that nobody looks at", "rsm", "ssvp", "features", "mips")
 def more_history(pipeline):
     for resource in list(pipeline.spec["buffers"].values()) + list(pipeline.spec["images"].values()):
         resource["history"] = True
 
 
-# By texel, and as a target, the largest mip is meant; the others exist.
+# Texel accesses and targets use the largest mip; the other mips do not matter.
 @rewrite("mips that nobody looks at", "rsm", "ssvp", "features")
 def more_mips(pipeline):
     for name, image in pipeline.spec["images"].items():
@@ -683,7 +680,7 @@ def more_mips(pipeline):
             image["mips"] = 3
 
 
-# A channel that nobody asks for changes nothing in the others, which keep their type.
+# An unused channel changes nothing in the others, which keep their type.
 @rewrite("formats with more channels", "features", "ssvp")
 def wider_formats(pipeline):
     wide = {"r32f": "rgba32f", "r32ui": "rg32ui"}
@@ -692,7 +689,7 @@ def wider_formats(pipeline):
     pipeline.wider = True
 
 
-# Interleaved shading in place, or on sub-images that are gathered afterwards: a pixel sees the same VPLs.
+# Interleaved shading runs in place, or on sub-images that another pass gathers: a pixel sees the same VPLs.
 @rewrite("shaded on split images and gathered", "ssvp")
 def split_and_gather(pipeline):
     body_per_pass(pipeline)
@@ -721,7 +718,7 @@ def split_and_gather(pipeline):
     pipeline.pass_names["shade"] = "gather"
 
 
-# A copy is what it was copied from: everything that one pass alone makes goes through one.
+# A copy equals its original: later passes read a copy of each resource that a single pass makes.
 @rewrite("copies handed on in place of the originals", "rsm", "ssvp", "features")
 def copies(pipeline):
     body_per_pass(pipeline)
@@ -772,7 +769,7 @@ def redundant_after(pipeline):
     pipeline.same_output = True
 
 
-# A condition that always holds.
+# A condition that always holds changes nothing.
 @rewrite("every pass under a condition that holds", "rsm", "ssvp", "features", "mips")
 def redundant_when(pipeline):
     pipeline.spec["params"]["always"] = {"value": 3, "live": True}
@@ -785,7 +782,7 @@ def redundant_when(pipeline):
 def metrics_by_hand(pipeline):
     body_per_pass(pipeline)
     for name, metric in pipeline.spec.pop("metrics").items():
-        position, normal = (weight if isinstance(weight, str) else float(weight)  # of a parameter, or a number
+        position, normal = (weight if isinstance(weight, str) else float(weight)  # a parameter's name, or a number
                             for weight in (metric["position"], metric["normal"]))
         scale = metric.get("scale", "scene_radius")
         formula = (f"float {name}(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{{\n"
@@ -800,7 +797,7 @@ def metrics_by_hand(pipeline):
 
 # ---- Rewrites of the text alone ----
 
-# A body is found by its path, whatever the path.
+# The path of a body does not matter.
 @rewrite("bodies moved to other folders", "rsm", "ssvp", "features", "mips")
 def move_bodies(pipeline):
     pipeline.bodies = {os.path.join("far away/from here", path): text for path, text in pipeline.bodies.items()}
@@ -808,13 +805,13 @@ def move_bodies(pipeline):
         entry["shader"] = os.path.join("far away/from here", entry["shader"])
 
 
-# An include stands for its text.
+# An include equals its text.
 @rewrite("includes pasted in", "ssvp", "rsm")
 def includes_pasted(pipeline):
     body_per_pass(pipeline)
 
 
-# Comments and white space are nothing, also where they look like code.
+# Comments and white space have no meaning, even where they look like code.
 @rewrite("bodies full of comments, with other line ends", "rsm", "ssvp", "features", "mips")
 def comments_in_bodies(pipeline):
     nothing = '/* } for (Vpl v : nothing) { vpls[0]; "*/'
@@ -829,7 +826,7 @@ def comments_in_bodies(pipeline):
     edit_bodies(pipeline, lambda text: disturb(text))
 
 
-# YAML is a notation. Two specs that read as the same tree give the very same files.
+# Two specs that parse to the same tree give the same files.
 @rewrite("spec written as JSON", "rsm", "ssvp", "features", "mips")
 def as_json(pipeline):
     pipeline.text = json.dumps(pipeline.spec, indent=3)
@@ -837,7 +834,7 @@ def as_json(pipeline):
 
 
 class Anchors(yaml.SafeDumper):
-    """Block style with strings in quotes, and an anchor for whatever occurs twice."""
+    """Block style with strings in quotes, and an anchor for every node that occurs twice."""
 
     def represent_quoted(self, text):
         return self.represent_scalar("tag:yaml.org,2002:str", text, style='"')
@@ -859,7 +856,7 @@ def other_yaml(pipeline):
             return node
         return known.setdefault(repr(node), node)
 
-    spec = dict(reversed(pipeline.spec.items()))   # the sections, whose order means nothing
+    spec = dict(reversed(pipeline.spec.items()))   # the order of sections has no meaning
     spec["passes"] = [dict(reversed(entry.items())) for entry in spec["passes"]]
     text = yaml.dump(share(spec), Dumper=Anchors, sort_keys=False, width=10000, indent=3)
     lines = [line + ("   # : { [" if re.search(r"[\w\]]$", line) else "") for line in text.splitlines()]
@@ -867,8 +864,8 @@ def other_yaml(pipeline):
     pipeline.same_output = True
 
 
-# What a short run applies together, one after the other: rewrites of different things, of which none undoes another or
-# stands in for what it rewrites.
+# Rewrites that a short run applies together, one after the other. They change different things: none undoes another, or
+# replaces the part that another changes.
 TOGETHER = (
     ("rsm", (reorder_passes, longer, other_workgroups, inline_constants, move_bodies, comments_in_bodies)),
     ("rsm", (pad_structs, bake_live, more_mips)),
@@ -883,7 +880,7 @@ TOGETHER = (
 )
 
 
-# ---- Controls: what must be noticed ----
+# ---- Controls: changes that must be noticed ----
 
 def other_metric(pipeline):
     pipeline.spec["metrics"]["vpl_distance"]["normal"] = 4.0
@@ -907,7 +904,7 @@ CONTROLS = {
 
 
 def apply(functions, path, settings):
-    """The pipeline in a file, rewritten; None where a rewrite has done nothing that the generator could see."""
+    """The rewritten pipeline of a file; None if a rewrite changed nothing in the generator's input."""
     pipeline = Pipeline(path)
     pipeline.settings = dict(settings)
     if not {values_set_in_spec, overrides_backwards, as_json, other_yaml} & set(functions):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Rewrites of a spec and its bodies that must not change a bit of what is computed: tests/metamorphic.py prints the TAP. Each
-# kind of rewrite on one pipeline, with DIPTYCH_LONG set on all that it fits.
+# Rewrites of a spec and its bodies that must not change a bit of the results; tests/metamorphic.py prints the TAP. Applies each
+# kind of rewrite to one pipeline; with DIPTYCH_LONG, to every pipeline that it fits.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 python=/usr/bin/python3
 export PYTHONDONTWRITEBYTECODE=1

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Frames of a motion: the pipelines get camera and light of each frame, and keep their history from frame to frame; both
-# backends have the same bits all along; the path tracer gets the same frames.
+# Frames of a motion: the pipelines get camera and light of each frame, and keep their history from frame to frame. Both backends
+# give the same bits in every frame. The path tracer gets the same frames.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
@@ -35,7 +35,7 @@ check "the scene itself" "${render[@]}" -o "$work/still.exr"
 check "... is the first frame, where the motion begins" cmp "$work/frame_00.exr" "$work/still.exr"
 check "... and no other" differ "$work/frame_03.exr" "$work/still.exr"
 
-# The same place in space, come to on another way: only what the frames before left differs.
+# The same camera and light without the earlier frames: only the history differs.
 printf 'keys: [{at: 0, camera: {eye: [0.4, 0.3, -0.7]}, light: {target: [0.556, 0.2, 0.2]}}]\n' >"$work/there.yaml"
 check "the end of the motion without the way to it" "${render[@]}" --motion "$work/there.yaml" -o "$work/there.exr"
 check "... is another picture: clusters go on from frame to frame" differ "$work/there.exr" "$work/frame_03.exr"
@@ -52,11 +52,11 @@ check "... is held against the same motion" "$diptych" compare --scene "$scene" 
 check "... and no other" complains "has other content, or its motion has" \
     "$diptych" compare --scene "$scene" --motion "$work/there.yaml" "${small[@]}" --backend gl --against "$work/dump"
 
-# The camera before: points that a frame saw land by it in the texels that saw them, with the jitter of that frame.
+# The previous frame's camera, with that frame's jitter, projects each point onto the texel that saw the point.
 reproject=(--scene "$scene" --motion "$motion" --spec "$root/tests/specs/reproject.yaml" --size 48x27)
 check "the camera before is the same on both backends" "$diptych" compare "${reproject[@]}" --backend gl,vk,gl+glsl
 # shellcheck disable=SC2317
-reprojects() { # frames expression options...: of told, the largest of `away` by channel and the number of texels seen
+reprojects() { # frames expression options...: about `told`, the largest `away` by channel, and the number of texels seen
     local frames=$1 expression=$2
     shift 2
     rm -rf "$work/away"

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""The table of templates/README.md of what the shipped pipelines need of a Vulkan device, out of `diptych-gen --needs` of each;
-usage: needs.py DIPTYCH-GEN README SPEC...; fails when the README has another table; with UPDATE set, writes it there."""
+"""Checks the table in templates/README.md of the shipped pipelines' needs of a Vulkan device, by `diptych-gen --needs` of each.
+usage: needs.py DIPTYCH-GEN README SPEC... Fails if the README has another table; with UPDATE set, writes the table there."""
 import os
 import re
 import subprocess
 import sys
 
 gen, readme, *specs = sys.argv[1:]
-rows = {}  # by need: the least that is enough, what the profiles say of it, specs
+rows = {}  # need -> the smallest value that is enough, cells of the profiles, specs
 for spec in specs:
     table = subprocess.run([gen, spec, "--needs"], check=True, capture_output=True, text=True).stdout
     for line in table.splitlines()[2:]:

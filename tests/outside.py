@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Files for outside_test.sh, made and read without diptych: PNG, OpenEXR, HDR and .npy, and what the pipeline of
-tests/specs/outside.yaml must make of them."""
+"""Makes and reads the files of outside_test.sh without diptych: PNG, OpenEXR, HDR and .npy. Computes the expected results of the
+pipeline tests/specs/outside.yaml."""
 import json
 import math
 import struct
@@ -57,7 +57,7 @@ def write_hdr(path, width, height, texel):
 
 
 def write_npy(path, kind, shape, numbers, version=1, descr=None):
-    """kind: f, i or u; with `descr`, a structured dtype, the letters of all numbers in struct's words."""
+    """kind: f, i or u. With `descr`, a structured dtype, kind is the format of all numbers, in the letters of struct."""
     head = "{'descr': %s, 'fortran_order': False, 'shape': %s, }" % (descr or "'<%s4'" % kind, shape)
     start = 10 if version == 1 else 12
     head += " " * (-(start + len(head) + 1) % 64) + "\n"
@@ -80,7 +80,7 @@ def photo(x, y):
 
 
 def read_grade(path):
-    """The table, as write_png writes it: filter 0 in each row, or any that zlib and PNG allow with it."""
+    """The texels of a PNG that has filter 0 in each row, as write_png writes it; any chunks and compression."""
     with open(path, "rb") as file:
         data = file.read()
     width, height = struct.unpack(">II", data[16:24])
@@ -131,7 +131,7 @@ def expect(found, wanted, most, what):
 
 
 def shrink(texels, width, height):
-    """The mean of the area under each texel of the next mip, of texels[y][x]."""
+    """The next mip of texels[y][x]: each texel is the mean of the area that it covers."""
     w, h = max(width // 2, 1), max(height // 2, 1)
 
     def parts(index, source, target):

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Content from outside: pictures and arrays of the spec and of --input reach every backend in every bit, as outside.py reads the
-# same files; what does not fit is told at the option or at the line of the spec. Dumps, evidence and sweeps know the content. TAP.
+# Input files: pictures and arrays of the spec and of --input reach every backend with every bit; outside.py reads the same files
+# for comparison. A file that does not fit is an error at the option or at the line of the spec. Dumps record the content,
+# evidence and sweeps use it. TAP.
 . "$(dirname "$0")/tap.sh"
 specs=$root/tests/specs
 cd "$work" || exit 1
@@ -61,7 +62,7 @@ END
 check "OpenEXR, HDR and JPEG are read" "$diptych" render --spec formats.yaml --input bones=bones.npy --backend gl --size 4x4 --dump formats
 check "... to the nearest half, and structs as std430 has them" python3 "$root/tests/outside.py" formats formats
 
-# ---- What does not fit
+# ---- Files that do not fit
 
 render=("$diptych" render --spec outside.yaml --backend vk -o none.png)
 check "an input without a file" told 1 "outside: the input weights has no content; give the input weights=FILE" \
@@ -104,7 +105,7 @@ check "nothing half written" test ! -e none.png -a ! -e large
 check "a pipeline that draws the scene" told 1 \
     "--scene FILE is missing: the pass gbuffer_triangles of rsm uses the scene" "$diptych" render --spec "$root/templates/rsm.yaml" --backend gl -o none.png
 
-# ---- Who it was
+# ---- Content of dumps
 
 check "a dump of the same content" "$diptych" compare --spec outside.yaml "${input[@]}" --against dump --backend gl
 check "a dump of another input" told 2 "--against dump: holds another outside: --input photo has other content" \

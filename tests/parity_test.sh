@@ -41,8 +41,8 @@ for picture in templates/pictures/ssdo.png templates/post/table.png; do
         "$diptych" compare --spec "$root/templates/post.yaml" --input "photo=$root/$picture" --debug
 done
 
-# Other places for the elements of ranges, and other loops: that they leave the same bits is shown by metamorphic_test.sh. 128
-# second-bounce VPLs fit into a uniform block.
+# Other storage and loops of ranges. metamorphic_test.sh shows that these leave the same bits as the defaults. 128 second-bounce
+# VPLs fit into a uniform block.
 ranges=passes.shade.ranges
 shading=("$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 "${fewer[@]}" --set second_vpls=128 --debug)
 check "ssvp agrees planned for a GPU" "${shading[@]}" --set target=gpu

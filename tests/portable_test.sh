@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Public headers and generated C with the compilers and standards of other people's projects, and the runtimes with MinGW. TAP.
+# Compiles public headers and generated C with compilers and standards of other projects, and the runtimes with MinGW. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 warnings=(-Wall -Wextra -Wpedantic -Wconversion -Werror)
 specs=(ssvp post) # post: parameters without a bound, inputs
 mingw=x86_64-w64-mingw32
 
-# Vulkan's headers alone: other headers of this system are not for MinGW.
+# MinGW gets only Vulkan's headers of this system; the others are not for MinGW.
 mkdir "$work/include" "$work/hosts"
 ln -s /usr/include/vulkan /usr/include/vk_video "$work/include"
 folders=(-Itemplates/c -Iruntime_gl -Iruntime_vk -Iscenes -Iapp/play)
@@ -46,7 +46,7 @@ for compiler in g++ clang++ $mingw-g++; do
         compile_with headers "$compiler" $standard "$work/hosts/all.cpp"
     done
 done
-# Names that <windows.h> defines away, where MinGW is not there to say so.
+# Defines macros as <windows.h> does, for systems without MinGW.
 check "no name is a macro of <windows.h>" each "$(echo "$work"/hosts/*.c)" gcc -std=c11 "${warnings[@]}" \
     -Dnear= -Dfar= -Dsmall=char -Dinterface=struct
 if command -v tcc >/dev/null; then
@@ -55,8 +55,8 @@ else
     skip "tcc" "not here"
 fi
 
-# The library's files, by its build.ninja, in a DLL that lacks nothing. GCC checks formats by the old printf of Windows, which
-# knows no %zu; -std=c11 links the one that does.
+# Links the library's files, as listed in its build.ninja, to a DLL without undefined symbols. GCC checks formats by Windows' old
+# printf, which lacks %zu; with -std=c11 it links a printf that has %zu.
 # shellcheck disable=SC2317
 links_dll() { # gl|vk
     local file objects=() options

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The proof that a pipeline is exact, gen/prove.c: what it counts as exact is, on each pair of drivers (tests/specs/proof.yaml has
-# all of it), and what is open is told at its place. prove_test.c has the open operations, one by one.
+# The proof that a pipeline is exact, gen/prove.c. Every operation that the proof counts as exact is exact on each pair of
+# drivers; tests/specs/proof.yaml has all these operations. --prove reports open operations at their places; prove_test.c tests
+# them one by one.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
 spec=$root/tests/specs/proof.yaml
@@ -16,7 +17,7 @@ else
 fi
 
 # shellcheck disable=SC2317 # called through check
-lists_all() { # the exact operations of the proof that no shader of the spec has
+lists_all() { # the shaders of the spec have every operation that the proof counts as exact
     local file
     "$gen" "$spec" -o "$work/out" >/dev/null || return
     for file in "$work"/out/*/*.spv; do
@@ -42,7 +43,7 @@ check "open operations are told at their places" told_as_expected proof_open 1
 check "what the rasterizer decides in a draw of numbers is a warning" told_as_expected proof_edges 0
 check "... but not of a pass whose resources have a tolerance" "$gen" "$root/tests/specs/proof_open.yaml" --prove --set 'contracts.default={ulp: 4}'
 # shellcheck disable=SC2317
-silent() { # of the pipelines that ship
+silent() { # for all pipelines that ship
     local spec
     for spec in "$root"/templates/*.yaml; do
         "$gen" "$spec" --prove --cache "$work/cache" 2>>"$work/said" || return

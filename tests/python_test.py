@@ -1,5 +1,5 @@
-"""diptych.py against the command line, and against numbers that are known. Called by python_test.sh, with the folder of the
-build in DIPTYCH_BUILD."""
+"""Compares diptych.py with the command line and with known numbers. Called by python_test.sh, with the folder of the build in
+DIPTYCH_BUILD."""
 import json
 import os
 import re
@@ -123,7 +123,7 @@ def test_live_parameters_and_frames(negative):
 
 
 def read_field(data, stride, count, field):
-    """The numbers of one field, by the manifest of a dump and struct."""
+    """The numbers of one field of a dump; struct unpacks them as the manifest says."""
     code, size = {"float": ("f", 1), "int": ("i", 1), "uint": ("I", 1), "bool": ("I", 1), "mat4": ("f", 16)}.get(
         field["type"]
     ) or ({"v": "f", "i": "i", "u": "I"}[field["type"][0]], int(field["type"][-1]))

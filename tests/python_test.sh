@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The Python module: tests/python_test.py, run by pytest, which says of each test whether it passed. TAP.
+# The Python module: pytest runs tests/python_test.py, and each of its tests becomes a line of TAP.
 . "$(dirname "$0")/tap.sh"
 if ! /usr/bin/python3 -c 'import numpy, pytest' 2>"$work/output"; then
     skip "the Python module" "needs python3-numpy and python3-pytest"

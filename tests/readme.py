@@ -30,7 +30,7 @@ import yaml
 ROOT, BUILD, WORK = sys.argv[1:]
 READMES = ("README.md", "scenes/README.md", "templates/README.md", "templates/ssvp/README.md")
 MOST_WORDS = 1500
-# What no-test blocks call in place of the programs: options and targets are checked, nothing is made.
+# Stubs that no-test blocks call in place of the programs: they check options and targets, and make nothing.
 STUBS = {
     "build/diptych": f'exec {BUILD}/diptych "$@" --help',
     "build/diptych-gen": f'exec {BUILD}/diptych-gen "$@" --help',
@@ -80,7 +80,7 @@ def blocks_of(readme, text):
 
 
 def copy_project(name):
-    """What commands read, in a folder where they may write. Programs and what the build made are the project's own."""
+    """Copies the files that commands read to a folder where commands may write; links the programs and outputs of the build."""
     folder = f"{WORK}/{name}"
     for part in ("scenes", "templates"):
         shutil.copytree(f"{ROOT}/{part}", f"{folder}/{part}")
@@ -175,7 +175,7 @@ def run_workflow(block, folder):
 
 
 def run_block(block, folder, stubs):
-    """Returns the lines that it prints, as far as the test looks at them."""
+    """Runs or checks a block; returns the lines that a console block prints."""
     if block.before:
         folder = copy_project(f"own{count}")
         run = bash(block.before, folder)

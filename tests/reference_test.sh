@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# `reference` on the command line: the same bits whatever the threads and interruptions, what it refuses, what it leaves. TAP.
+# `reference` on the command line: refused options, output files, and the same bits for any threads and interruptions. TAP.
 . "$(dirname "$0")/tap.sh"
 reference=("$diptych" reference --scene "$root/scenes/cornell.yaml" --size 24x16)
 
@@ -27,7 +27,7 @@ threads_leave_no_trace() {
 }
 check "one thread and seven write the same file" threads_leave_no_trace
 
-# A run that is interrupted, then goes on from its checkpoint, against one that never was.
+# Compares a run that goes on from its checkpoint after an interruption with an uninterrupted run.
 # shellcheck disable=SC2317
 interruption_leaves_no_trace() {
     local pid got samples
@@ -57,7 +57,7 @@ sed "s|^mesh: .*|mesh: box.obj|" "$root/scenes/cornell.yaml" >"$work/box.yaml"
 sed "s|^mtllib .*|mtllib box.mtl|" "$root/scenes/cornell.obj" >"$work/box.obj"
 sed "s|^newmtl.*|&\nmap_Kd view.png|" "$root/scenes/cornell.mtl" >"$work/box.mtl"
 cp "$root/scenes/view.png" "$work"
-# What the shipped pipelines filter themselves, against the driver's filter: levels 0 to 3, over the edges; white without a texture.
+# Compares the shipped pipelines' own filter with the driver's: levels 0 to 3, over the edges; white without a texture.
 cat >"$work/filtered.yaml" <<'END'
 pipeline: filtered
 exactness: fast

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# The same bits on every run, for every number of driver threads, and whatever memory held before: one hash per resource and
-# backend over many runs of three frames each, history among them, and the same hash from all backends. Two controls must be
-# noticed: a pipeline that races, and one that leaves memory unwritten. A run for each number of threads of two backends,
-# with DIPTYCH_LONG set twenty of five.
+# The same bits on every run, for every number of driver threads and any old content of memory. Many runs of three frames,
+# with history, give one hash per resource and backend, and all backends give the same hash. Two controls must be noticed: a
+# pipeline that races, and a pipeline that leaves memory unwritten. One run for each number of threads on two backends; with
+# DIPTYCH_LONG, twenty runs on five backends.
 . "$(dirname "$0")/tap.sh"
 scene=$root/scenes/cornell.yaml
 runs=${DIPTYCH_LONG:+20}

@@ -1,8 +1,9 @@
-"""Reads the page of a report as a browser and a doubtful reader would: report.py FOLDER [--incomplete].
-The page of what a bundle's run left, and one verdict in it: report.py --collected FOLDER VERDICT.
+"""Checks the page of a report: report.py FOLDER [--incomplete].
+Checks the page of a bundle's run, and one verdict in it: report.py --collected FOLDER VERDICT.
 
-Every tag is closed, every link and picture leads to a file, nothing comes from a network, and every number stands in the JSON
-that it says it is from, or follows from it. With --incomplete the last value of the sweep and the first picture must have failed."""
+Every tag is closed, every link and picture leads to a file, and nothing comes from a network. Every number equals that in the
+JSON file that the page names for it, or follows from that file. With --incomplete the last value of the sweep and the first
+picture must have failed."""
 import csv
 import html.parser
 import json
@@ -21,12 +22,12 @@ HEADLINES = [("relative MSE", "hdr.relative_mse"), ("SMAPE", "hdr.smape"), ("FLI
 
 
 def error_file(picture, value, ending=""):
-    """Of a picture at a value of the sweep, as the first backend drew it; without its end: against the last value."""
+    """Errors of the first backend's picture at a value of the sweep; with the ending _own, against the last value."""
     return f"{SCENE}/picture_{picture}_level_{value}_gl{ending}.json"
 
 
 def bench_file(value):
-    """Of the last picture."""
+    """Times of the last picture at a value of the sweep."""
     return f"{SCENE}/picture_shown_level_{value}_bench.json"
 
 
@@ -60,7 +61,7 @@ class Page(html.parser.HTMLParser):
 
 
 def near(text, number, what):
-    """Whether a text shows a number to the three digits that it is given with, or an integer."""
+    """Asserts that a text shows a number with three digits, or as an integer."""
     shown = float(text)
     assert abs(shown - number) <= 0.006 * abs(number) or abs(shown - number) < 0.5 <= 100 <= number, f"{what}: {text} for {number}"
 
@@ -83,7 +84,7 @@ def check_links(page, folder):
             assert path[1:] in ids, path
         else:
             assert os.path.getsize(os.path.join(folder, path)) > 0
-    # any two pictures can be laid on each other: at first the last one on the reference
+    # the page lays any two pictures on each other: at first the last picture on the reference
     choices = [(e[2], e[1]["value"], "selected" in e[1]) for e in page.all("option")]
     for _, file, _ in choices:
         assert os.path.getsize(os.path.join(folder, urllib.parse.unquote(file))) > 0
@@ -115,7 +116,7 @@ def check_numbers(page, results, missing, values):
 
 
 def table_rows(page, caption):
-    """The cells of the table whose caption begins so, row by row."""
+    """The cells of the table whose caption begins with `caption`, row by row."""
     text = next(e[2] for e in page.all("table") if e[2].strip().startswith(caption))
     assert text
     rows, inside = [], False
@@ -171,7 +172,7 @@ def check_overview(page, results):
 
 
 def check_motion(page, folder, results):
-    """Grey does not change, so all that the reference does is flicker; of two frames there is one step."""
+    """The grey picture does not change, so all changes of the reference count as flicker; two frames have one step."""
     for run in ("steady", "other"):
         result = results[f"{SCENE}/{MOTION}/{run}.json"]
         assert len(result["per_frame"]) == 1 and result["change"] == 0 and result["block"] == 2, result
@@ -226,13 +227,13 @@ def check_csv(folder, results):
 
 
 def check_failures(folder):
-    """The first picture cannot be made, and the last value is none; nothing else has failed."""
+    """The first picture and the last value have failed, and nothing else."""
     with open(os.path.join(folder, "rows.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 9, rows
     for row in rows:
         fails = row["picture"] == "dark" or row["level"] == "7"
-        # against the last value there is nothing to be held without it, so no row is whole
+        # without the last value, errors against that value are missing in all rows of the first backend
         assert row["status"] == "failed" if fails or row["backend"] == "gl" else row["status"] == "done", row
         assert ("level" in row["reason"]) == (row["status"] == "failed"), row
         assert bool(row["relative_mse"]) == (not fails and row["backend"] == "gl"), row
@@ -264,7 +265,7 @@ def main():
         text = file.read()
     page = Page(text)
     values = ["0.05", "0.1", "7"] if incomplete else VALUES
-    # of the last value against itself there is nothing to measure
+    # the last value has no error against itself
     missing = [error_file(p, values[-1], "_own") for p in PICTURES]
     if incomplete:
         missing += [f"{SCENE}/dark.json", bench_file(7)]

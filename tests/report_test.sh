@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# `diptych report`: a small report is made to the end; its page is read by another program, which follows every link and looks
-# up every number. What has failed is told and made up for; what an interrupt leaves, sweep_test.sh shows of the same steps.
+# `diptych report` makes a small report to the end; report.py reads its page, follows every link and looks up every number. The
+# verb reports failed steps, and makes missing results again. sweep_test.sh tests interrupts of the same steps.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 
-# ---- What a bundle's run left ------------------------------------------------------------------------------------------
+# ---- Results of a bundle's run -----------------------------------------------------------------------------------------
 
 bundle=$work/bundle
 mkdir -p "$bundle/bin" "$bundle/lib/own" "$bundle/lib/fallback" "$bundle/share/diptych/templates"
@@ -29,7 +29,7 @@ ln -s "$diptych" "$bundle/bin"
 cp "$root/app/bundle/run.sh" "$bundle/run"
 cp "$root/tests/specs/outside_grade.png" "$bundle/share/photo.png"
 # shellcheck disable=SC2317 # called through check
-same_functions() { # folder folder: their libraries of pictures export the same
+same_functions() { # folder folder: their image libraries export the same functions
     local folder
     for folder in "$@"; do
         nm -D --defined-only "$folder/libdiptych_image.so" | awk '$3 ~ /^image_/ {print $3}' >"$work/${folder##*/}.functions"
@@ -52,7 +52,7 @@ if ! command -v gnuplot >/dev/null; then
     finish
 fi
 
-# ---- A pipeline with an outline, in folders whose names a shell, ninja, gnuplot and HTML each read in their own way ----
+# ---- A pipeline with an outline, in folders with characters that are special to a shell, ninja, gnuplot or HTML --------
 
 # shellcheck disable=SC2016
 folder=$work/'it'\''s $HOME: <a> & b'
@@ -61,7 +61,7 @@ cp -r "$root"/tests/specs/grey* "$folder"
 sed "s|^mesh: .*|mesh: $root/scenes/cornell.obj|" "$root/scenes/cornell.yaml" >"$folder/a & box.yaml"
 sed "s|^mesh: .*|mesh: nowhere.obj|" "$root/scenes/cornell.yaml" >"$folder/absent.yaml"
 report=$folder/report
-# With an input, which every step hands on.
+# With an input that every step must pass on.
 sed -i 's/^images:/buffers: {tone: {input: true, of: float, count: 1}}\n&/; s/writes: \[radiance\]/reads: [tone], &/' "$folder/grey.yaml"
 sed -i 's/level/level * tone[0]/' "$folder/grey/paint.glsl"
 /usr/bin/python3 -c 'import numpy, sys; numpy.save(sys.argv[1], numpy.ones(1, "f4"))' "$folder/a & tone.npy"
@@ -111,7 +111,7 @@ check "... with what was measured of it, and nothing else" \
 
 # ---- What fails -------------------------------------------------------------------------------------------------------
 
-# The parameter has no such value, and the other name is no parameter. What was made with others must not stand in for them.
+# 7 is above the max of `level`, and `levels` is no parameter. Results of earlier values must not replace the failed ones.
 sed -i 's/^sweep: .*/sweep: {parameter: level, values: [0.05, 0.1, 7]}/; s/level=0.1]/levels=0.1]/' "$folder/grey/report.yaml"
 check "steps that fail are told, and the rest is done" said 1 "there is no result of: " "${small[@]}"
 check "... and the page is there, without their numbers" /usr/bin/python3 "$root/tests/report.py" "$report" --incomplete

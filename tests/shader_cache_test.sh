@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# `diptych-gen --cache` changes nothing but time: what it takes from the folder is what it would have made, whatever was
-# edited, and whatever has become of an entry. TAP.
+# `diptych-gen --cache` changes the time and nothing else: outputs with and without the cache are equal, after any edit and with
+# damaged cache entries. TAP.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 cp -r "$root/templates" "$work/templates"
@@ -15,26 +15,26 @@ generate() { # folder option...
     "$build/diptych-gen" "$spec" -o "$folder" --templates "$work/templates" "$@" >/dev/null
 }
 # shellcheck disable=SC2317 # called through check
-is_as_without() { # option...: with the cache the same is made as without it
+is_as_without() { # option...: the output with the cache equals the output without it
     generate plain "$@" && is_as_plain "$@"
 }
 # shellcheck disable=SC2317,SC2120
-is_as_plain() { # option...: the same as in that folder, and the next generation writes no entry
+is_as_plain() { # option...: the output equals the folder `plain`, and the next generation writes no entry
     generate cached --cache "$cache" "$@" && diff -r "$work/plain" "$work/cached" &&
         entries >"$work/left" && generate again --cache "$cache" "$@" && diff -r "$work/plain" "$work/again" &&
         entries | diff "$work/left" -
 }
 # shellcheck disable=SC2317
-entries() { # with their inodes: an entry that is written again has another one
+entries() { # with their inodes: a rewritten entry has a new inode
     find "$cache" -type f -printf '%p %i\n' | sort
 }
 # shellcheck disable=SC2317
-is_mended() { # command...: which spoils the entry $entry
+is_mended() { # command...: the command spoils the entry $entry; the generator repairs it
     cp "$work/good" "$entry"
     "$@" && { [ ! -f "$entry" ] || ! cmp -s "$entry" "$work/good"; } && is_as_plain && cmp "$entry" "$work/good"
 }
 # shellcheck disable=SC2317
-spoil() { # offset: one byte
+spoil() { # offset: changes one byte
     local byte
     byte=$(od -An -tu1 -j "$1" -N 1 "$entry")
     # shellcheck disable=SC2059 # the byte as an escape
@@ -81,7 +81,7 @@ check "another shader's entry under its name is a miss, and made anew" is_mended
 check "an entry that is a pipe is a miss, and made anew" is_mended by_pipe
 check "an entry that is missing is made anew" is_mended rm "$entry"
 
-# An entry larger than the default limit, used last two days ago: a new entry makes it go, unless DIPTYCH_CACHE_MIB allows for it.
+# An entry larger than the default limit, last used two days ago: a new entry evicts it, unless DIPTYCH_CACHE_MIB is large.
 # shellcheck disable=SC2317
 keeps_old() { # samples, which makes new entries
     truncate -s 65M "$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&
@@ -96,7 +96,7 @@ check "a larger DIPTYCH_CACHE_MIB is heeded" env_keeps_old 100 32
 check_status 1 "so is a smaller" env_keeps_old 1 48
 check_status 1 "one that is no number is ignored" env_keeps_old 100x 80
 
-# Errors come in order and with their carets, as often as one asks, though shaders are compiled side by side.
+# Errors come in order and with carets on every run, although shaders compile in parallel.
 cat >>"$body" <<'BROKEN'
 int broken_first() { return 1.5; }
 BROKEN

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# 3D images and cube maps, tests/specs/shapes.yaml: the backends agree, every texel is what its formula says, and a guilty
-# pass over them is replayed. And atomic functions of images, tests/specs/atomics.yaml: all agree with counting. TAP.
+# 3D images and cube maps, tests/specs/shapes.yaml: the backends agree, every texel equals its formula, and replay runs a guilty
+# pass over them. Atomic functions of images, tests/specs/atomics.yaml: the results equal a count in Python. TAP.
 . "$(dirname "$0")/tap.sh"
 spec=$root/tests/specs/shapes.yaml
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""For stores_test.sh: `make FOLDER` writes values.npy and fractions.npy; `check DUMP FOLDER` decodes what tests/specs/stores.yaml
-stored and holds it against the nearest code, ties to even, as Python's own arithmetic has it."""
+"""For stores_test.sh: `make FOLDER` writes values.npy and fractions.npy; `check DUMP FOLDER` decodes the codes that
+tests/specs/stores.yaml stored. Each must equal the nearest code, ties to even, which Python's own arithmetic gives."""
 import glob, itertools, math, struct, sys
 
 COUNT = 96000
@@ -47,7 +47,7 @@ def read(path):
 
 
 def nearest(x, bits):
-    """Of the floats with 5 bits of exponent and `bits` of mantissa, for x >= 0; beyond the largest, any."""
+    """The nearest float with 5 bits of exponent and `bits` of mantissa, for x >= 0; the exponent has no upper limit."""
     exponent = max(math.frexp(x)[1] - 1, -14) if x else -14
     return math.ldexp(round(math.ldexp(x, bits - exponent)), exponent - bits)  # round: ties to even
 

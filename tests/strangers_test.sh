@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Drivers of different makers: passes that compute are exact on equal inputs; what scene draws leave differs at edges alone. TAP.
+# Drivers of different makers: passes that compute are exact on equal inputs; scene draws differ only at edges. TAP.
 . "$(dirname "$0")/tap.sh"
 . "$root/tests/drivers.sh"
 cd "$root" || exit 1
@@ -14,7 +14,7 @@ if [ ${#strangers[@]} = 0 ]; then
 fi
 
 # shellcheck disable=SC2317 # called through check
-agrees() { # last line but one, arguments...: exit status 0, and what is told of edges
+agrees() { # pattern, arguments...: exit status 0, a line that matches, and agreement in the last line
     local want=$1
     shift
     "$diptych" compare "$@" >"$work/table" && grep -E "$want" "$work/table" && tail -n 1 "$work/table" | grep -q 'agree$'
@@ -45,7 +45,7 @@ for driver in "${strangers[@]}"; do
         scenes=(cornell)
         [ -z "${DIPTYCH_LONG:-}" ] || { scenes=(cornell atrium) && small=(--size 320x180); }
         for scene in "${scenes[@]}"; do
-            [ "$scene" = cornell ] || small+=(--set target=gpu) # its texel buffers are too small
+            [ "$scene" = cornell ] || small+=(--set target=gpu) # the driver's texel buffers are too small for the atrium
             check "$driver: $spec, $scene: every pass that computes is exact" agrees '^on equal inputs' \
                 --spec "templates/$spec.yaml" --scene "scenes/$scene.yaml" --backend "$home,$driver" "${small[@]}"
         done

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Sweeps: random variations of both shipped pipelines agree, the folder is what it says (one edge per run, commands to paste,
-# a summary), an interrupted sweep goes on, what differs or cannot run is told. 23 variations, over 200 with DIPTYCH_LONG.
+# Sweeps: random variations of shipped pipelines agree. The folder has one edge per run, commands to paste, and a summary. An
+# interrupted sweep goes on. The sweep reports runs that differ or cannot run. 23 variations, over 200 with DIPTYCH_LONG.
 # TAP.
 . "$(dirname "$0")/tap.sh"
 gen=$build/diptych-gen
@@ -47,7 +47,7 @@ else
         --input photo="$root/templates/post/table.png" -o "$work/post"
 fi
 
-# What the spec's author wrote down, read by another YAML parser, bounds what is drawn; and every kind of thing is drawn.
+# Drawn values lie in the ranges of the spec, which another YAML parser reads; every kind of setting is drawn.
 # shellcheck disable=SC2016 # Python
 drawn='
 import json, re, sys
@@ -80,12 +80,12 @@ if /usr/bin/python3 -c 'import yaml' 2>/dev/null; then
 else
     skip "parameters stay within their ranges" "python3-yaml is missing"
 fi
-# Loops over hundreds of VPLs and dozens of eyes that are written out are most of the time, and nobody asks for them here.
+# Rolls loops over hundreds of VPLs and dozens of eyes: unrolled, they take most of the time, and this check does not need them.
 rolled=()
 for range in shade.ranges.{first,second}{,_eye}_range {first,second}.map.test.ranges.elements; do
     rolled+=(--set "passes.$range.loop=roll" --set "passes.$range.storage=buffer")
 done
-# Unwritten memory differs between the backends, so that a k-means that a driver cuts short is seen.
+# Unwritten memory differs between the backends, so compare notices a k-means that a driver cuts short.
 check "k-means ends by itself with every parameter at its max" \
     "$diptych" compare --scene "$sun" --size 8x8 --set first_vpls=2048 --set clusters=64 --set kmeans_iterations=32 \
     --set position_weight=0 --set rsm_size=64 --set map_size=16 --set second_vpls=64 "${rolled[@]}"
@@ -101,7 +101,7 @@ check_status 1 "another seed draws something else" cmp "$work/a" "$work/c"
 
 # ---- The folder -------------------------------------------------------------------------------------------------------
 
-# Names that a shell and ninja would each read in their own way.
+# The folder's name has characters that are special to a shell or to ninja.
 # shellcheck disable=SC2016
 folder=$work/'it'\''s $HOME: a folder'
 mkdir "$folder"
@@ -126,7 +126,7 @@ check "a grid over two values, two local sizes and two frame sizes is 8 runs" \
     last_line "8 agree, 0 differ" "$diptych" sweep "${small[@]}" "${grid[@]}"
 check "every edge of the ninja file is a run" [ "$(grep -c '^build runs/' "$folder/sweep/build.ninja")" = 8 ]
 # shellcheck disable=SC2317
-pasted() { # each of the commands, in another folder
+pasted() { # line: runs this line of `commands` in another folder
     local command
     command=$(sed -n "$1p" "$folder/sweep/commands")
     cd / && [ -n "$command" ] && sh -c "$command"
@@ -171,8 +171,8 @@ check_status 1 "... leaves no folder" [ -e "$work/none" ]
 
 # ---- What is measured -------------------------------------------------------------------------------------------------
 
-# A grey picture of a level that is swept. Pictures of constant levels a and b have the errors that anybody can work out: the
-# exposure takes b to 0.18, so their RMSE is 0.18 |a/b - 1|.
+# Sweeps the level of a grey picture. The errors between constant levels a and b follow from a formula: the exposure takes b to
+# 0.18, so the RMSE is 0.18 |a/b - 1|.
 # shellcheck disable=SC2016 # Python
 rows='
 import csv, json, sys
@@ -260,7 +260,7 @@ for row in csv.DictReader(open(folder + "/rows.csv", newline="")):
     }
     check_status 130 "an interrupt ends measuring" held_up
     check_status 1 "... without rows" [ -e "$folder/held/rows.csv" ]
-    # Ninja decides what comes first: since 1.12 that may be the reference.
+    # Ninja decides the order of the steps: since 1.12 the reference may come first.
     stat -c '%y %n' "$folder/held/a scene/"*.exr 2>/dev/null | sort >"$work/drawn_then"
     check "it goes on" last_line ": 2 done, 0 failed" "${grey[@]}" --measure error --backend vk --grid level=0.1,0.4 -o "$folder/held"
     stat -c '%y %n' "$folder/held/a scene/"*.exr | sort >"$work/drawn_now"
@@ -299,7 +299,7 @@ check "a grid over a name that the spec does not know starts no run" no_run "did
 
 # ---- Interrupted ------------------------------------------------------------------------------------------------------
 
-# The second of two runs is held up by a mesh of two million triangles.
+# A mesh of two million triangles delays the second of two runs.
 held=$work/held
 mkdir "$held"
 cp "$spot" "$held/one.yaml"
@@ -337,7 +337,7 @@ check "a job array is written" "${array[@]}" --slurm
 for script in array collect submit run; do
     check "$script.sh is a shell script" sh -n "$folder/slurm/$script.sh"
 done
-# An sbatch that does at once what Slurm does in its time: every task of the array, then what waits for it.
+# A fake sbatch that runs the jobs at once: every task of the array, then the job that depends on the array.
 mkdir "$work/bin"
 cat >"$work/bin/sbatch" <<'END'
 #!/bin/sh
@@ -356,7 +356,7 @@ chmod +x "$work/bin/sbatch"
 check "its tasks run, and the summary behind them" env PATH="$work/bin:$PATH" sh "$folder/slurm/submit.sh"
 check "... says that all agree" grep -q "3 runs, .*: 3 agree, 0 differ" "$folder/slurm/collect.txt"
 
-# The real one, on this machine alone, without accounts: auth/none.
+# The real Slurm, on this machine alone, without accounts: auth/none.
 # shellcheck disable=SC2317
 real_slurm() {
     local slurm=$work/slurm host daemons=() status=1

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Puts SwiftShader, a Vulkan driver that shares no code with Mesa, into build/swiftshader: out of Debian's chromium-common, which is
-# downloaded and not installed. `./bootstrap test` calls it; tests that want it are skipped where it is not.
+# Puts SwiftShader, a Vulkan driver that shares no code with Mesa, into build/swiftshader. Takes it from Debian's chromium-common,
+# which is downloaded, but not installed. `./bootstrap test` calls this script; without SwiftShader the tests for it are skipped.
 set -eu
 cd "$(dirname "$0")/.."
 mkdir -p build/swiftshader
@@ -13,4 +13,4 @@ chmod 755 "$work" # apt downloads as a user of its own
 dpkg-deb --fsys-tarfile "$work"/chromium-common_*.deb |
     tar -x -C "$work" --wildcards './usr/lib/chromium/*swiftshader*'
 mv "$work"/usr/lib/chromium/libvk_swiftshader.so .
-mv "$work"/usr/lib/chromium/vk_swiftshader_icd.json . # last: it says that all is here
+mv "$work"/usr/lib/chromium/vk_swiftshader_icd.json . # last: this file marks the folder as complete

@@ -1,6 +1,6 @@
 # shellcheck shell=bash
-# TAP for the shell tests: `check DESCRIPTION COMMAND...` runs a command and expects success, `check_status N ...` a certain
-# exit status; output is shown when the outcome is another. `finish` closes the file. Sourced by tests/*_test.sh.
+# TAP for the shell tests. `check DESCRIPTION COMMAND...` runs a command and expects success; `check_status N ...` expects exit
+# status N. A failed check prints the command's output. `finish` ends the TAP and the script. Sourced by tests/*_test.sh.
 set -u
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$(realpath "${DIPTYCH_BUILD:-$root/build}")

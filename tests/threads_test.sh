@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The Vulkan renderer of tests/hosts under ThreadSanitizer, which sees it and the runtime: two threads open pipelines, whose
-# passes are compiled on further threads. These and a third, which shares programs with the first, record and close them. So does
-# the C++ renderer, which writes inputs and takes resources on two threads. TAP.
+# Runs the Vulkan renderer of tests/hosts under ThreadSanitizer, which checks the renderer and the runtime. Two threads open
+# pipelines, and further threads compile the passes. These two threads and a third, which shares the first's programs, record and
+# close pipelines. The C++ renderer also writes inputs and takes resources on two threads. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit
 gen=$build/gen

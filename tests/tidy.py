@@ -1,7 +1,7 @@
 """Runs clang-tidy on every file that has changed since it passed: `ninja -t compdb cc program | tidy.py STAMPS VERSION`.
 
-Of a file that is compiled several times the first counts. The output is newer than the file's stamp, in the folder STAMPS, once
-ninja has compiled the file again, so headers count, too. Called by `ninja check`, after what it compiles."""
+For a file that is compiled several times, only the first command counts. A file is due if its object is newer than its stamp
+in the folder STAMPS, so changes of headers count, too. Called by `ninja check`, after the compilation."""
 import concurrent.futures
 import json
 import os
@@ -10,8 +10,8 @@ import shutil
 import subprocess
 import sys
 
-# The analyzer's default of 225,000 states for one function is six times the time, for a few of them. Of 55 mistakes made on
-# purpose it finds 30 with 50,000 states and 29 with these, and of that one the compiler warns.
+# Limits the states per function. The default of 225,000 takes six times as long, because of a few functions. Of 55 deliberate
+# mistakes the analyzer finds 30 with 50,000 states, and 29 with 30,000; the compiler warns of the missed one.
 LIMITS = ["-Xclang", "-analyzer-config", "-Xclang", "max-nodes=30000"]
 
 
@@ -32,7 +32,7 @@ def is_due(entry):
 
 def check(entry):
     words = shlex.split(entry["command"])[1:]
-    words = words[: words.index(entry["file"])]  # libraries come behind it
+    words = words[: words.index(entry["file"])]  # libraries follow the file
     at = words.index("-MF")
     del words[at : at + 2]
     flags = [word for word in words if word not in ("-MMD", "-c")]
@@ -44,7 +44,7 @@ def check(entry):
         with open(stamp_of(entry), "w", encoding="utf-8"):
             pass
         return True
-    print(run.stdout + run.stderr, flush=True)  # stderr counts what was left out
+    print(run.stdout + run.stderr, flush=True)  # stderr has the number of hidden warnings
     return False
 
 
@@ -54,7 +54,7 @@ def main():
         return 0
     entries = {}
     for entry in json.load(sys.stdin):
-        if not entry["output"].endswith(".so"):  # libc's own functions, declared anew
+        if not entry["output"].endswith(".so"):  # libraries to preload declare functions of libc again
             entries.setdefault(entry["file"], entry)
     due = [e for file, e in entries.items() if not file.startswith("build/") and is_due(e)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -1,12 +1,12 @@
-"""Looks at an X display as a person would: view.py FILE SECONDS CONDITION...
+"""Checks the content of a window on an X display: view.py FILE SECONDS CONDITION...
 
-Grabs the screen's content within the window named diptych until all conditions hold, and fails when they do not within so many
-seconds. The last grab becomes FILE, a PPM.
+Grabs the content of the window named diptych until all conditions hold; fails if they do not hold within SECONDS. The last grab
+becomes FILE, a PPM.
 
   shown          there is more than one colour
   halves         the left half is the right half
   black          there is nothing but black
-  size=WxH       the window is so large
+  size=WxH       the window has this size
   as=FILE        it is that PPM, or PNG of 8 bit RGB
   not=FILE       it is another picture than that PPM
   top=FILE       its upper third is that PPM's

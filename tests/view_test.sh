@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# `diptych view` as a person uses it: real windows on an X server, keys, mouse and edits, and what then stands on the screen. TAP.
+# `diptych view` in real windows on an X server: sends keys, mouse and edits, and checks the content of the screen. TAP.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 for tool in Xvfb xdotool xwd; do
@@ -28,7 +28,7 @@ DISPLAY=:$(cat display.number)
 export DISPLAY
 unset WAYLAND_DISPLAY
 
-open_window() { # option...: until its first picture is there
+open_window() { # option...: does not wait for the first picture; `see` does
     "$diptych" view "${small[@]}" --debug --json view.json "$@" >view.out 2>view.err &
     window=$!
 }
@@ -39,7 +39,7 @@ see() { # file condition...
     python3 "$root/tests/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
 }
 # shellcheck disable=SC2317
-says() { # text: the window's process, before long
+says() { # text: the window's process prints the text within 30 s
     for _ in $(seq 300); do
         ! grep -qF -- "$1" view.err || return 0
         sleep 0.1
@@ -48,12 +48,12 @@ says() { # text: the window's process, before long
     return 1
 }
 # shellcheck disable=SC2317
-ends() { # status: and no validation layer has said anything
+ends() { # status: the window has ended with it, and the validation layers are silent
     wait "$window"
     [ $? = "$1" ] && ! grep -E 'VUID|SYNC-HAZARD|hazard detected|debug message' view.err
 }
 # shellcheck disable=SC2317
-changed_lines() { # file file: of the second, those that the first has not
+changed_lines() { # file file: lines of the second that the first lacks
     diff "$1" "$2" | grep '^>'
 }
 # shellcheck disable=SC2317
@@ -128,7 +128,7 @@ sed 's/display_store(p, vec4(/&0.75 * /' "$tonemap" >"$work/templates/mine/tonem
 check "... and taken when it comes, with the folder that it is in" see mine.ppm not=moved.ppm not=dark.ppm shown halves
 cp part.yaml "$part"
 check "... and put right" see right.ppm as=moved.ppm
-sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$part" # good at the sizes that the generator tries, and new
+sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$part" # valid at sizes that the generator tries, and new
 check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
 check "... with the reason" says "pass average"
 cp part.yaml "$part"
@@ -142,7 +142,7 @@ check "Esc ends it, and the layers were silent" ends 0
 check "it counted reloads, and measured every pass" holds_json \
     'd["reloads"] >= 2 and d["reload_ms"] > 0 and d["sides"][1]["frame_ms"] > 0 and d["sides"][0]["passes"][-1]["ms"] > 0'
 
-# Another process tries an edited spec first. One that crashes there, or hangs, does not take the window down.
+# Another process tries an edited spec first. If that process crashes or hangs, the window stays open.
 mkdir -p tools/build
 cp "$build/diptych" "$build/diptych-gen" "$build/libdiptych_image.so" tools/build/
 ln -s "$work/templates" tools/templates
@@ -167,13 +167,13 @@ done
 xdotool key Escape
 check "... and the window ends as ever" ends 0
 
-# What stands on the screen is the picture, row by row.
+# The screen shows the picture, row by row.
 for backend in gl vk; do
     open_window --backend $backend --size 240x180 --set bounces=0
     check "$backend alone" see $backend.ppm shown size=240x180
     xdotool key h
     check "$backend shows what render writes with the saved camera" see $backend.ppm as=saved.png
-    xdotool key space h # nothing changes now but by hand
+    xdotool key space h # pauses: from here only keys and mouse change the window
     check "$backend has a panel" see panel.ppm not=$backend.ppm still
     xdotool mousemove 60 96 click 1
     check "... whose table of times can be folded" see folded.ppm not=panel.ppm still
@@ -224,9 +224,9 @@ check "surfaces that are lost, and swapchains out of date" ends 0
 check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
 check "... and it is the same picture" cmp lost.png saved.png
 
-# A window manager minimises it and brings it back, and somebody pulls at its corner.
+# A window manager minimises and restores the window, and a user drags its corner.
 # shellcheck disable=SC2317 # called through check
-rests() { # before long, the window's process lets the processor be for a second
+rests() { # within 30 s, the window's process is idle for a second
     local before after=0
     for _ in $(seq 30); do
         before=$after
@@ -238,7 +238,7 @@ rests() { # before long, the window's process lets the processor be for a second
     return 1
 }
 # shellcheck disable=SC2317
-is_gone() { # the window, from the screen, before long
+is_gone() { # within 10 s, the window is not visible
     for _ in $(seq 100); do
         xdotool search --onlyvisible --name '^diptych' || return 0
         sleep 0.1
@@ -278,9 +278,9 @@ else
     skip "minimised windows" "twm is not installed"
 fi
 
-# Devices that are lost are opened anew: time and again if it is seldom; twice at once, and it waits for somebody.
+# The window opens a lost device again, any number of times if losses are rare. After two quick losses it waits for the user.
 losses=$build/tests/view_losses.so
-for backend in gl vk both; do # of both it is the second
+for backend in gl vk both; do # with `both`, the second device is lost
     LOSE=61 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --set bounces=0 --frames 40 --screenshot alive.png
     check "$backend outlives a device" ends 0
     check "... that was lost" says "told: the device is lost"
