@@ -519,6 +519,8 @@ static void add_head(struct glsl *glsl)
         glsl->backend == BACKEND_GL ? "OpenGL" : "Vulkan");
     if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "gl_Layer"))
         text_add(out, "#extension GL_ARB_shader_viewport_layer_array : require\n");
+    if (glsl_uses(glsl, "utextureBuffer"))
+        text_add(out, "#extension GL_EXT_samplerless_texture_functions : require\n");
     for (size_t i = 0; glsl->subgroups && i < DT_ARRAY_COUNT(subgroups); i++)
         text_add(out, "#extension GL_KHR_shader_subgroup_%s : enable\n", subgroups[i]);
     text_add(out, "#define %s\n%s%s", stages[glsl->stage],

@@ -515,7 +515,8 @@ static void add_builtin(struct glsl *glsl, int builtin, unsigned kind, int bindi
             return;
         text_add(out, "layout(");
         glsl_binding(glsl, binding, out);
-        text_add(out, ") uniform usamplerBuffer %s_texels;\n", names[builtin]);
+        text_add(out, ") uniform %s %s_texels;\n",
+                 glsl->backend == BACKEND_VK ? "utextureBuffer" : "usamplerBuffer", names[builtin]);
         return;
     }
     if (!glsl_uses(glsl, "%s", names[builtin]))
