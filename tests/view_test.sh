@@ -123,7 +123,7 @@ cp "$part" part.yaml
 sed -i 's|shader: tonemap.glsl|shader: ../mine/tonemap.glsl|' "$part"
 check "a body that is not there is told" says "cannot read the shader \`../mine/tonemap.glsl\`"
 mkdir -p "$work/templates/mine"
-cp "$work/templates/shared/srgb.glsl" "$work/templates/mine/" # which the body includes
+cp "$work/templates/shared/"{estimate,srgb}.glsl "$work/templates/mine/" # which the body includes
 sed 's/display_store(p, vec4(/&0.75 * /' "$tonemap" >"$work/templates/mine/tonemap.glsl"
 check "... and taken when it comes, with the folder that it is in" see mine.ppm not=moved.ppm not=dark.ppm shown halves
 cp part.yaml "$part"
