@@ -579,10 +579,11 @@ static bool add_parts(struct glsl *glsl)
         add_fullscreen_vertex(glsl);
     else if (!glsl_body(glsl) || !glsl_check_precise(glsl) || !glsl_ranges(glsl))
         return false;
-    if (!made && !glsl_texels(glsl))
-        return false;
-    if (!made)
+    if (!made) {
+        if (!glsl_texels(glsl))
+            return false;
         add_defines(glsl);
+    }
     if (glsl->pass->layers && glsl->stage == STAGE_IS_VERTEX && glsl->backend == BACKEND_VK)
         glsl_choose_layer(glsl);
     add_functions(glsl);

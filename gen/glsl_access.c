@@ -302,7 +302,7 @@ static bool gives_texels(const struct glsl *glsl, const struct access *access)
     return true;
 }
 
-/* ---- Texel buffers ------------------------------------------------------------------------- */
+/* ---- Texel buffers --------------------------------------------------------------------------- */
 
 /* The fields of an element of a builtin by its words, from texelFetch(NAME_texels, ...). */
 static const char *const texel_readers[BUILTIN_COUNT] = {

@@ -428,8 +428,9 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
             if (!vk_buffer_texels(rt, buffer, binding->resource))
                 return false;
             descriptors[i].texels = buffer->texels;
-        } else
+        } else {
             descriptors[i].image = image_descriptor(rt, binding);
+        }
     }
     vk_program_bind(rt, program, state->bindings, descriptors, state->binding_count);
     return true;
