@@ -364,6 +364,36 @@ static void draws_may_differ_at_edges(void **state)
     free(edges);
 }
 
+/* A triangle of 5x5 texels lies on another, in one copy before it and in the other behind it. */
+static void coincident_surfaces_may_change_places(void **state)
+{
+    (void)state;
+    uint32_t numbers[2][DRAWN];
+    float depths[2][DRAWN];
+    const struct dt_resource resource = {.kind = DT_IMAGE, .format = DT_FORMAT_R32UI};
+    const struct {
+        float apart; /* in steps of depth from texel to texel */
+        bool within;
+    } cases[] = {{0, true}, {0.5f, true}, {-0.5f, true}, {2, false}, {-2, false}};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        for (int t = 0; t < DRAWN; t++) {
+            int x = t % SIDE, y = t / SIDE % SIDE;
+            bool both = t < SIDE * SIDE && x >= 1 && x < 6 && y >= 1 && y < 6;
+            numbers[0][t] = 1;
+            numbers[1][t] = both ? 2 : 1;
+            depths[0][t] = 0.5f + (float)x / 64;
+            depths[1][t] = depths[0][t] + (both ? cases[i].apart / 64 : 0);
+        }
+        bool *edges;
+        const struct dt_bytes copies[2] = {drawn(numbers[0]), drawn(numbers[1])};
+        assert_true(edges_find(&edges, &resource, copies));
+        assert_false(edges[3 * SIDE + 3]); /* its neighbours show the same, in either copy */
+        edges_add_coincident(edges, (const struct dt_bytes[]){drawn(depths[0]), drawn(depths[1])});
+        assert_int_equal(edges[3 * SIDE + 3], cases[i].within);
+        free(edges);
+    }
+}
+
 static void of_depth_only_coverage_counts(void **state)
 {
     (void)state;
@@ -603,6 +633,7 @@ int main(void)
         cmocka_unit_test(nan_is_found_anywhere),
         cmocka_unit_test(outliers_are_counted),
         cmocka_unit_test(draws_may_differ_at_edges),
+        cmocka_unit_test(coincident_surfaces_may_change_places),
         cmocka_unit_test(of_depth_only_coverage_counts),
         cmocka_unit_test(sizes_must_match),
         cmocka_unit_test(layers_are_named),

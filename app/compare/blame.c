@@ -24,30 +24,36 @@ static bool hand_over(struct source sources[2], const struct row *row,
            worker_write(&sources[1].worker, row->resource, row->mip, &bytes);
 }
 
+static bool take_both(struct source sources[2], const struct row *row, struct dt_bytes copies[2])
+{
+    return source_ask(&sources[0], row) && source_ask(&sources[1], row) &&
+           source_take(&sources[0], row, &copies[0]) && source_take(&sources[1], row, &copies[1]);
+}
+
 static bool show_output(const struct rows *rows, struct source sources[2], uint32_t index,
                         const struct replay_viewer *viewer)
 {
-    const struct row *row = &rows->outputs.list[index];
     struct dt_bytes copies[2];
-    return source_ask(&sources[0], row) && source_ask(&sources[1], row) &&
-           source_take(&sources[0], row, &copies[0]) && source_take(&sources[1], row, &copies[1]) &&
+    return take_both(sources, &rows->outputs.list[index], copies) &&
            (!viewer->output || viewer->output(viewer->user, index, copies));
 }
 
 static bool show_edges(const struct rows *rows, struct source sources[2], uint32_t pass,
                        const struct replay_viewer *viewer)
 {
-    const struct dt_pass *draw = &rows->pipeline->passes[pass];
-    struct row row = {.pass = pass, .resource = edges_resource(rows->pipeline, draw)};
+    const struct dt_pipeline *pipeline = rows->pipeline;
+    const struct dt_pass *draw = &pipeline->passes[pass];
+    const struct row numbers = {.pass = pass, .resource = edges_resource(pipeline, draw)};
+    const struct row depth = {.pass = pass, .resource = edges_depth(pipeline, draw)};
     struct dt_bytes copies[2];
     if (!viewer->edges || draw->kind != DT_PASS_DRAW_SCENE)
         return true;
-    if (row.resource == UINT16_MAX)
+    if (numbers.resource == UINT16_MAX)
         return viewer->edges(viewer->user, NULL, NULL);
-    return source_ask(&sources[0], &row) && source_ask(&sources[1], &row) &&
-           source_take(&sources[0], &row, &copies[0]) &&
-           source_take(&sources[1], &row, &copies[1]) &&
-           viewer->edges(viewer->user, &rows->pipeline->resources[row.resource], copies);
+    return take_both(sources, &numbers, copies) &&
+           viewer->edges(viewer->user, &pipeline->resources[numbers.resource], copies) &&
+           (depth.resource == UINT16_MAX ||
+            (take_both(sources, &depth, copies) && viewer->edges_depth(viewer->user, copies)));
 }
 
 static bool replay_pass(const struct replay *replay, struct source sources[2], uint32_t pass,
@@ -135,6 +141,14 @@ static bool keep_edges(void *user, const struct dt_resource *resource,
     if (!good)
         report_error(&judge->replay->console->log, "out of memory");
     return good;
+}
+
+static bool add_coincident(void *user, const struct dt_bytes copies[2])
+{
+    struct judge *judge = user;
+    if (judge->edges)
+        edges_add_coincident(judge->edges, copies);
+    return true;
 }
 
 /* The contract in force: between strangers a scene draw's images need not be exact. */
@@ -229,8 +243,10 @@ bool blame_find(struct blame *blame, const struct replay *replay, const struct f
 {
     const struct rows *rows = replay->rows;
     struct judge judge = {.blame = blame, .replay = replay, .first = first, .repeated = true};
-    const struct replay_viewer viewer = {
-        .edges = has_raster(replay) ? keep_edges : NULL, .output = weigh, .user = &judge};
+    const struct replay_viewer viewer = {.edges = has_raster(replay) ? keep_edges : NULL,
+                                         .edges_depth = add_coincident,
+                                         .output = weigh,
+                                         .user = &judge};
     *blame = (struct blame){.frame = replay->frame};
     blame->inputs_differ = calloc(rows->pipeline->pass_count, sizeof *blame->inputs_differ);
     blame->own = calloc(rows->outputs.count, sizeof *blame->own);

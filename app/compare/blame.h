@@ -22,8 +22,10 @@ struct replay {
 struct replay_viewer {
     /* a row of rows->inputs, the first side's; the second side gets it before the pass */
     bool (*input)(void *user, const struct row *row, const struct dt_bytes *bytes);
-    /* once per scene draw, before its outputs: the output that edges_resource names, or none */
+    /* Before a scene draw's outputs: the output that edges_resource names, or none; then that of
+     * edges_depth, if any. */
     bool (*edges)(void *user, const struct dt_resource *resource, const struct dt_bytes copies[2]);
+    bool (*edges_depth)(void *user, const struct dt_bytes copies[2]);
     /* row `index` of rows->outputs: the first side's, and the second side's from the same inputs */
     bool (*output)(void *user, uint32_t index, const struct dt_bytes copies[2]);
     void *user;

@@ -1,10 +1,16 @@
 /* Edges of draws; see edges.h. */
 #include "result/edges.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/texels.h"
+
+static bool is_depth(const struct dt_resource *resource)
+{
+    return resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F;
+}
 
 uint16_t edges_resource(const struct dt_pipeline *pipeline, const struct dt_pass *pass)
 {
@@ -13,10 +19,19 @@ uint16_t edges_resource(const struct dt_pipeline *pipeline, const struct dt_pass
         const struct dt_resource *resource = &pipeline->resources[pass->writes[i]];
         if (resource->kind == DT_IMAGE && number_is_integer(format_number(resource->format)))
             return pass->writes[i];
-        if (resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F)
+        if (is_depth(resource))
             found = pass->writes[i];
     }
     return found;
+}
+
+uint16_t edges_depth(const struct dt_pipeline *pipeline, const struct dt_pass *pass)
+{
+    uint16_t numbers = edges_resource(pipeline, pass);
+    for (uint32_t i = 0; i < pass->write_count; i++)
+        if (pass->writes[i] != numbers && is_depth(&pipeline->resources[pass->writes[i]]))
+            return pass->writes[i];
+    return UINT16_MAX;
 }
 
 /* Whether two texels show different triangles, as far as the image tells. */
@@ -29,20 +44,28 @@ static bool parts(const struct dt_resource *resource, const uint8_t *a, const ui
     return (memcmp(a, &background, size) == 0) != (memcmp(b, &background, size) == 0);
 }
 
-/* Whether a neighbour shows another triangle than the texel. */
-static bool at_edge(const struct dt_resource *resource, const struct dt_bytes *copy,
-                    const uint32_t at[3])
+/* The texels around one in its layer, itself among them; as indices of texels. Returns how many. */
+static uint32_t around(size_t found[9], const uint32_t extent[3], const uint32_t at[3])
 {
-    size_t size = format_size(resource->format);
-    const uint32_t *extent = copy->extent;
     size_t layer = (size_t)at[2] * extent[0] * extent[1];
-    const uint8_t *centre = copy->data + (layer + (size_t)at[1] * extent[0] + at[0]) * size;
     uint32_t x0 = at[0] ? at[0] - 1 : 0, x1 = at[0] + 1 < extent[0] ? at[0] + 1 : at[0];
     uint32_t y0 = at[1] ? at[1] - 1 : 0, y1 = at[1] + 1 < extent[1] ? at[1] + 1 : at[1];
+    uint32_t count = 0;
     for (uint32_t y = y0; y <= y1; y++)
         for (uint32_t x = x0; x <= x1; x++)
-            if (parts(resource, centre, copy->data + (layer + (size_t)y * extent[0] + x) * size))
-                return true;
+            found[count++] = layer + (size_t)y * extent[0] + x;
+    return count;
+}
+
+/* Whether a neighbour shows another triangle than the texel. */
+static bool at_edge(const struct dt_resource *resource, const struct dt_bytes *copy,
+                    const uint32_t at[3], size_t texel)
+{
+    size_t size = format_size(resource->format), near[9];
+    uint32_t count = around(near, copy->extent, at);
+    for (uint32_t i = 0; i < count; i++)
+        if (parts(resource, copy->data + texel * size, copy->data + near[i] * size))
+            return true;
     return false;
 }
 
@@ -56,12 +79,40 @@ bool edges_find(bool **edges, const struct dt_resource *resource, const struct d
     *edges = calloc(texels + 1, sizeof **edges);
     if (!*edges)
         return false;
-    for (uint32_t z = 0, i = 0; z < extent[2]; z++)
+    size_t texel = 0;
+    for (uint32_t z = 0; z < extent[2]; z++)
         for (uint32_t y = 0; y < extent[1]; y++)
-            for (uint32_t x = 0; x < extent[0]; x++, i++) {
+            for (uint32_t x = 0; x < extent[0]; x++, texel++) {
                 const uint32_t at[3] = {x, y, z};
-                (*edges)[i] =
-                    at_edge(resource, &copies[0], at) || at_edge(resource, &copies[1], at);
+                (*edges)[texel] = at_edge(resource, &copies[0], at, texel) ||
+                                  at_edge(resource, &copies[1], at, texel);
             }
     return true;
+}
+
+static float depth_at(const struct dt_bytes *depth, size_t texel)
+{
+    float value;
+    memcpy(&value, depth->data + texel * sizeof value, sizeof value);
+    return value;
+}
+
+static bool coincide(const struct dt_bytes depths[2], const uint32_t at[3], size_t texel)
+{
+    float depth = depth_at(&depths[0], texel), reach = 0;
+    size_t near[9];
+    uint32_t count = around(near, depths[0].extent, at);
+    for (uint32_t i = 0; i < count; i++)
+        reach = fmaxf(reach, fabsf(depth_at(&depths[0], near[i]) - depth));
+    return fabsf(depth_at(&depths[1], texel) - depth) <= reach;
+}
+
+void edges_add_coincident(bool *edges, const struct dt_bytes depths[2])
+{
+    const uint32_t *extent = depths[0].extent;
+    size_t texel = 0;
+    for (uint32_t z = 0; z < extent[2]; z++)
+        for (uint32_t y = 0; y < extent[1]; y++)
+            for (uint32_t x = 0; x < extent[0]; x++, texel++)
+                edges[texel] = edges[texel] || coincide(depths, (const uint32_t[]){x, y, z}, texel);
 }

@@ -3,7 +3,8 @@
  *
  * A triangle within one view of the pyramid is drawn once: each corner finds its view. A triangle
  * across views is drawn by four more instances, each for one view. Clip planes leave out most of the
- * other views, the texel decides: of huge near triangles SwiftShader clips up to a quarter too much.
+ * other views and what lies behind the eye, the texel decides: of huge near triangles SwiftShader
+ * clips up to a quarter too much. All of an empty cluster is clipped.
  * Depth is a constant / reach, which keeps the precision of far surfaces. */
 
 #include "../shared/hole.glsl"
@@ -33,7 +34,7 @@ void main()
     ahead = back ? -ahead : ahead;
     float reach = ahead + SLANT * local.z;
     gl_Position = vec4(local.xy, 1e-6 * frame.scene_radius, reach);
-    gl_ClipDistance[0] = views[c].member < 0 ? -1.0 : local.z; /* clips all of an empty cluster */
+    gl_ClipDistance[0] = views[c].member < 0 ? -1.0 : local.z + 0.5 * ahead;
     gl_ClipDistance[1] = 1.5 * ahead - beside;
     gl_ClipDistance[2] = 1.5 * ahead + beside;
     gl_Layer = c;
