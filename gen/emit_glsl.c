@@ -461,6 +461,18 @@ static void add_functions(struct glsl *glsl)
     glsl_accessors(glsl);
 }
 
+/* Whether the body may have matrices besides mat4, the only ones that specs can name. */
+static bool has_other_matrices(const struct glsl *glsl)
+{
+    static const char *const words[] = {"mat2",   "mat2x2", "mat2x3", "mat2x4",
+                                        "mat3",   "mat3x2", "mat3x3", "mat3x4",
+                                        "mat4x2", "mat4x3", "mat",    "outerProduct"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (glsl_uses(glsl, "%s", words[i]))
+            return true;
+    return false;
+}
+
 static bool add_library(struct glsl *glsl)
 {
     static const char *const from_the_end[] = {"interleave", "metric", "disk", "hammersley",
@@ -474,6 +486,7 @@ static bool add_library(struct glsl *glsl)
     ok = ok && glsl_library(glsl, "frame", layout.data);
     if (ok && !glsl->pipeline->fast) {
         glsl_exact(glsl);
+        glsl->other_matrices = has_other_matrices(glsl);
         ok = glsl_library(glsl, "filter", layout.data) &&
              glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data);
     }
@@ -527,6 +540,8 @@ static void add_head(struct glsl *glsl)
              glsl->backend == BACKEND_GL ? "#define OPENGL\n"
                                          : "", /* compilers for Vulkan define VULKAN */
              glsl->pipeline->fast ? "" : "#define EXACT\n");
+    if (glsl->other_matrices)
+        text_add(out, "#define EXACT_MATRICES\n"); /* exact.glsl has overloads for them */
     if (glsl->stage == STAGE_IS_COMPUTE)
         text_add(out, "\nlayout(local_size_x = %u, local_size_y = %u, local_size_z = %u) in;\n",
                  pass->local[0], pass->local[1], pass->local[2]);

@@ -17,32 +17,57 @@ struct shaders_output {
     struct code (*codes)[3]; /* by pass and stage */
 };
 
-/* One of a list of bytes. Without printf, which is too slow for so many. */
-static void emit_byte(struct text *out, unsigned byte, size_t index)
+/* A list of bytes, some to a line. Without printf, which is too slow for so many. */
+struct byte_list {
+    struct text *out;
+    char line[128];
+    size_t length, bytes; /* of the line */
+};
+
+static void end_line(struct byte_list *list)
 {
-    char digits[4], *at = digits + sizeof digits;
-    for (*--at = ','; at == digits + 3 || byte; byte /= 10)
-        *--at = (char)('0' + byte % 10);
-    text_add_bytes(out, "\n    ", index % 20 ? 0 : 5);
-    text_add_bytes(out, at, (size_t)(digits + sizeof digits - at));
+    text_add_bytes(list->out, list->line, list->length);
+    list->length = list->bytes = 0;
+}
+
+static void add_byte(struct byte_list *list, unsigned byte)
+{
+    enum { BYTES = 20 };
+    char *at = list->line + list->length;
+    if (!list->bytes++) {
+        memcpy(at, "\n    ", 5);
+        at += 5;
+    }
+    if (byte >= 100)
+        *at++ = (char)('0' + byte / 100);
+    if (byte >= 10)
+        *at++ = (char)('0' + byte / 10 % 10);
+    *at++ = (char)('0' + byte % 10);
+    *at++ = ',';
+    list->length = (size_t)(at - list->line);
+    if (list->bytes == BYTES)
+        end_line(list);
 }
 
 /* LEB128, see struct dt_code. A list of numbers, since MSVC limits strings to 64 KiB. */
 static void emit_packed(struct text *out, const struct code *code)
 {
-    size_t written = 0;
+    struct byte_list list = {.out = out};
     for (size_t i = 0; i < code->count; i++)
         for (uint32_t rest = code->words[i], more = 1; more; rest >>= 7) {
             more = rest > 0x7f;
-            emit_byte(out, (rest & 0x7f) | (more ? 0x80 : 0), written++);
+            add_byte(&list, (rest & 0x7f) | (more ? 0x80 : 0));
         }
+    end_line(&list);
     text_add(out, "};\n");
 }
 
 static void emit_text(struct text *out, const char *glsl)
 {
+    struct byte_list list = {.out = out};
     for (size_t i = 0; glsl[i]; i++)
-        emit_byte(out, (unsigned char)glsl[i], i);
+        add_byte(&list, (unsigned char)glsl[i]);
+    end_line(&list);
     text_add(out, "0};\n");
 }
 

@@ -34,7 +34,8 @@ struct glsl {
     enum backend backend;
     enum stage stage;
     struct diag *diag;
-    bool subgroups; /* glsl_body: the body has subgroup operations */
+    bool subgroups;      /* glsl_body: the body has subgroup operations */
+    bool other_matrices; /* the stage may have matrices besides mat4 */
     struct text parts[PART_COUNT];
 };
 

@@ -362,6 +362,28 @@ static void test_products_are_written_out(void **state)
         }
 }
 
+/* Exact division of matrices besides mat4 is there for bodies that may have any. */
+static void test_matrices_are_divided(void **state)
+{
+    static const struct {
+        const char *body;
+        bool matrices;
+    } cases[] = {
+        {"void main() { display = (outerProduct(vec2(3.0), vec2(5.0)) / 7.0)[0].xyxy; }\n", true},
+        {"void main() { display = (mat4x3(3.0) / 7.0)[0].xyzz; }\n", true},
+        {"void main() { display = (frame.light_view.view / 7.0)[0]; }\n", false},
+    };
+    struct fixture *f = *state;
+    for (uint32_t i = 0; i < COUNT(cases); i++)
+        for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+            set_body(f, TONE, "tone.glsl", cases[i].body);
+            struct shader shader = build(f, TONE, (enum backend)backend, STAGE_IS_FRAGMENT);
+            assert_int_equal(strstr(shader.glsl.data, "#define EXACT_MATRICES") != NULL,
+                             cases[i].matrices);
+            shader_free(&shader);
+        }
+}
+
 /* The functions of products stand above the first #line, and so above the macros of the body. */
 static void test_products_precede_the_body(void **state)
 {
@@ -737,6 +759,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_goldens, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_no_contraction, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_matrices_are_divided, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_products_are_written_out, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_products_precede_the_body, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_words_of_a_pass, set_up, tear_down),

@@ -104,6 +104,8 @@ exact_each_right(exact_divide, float, vec2, vec3, vec4);
 exact_divide_by(vec2);
 exact_divide_by(vec3);
 exact_divide_by(vec4);
+exact_divide_by(mat4);
+#ifdef EXACT_MATRICES
 exact_divide_by(mat2);
 exact_divide_by(mat2x3);
 exact_divide_by(mat2x4);
@@ -112,7 +114,7 @@ exact_divide_by(mat3);
 exact_divide_by(mat3x4);
 exact_divide_by(mat4x2);
 exact_divide_by(mat4x3);
-exact_divide_by(mat4);
+#endif
 exact_divide_integers(int, ivec2, ivec3, ivec4);
 exact_divide_integers(uint, uvec2, uvec3, uvec4);
 
@@ -252,6 +254,7 @@ exact_vector_operation(f, o, V2, S) \
 exact_vector_operation(f, o, V3, S) \
 exact_vector_operation(f, o, V4, S)
 
+#ifdef EXACT_MATRICES
 #define exact_matrix_operations(f, o) \
 exact_vector_operation(f, o, mat2, float) \
 exact_vector_operation(f, o, mat2x3, float) \
@@ -262,6 +265,9 @@ exact_vector_operation(f, o, mat3x4, float) \
 exact_vector_operation(f, o, mat4x2, float) \
 exact_vector_operation(f, o, mat4x3, float) \
 exact_vector_operation(f, o, mat4, float)
+#else
+#define exact_matrix_operations(f, o) exact_vector_operation(f, o, mat4, float)
+#endif
 
 #ifdef GL_SPIRV
 #define exact_add(a, b) ((a) + (b))

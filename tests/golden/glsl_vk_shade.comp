@@ -103,6 +103,8 @@ exact_each_right(exact_divide, float, vec2, vec3, vec4);
 exact_divide_by(vec2);
 exact_divide_by(vec3);
 exact_divide_by(vec4);
+exact_divide_by(mat4);
+#ifdef EXACT_MATRICES
 exact_divide_by(mat2);
 exact_divide_by(mat2x3);
 exact_divide_by(mat2x4);
@@ -111,7 +113,7 @@ exact_divide_by(mat3);
 exact_divide_by(mat3x4);
 exact_divide_by(mat4x2);
 exact_divide_by(mat4x3);
-exact_divide_by(mat4);
+#endif
 exact_divide_integers(int, ivec2, ivec3, ivec4);
 exact_divide_integers(uint, uvec2, uvec3, uvec4);
 
