@@ -204,7 +204,9 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
     pass->textures_binding = pass->kind == PASS_SCENE ? next++ : -1;
     next = bind_class(pass, BIND_TEXTURE, next);
     if (next - first_texture > TEXTURE_LIMIT) {
-        diag_error(diag, pass->loc, "`%s` reads %d images as textures; a pass can have %d",
+        diag_error(diag, pass->loc,
+                   "`%s` has %d textures; a pass can have %d: images that it reads, "
+                   "`scene_textures`, and texel buffers of the scene",
                    pass->name, next - first_texture, TEXTURE_LIMIT);
     }
 }
