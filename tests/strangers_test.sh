@@ -25,7 +25,35 @@ refused() { # arguments...
     ! "$diptych" compare "$@" 2>"$work/errors" && grep -q "in a texel buffer; generate the pipeline with .target: gpu." "$work/errors"
 }
 
+# Holes in one triangle that fills the camera's picture, before another one: no edge of a triangle there.
+mkdir "$work/holes"
+awk 'BEGIN { print "P2 64 64 255"; for (i = 0; i < 4096; i++) print (int(i % 64 / 3) + int(i / 192)) % 2 * 255 }' >"$work/holes/holes.pgm"
+printf 'newmtl holes\nmap_Kd holes.pgm\nmap_d holes.pgm\nnewmtl wall\nKd .7 .7 .7\n' >"$work/holes/holes.mtl"
+cat >"$work/holes/holes.obj" <<'EOF'
+mtllib holes.mtl
+v -9 -9 0
+v 9 -9 1
+v 0 12 2
+v -30 -30 9
+v 30 -30 9
+v 0 40 9
+vt 0 0
+vt 20 1
+vt 9 22
+usemtl holes
+f 1/1 2/2 3/3
+usemtl wall
+f 4/1 5/2 6/3
+EOF
+cat >"$work/holes/holes.yaml" <<'EOF'
+mesh: holes.obj
+camera: {eye: [0, 0, -3], target: [0.2, 0, 0], fov_y: 45}
+light: {kind: spot, position: [1, 2, -3], target: [0, 0, 0], cone: [30, 40], intensity: [9, 9, 9]}
+EOF
+
 for driver in "${strangers[@]}"; do
+    check "$driver: holes of textures have the same texels" agrees '^gbuffer_triangles +gbuffer_triangle +57600 +0  equal ' \
+        --scene "$work/holes/holes.yaml" --spec templates/rsm.yaml --size 320x180 --backend "$home,$driver"
     check "$driver: texels differ at edges, what is computed from them is exact" agrees \
         '^on equal inputs [1-9][0-9]* of 43200 drawn texels differ, at edges within the contract$' "${edges[@]:1}" \
         --backend "$home,$driver"

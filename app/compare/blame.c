@@ -228,7 +228,8 @@ static void judge_all(const struct judge *judge)
             return;
         }
     }
-    bool repeats = judge->first->early || blame->own[blame->row].differing ||
+    const struct difference *own = &blame->own[blame->row];
+    bool repeats = judge->first->early || own->differing || own->other_depths ||
                    blame->inputs_differ[outputs->list[blame->row].pass];
     blame->outcome = judge->first->early  ? BLAME_EARLIER
                      : has_raster(replay) ? BLAME_WITHIN

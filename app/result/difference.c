@@ -203,10 +203,13 @@ static void add_elements(struct difference *difference, const struct frame *fram
                   (equal || !any_not_finite(kind, data[1], size));
     if (finite && equal)
         return;
-    for (uint64_t i = 0; i < difference->elements; i++)
-        if ((!finite || memcmp(data[0] + i * stride, data[1] + i * stride, stride) != 0) &&
-            !(frame->coverage && both_covered(frame, i)))
+    for (uint64_t i = 0; i < difference->elements; i++) {
+        bool differs = memcmp(data[0] + i * stride, data[1] + i * stride, stride) != 0;
+        if (frame->coverage && both_covered(frame, i))
+            difference->other_depths += differs;
+        else if (!finite || differs)
             add_element(difference, frame, i);
+    }
 }
 
 bool difference_measure(struct difference *difference, const struct dt_resource *resource,
