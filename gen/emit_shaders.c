@@ -33,10 +33,11 @@ static void end_line(struct byte_list *list)
 static void add_byte(struct byte_list *list, unsigned byte)
 {
     enum { BYTES = 20 };
+    static const char indent[] = {'\n', ' ', ' ', ' ', ' '};
     char *at = list->line + list->length;
     if (!list->bytes++) {
-        memcpy(at, "\n    ", 5);
-        at += 5;
+        memcpy(at, indent, sizeof indent);
+        at += sizeof indent;
     }
     if (byte >= 100)
         *at++ = (char)('0' + byte / 100);
