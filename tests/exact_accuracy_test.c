@@ -337,8 +337,9 @@ static const struct function {
     {"asinh", "x", NULL, asinhl, NULL, 0, 4},
     {"acosh", "above_one", NULL, acoshl, NULL, 0, 4},
     {"atanh", "unit", NULL, atanhl, NULL, 0, 4},
-    /* templates/shared/estimate.glsl: 3e-6 and 2e-5, relative */
+    /* templates/shared/estimate.glsl: 3e-6, 2e-7 and 2e-5, relative */
     {"reciprocal", "above_one", NULL, reciprocal, NULL, 0, 3e-6 * 0x1p24},
+    {"close", "above_one", NULL, reciprocal, NULL, 0, 2e-7 * 0x1p24},
     {"root", "above_one", NULL, sqrtl, NULL, 0, 2e-5 * 0x1p24},
 };
 

@@ -34,6 +34,7 @@ void main()
     f.acosh = acosh(a.above_one);
     f.atanh = atanh(a.unit);
     f.reciprocal = reciprocal_estimate(a.above_one);
+    f.close = -reciprocal_close(-a.above_one);
     f.root = sqrt_estimate(a.above_one);
     f.mod = mod(a.angle, 0.375);
     f.halved = unpackHalf2x16(packHalf2x16(vec2(a.angle, a.unit))).x;
