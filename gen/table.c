@@ -695,10 +695,8 @@ const struct key table_keys[] = {
     {SECTION_CONTRACT, "raster", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Of images that a scene draw writes: share of the texels that may differ, all of them at an "
      "edge: on either side a neighbour shows another triangle. Triangles are told apart by the "
-     "draw's integer image, taken for their numbers, else by coverage. Where the draw writes "
-     "depth, "
-     "too, a texel may also show another surface in the same place: the depths are no farther "
-     "apart "
+     "draw's integer image, taken for their numbers, else by coverage. If the draw also writes "
+     "depth, a texel may show another surface in the same place: the depths are no farther apart "
      "than those of two neighbours. Of depth itself only coverage counts. `compare` then judges "
      "each pass on equal inputs. Between drivers of different makers all exact images of scene "
      "draws have `raster: 10%`.",

@@ -129,6 +129,7 @@ struct judge {
     bool repeated;    /* the first side's second run equals its first so far */
     uint32_t strayed; /* the first row that differed */
     bool *edges;      /* of the scene draw at hand; NULL: none */
+    uint32_t edges_extent[3];
 };
 
 static bool keep_edges(void *user, const struct dt_resource *resource,
@@ -137,6 +138,8 @@ static bool keep_edges(void *user, const struct dt_resource *resource,
     struct judge *judge = user;
     free(judge->edges);
     judge->edges = NULL;
+    if (resource)
+        memcpy(judge->edges_extent, copies[0].extent, sizeof judge->edges_extent);
     bool good = !resource || edges_find(&judge->edges, resource, copies);
     if (!good)
         report_error(&judge->replay->console->log, "out of memory");
@@ -146,7 +149,10 @@ static bool keep_edges(void *user, const struct dt_resource *resource,
 static bool add_coincident(void *user, const struct dt_bytes copies[2])
 {
     struct judge *judge = user;
-    if (judge->edges)
+    bool same_size = true;
+    for (int i = 0; i < 2; i++)
+        same_size &= !memcmp(copies[i].extent, judge->edges_extent, sizeof copies[i].extent);
+    if (judge->edges && same_size)
         edges_add_coincident(judge->edges, copies);
     return true;
 }

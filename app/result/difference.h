@@ -44,10 +44,9 @@ struct difference {
     uint64_t beyond;     /* with at least one number beyond the tolerance; flips: all that differ */
     uint64_t not_finite; /* numbers that are NaN or Inf in either copy */
     uint64_t at_edges;   /* `raster`: with a differing number, at an edge; not in `beyond` */
-    uint64_t
-        other_depths; /* of a draw: in both copies a surface, with other bits; not in `differing` */
-    bool size_differs; /* the copies have different sizes: nothing else was compared */
-    bool broken;       /* the copies are beyond the contract */
+    uint64_t other_depths; /* of a draw: both copies show a surface; not in `differing` */
+    bool size_differs;     /* the copies have different sizes: nothing else was compared */
+    bool broken;           /* the copies are beyond the contract */
     uint32_t extent[3];
     struct number_pair worst; /* the largest error; the first NaN or Inf is the largest of all */
     struct flip flips[MOST_FLIPS];
