@@ -52,7 +52,7 @@ static bool show_edges(const struct rows *rows, struct source sources[2], uint32
         return viewer->edges(viewer->user, NULL, NULL);
     return take_both(sources, &numbers, copies) &&
            viewer->edges(viewer->user, &pipeline->resources[numbers.resource], copies) &&
-           (depth.resource == UINT16_MAX ||
+           (!viewer->edges_depth || depth.resource == UINT16_MAX ||
             (take_both(sources, &depth, copies) && viewer->edges_depth(viewer->user, copies)));
 }
 
