@@ -4,65 +4,30 @@
 
 shared uint counted[chunk_words * 128]; /* per list and word: triangles */
 
-/* The bits `part` of a, moved up by s, change places with those of b. Macros, since drivers that run on
- * CPUs keep an array in registers only if all its indices are constants. */
-#define SWAP(T, a, b, s, part) \
-    { \
-        T moved = (a >> s ^ b) & part; \
-        a ^= moved << s; \
-        b ^= moved; \
-    }
-#define SWAP_ROWS(a, b, s, part) SWAP(uvec4, rows[a], rows[b], s, part)
-#define SWAP_WITHIN(a) \
-    SWAP(uvec2, rows[a].xy, rows[a].zw, 2, 0x33333333u) \
-    SWAP(uvec2, rows[a].xz, rows[a].yw, 1, 0x55555555u)
+/* Macros, since drivers that run on CPUs keep an array in registers only if all its indices are
+ * constants. */
 #define EACH(what) what(0) what(1) what(2) what(3) what(4) what(5) what(6) what(7)
-#define LOAD(a) rows[a] = load(4 * a);
-#define STORE(a) \
-    store(4 * a, rows[a].x); \
-    store(4 * a + 1, rows[a].y); \
-    store(4 * a + 2, rows[a].z); \
-    store(4 * a + 3, rows[a].w);
+#define LOAD(k) \
+    four[k] = uvec4(masks[at + 4 * k], masks[at + 4 * k + 1], masks[at + 4 * k + 2], \
+                    masks[at + 4 * k + 3]);
+#define TAKE(k) taken |= (four[k] >> bit & 1u) << uvec4(4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3);
 
-int chunk = int(gl_WorkGroupID.x);
-int word = int(gl_LocalInvocationIndex);
-int from = 0; /* the first of 32 lists */
-
-uvec4 load(int k)
-{
-    k += (chunk * mask_words + from / 32) * chunk_triangles + 32 * word;
-    return uvec4(masks[k], masks[k + 1], masks[k + 2], masks[k + 3]);
-}
-
-void store(int k, uint row)
-{
-    int slot = (from + k) * chunk_words + word;
-    if (from + k >= lists)
-        return;
-    bits[chunk * chunk_words * lists + slot] = row;
-    counted[slot] = uint(bitCount(row));
-}
-
-/* Transposes bits: Warren, Hacker's Delight, 7-3. */
 void main()
 {
-    for (; from < lists; from += 32) {
-        uvec4 rows[8];
+    int chunk = int(gl_WorkGroupID.x);
+    int word = int(gl_LocalInvocationIndex);
+    for (int from = 0; from < lists; from += 32) {
+        int at = (chunk * mask_words + from / 32) * chunk_triangles + 32 * word;
+        uvec4 four[8];
         EACH(LOAD)
-        SWAP_ROWS(0, 4, 16, 0x0000ffffu)
-        SWAP_ROWS(1, 5, 16, 0x0000ffffu)
-        SWAP_ROWS(2, 6, 16, 0x0000ffffu)
-        SWAP_ROWS(3, 7, 16, 0x0000ffffu)
-        SWAP_ROWS(0, 2, 8, 0x00ff00ffu)
-        SWAP_ROWS(1, 3, 8, 0x00ff00ffu)
-        SWAP_ROWS(4, 6, 8, 0x00ff00ffu)
-        SWAP_ROWS(5, 7, 8, 0x00ff00ffu)
-        SWAP_ROWS(0, 1, 4, 0x0f0f0f0fu)
-        SWAP_ROWS(2, 3, 4, 0x0f0f0f0fu)
-        SWAP_ROWS(4, 5, 4, 0x0f0f0f0fu)
-        SWAP_ROWS(6, 7, 4, 0x0f0f0f0fu)
-        EACH(SWAP_WITHIN)
-        EACH(STORE)
+        for (int bit = 0; bit < min(lists - from, 32); bit++) {
+            uvec4 taken = uvec4(0u);
+            EACH(TAKE)
+            uint row = taken.x | taken.y | taken.z | taken.w;
+            int slot = (from + bit) * chunk_words + word;
+            bits[chunk * chunk_words * lists + slot] = row;
+            counted[slot] = uint(bitCount(row));
+        }
     }
     barrier();
     for (int list = word; list < lists; list += chunk_words) {
