@@ -32,10 +32,10 @@ struct shader { /* one compiled stage of one pass for one backend */
  * model->inputs and model->glsl_sources; changes nothing else in the model. */
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag);
-/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast,
- * spirv-val (SPIRV-Tools). Errors of glslang are reported at the line of the body file. After
- * spirv_init has returned true, spirv_compile may run on several threads, also beside emit_glsl, each
- * with a diag of its own; NULL: errors are not reported. */
+/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast; for
+ * Vulkan, then spirv-val (SPIRV-Tools). Errors of glslang are reported at the line of the body file.
+ * After spirv_init has returned true, spirv_compile may run on several threads, also beside
+ * emit_glsl, each with a diag of its own; NULL: errors are not reported. */
 bool spirv_init(void);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
