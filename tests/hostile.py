@@ -41,7 +41,7 @@ def constants(items):
 body("fill")
 spec("parameters", lines(5000, "  p{0}: {0}\n"))
 spec("duplicates", lines(5000, "  a: 1\n"))
-spec("errors", lines(20000, "  p{0}: {{value: 1, min: 2}}\n"))
+spec("errors", lines(10000, "  p{0}: {{value: 1, min: 2}}\n"))
 spec("name", "  " + "a" * 1000000 + ": 1\n")
 spec("doc", more='doc: "' + "x y " * 2500000 + '"')
 spec("terms", more=constants('  c: "' + "1+" * 100000 + '1"'))

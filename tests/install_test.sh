@@ -51,6 +51,7 @@ check "uninstall leaves no file" uninstalls
 
 installed=$work/moved
 mv "$work/dest/opt/diptych" "$installed"
+export MESA_SHADER_CACHE_DIR=${XDG_CACHE_HOME:-$HOME/.cache} # Mesa need not compile again what other tests compile
 export PKG_CONFIG_PATH=$installed/lib/pkgconfig XDG_CACHE_HOME=$work/cache LD_LIBRARY_PATH=$installed/lib
 
 # ---- Symbols ----
@@ -127,7 +128,7 @@ fi
 check "the installed command compares, another pipeline" installed_diptych compare --scene "$installed/$scene" \
     --spec "$installed/share/diptych/templates/rsm.yaml"
 check "... and measures, limits included" installed_diptych bench --scene "$installed/$scene" --frames 1 --warmup 1 \
-    --json "$work/bench.json"
+    --spec "$installed/share/diptych/templates/rsm.yaml" --json "$work/bench.json"
 check "rsm for the hosts" installed_diptych render --scene "$installed/$scene" --backend vk --frames $frames \
     --spec "$installed/share/diptych/templates/rsm.yaml" --dump "$work/rsm"
 

@@ -8,6 +8,7 @@
 `body REFERENCE SPEC`: the bodies beside the spec use every name in the reference's chapter on bodies. The chapter lists every
 name that the generator's C and templates/glsl supply."""
 import copy
+import functools
 import glob
 import json
 import os
@@ -33,12 +34,13 @@ def rows(markdown):
 
 def check_reference(schema, markdown):
     found = {}
+    jsonschema.Draft202012Validator.check_schema(schema)
     for anchor, key, example in rows(markdown):
         definition = schema["$defs"][anchor]
         found.setdefault(anchor, set()).add(key)
         part = definition["additionalProperties"] if key == "NAME" else definition["properties"][key]
         value = yaml.safe_load(example)
-        jsonschema.validate(value, {"$defs": schema["$defs"], **part})
+        jsonschema.Draft202012Validator({"$defs": schema["$defs"], **part}).validate(value)
     for anchor, definition in schema["$defs"].items():
         if anchor in ("NAME", "REFERENCE", "EXPR"):
             continue
@@ -130,15 +132,20 @@ def misspelled(value, fixed=False):
 NAMED = {"params", "constants", "structs", "buffers", "images", "samplers", "metrics", "interleaves", "ranges", "defines", "contracts"}
 
 
+@functools.cache
+def validator_of(path):
+    schema = load(path)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
 def check_file(path):
     with open(path, encoding="utf-8") as file:
         text = file.read()
     found = re.match(r"# yaml-language-server: \$schema=(\S+)\n", text)
     if not found:
         sys.exit(f"{path}: its first line names no schema")
-    schema = load(os.path.join(os.path.dirname(path), found.group(1)))
-    validator = jsonschema.Draft202012Validator(schema)
-    validator.check_schema(schema)
+    validator = validator_of(os.path.normpath(os.path.join(os.path.dirname(path), found.group(1))))
     value = yaml.safe_load(text)
     for error in validator.iter_errors(value):
         sys.exit(f"{path}: {error.message}")
