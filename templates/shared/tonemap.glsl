@@ -1,6 +1,5 @@
 /* Tone mapping (Reinhard et al. 2002, Equations 2 and 4) on luminance, then the sRGB curve and 8
  * bits. */
-#include "estimate.glsl"
 #include "srgb.glsl"
 
 void main()
