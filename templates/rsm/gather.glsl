@@ -26,14 +26,12 @@ void main()
     for (Tap tap : pattern_taps) {
         vec2 at = middle + vec2(turn.x * tap.offset.x - turn.y * tap.offset.y,
                                 turn.y * tap.offset.x + turn.x * tap.offset.y);
-        ivec2 texel = ivec2(floor(at));
-        ivec2 within = clamp(texel, ivec2(0), ivec2(rsm_size - 1));
-        float weight = texel == within ? tap.weight : 0.0; /* no light beyond the map */
+        ivec2 within = clamp(ivec2(at), ivec2(0), ivec2(rsm_size - 1)); /* against rounding */
         vec3 d = x - rsm_position(within).xyz;
         float square = max(dot(d, d), closest);
         float cosines = max(dot(rsm_normal(within).xyz, d), 0.0) * max(-dot(n, d), 0.0);
         float below = reciprocal_estimate(square * (square + bound));
-        sum += rsm_flux(within).rgb * (weight * cosines * below);
+        sum += rsm_flux(within).rgb * (tap.weight * cosines * below);
     }
 
     /* Texels in the disk, pi radius^2, times flux / pi. Half floats end at 65504. */
