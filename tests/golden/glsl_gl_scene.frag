@@ -19,10 +19,9 @@ uvec4 store_round(precise uvec4 bits, precise uvec4 shift)
 vec4 store_half(precise vec4 value)
 {
     precise uvec4 bits = floatBitsToUint(value);
-    precise uvec4 magnitude = bits & 0x7fffffffu;
-    precise uvec4 rounded = store_round(magnitude, uvec4(13u << 23));
-    rounded = mix(rounded, uvec4(0x477fe000u), greaterThan(magnitude, uvec4(0x477fe000u)));
-    rounded = mix(rounded, magnitude, greaterThanEqual(magnitude, uvec4(0x7f800000u)));
+    precise ivec4 magnitude = ivec4(bits & 0x7fffffffu);
+    precise uvec4 rounded = store_round(uvec4(min(magnitude, 0x477fe000)), uvec4(13u << 23));
+    rounded = mix(rounded, uvec4(magnitude), greaterThanEqual(magnitude, ivec4(0x7f800000)));
     { precise vec4 result = uintBitsToFloat(rounded | (bits & 0x80000000u)); return result; }
 }
 

@@ -18,10 +18,9 @@ uvec4 store_round(uvec4 bits, uvec4 shift)
 vec4 store_half(vec4 value)
 {
     uvec4 bits = floatBitsToUint(value);
-    uvec4 magnitude = bits & 0x7fffffffu;
-    uvec4 rounded = store_round(magnitude, uvec4(13u << 23));
-    rounded = mix(rounded, uvec4(0x477fe000u), greaterThan(magnitude, uvec4(0x477fe000u)));
-    rounded = mix(rounded, magnitude, greaterThanEqual(magnitude, uvec4(0x7f800000u)));
+    ivec4 magnitude = ivec4(bits & 0x7fffffffu);
+    uvec4 rounded = store_round(uvec4(min(magnitude, 0x477fe000)), uvec4(13u << 23));
+    rounded = mix(rounded, uvec4(magnitude), greaterThanEqual(magnitude, ivec4(0x7f800000)));
     return uintBitsToFloat(rounded | (bits & 0x80000000u));
 }
 
