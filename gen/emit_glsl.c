@@ -307,6 +307,9 @@ static void add_interleave(struct glsl *glsl, const struct interleave *tile)
 
 /* ---- Position of an invocation --------------------------------------------------------------- */
 
+/* Workgroups of an interleave: x is the class, y and z their place among those of the class. */
+#define PLACE_IN_CLASS "gl_WorkGroupID.yz * gl_WorkGroupSize.xy + gl_LocalInvocationID.xy"
+
 static void add_interleave_place(struct glsl *glsl)
 {
     const char *tile = glsl->pass->interleave->name;
@@ -324,12 +327,12 @@ static void add_interleave_place(struct glsl *glsl)
                  "ivec2 interleave_pixel()\n{\n"
                  "    ivec2 last = %s_class_size(interleave_class(), ivec2(frame.width, "
                  "frame.height)) - 1;\n"
-                 "    ivec2 q = min(ivec2(gl_GlobalInvocationID.xy), last);\n"
+                 "    ivec2 q = min(ivec2(" PLACE_IN_CLASS "), last);\n"
                  "    return q * %s_tile + tile_offset(interleave_class(), %s_tile);\n}\n\n",
                  tile, tile, tile);
     put_function(glsl, &function);
     if (glsl_uses(glsl, "interleave_class"))
-        text_add(&function, "int interleave_class()\n{\n    return int(gl_WorkGroupID.z);\n}\n\n");
+        text_add(&function, "int interleave_class()\n{\n    return int(gl_WorkGroupID.x);\n}\n\n");
     put_function(glsl, &function);
 }
 
@@ -421,8 +424,9 @@ static void add_place(struct glsl *glsl)
         if (glsl_uses(glsl, "dispatch_size"))
             add_dispatch_size(glsl);
         if (glsl_uses(glsl, "invocation"))
-            text_add(&function,
-                     "ivec3 invocation()\n{\n    return ivec3(gl_GlobalInvocationID);\n}\n\n");
+            text_add(&function, "ivec3 invocation()\n{\n    return ivec3(%s);\n}\n\n",
+                     glsl->pass->interleave ? PLACE_IN_CLASS ", gl_WorkGroupID.x"
+                                            : "gl_GlobalInvocationID");
     } else if (glsl->pass->kind == PASS_FULLSCREEN) {
         if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "fullscreen_position"))
             add_fullscreen_position(glsl, &function);

@@ -74,29 +74,17 @@ static void emit_product(const struct drawing *d, const uint32_t size[3])
         text_add(d->out, "%s%" PRIu32, i ? "×" : "", size[i]);
 }
 
-static void workgroups(const struct pass *pass, uint32_t groups[3])
+static uint32_t workgroups(const struct pass *pass, int axis)
 {
-    const struct resource *image = pass->size == SIZE_IMAGE ? pass->size_resource : NULL;
-    const struct interleave *tiles = pass->size == SIZE_INTERLEAVE ? pass->interleave : NULL;
-    const uint32_t frame[2] = {REFERENCE_WIDTH, REFERENCE_HEIGHT};
+    struct groups groups = pass_groups(pass, axis);
+    const struct expr *of = groups.expr;
 
-    for (int axis = 0; axis < 3; axis++) {
-        uint32_t local = pass->size == SIZE_GROUPS ? 1 : pass->local[axis];
-        uint32_t size = at_reference(pass->dispatch[axis], 1);
-
-        if (image) {
-            const struct expr *const sides[] = {image->width, image->height, image->layers};
-
-            size = at_reference(sides[axis], axis < 2 ? frame[axis] : 1);
-        } else if (tiles && axis < 2) {
-            size = frame[axis];
-            local *= tiles->tile[axis];
-        } else if (tiles) {
-            size = tiles->tile[0] * tiles->tile[1];
-            local = 1;
-        }
-        groups[axis] = size / local + (size % local != 0);
-    }
+    if (groups.kind == GROUPS_NUMBER)
+        return groups.divisor;
+    if (groups.kind == GROUPS_IMAGE)
+        of = resource_size(groups.image, groups.of_axis);
+    return dt_groups(at_reference(of, groups.of_axis == 0 ? REFERENCE_WIDTH : REFERENCE_HEIGHT),
+                     groups.divisor);
 }
 
 static void emit_dispatch(const struct drawing *d, const struct pass *pass)
@@ -106,7 +94,8 @@ static void emit_dispatch(const struct drawing *d, const struct pass *pass)
     if (pass->size == SIZE_INDIRECT) {
         text_add(d->out, "dispatch by arguments, workgroups of ");
     } else {
-        workgroups(pass, groups);
+        for (int axis = 0; axis < 3; axis++)
+            groups[axis] = workgroups(pass, axis);
         text_add(d->out, "dispatch ");
         emit_product(d, groups);
         text_add(d->out, " workgroup%s of ", (groups[0] | groups[1] | groups[2]) == 1 ? "" : "s");

@@ -272,9 +272,9 @@ static void emit_groups(const struct c_output *c, const struct pass *pass, int a
     }
     text_add(c->out, "dt_groups(");
     if (groups.kind == GROUPS_IMAGE)
-        text_add(c->out, "size[%d]", axis);
+        text_add(c->out, "size[%d]", groups.of_axis);
     else if (groups.kind == GROUPS_FRAME)
-        text_add(c->out, axis == 0 ? "width" : "height");
+        text_add(c->out, groups.of_axis == 0 ? "width" : "height");
     else
         c_expr(c->out, groups.expr);
     text_add(c->out, ", %" PRIu32 ")", groups.divisor);

@@ -43,12 +43,16 @@ struct groups pass_groups(const struct pass *pass, int axis)
     if (pass->size == SIZE_IMAGE)
         return axis == 2 && !pass->size_resource->layers
                    ? (struct groups){.divisor = 1}
-                   : (struct groups){GROUPS_IMAGE, .image = pass->size_resource, .divisor = local};
+                   : (struct groups){GROUPS_IMAGE, .image = pass->size_resource, .of_axis = axis,
+                                     .divisor = local};
     if (pass->size == SIZE_INTERLEAVE) {
+        /* A group covers `local` pixels of a class; a class has each tile-th pixel of the frame.
+         * Groups of all classes follow each other: they read the same lines of the caches. */
         const uint32_t *tile = pass->interleave->tile;
-        /* A group covers `local` pixels of a class; a class has each tile-th pixel of the frame. */
-        return axis == 2 ? (struct groups){.divisor = tile[0] * tile[1]}
-                         : (struct groups){GROUPS_FRAME, .divisor = tile[axis] * local};
+        int of_axis = axis - 1;
+        return axis == 0 ? (struct groups){.divisor = tile[0] * tile[1]}
+                         : (struct groups){GROUPS_FRAME, .of_axis = of_axis,
+                                           .divisor = tile[of_axis] * pass->local[of_axis]};
     }
     if (expr && expr_reach(expr) != EXPR_BAKED)
         return (struct groups){GROUPS_EXPR, .expr = expr, .divisor = local};

@@ -25,13 +25,14 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
 bool pass_draws(const struct pass *pass);
 const struct expr *resource_size(const struct resource *resource, int axis); /* NULL: 1 */
 
-/* The workgroups of a dispatch along one axis: dt_groups(of, divisor), where `of` is an expression,
- * an axis of an image, or the frame's width or height. GROUPS_NUMBER: the number `divisor`. */
+/* The workgroups of a dispatch along one axis: dt_groups(of, divisor), where `of` is an expression or
+ * the axis `of_axis` of an image or of the frame. GROUPS_NUMBER: the number `divisor`. */
 enum groups_kind { GROUPS_NUMBER, GROUPS_EXPR, GROUPS_IMAGE, GROUPS_FRAME };
 struct groups {
     enum groups_kind kind;
     const struct expr *expr;
     const struct resource *image;
+    int of_axis;
     uint32_t divisor;
 };
 struct groups pass_groups(const struct pass *pass, int axis);

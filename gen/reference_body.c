@@ -15,7 +15,8 @@ struct body_group {
 };
 
 static const struct body_name place_names[] = {
-    {"ivec3 invocation()", "compute", "Index of the invocation, `gl_GlobalInvocationID`."},
+    {"ivec3 invocation()", "compute",
+     "Index of the invocation. `gl_GlobalInvocationID`, but for an `interleave`."},
     {"ivec3 dispatch_size()", "compute",
      "Invocations that the pass asked for. Workgroups are whole, so more may run: return early "
      "when `invocation()` is not below."},

@@ -527,7 +527,8 @@ const struct key table_keys[] = {
     {SECTION_PASS, "groups", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A dispatch by workgroups.", "clusters"},
     {SECTION_PASS, "interleave", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, NULL,
-     "A dispatch over an interleave's classes: x and y over the class's pixels, z is the class.",
+     "A dispatch over an interleave's classes: x and y of `invocation()` are over the class's "
+     "pixels, z is the class. Workgroups of all classes follow each other.",
      "tile"},
     {SECTION_PASS, "indirect", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, NULL,
      "Buffer with the arguments: alone of a dispatch, beside `draw: scene` of indexed draws, "

@@ -70,9 +70,9 @@ static uint32_t groups_of(const struct dt_recording *r, const struct pass *pass,
         return dt_groups(value_of(groups.expr, r->width, r->height, r->live), groups.divisor);
     case GROUPS_IMAGE:
         play_extent(r->panel->pipeline, groups.image->index, r->width, r->height, extent);
-        return dt_groups(extent[axis], groups.divisor);
+        return dt_groups(extent[groups.of_axis], groups.divisor);
     case GROUPS_FRAME:
-        return dt_groups(axis == 0 ? r->width : r->height, groups.divisor);
+        return dt_groups(groups.of_axis == 0 ? r->width : r->height, groups.divisor);
     }
     return 0;
 }

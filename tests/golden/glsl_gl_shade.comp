@@ -427,14 +427,14 @@ float apart(precise Cell a, precise Cell b)
 
 int interleave_class()
 {
-    { precise int result = int(gl_WorkGroupID.z); return result; }
+    { precise int result = int(gl_WorkGroupID.x); return result; }
 }
 
 /* Invocations beyond the last pixel of the class repeat it. */
 ivec2 interleave_pixel()
 {
     precise ivec2 last = tile_class_size(interleave_class(), ivec2(frame.width, frame.height)) - 1;
-    precise ivec2 q = min(ivec2(gl_GlobalInvocationID.xy), last);
+    precise ivec2 q = min(ivec2(gl_WorkGroupID.yz * gl_WorkGroupSize.xy + gl_LocalInvocationID.xy), last);
     { precise ivec2 result = q * tile_tile + tile_offset(interleave_class(), tile_tile); return result; }
 }
 

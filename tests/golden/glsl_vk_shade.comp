@@ -381,14 +381,14 @@ float apart(Cell a, Cell b)
 
 int interleave_class()
 {
-    return int(gl_WorkGroupID.z);
+    return int(gl_WorkGroupID.x);
 }
 
 /* Invocations beyond the last pixel of the class repeat it. */
 ivec2 interleave_pixel()
 {
     ivec2 last = tile_class_size(interleave_class(), ivec2(frame.width, frame.height)) - 1;
-    ivec2 q = min(ivec2(gl_GlobalInvocationID.xy), last);
+    ivec2 q = min(ivec2(gl_WorkGroupID.yz * gl_WorkGroupSize.xy + gl_LocalInvocationID.xy), last);
     return q * tile_tile + tile_offset(interleave_class(), tile_tile);
 }
 
