@@ -7,10 +7,10 @@
  * lower bound at the cone. */
 vec2 light_texel(vec3 x, out bool inside)
 {
-    vec3 away = x - frame.light.position;
+    vec3 way = frame.light.position - x;
     vec4 clip = transform_point(frame.light_view.view_projection, x);
     float floor_w = frame.light.kind == 0 ? 0.0
-        : max(frame.light.cos_outer, 0.05) * sqrt_estimate(dot(away, away));
+        : max(frame.light.cos_outer, 0.05) * sqrt_estimate(dot(way, way));
     vec2 ndc = clip.xy * reciprocal_close(max(clip.w, max(floor_w, 1e-12)));
     inside = clip.w > 0.0 && abs(ndc.x) < 1.0 && abs(ndc.y) < 1.0;
     return clamp(ndc * 0.5 + 0.5, 0.0, 1.0) * float(rsm_size);

@@ -17,7 +17,10 @@ void main()
     float bias = visibility_bias * (2.28 / float(map_size));
     vec3 sum = vec3(0.0);
 
-    /* All VPLs of a cluster share the map of its eye. It says how far away that is which hides the
+    /* Each barrier() keeps the code small: Mesa's CPU drivers run all invocations of a workgroup up to
+     * it, and the code of one part fits the processor's cache of instructions.
+     *
+     * All VPLs of a cluster share the map of its eye. It says how far away that is which hides the
      * eye: VPLs nearer than this are visible. A VPL nearer than its eye is visible, too: what hides
      * the eye says little about it. */
     bool some = visibility_near > 0.0;
@@ -29,12 +32,14 @@ void main()
         bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
         first_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
     }
+    barrier();
     for (ClassVpl v : first_range) {
         vec3 d = x - v.position;
         float geometry = geometry_term(d, v.normal, v.disk, n, closest);
         bool open = dot(d, d) < max(first_open[v.eye], v.near_square);
         sum += v.flux * (open ? geometry : 0.0);
     }
+    barrier();
     float second_open[second_eyes_length];
     k = 0;
     for (Eye e : second_eye_range) {
@@ -43,6 +48,7 @@ void main()
         bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
         second_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
     }
+    barrier();
     for (ClassVpl v : second_range) {
         vec3 d = x - v.position;
         float geometry = geometry_term(d, v.normal, v.disk, n, closest);
