@@ -14,6 +14,16 @@ check "features agree with the conditional pass skipped" \
 check "features agree with OpenGL fed GLSL text, from OSMesa" \
     "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --glsl --context osmesa
 
+# shellcheck disable=SC2317 # called through check
+laced() { # backend: places of pixels in classes and in split order are what the reference says
+    "$diptych" render --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --backend "$1" --dump "$work/lace_$1" &&
+        python3 -c 'import struct, sys; d = open(sys.argv[1], "rb").read(); assert struct.unpack(f"<{len(d) // 4}f", d)[3::4] == (1,) * 153' \
+            "$work/lace_$1"/*.lacing.laced.raw
+}
+for backend in gl vk; do
+    check "interleaved pixels know their class and place, $backend" laced $backend
+done
+
 for shrink in true false; do
     check "mips agree with shrink=$shrink" \
         "$diptych" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --frames 2 --set shrink=$shrink --debug

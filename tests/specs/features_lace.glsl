@@ -8,6 +8,9 @@ void main()
     }
     ivec2 q = interleave_split();
     ivec2 back = lace_gather(q, normal_size());
-    float identity = back == p && lace_split(p, normal_size()) == q && lace_class(p) == interleave_class() ? 1.0 : 0.0;
+    bool same = back == p && lace_split(p, normal_size()) == q && lace_class(p) == interleave_class();
+    ivec3 at = invocation();
+    ivec2 placed = min(at.xy, lace_class_size(at.z, normal_size()) - 1) * lace_tile + tile_offset(at.z, lace_tile);
+    float identity = same && placed == p ? 1.0 : 0.0;
     laced_store(q, vec4(sum, vec2(p), identity));
 }
