@@ -40,7 +40,7 @@ bool glsl_uses(const struct glsl *glsl, const char *format, ...)
 
 void glsl_binding(const struct glsl *glsl, int binding, struct text *out)
 {
-    text_add(out, "%sbinding = %d", glsl->backend == BACKEND_VK ? "set = 0, " : "", binding);
+    text_add(out, "%sbinding = %d", glsl->driver ? "" : "set = 0, ", binding);
 }
 
 /* ---- Parameters, constants, structs ---------------------------------------------------------- */
@@ -392,7 +392,7 @@ static void add_frame_names(struct glsl *glsl)
 /* A fullscreen draw has no vertex buffer: one triangle covers the frame. */
 static void add_fullscreen_position(const struct glsl *glsl, struct text *out)
 {
-    const char *index = glsl->backend == BACKEND_GL ? "gl_VertexID" : "gl_VertexIndex";
+    const char *index = glsl->driver ? "gl_VertexID" : "gl_VertexIndex";
     text_add(out,
              "vec4 fullscreen_position()\n{\n    vec2 corner = vec2(%s << 1 & 2, %s & 2);\n"
              "    return vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n\n",
@@ -510,7 +510,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
         text_add(out, "out float gl_ClipDistance[%u];\n", glsl->pass->clip_distances);
-    if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && glsl_uses(glsl, "gl_Position"))
+    if (glsl->driver && !glsl->pipeline->fast && glsl_uses(glsl, "gl_Position"))
         text_add(out, "precise gl_Position;\n");
 }
 
@@ -536,13 +536,12 @@ static void add_head(struct glsl *glsl)
         glsl->backend == BACKEND_GL ? "OpenGL" : "Vulkan");
     if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "gl_Layer"))
         text_add(out, "#extension GL_ARB_shader_viewport_layer_array : require\n");
-    if (glsl_uses(glsl, "utextureBuffer"))
-        text_add(out, "#extension GL_EXT_samplerless_texture_functions : require\n");
     for (size_t i = 0; glsl->subgroups && i < DT_ARRAY_COUNT(subgroups); i++)
         text_add(out, "#extension GL_KHR_shader_subgroup_%s : enable\n", subgroups[i]);
     text_add(out, "#define %s\n%s%s", stages[glsl->stage],
-             glsl->backend == BACKEND_GL ? "#define OPENGL\n"
-                                         : "", /* compilers for Vulkan define VULKAN */
+             glsl->backend == BACKEND_VK ? "" /* glslang defines VULKAN */
+             : glsl->driver              ? "#define OPENGL\n"
+                                         : "#undef VULKAN\n#define OPENGL\n",
              glsl->pipeline->fast ? "" : "#define EXACT\n");
     if (glsl->other_matrices)
         text_add(out, "#define EXACT_MATRICES\n"); /* exact.glsl has overloads for them */
@@ -603,8 +602,10 @@ static bool add_parts(struct glsl *glsl)
             return false;
         add_defines(glsl);
     }
-    if (glsl->pass->layers && glsl->stage == STAGE_IS_VERTEX && glsl->backend == BACKEND_VK)
+    bool chooses_layer = glsl->pass->layers && glsl->stage == STAGE_IS_VERTEX;
+    if (chooses_layer && glsl->backend == BACKEND_VK)
         glsl_choose_layer(glsl);
+    glsl->own |= chooses_layer;
     add_functions(glsl);
     glsl_resources(glsl);
     struct text *constants = &glsl->parts[PART_CONSTANTS];
@@ -636,6 +637,24 @@ static void join_parts(struct glsl *glsl, struct text *out)
     }
 }
 
+/* `own` is set as in struct shader. */
+static bool emit_text(struct glsl glsl, struct text *out, bool *own)
+{
+    bool ok = glsl_check_accesses(&glsl) && add_parts(&glsl);
+    if (ok) {
+        join_parts(&glsl, out);
+        if (glsl.driver && !glsl.pipeline->fast) {
+            glsl_products(out, glsl.parts[PART_HEAD].length);
+            glsl_precise(out);
+        }
+        *own = glsl.own;
+        ok = !out->failed;
+    }
+    for (int i = 0; i < PART_COUNT; i++)
+        text_free(&glsl.parts[i]);
+    return ok;
+}
+
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag)
 {
@@ -643,19 +662,12 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
                         .pipeline = &model->pipeline,
                         .pass = pass,
                         .backend = backend,
+                        .driver = backend == BACKEND_GL,
                         .stage = stage,
                         .diag = diag};
-    bool ok = glsl_check_accesses(&glsl) && add_parts(&glsl);
-    if (ok) {
-        shader->stage = stage;
-        join_parts(&glsl, &shader->glsl);
-        if (!model->pipeline.fast && backend == BACKEND_GL) {
-            glsl_products(&shader->glsl, glsl.parts[PART_HEAD].length);
-            glsl_precise(&shader->glsl);
-        }
-        ok = !shader->glsl.failed;
-    }
-    for (int i = 0; i < PART_COUNT; i++)
-        text_free(&glsl.parts[i]);
-    return ok;
+    shader->stage = stage;
+    if (!emit_text(glsl, &shader->glsl, &shader->own))
+        return false;
+    glsl.driver = false;
+    return backend == BACKEND_VK || !shader->own || emit_text(glsl, &shader->code, &shader->own);
 }

@@ -34,6 +34,8 @@ struct glsl {
     enum backend backend;
     enum stage stage;
     struct diag *diag;
+    bool driver;         /* for OpenGL's own compiler, not for glslang */
+    bool own;            /* becomes shader.own */
     bool subgroups;      /* glsl_body: the body has subgroup operations */
     bool other_matrices; /* the stage may have matrices besides mat4 */
     struct text parts[PART_COUNT];
@@ -43,7 +45,7 @@ struct glsl {
  * count. */
 bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-/* "set = 0, binding = 3" or "binding = 3". */
+/* "set = 0, binding = 3", or for OpenGL's compiler "binding = 3". */
 void glsl_binding(const struct glsl *glsl, int binding, struct text *out);
 /* Puts `front` at the beginning of the part and empties `front`. */
 void glsl_put_before(struct text *part, struct text *front);

@@ -496,7 +496,7 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
     else if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
         text_add(out, "%lld", (long long)count);
     text_add(out, "];\n};\n");
-    if (glsl->backend == BACKEND_GL && !glsl->pipeline->fast && access->mode != MODE_READ)
+    if (glsl->driver && !glsl->pipeline->fast && access->mode != MODE_READ)
         text_add(out, "precise %s;\n", access_word(access));
 }
 
@@ -515,8 +515,7 @@ static void add_builtin(struct glsl *glsl, int builtin, unsigned kind, int bindi
             return;
         text_add(out, "layout(");
         glsl_binding(glsl, binding, out);
-        text_add(out, ") uniform %s %s_texels;\n",
-                 glsl->backend == BACKEND_VK ? "utextureBuffer" : "usamplerBuffer", names[builtin]);
+        text_add(out, ") uniform usamplerBuffer %s_texels;\n", names[builtin]);
         return;
     }
     if (!glsl_uses(glsl, "%s", names[builtin]))

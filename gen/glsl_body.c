@@ -188,6 +188,8 @@ static bool body_file(struct glsl *glsl, const struct source *source, int depth)
     if (!glsl_source_add(glsl->model, source, &body.number))
         return false;
     const char *end = source->text + source->length;
+    glsl->own |= memmem(source->text, source->length, "OPENGL", 6) ||
+                 memmem(source->text, source->length, "VULKAN", 6);
     bool comment = false,
          ok = true; /* inside of a comment of several lines nothing is a directive */
     for (const char *line = source->text; line < end; body.line++) {
@@ -244,15 +246,18 @@ static void rename_words(struct text *text, const struct renaming *renaming, boo
 }
 
 /* OpenGL has other names for vertex and instance numbers; a macro name must not begin with gl_.
- * gl_InstanceID leaves out the base instance, which only indirect draws have. */
-static void rename_for_opengl(struct text *text, bool indirect)
+ * gl_InstanceID leaves out the base instance, which only indirect draws have. spirv_for_opengl makes
+ * it of gl_InstanceIndex. */
+static void rename_for_opengl(struct text *text, bool indirect, bool driver)
 {
-    const struct renaming renamings[] = {
-        {"gl_VertexIndex", "gl_VertexID"},
-        {"gl_InstanceIndex", indirect ? "(gl_BaseInstance + gl_InstanceID)" : "gl_InstanceID"},
-    };
-    for (size_t i = 0; i < DT_ARRAY_COUNT(renamings); i++)
-        rename_words(text, &renamings[i], false);
+    static const struct renaming base = {"gl_InstanceIndex",
+                                         "(gl_BaseInstance + gl_InstanceIndex)"},
+                                 for_driver[] = {{"gl_VertexIndex", "gl_VertexID"},
+                                                 {"gl_InstanceIndex", "gl_InstanceID"}};
+    if (indirect)
+        rename_words(text, &base, false);
+    for (size_t i = 0; driver && i < DT_ARRAY_COUNT(for_driver); i++)
+        rename_words(text, &for_driver[i], false);
 }
 
 static const struct renaming main_to_body = {"main", "pass_main"};
@@ -313,8 +318,10 @@ bool glsl_body(struct glsl *glsl)
         return false;
     if (glsl->pipeline->fast)
         glsl->subgroups = glsl->pass->kind == PASS_DISPATCH && has_subgroups(glsl);
+    glsl->own |= glsl->pass->indirect_resource && glsl_uses(glsl, "gl_InstanceIndex");
     if (glsl->backend == BACKEND_GL && glsl->stage == STAGE_IS_VERTEX)
-        rename_for_opengl(&glsl->parts[PART_BODY], glsl->pass->indirect_resource != NULL);
+        rename_for_opengl(&glsl->parts[PART_BODY], glsl->pass->indirect_resource != NULL,
+                          glsl->driver);
     if (glsl->stage == STAGE_IS_FRAGMENT)
         round_targets(glsl);
     return true;

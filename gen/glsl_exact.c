@@ -687,7 +687,7 @@ static void add_params(struct rewrite *rewrite, const struct pipeline *pipeline)
 
 void glsl_exact(struct glsl *glsl)
 {
-    struct rewrite rewrite = {.arena = glsl->model->arena, .marks = glsl->backend == BACKEND_GL};
+    struct rewrite rewrite = {.arena = glsl->model->arena, .marks = glsl->driver};
     struct text params = {0};
     rewrite.out = &params;
     add_params(&rewrite, glsl->pipeline);

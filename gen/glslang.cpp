@@ -19,16 +19,11 @@ enum { VERSION_GLSL = 460 };
 
 void set_targets(glslang::TShader &shader, EShLanguage stage, const glslang_job &job)
 {
-    glslang::EShTargetLanguageVersion opengl =
-        job.subgroups ? glslang::EShTargetSpv_1_3 : glslang::EShTargetSpv_1_0;
-    shader.setEnvInput(glslang::EShSourceGlsl, stage,
-                       job.vulkan ? glslang::EShClientVulkan : glslang::EShClientOpenGL,
-                       VERSION_GLSL);
-    if (job.vulkan)
-        shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
-    else
-        shader.setEnvClient(glslang::EShClientOpenGL, glslang::EShTargetOpenGL_450);
-    shader.setEnvTarget(glslang::EShTargetSpv, job.vulkan ? glslang::EShTargetSpv_1_5 : opengl);
+    shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, VERSION_GLSL);
+    shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
+    shader.setEnvTarget(glslang::EShTargetSpv, job.minor == 5   ? glslang::EShTargetSpv_1_5
+                                               : job.minor == 3 ? glslang::EShTargetSpv_1_3
+                                                                : glslang::EShTargetSpv_1_0);
 }
 
 } // namespace
@@ -42,8 +37,8 @@ extern "C" uint32_t *glslang_compile(const glslang_job *job, size_t *count, char
 try {
     static const EShLanguage stages[] = {EShLangCompute, EShLangVertex, EShLangFragment};
     EShLanguage stage = stages[job->stage];
-    EShMessages language = job->vulkan ? EShMsgVulkanRules : EShMsgDefault;
-    EShMessages rules = static_cast<EShMessages>(EShMsgSpvRules | EShMsgCascadingErrors | language);
+    EShMessages rules =
+        static_cast<EShMessages>(EShMsgSpvRules | EShMsgCascadingErrors | EShMsgVulkanRules);
     glslang::TShader shader(stage);
     glslang::TProgram program;
     shader.setStrings(&job->code, 1);

@@ -11,11 +11,10 @@
 bool glslang_start(void);
 
 struct glslang_job {
-    const char *code;
-    int stage;      /* enum stage */
-    bool vulkan;    /* else OpenGL */
-    bool subgroups; /* the code has subgroup operations */
-    bool lines;     /* with OpLine */
+    const char *code; /* Vulkan's GLSL */
+    int stage;        /* enum stage */
+    int minor;        /* of the version of SPIR-V: 1.0, 1.3 or 1.5 */
+    bool lines;       /* with OpLine */
 };
 
 /* SPIR-V of a shader, *count words; free(). NULL: *log, free(), has the messages of glslang, or is

@@ -206,7 +206,10 @@ static const struct body_name other_names[] = {
     {"VERTEX", "`#ifdef`", "Defined in vertex stages."},
     {"FRAGMENT", "`#ifdef`", "Defined in fragment stages."},
     {"OPENGL", "`#ifdef`", "Defined for OpenGL."},
-    {"VULKAN", "`#ifdef`", "Defined for Vulkan."},
+    {"VULKAN", "`#ifdef`",
+     "Defined for Vulkan. A body that names VULKAN or OPENGL is compiled for each API; of any "
+     "other, "
+     "OpenGL's SPIR-V is made from Vulkan's."},
     {"EXACT", "`#ifdef`", "Defined unless `exactness: fast`."},
     {0},
 };

@@ -17,7 +17,7 @@
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that spirv.c or loops.c write. */
-enum { REWRITING = 1 };
+enum { REWRITING = 2 };
 enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 
@@ -79,11 +79,12 @@ static bool is_same_text(const char *a, size_t a_length, const char *b, size_t b
 
 struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage)
 {
-    const struct text *glsl = &shaders[pass].stage[stage].glsl;
+    const struct text *code = shader_code(&shaders[pass].stage[stage]);
 
     for (uint32_t i = 0; i < pass; i++) {
-        const struct text *other = &shaders[i].stage[stage].glsl;
-        if (other->length && is_same_text(other->data, other->length, glsl->data, glsl->length))
+        const struct text *other = shader_code(&shaders[i].stage[stage]);
+        if (other->length && shaders[i].stage[stage].own == shaders[pass].stage[stage].own &&
+            is_same_text(other->data, other->length, code->data, code->length))
             return (struct shader *)&shaders[i].stage[stage];
     }
     return NULL;
@@ -121,7 +122,7 @@ static bool name_of(char name[NAME_SIZE], uint64_t *seed, const struct model *mo
     XXH3_128bits_reset(state);
     XXH3_128bits_update(state, kind, sizeof kind);
     XXH3_128bits_update(state, tools, strlen(tools));
-    hash_text(state, &shader->glsl);
+    hash_text(state, shader_code(shader));
     XXH128_hash_t hash = XXH3_128bits_digest(state);
     XXH3_freeState(state);
     snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", (uint64_t)hash.high64,

@@ -1,7 +1,9 @@
 /* All shaders of a pipeline: GLSL and SPIR-V for every pass, backend and stage. Called by load.c,
  * and by vary.c to test that they compile. One thread emits the text, since that changes the model.
- * Meanwhile others compile the shaders that are not in the cache. */
+ * Meanwhile others compile the shaders that are not in the cache. Most of OpenGL's are made of
+ * Vulkan's, which takes no time: their GLSL is for people, and for drivers that take text. */
 #include "shader_cache.h"
+#include "spirv.h"
 #include "watchdog.h"
 
 #include <pthread.h>
@@ -114,6 +116,8 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_
             continue;
         if (!emit_glsl(model, job.pass, job.backend, stage, shader, diag)) {
             good = false;
+        } else if (job.backend == BACKEND_GL && !shader->own) {
+            continue; /* derive() makes it */
         } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
             job.shader = shader;
             job.twin = shader_twin(shaders, index, stage);
@@ -123,7 +127,7 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_
     return good;
 }
 
-/* False when the twin failed to compile. */
+/* False when the twin failed to compile, or memory ran out. */
 static bool copy_twin(struct shader *shader, const struct shader *twin)
 {
     size_t size = twin->word_count * sizeof *twin->words;
@@ -155,6 +159,22 @@ static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *
     return good;
 }
 
+/* OpenGL's shaders that are not their own. */
+static bool derive(struct pass_shaders *shaders[2], uint32_t pass_count)
+{
+    for (uint32_t i = 0; i < pass_count; i++)
+        for (int stage = 0; stage < 3; stage++) {
+            const struct shader *vulkan = &shaders[BACKEND_VK][i].stage[stage];
+            struct shader *opengl = &shaders[BACKEND_GL][i].stage[stage];
+            if (!vulkan->words || opengl->own)
+                continue;
+            if (!copy_twin(opengl, vulkan))
+                return false;
+            opengl->word_count = spirv_for_opengl(opengl->words, opengl->word_count);
+        }
+    return true;
+}
+
 /* Whether a resource that the pass writes has the contract `exact`. */
 static bool writes_exact(const struct pass *pass)
 {
@@ -171,9 +191,9 @@ static void prove(const struct model *model, const struct pass_shaders *shaders,
 {
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++)
-            if (shaders[i].stage[stage].word_count && writes_exact(model->pipeline.order[i]))
-                spirv_prove(model, model->pipeline.order[i], backend, &shaders[i].stage[stage],
-                            diag);
+            if (shaders[i].stage[stage].word_count && writes_exact(model->pipeline.order[i]) &&
+                (backend == BACKEND_VK || shaders[i].stage[stage].own))
+                spirv_prove(model, model->pipeline.order[i], &shaders[i].stage[stage], diag);
 }
 
 bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
@@ -185,19 +205,24 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                         .lock = PTHREAD_MUTEX_INITIALIZER,
                         .more = PTHREAD_COND_INITIALIZER};
     bool good = true;
-    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
+    for (int backend = BACKEND_VK; backend >= BACKEND_GL; backend--) {
         shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
         if (!shaders[backend] || !jobs.list) {
             diag_error(diag, (struct loc){0}, "out of memory");
             good = false;
         }
         for (uint32_t i = 0; shaders[backend] && jobs.list && i < count; i++)
-            good &= emit_pass(model, shaders[backend], i, cache,
-                              (struct job){.pass = model->pipeline.order[i], .backend = backend},
-                              &jobs, diag);
+            good &= emit_pass(
+                model, shaders[backend], i, cache,
+                (struct job){.pass = model->pipeline.order[i], .backend = (enum backend)backend},
+                &jobs, diag);
     }
     if (jobs.count)
         good &= compile(&jobs, cache, diag);
+    if (good && !derive(shaders, count)) {
+        diag_error(diag, (struct loc){0}, "out of memory");
+        good = false;
+    }
     free(jobs.list);
     if (model->pipeline.fast && model->prove)
         diag_error(diag, model->pipeline.loc,
@@ -214,6 +239,7 @@ void shaders_free(const struct model *model, struct pass_shaders *shaders[2])
         for (uint32_t i = 0; shaders[backend] && i < model->pipeline.pass_count; i++)
             for (int stage = 0; stage < 3; stage++) {
                 text_free(&shaders[backend][i].stage[stage].glsl);
+                text_free(&shaders[backend][i].stage[stage].code);
                 free(shaders[backend][i].stage[stage].words);
             }
         free(shaders[backend]);

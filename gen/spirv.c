@@ -20,12 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Subgroup operations came with SPIR-V 1.3; GL_KHR_shader_subgroup takes them. */
-static bool has_subgroups(const char *code)
-{
-    return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") != NULL;
-}
-
 /* ---- Start ----------------------------------------------------------------------------------- */
 
 /* glslang keeps its tables until the process ends. */
@@ -250,6 +244,29 @@ size_t spirv_strip(uint32_t *words, size_t count)
     return kept;
 }
 
+size_t spirv_for_opengl(uint32_t *words, size_t count)
+{
+    static const uint32_t builtins[][2] = {{SpvBuiltInVertexIndex, SpvBuiltInVertexId},
+                                           {SpvBuiltInInstanceIndex, SpvBuiltInInstanceId}};
+    size_t kept = SPIRV_HEADER;
+    for (size_t at = SPIRV_HEADER, length; at < count; at += length) {
+        length = words[at] >> 16;
+        bool decorates = spirv_is(words + at, SpvOpDecorate);
+        if (decorates && words[at + 2] == SpvDecorationDescriptorSet)
+            continue;
+        for (size_t i = 0; i < DT_ARRAY_COUNT(builtins); i++)
+            if (decorates && words[at + 2] == SpvDecorationBuiltIn &&
+                words[at + 3] == builtins[i][0])
+                words[at + 3] = builtins[i][1];
+        if (spirv_is(words + at, SpvOpExecutionMode) &&
+            words[at + 2] == SpvExecutionModeOriginUpperLeft)
+            words[at + 2] = SpvExecutionModeOriginLowerLeft;
+        memmove(words + kept, words + at, length * sizeof *words);
+        kept += length;
+    }
+    return kept;
+}
+
 uint32_t spirv_result(const uint32_t *instruction)
 {
     bool has_result, has_type;
@@ -465,8 +482,8 @@ static bool take_words(const struct model *model, uint32_t *words, size_t count,
            (model->pipeline.gpu || spirv_keep_loops(shader->words, shader->word_count));
 }
 
-/* Vulkan's module alone, since OpenGL's has the same statements, and by SPIR-V's rules: those of
- * Vulkan take half as long again, and tests/golden_test.sh holds both to their APIs. Names for
+/* By SPIR-V's rules: those of Vulkan take half as long again, and tests/golden_test.sh holds the
+ * modules to both APIs. Names for
  * messages take most of the time, so only an invalid module gets them. */
 static bool validate(const struct pass *pass, const struct shader *shader, struct diag *diag)
 {
@@ -487,12 +504,22 @@ static bool validate(const struct pass *pass, const struct shader *shader, struc
     return valid;
 }
 
-/* `lines`: with OpLine, which makes no valid module of all that follows. */
-static bool compile(const struct model *model, const struct pass *pass, enum backend backend,
-                    bool lines, struct shader *shader, struct diag *diag)
+/* OpenGL takes SPIR-V 1.0, and by GL_KHR_shader_subgroup 1.3, which brought subgroup operations. In
+ * 1.5 a vertex shader's layer is a capability of its own, as some devices have it. */
+static int minor_version(const struct shader *shader)
 {
-    const struct glslang_job job = {shader->glsl.data, shader->stage, backend == BACKEND_VK,
-                                    has_subgroups(shader->glsl.data), lines};
+    const char *code = shader_code(shader)->data;
+    if (shader->own && !shader->code.length)
+        return 5; /* Vulkan's own */
+    return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") ? 3 : 0;
+}
+
+/* `lines`: with OpLine, which makes no valid module of all that follows. */
+static bool compile(const struct model *model, const struct pass *pass, bool lines,
+                    struct shader *shader, struct diag *diag)
+{
+    const struct glslang_job job = {shader_code(shader)->data, shader->stage, minor_version(shader),
+                                    lines};
     char *log = NULL;
     size_t count;
     uint32_t *words = glslang_compile(&job, &count, &log);
@@ -505,8 +532,11 @@ static bool compile(const struct model *model, const struct pass *pass, enum bac
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag)
 {
-    return compile(model, pass, backend, false, shader, diag) &&
-           (backend == BACKEND_GL || validate(pass, shader, diag));
+    if (!compile(model, pass, false, shader, diag) || !validate(pass, shader, diag))
+        return false;
+    if (backend == BACKEND_GL)
+        shader->word_count = spirv_for_opengl(shader->words, shader->word_count);
+    return true;
 }
 
 /* ---- Proof ----------------------------------------------------------------------------------- */
@@ -575,16 +605,16 @@ static void add_lines(const char *code, struct text *out)
     }
 }
 
-void spirv_prove(const struct model *model, const struct pass *pass, enum backend backend,
-                 const struct shader *shader, struct diag *diag)
+void spirv_prove(const struct model *model, const struct pass *pass, const struct shader *shader,
+                 struct diag *diag)
 {
     struct proving proving = {model, pass, diag, draws_numbers(pass), 0};
     struct shader lined = {.stage = shader->stage};
     bool good = prove_module(shader->words, shader->word_count, count_open, &proving);
     if (good && proving.open) {
-        add_lines(shader->glsl.data, &lined.glsl);
+        add_lines(shader_code(shader)->data, &lined.glsl);
         good = lined.glsl.data && !lined.glsl.failed && spirv_init() &&
-               compile(model, pass, backend, true, &lined, diag) &&
+               compile(model, pass, true, &lined, diag) &&
                prove_module(lined.words, lined.word_count, report_open, &proving);
     }
     if (!good)

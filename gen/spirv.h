@@ -27,6 +27,10 @@ uint32_t *spirv_definitions(const uint32_t *words, size_t count);
 /* Removes names, sources and lines in place, which no result depends on. Returns the new count. */
 size_t spirv_strip(uint32_t *words, size_t count);
 
+/* Makes a module for Vulkan one for OpenGL, in place: no descriptor sets, OpenGL's numbers of
+ * vertices and instances, and its origin of gl_FragCoord. Returns the new count. */
+size_t spirv_for_opengl(uint32_t *words, size_t count);
+
 /* loops.c: marks long loops DontUnroll: those in no other loop of their function, with many
  * operations per iteration. False when out of memory. */
 bool spirv_keep_loops(uint32_t *words, size_t count);

@@ -24,26 +24,34 @@ enum stage { STAGE_IS_COMPUTE, STAGE_IS_VERTEX, STAGE_IS_FRAGMENT };
 struct shader { /* one compiled stage of one pass for one backend */
     enum stage stage;
     struct text glsl; /* complete, readable source */
-    uint32_t *words;  /* SPIR-V; free() */
+    bool own;         /* does something else than the other backend's, not only by other names */
+    struct text
+        code; /* OpenGL's if `own`: the same in Vulkan's GLSL, the one that glslang compiles */
+    uint32_t *words; /* SPIR-V; free() */
     size_t word_count;
 };
+/* What glslang compiles. */
+static inline const struct text *shader_code(const struct shader *shader)
+{
+    return shader->code.length ? &shader->code : &shader->glsl;
+}
 /* emit_glsl.c: the complete GLSL of one stage: declarations, library pieces
  * (model->templates_dir/glsl), the body with #line. Adds files that the body includes to
  * model->inputs and model->glsl_sources; changes nothing else in the model. */
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag);
-/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast; for
- * Vulkan, then spirv-val (SPIRV-Tools). Errors of glslang are reported at the line of the body file.
- * After spirv_init has returned true, spirv_compile may run on several threads, also beside
- * emit_glsl, each with a diag of its own; NULL: errors are not reported. */
+/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast; then
+ * spirv-val (SPIRV-Tools). Errors of glslang are reported at the line of the body file. After
+ * spirv_init has returned true, spirv_compile may run on several threads, also beside emit_glsl, each
+ * with a diag of its own; NULL: errors are not reported. */
 bool spirv_init(void);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, struct diag *diag);
 /* The same file: reports each open operation of a compiled shader (prove.h) at its place in the
  * body. Without model->prove, only those that are wrong. */
-void spirv_prove(const struct model *model, const struct pass *pass, enum backend backend,
-                 const struct shader *shader, struct diag *diag);
+void spirv_prove(const struct model *model, const struct pass *pass, const struct shader *shader,
+                 struct diag *diag);
 
 /* flops.c: lower bound of the float operations of one invocation that does not return early. Counts
  * loops as often as constants and parameters say, else once (spirv_iterations); the cheapest other

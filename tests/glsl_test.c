@@ -13,6 +13,7 @@
 #include <spirv/unified1/spirv.h>
 
 #include "expr.h"
+#include "spirv.h"
 #include "stages.h"
 
 #define COUNT(a) (uint32_t)(sizeof(a) / sizeof((a)[0]))
@@ -278,8 +279,15 @@ static void assert_golden(const char *name, const char *text)
 static struct shader build(struct fixture *f, int pass, enum backend backend, enum stage stage)
 {
     struct shader shader = {0};
-    bool ok = emit_glsl(&f->model, &f->passes[pass], backend, stage, &shader, f->diag) &&
-              spirv_compile(&f->model, &f->passes[pass], backend, &shader, f->diag);
+    bool ok = emit_glsl(&f->model, &f->passes[pass], backend, stage, &shader, f->diag);
+    if (ok && backend == BACKEND_GL && !shader.own) {
+        struct shader vulkan = build(f, pass, BACKEND_VK, stage);
+        shader.words = vulkan.words;
+        shader.word_count = spirv_for_opengl(vulkan.words, vulkan.word_count);
+        text_free(&vulkan.glsl);
+    } else {
+        ok = ok && spirv_compile(&f->model, &f->passes[pass], backend, &shader, f->diag);
+    }
     diag_flush(f->diag);
     assert_true(ok);
     assert_true(shader.word_count > 5 && shader.words[0] == SpvMagicNumber);
@@ -289,6 +297,7 @@ static struct shader build(struct fixture *f, int pass, enum backend backend, en
 static void shader_free(struct shader *shader)
 {
     text_free(&shader->glsl);
+    text_free(&shader->code);
     free(shader->words);
 }
 

@@ -42,6 +42,16 @@ valid_spirv() { # name
     [ "$count" -gt 0 ]
 }
 
+# OpenGL's modules are made of Vulkan's, so glslang has not seen OpenGL's text.
+# shellcheck disable=SC2317
+valid_text() { # name
+    local file
+    for file in "$work/$1"/gl/*.{comp,vert,frag}; do
+        [ ! -e "$file" ] || glslangValidator -G100 -o "$work/text.spv" "$file" || return
+    done
+    [ -s "$work/text.spv" ]
+}
+
 # shellcheck disable=SC2317
 names_nothing_of_here() { # name: the output contains no path, date or host name
     local word
@@ -75,6 +85,7 @@ for name in small kinds ssvp rsm; do
     else
         skip "$name has valid SPIR-V for both" "spirv-val is missing"
     fi
+    check "... and GLSL for OpenGL" valid_text $name
     check "$name from elsewhere is generated" generate_elsewhere $name
     check "... the same bytes" diff -r "$work/$name" "$work/elsewhere/$name"
     check "$name names no path, host or date" names_nothing_of_here $name

@@ -1,3 +1,4 @@
+/* A shader that names VULKAN is compiled for each API apart, for Vulkan to SPIR-V 1.5, which has a copy of structs. */
 shared Integers copied;
 
 void main()
