@@ -89,7 +89,7 @@ check "... since that does not run" bash -c '! grep "fault in pass" log'
 check "... and may be put in again" replayed 1 "marks is not as expected, and all is bit for bit" mark --backend vk --fault vk:mark:bit:4
 check "validation is silent, the other passes skipped" replayed 1 "is not as expected" halve --backend vk --debug
 check "the table as JSON" replayed 1 "is not as expected" remember --backend vk --json "$work/replay.json"
-check "... names pass, frame and element" python3 -c '
+check "... names pass, frame and element" /usr/bin/python3 -c '
 import json, sys
 replay = json.load(open(sys.argv[1]))
 assert (replay["pass"], replay["frame"], replay["as_expected"]) == ("remember", 2, False), replay

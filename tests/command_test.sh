@@ -111,7 +111,7 @@ refused 1 'must be from 1 to 4096' "${metrics[@]}" --test "$work/a.exr" --pixels
 no_error() {
     "${metrics[@]}" --test "$work/a.exr" -o "$work/maps" --json "$work/metrics.json" &&
         [ -s "$work/maps/flip_ldr.png" ] && [ -s "$work/maps/flip_hdr.png" ] &&
-        python3 -c 'import json, sys
+        /usr/bin/python3 -c 'import json, sys
 m = json.load(open(sys.argv[1]))
 for kind in m["ldr"], m["hdr"]:
     assert kind["rmse"] == 0 and kind["psnr"] is None and kind["flip"]["max"] == 0 and kind["mean_test"] > 0
@@ -130,7 +130,7 @@ several() { # the metrics of two pictures are the means and standard errors of e
         "${metrics[@]}" --test "$work/several_$frame.exr" --json "$work/several_$frame.json" || return
     done
     "${metrics[@]}" --test "$work/several_%d.exr" --frames 2 --json "$work/several.json" &&
-        python3 -c 'import json, statistics, sys
+        /usr/bin/python3 -c 'import json, statistics, sys
 both, one, two = (json.load(open(name)) for name in sys.argv[1:])
 assert both["pictures"] == 2 and "standard_errors" not in one
 for kind in "hdr", "ldr":

@@ -32,7 +32,7 @@ refuses() { # text command...: one error, which contains the text, no table, and
 
 # shellcheck disable=SC2317
 holds() { # python: an expression about `it`, the JSON
-    python3 -c "import json, sys; it = json.load(open('$work/it.json')); sys.exit(not ($1))" || { cat "$work/it.json"; false; }
+    /usr/bin/python3 -c "import json, sys; it = json.load(open('$work/it.json')); sys.exit(not ($1))" || { cat "$work/it.json"; false; }
 }
 
 # shellcheck disable=SC2317
@@ -116,7 +116,7 @@ check "... and with both backends" ends 0 "$agreement" "${here[@]}" --against "$
 
 # shellcheck disable=SC2317
 damaged() { # python: damages a copy of the dump, in the folder `d` with the manifest `m`
-    rm -rf "$work/damaged" && cp -r "$work/dump" "$work/damaged" && python3 - "$work/damaged" <<PYTHON
+    rm -rf "$work/damaged" && cp -r "$work/dump" "$work/damaged" && /usr/bin/python3 - "$work/damaged" <<PYTHON
 import glob, json, os, sys
 d = sys.argv[1]
 m = json.load(open(d + '/manifest.json'))
@@ -229,7 +229,7 @@ check "a pipeline that is not the same twice" strays
 rsm=("$diptych" compare --scene "$scene" --spec templates/rsm.yaml --size 15x9 --set rsm_size=16 --set samples=4)
 check_status 1 "a fault, with a page and JUnit's XML" "${rsm[@]}" --fault vk:gather:texel --html "$work/page" --junit "$work/junit.xml"
 check "... of a pipeline" "$diptych" list --spec templates/rsm.yaml --json "$work/list.json"
-check "... which show it, and no other" python3 -B tests/compare_pages.py "$work/page" "$work/junit.xml" "$work/list.json"
+check "... which show it, and no other" /usr/bin/python3 -B tests/compare_pages.py "$work/page" "$work/junit.xml" "$work/list.json"
 check "agreement, with a page and JUnit's XML" "${rsm[@]}" --backend gl,vk,gl+glsl --html "$work/agree" --junit "$work/agree.xml"
 # shellcheck disable=SC2317
 tells_pairs() {

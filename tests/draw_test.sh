@@ -15,7 +15,7 @@ check "draws agree without instances, in a viewport beyond the targets" \
 drawn() { # backend alive shift
     rm -rf "${work:?}/$1"
     "$diptych" render --spec "$spec" --size 40x24 --backend "$1" --set "alive=$2" --set "shift=$3" \
-        --dump "$work/$1" -o "$work/$1.png" && python3 - "$work/$1" "$2" "$3" <<'PYTHON'
+        --dump "$work/$1" -o "$work/$1.png" && /usr/bin/python3 - "$work/$1" "$2" "$3" <<'PYTHON'
 import glob, struct, sys
 alive, shift = int(sys.argv[2]), int(sys.argv[3])
 texels = [(i % 40, i // 40) for i in range(960)]
@@ -95,7 +95,7 @@ check "formats of few bits agree, validation silent" "$diptych" compare --spec "
 coded() { # backend
     rm -rf "${work:?}/$1"
     "$diptych" render --spec "$formats" --size 20x12 --backend "$1" --dump "$work/$1" -o "$work/$1.png" --show of_rgba16_snorm &&
-        python3 - "$work/$1" <<'PYTHON'
+        /usr/bin/python3 - "$work/$1" <<'PYTHON'
 import glob, re, struct, sys
 codes = {"": "H", "_snorm": "h", "8ui": "B", "16ui": "H", "8i": "b", "16i": "h", "32i": "i"}
 def stored(ending, n):
@@ -154,7 +154,7 @@ culled() { # backend
         "$diptych" render --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --backend "$1" --set "room=$room" \
             --dump "$work/$room" -o "$work/$room.png" || return
     done
-    python3 - "$work" <<'PYTHON'
+    /usr/bin/python3 - "$work" <<'PYTHON'
 import glob, struct, sys
 def words(room, name, code="I"):
     data = open(glob.glob(f"{sys.argv[1]}/{room}/*.{name}.raw")[0], "rb").read()

@@ -17,7 +17,7 @@ check "features agree with OpenGL fed GLSL text, from OSMesa" \
 # shellcheck disable=SC2317 # called through check
 laced() { # backend: places of pixels in classes and in split order are what the reference says
     "$diptych" render --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --backend "$1" --dump "$work/lace_$1" &&
-        python3 -c 'import struct, sys; d = open(sys.argv[1], "rb").read(); assert struct.unpack(f"<{len(d) // 4}f", d)[3::4] == (1,) * 153' \
+        /usr/bin/python3 -c 'import struct, sys; d = open(sys.argv[1], "rb").read(); assert struct.unpack(f"<{len(d) // 4}f", d)[3::4] == (1,) * 153' \
             "$work/lace_$1"/*.lacing.laced.raw
 }
 for backend in gl vk; do
@@ -49,7 +49,7 @@ check "mips and layers under names of their own agree, validation silent" \
 in_place() { # backend: mips are means of mips, and sums of filtered ones; in the first frame all layers are mip 2
     local dump=$work/bloom_$1
     "$diptych" render --scene "$scene" --spec "$specs/bloom.yaml" --size 8x8 --backend "$1" --dump "$dump" &&
-        python3 - "$dump" <<'END'
+        /usr/bin/python3 - "$dump" <<'END'
 import glob, struct, sys
 def image(name, width, height):
     data = open(glob.glob(f"{sys.argv[1]}/*.{name}.raw")[0], "rb").read()

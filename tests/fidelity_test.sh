@@ -24,7 +24,7 @@ measured() { # reference test key: flip is that of the tone-mapped pictures, all
     local told=$work/$1-$2
     if [ ! "$told" -nt "$work/$2" ]; then
         "$diptych" metrics --reference "$work/$1" --test "$work/$2" --exposure 1 --flip ldr --json "$told.json" >/dev/null &&
-            python3 -c 'import json, sys
+            /usr/bin/python3 -c 'import json, sys
 told = json.load(open(sys.argv[1]))
 told["hdr"]["flip"] = told["ldr"]["flip"]["mean"]
 for key, value in told["hdr"].items():
@@ -83,7 +83,7 @@ areas() {
     local total
     "$diptych" render --scene "$root/scenes/white_box.yaml" --size 16x16 --backend vk --set second_vpls=1024 \
         --dump "$work/box" -o "$work/box.exr" || return
-    total=$(python3 - "$work/box" <<'END'
+    total=$(/usr/bin/python3 - "$work/box" <<'END'
 import json, struct, sys
 folder = sys.argv[1]
 entry = [e for e in json.load(open(folder + "/manifest.json"))["entries"] if e["resource"] == "second_vpl"][-1]

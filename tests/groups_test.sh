@@ -32,7 +32,7 @@ for backend in gl vk; do
 done
 # shellcheck disable=SC2317
 sorts() {
-    python3 - "$work/groups.vk" <<'PYTHON'
+    /usr/bin/python3 - "$work/groups.vk" <<'PYTHON'
 import glob, struct, sys
 first, last = (struct.unpack("<64I", open(glob.glob(f"{sys.argv[1]}/*_{name}_keys_0")[0], "rb").read()) for name in ("fill", "move_3"))
 assert last != first and list(last) == sorted(first, key=lambda key: key % 256)

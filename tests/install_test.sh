@@ -243,7 +243,7 @@ run_host() { # gl|vk picture-of-a-second-ssvp...
 }
 # shellcheck disable=SC2317
 same_picture() { # PPM dump
-    python3 - "$@" <<'END'
+    /usr/bin/python3 - "$@" <<'END'
 import json, sys
 lines, pixels = open(sys.argv[1], "rb").read().split(b"255\n", 1)
 manifest = json.load(open(sys.argv[2] + "/manifest.json"))

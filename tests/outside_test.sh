@@ -5,7 +5,7 @@
 . "$(dirname "$0")/tap.sh"
 specs=$root/tests/specs
 cd "$work" || exit 1
-python3 "$root/tests/outside.py" make . || exit 1
+/usr/bin/python3 "$root/tests/outside.py" make . || exit 1
 cp "$specs"/outside* .
 input=(--input photo=photo.png --input weights=weights.npy)
 
@@ -22,13 +22,13 @@ check "the backends agree in every bit, without a scene, in the size of the pict
     "$diptych" compare --spec outside.yaml "${input[@]}" --backend gl,vk,gl+glsl --json agree.json
 check "... which is the frame's" grep -q '"width":	45' agree.json
 check "the validation layers are silent" "$diptych" render --spec outside.yaml "${input[@]}" --backend vk --debug --dump dump -o vk.png
-check "what the passes got is what is in the files, and what they made of it is right" python3 "$root/tests/outside.py" dump dump .
+check "what the passes got is what is in the files, and what they made of it is right" /usr/bin/python3 "$root/tests/outside.py" dump dump .
 check "--size is the frame's; other inputs may fill it" "$diptych" render --spec outside.yaml --input photo=small.png \
     --input weights=weights_2.npy --size 8x4 --backend gl -o small_out.png
 
 sed "s/mips: 1/size: [45, 21], mips: 4/" outside.yaml >mips.yaml
 check "mips are averages of light" "$diptych" render --spec mips.yaml "${input[@]}" --size 45x21 --backend vk --dump mips
-check "... of areas, also with odd sides" python3 "$root/tests/outside.py" mips mips
+check "... of areas, also with odd sides" /usr/bin/python3 "$root/tests/outside.py" mips mips
 
 cat >formats.yaml <<'END'
 pipeline: formats
@@ -60,7 +60,7 @@ qrKztLW2t7i5usLDxMXGx8jJytLT1NXW19jZ2uHi4+Tl5ufo6erx8vP09fb3+Pn6/9oACAEBAAA/AOg8
 Yv8AiS+G/wDwItfQf7Vf/9k=
 END
 check "OpenEXR, HDR and JPEG are read" "$diptych" render --spec formats.yaml --input bones=bones.npy --backend gl --size 4x4 --dump formats
-check "... to the nearest half, and structs as std430 has them" python3 "$root/tests/outside.py" formats formats
+check "... to the nearest half, and structs as std430 has them" /usr/bin/python3 "$root/tests/outside.py" formats formats
 
 # ---- Files that do not fit
 

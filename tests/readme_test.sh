@@ -3,4 +3,4 @@
 # checked for their options alone. TAP.
 . "$(dirname "$0")/tap.sh"
 export DIPTYCH_QUIET=1
-python3 "$root/tests/readme.py" "$root" "$build" "$work"
+/usr/bin/python3 "$root/tests/readme.py" "$root" "$build" "$work"

@@ -109,7 +109,7 @@ check "so is a scene without textures" filters centre "$root/scenes/cornell.yaml
 # shellcheck disable=SC2317
 noise_is_reached() {
     "${reference[@]}" --noise 0.05 --json "$work/a.json" -o "$work/a.exr" &&
-        python3 -c '
+        /usr/bin/python3 -c '
 import json, sys
 a = json.load(open(sys.argv[1]))
 assert 0.02 < a["noise"] <= 0.05 and 16 < a["samples"] < 4096 and all(x > 0 for x in a["mean"]), a

@@ -11,7 +11,7 @@ check "3D images and cubes agree, two frames, validation silent" \
 right() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$spec" --size 64x48 --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
-        python3 - "$work/dump" <<'PYTHON'
+        /usr/bin/python3 - "$work/dump" <<'PYTHON'
 import glob, itertools, struct, sys
 
 def load(name, code, size, channels):
@@ -80,7 +80,7 @@ spec=$root/tests/specs/atomics.yaml
 counted() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$spec" --size 8x6 --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
-        python3 - "$work/dump" <<'PYTHON'
+        /usr/bin/python3 - "$work/dump" <<'PYTHON'
 import functools, glob, operator, struct, sys
 
 def load(name, code):

@@ -3,14 +3,14 @@
 . "$(dirname "$0")/tap.sh"
 . "$root/tests/drivers.sh"
 spec=$root/tests/specs/stores.yaml
-python3 "$root/tests/stores.py" make "$work" || exit 1
+/usr/bin/python3 "$root/tests/stores.py" make "$work" || exit 1
 input=(--input values="$work/values.npy" --input fractions="$work/fractions.npy" --size 320x300)
 
 # shellcheck disable=SC2317 # called through check
 right() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$spec" "${input[@]}" --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
-        python3 "$root/tests/stores.py" check "$work/dump" "$work"
+        /usr/bin/python3 "$root/tests/stores.py" check "$work/dump" "$work"
 }
 
 for backend in gl gl+glsl vk@llvmpipe "${strangers[@]}"; do

@@ -36,7 +36,7 @@ open_window() { # option...: does not wait for the first picture; `see` does
 see() { # file condition...
     local file=$1
     shift
-    python3 "$root/tests/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
+    /usr/bin/python3 "$root/tests/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
 }
 # shellcheck disable=SC2317
 says() { # text: the window's process prints the text within 30 s
@@ -58,7 +58,7 @@ changed_lines() { # file file: lines of the second that the first lacks
 }
 # shellcheck disable=SC2317
 holds_json() { # expression of d
-    python3 -c 'import json, sys; d = json.load(open("view.json")); sys.exit(not eval(sys.argv[1]))' "$1"
+    /usr/bin/python3 -c 'import json, sys; d = json.load(open("view.json")); sys.exit(not eval(sys.argv[1]))' "$1"
 }
 # shellcheck disable=SC2317
 is_told() { # status text command...
@@ -189,7 +189,7 @@ check "with all bounces, too" ends 0
 "$diptych" render "${small[@]}" --backend gl --size 80x60 --frames 3 -o rendered.png
 check "... it is what render makes" cmp all.png rendered.png
 # An input of half the frame's size keeps the frame as it is.
-python3 "$root/tests/outside.py" make .
+/usr/bin/python3 "$root/tests/outside.py" make .
 mv small.png TINT.PNG
 cat >enlarge.yaml <<'END'
 pipeline: enlarge
