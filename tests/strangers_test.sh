@@ -69,6 +69,7 @@ for driver in "${strangers[@]}"; do
         ssvp) small+=(--set map_size=64 --set clusters=2 --set second_clusters=2 --set first_vpls=64 --set second_vpls=64) ;;
         clustered) small+=(--set map_size=64 --set clusters=2 --set first_vpls=64) ;;
         instant_radiosity) small+=(--set map_size=32 --set first_vpls=64) ;;
+        deep | ssdo) small+=(--set samples=8) ;; # SwiftShader writes the loop out, which takes it seconds
         esac
         scenes=(cornell)
         [ -z "${DIPTYCH_LONG:-}" ] || { scenes=(cornell atrium) && small=(--size 320x180); }
