@@ -637,21 +637,19 @@ static void join_parts(struct glsl *glsl, struct text *out)
     }
 }
 
-/* `own` is set as in struct shader. */
-static bool emit_text(struct glsl glsl, struct text *out, bool *own)
+static bool emit_text(struct glsl *glsl, struct text *out)
 {
-    bool ok = glsl_check_accesses(&glsl) && add_parts(&glsl);
+    bool ok = glsl_check_accesses(glsl) && add_parts(glsl);
     if (ok) {
-        join_parts(&glsl, out);
-        if (glsl.driver && !glsl.pipeline->fast) {
-            glsl_products(out, glsl.parts[PART_HEAD].length);
+        join_parts(glsl, out);
+        if (glsl->driver && !glsl->pipeline->fast) {
+            glsl_products(out, glsl->parts[PART_HEAD].length);
             glsl_precise(out);
         }
-        *own = glsl.own;
         ok = !out->failed;
     }
     for (int i = 0; i < PART_COUNT; i++)
-        text_free(&glsl.parts[i]);
+        text_free(&glsl->parts[i]);
     return ok;
 }
 
@@ -662,12 +660,16 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
                         .pipeline = &model->pipeline,
                         .pass = pass,
                         .backend = backend,
-                        .driver = backend == BACKEND_GL,
                         .stage = stage,
                         .diag = diag};
     shader->stage = stage;
-    if (!emit_text(glsl, &shader->glsl, &shader->own))
+    if (backend == BACKEND_VK) {
+        bool good = emit_text(&glsl, &shader->glsl);
+        shader->own = glsl.own;
+        return good;
+    }
+    if (shader->own && !shader->code.length && !emit_text(&glsl, &shader->code))
         return false;
-    glsl.driver = false;
-    return backend == BACKEND_VK || !shader->own || emit_text(glsl, &shader->code, &shader->own);
+    glsl.driver = true;
+    return !model->text || emit_text(&glsl, &shader->glsl);
 }

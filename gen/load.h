@@ -15,6 +15,7 @@ struct spec_request {
     const char *root;      /* real path: files outside are not read; NULL: no limit */
     const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
     bool prove;            /* --prove */
+    bool text;             /* also OpenGL's GLSL */
     unsigned seconds;      /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
 };
 

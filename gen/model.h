@@ -397,6 +397,7 @@ struct model {
     /* emit_glsl: the file of each source-string number in #line; the numbers start at 1 */
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
+    bool text;                 /* also OpenGL's GLSL, which glslang does not compile */
     bool prove;                /* --prove: reports every open operation of exact passes */
     struct replaced *replaced; /* read: a list, or NULL; names in these values count as used */
 };

@@ -104,14 +104,15 @@ static void compile_rest(struct jobs *jobs)
 /* ---- All ------------------------------------------------------------------------------------- */
 
 /* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
-static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_t index,
+static bool emit_pass(struct model *model, struct pass_shaders *shaders[2], uint32_t index,
                       struct shader_cache *cache, struct job job, struct jobs *jobs,
                       struct diag *diag)
 {
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
-        struct shader *shader = &shaders[index].stage[stage];
+        struct shader *shader = &shaders[job.backend][index].stage[stage];
         shader->stage = stage;
+        shader->own = shaders[BACKEND_VK][index].stage[stage].own;
         if (!has_stage(job.pass, stage))
             continue;
         if (!emit_glsl(model, job.pass, job.backend, stage, shader, diag)) {
@@ -120,7 +121,7 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders, uint32_
             continue; /* derive() makes it */
         } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
             job.shader = shader;
-            job.twin = shader_twin(shaders, index, stage);
+            job.twin = shader_twin(shaders[job.backend], index, stage);
             good &= add_job(jobs, job, diag);
         }
     }
@@ -211,9 +212,9 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
             diag_error(diag, (struct loc){0}, "out of memory");
             good = false;
         }
-        for (uint32_t i = 0; shaders[backend] && jobs.list && i < count; i++)
+        for (uint32_t i = 0; shaders[BACKEND_VK] && shaders[backend] && jobs.list && i < count; i++)
             good &= emit_pass(
-                model, shaders[backend], i, cache,
+                model, shaders, i, cache,
                 (struct job){.pass = model->pipeline.order[i], .backend = (enum backend)backend},
                 &jobs, diag);
     }

@@ -23,7 +23,7 @@ enum stage { STAGE_IS_COMPUTE, STAGE_IS_VERTEX, STAGE_IS_FRAGMENT };
 
 struct shader { /* one compiled stage of one pass for one backend */
     enum stage stage;
-    struct text glsl; /* complete, readable source */
+    struct text glsl; /* complete, readable source; OpenGL's with model->text alone */
     bool own;         /* does something else than the other backend's, not only by other names */
     struct text
         code; /* OpenGL's if `own`: the same in Vulkan's GLSL, the one that glslang compiles */
@@ -36,8 +36,9 @@ static inline const struct text *shader_code(const struct shader *shader)
     return shader->code.length ? &shader->code : &shader->glsl;
 }
 /* emit_glsl.c: the complete GLSL of one stage: declarations, library pieces
- * (model->templates_dir/glsl), the body with #line. Adds files that the body includes to
- * model->inputs and model->glsl_sources; changes nothing else in the model. */
+ * (model->templates_dir/glsl), the body with #line. For Vulkan sets `own`; OpenGL's has Vulkan's, and
+ * gets `glsl` with model->text alone. Adds files that the body includes to model->inputs and
+ * model->glsl_sources; changes nothing else in the model. */
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag);
 /* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast; then

@@ -11,7 +11,8 @@ static void load_spec(const char *name)
 {
     char path[256];
     fuzz_path(path, name);
-    const struct spec_request request = {.path = path, .templates = fuzz_templates, .seconds = 10};
+    const struct spec_request request = {
+        .path = path, .templates = fuzz_templates, .text = true, .seconds = 10};
     struct spec spec = {0};
     struct diag *diag = diag_create();
     struct text text = {0};

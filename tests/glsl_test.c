@@ -276,29 +276,34 @@ static void assert_golden(const char *name, const char *text)
     free(golden);
 }
 
+static void shader_free(struct shader *shader)
+{
+    text_free(&shader->glsl);
+    text_free(&shader->code);
+    free(shader->words);
+}
+
+/* As shaders.c does. */
 static struct shader build(struct fixture *f, int pass, enum backend backend, enum stage stage)
 {
-    struct shader shader = {0};
+    struct shader shader = {0}, vulkan = {0};
+    f->model.text = true;
+    if (backend == BACKEND_GL)
+        vulkan = build(f, pass, BACKEND_VK, stage);
+    shader.own = vulkan.own;
     bool ok = emit_glsl(&f->model, &f->passes[pass], backend, stage, &shader, f->diag);
     if (ok && backend == BACKEND_GL && !shader.own) {
-        struct shader vulkan = build(f, pass, BACKEND_VK, stage);
         shader.words = vulkan.words;
         shader.word_count = spirv_for_opengl(vulkan.words, vulkan.word_count);
-        text_free(&vulkan.glsl);
+        vulkan.words = NULL;
     } else {
         ok = ok && spirv_compile(&f->model, &f->passes[pass], backend, &shader, f->diag);
     }
     diag_flush(f->diag);
     assert_true(ok);
     assert_true(shader.word_count > 5 && shader.words[0] == SpvMagicNumber);
+    shader_free(&vulkan);
     return shader;
-}
-
-static void shader_free(struct shader *shader)
-{
-    text_free(&shader->glsl);
-    text_free(&shader->code);
-    free(shader->words);
 }
 
 static void test_goldens(void **state)

@@ -111,6 +111,12 @@ static bool take_plan(struct pipeline *pipeline, struct load *load, const struct
     return true;
 }
 
+/* Whether a driver for OpenGL is to compile GLSL. */
+static bool takes_text(const struct options *options)
+{
+    return options->glsl || (options->backend && strstr(options->backend, "+glsl"));
+}
+
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options)
 {
@@ -123,7 +129,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
                                              .sets = options->sets,
                                              .set_count = options->set_count,
                                              .cache = load.cache,
-                                             .root = options->root};
+                                             .root = options->root,
+                                             .text = takes_text(options)};
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);

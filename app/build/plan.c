@@ -42,7 +42,8 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
                                         .set_count = request->set_count,
                                         .templates = request->templates,
                                         .root = request->root,
-                                        .cache = request->cache};
+                                        .cache = request->cache,
+                                        .text = request->text};
     struct plan *plan = calloc(1, sizeof *plan);
     struct diag *diag = diag_create();
     bool good = plan && diag;
@@ -89,15 +90,25 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count)
     return plan->spec.model.inputs;
 }
 
-const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pass,
-                      const char *suffix)
+bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, const char *suffix,
+               const char **glsl)
 {
     static const char *const suffixes[] = {"comp", "vert", "frag"};
-    const struct pass_shaders *shaders = &plan->spec.shaders[backend_of(backend)][pass];
-    for (size_t stage = 0; stage < DT_ARRAY_COUNT(suffixes); stage++)
-        if (strcmp(suffix, suffixes[stage]) == 0 && shaders->stage[stage].word_count)
-            return shaders->stage[stage].glsl.data;
-    return NULL;
+    struct model *model = &plan->spec.model;
+    enum stage stage = STAGE_IS_FRAGMENT;
+    while (stage > STAGE_IS_COMPUTE && strcmp(suffix, suffixes[stage]) != 0)
+        stage--;
+    struct shader *shader = &plan->spec.shaders[backend_of(backend)][pass].stage[stage];
+    bool good = true;
+    if (shader->word_count && !shader->glsl.length) { /* loaded without OpenGL's text */
+        struct diag *diag = diag_create();
+        model->text = true;
+        const struct pass *emitted = model->pipeline.order[pass];
+        good = diag && emit_glsl(model, emitted, BACKEND_GL, stage, shader, diag);
+        diag_free(diag);
+    }
+    *glsl = shader->glsl.data;
+    return good;
 }
 
 char *plan_limit(const struct plan *plan, uint32_t pass)
@@ -210,8 +221,9 @@ uint64_t plan_hash(const struct plan *plan)
     for (uint32_t i = 0; i < spec->model.pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++)
             for (int backend = 0; backend < 2; backend++) {
-                const struct text *glsl = &spec->shaders[backend][i].stage[stage].glsl;
-                text_add_bytes(&text, glsl->data ? glsl->data : "", glsl->length);
+                const struct shader *shader = &spec->shaders[backend][i].stage[stage];
+                const struct text *code = backend == BACKEND_GL ? &shader->code : &shader->glsl;
+                text_add_bytes(&text, code->data ? code->data : "", code->length);
             }
     uint64_t hash = text.failed ? 0 : XXH3_64bits(text.data, text.length);
     for (uint32_t i = 0; hash && i < spec->model.pipeline.resource_count; i++)

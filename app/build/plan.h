@@ -13,6 +13,7 @@ struct plan_request {
     uint32_t set_count;
     const char *cache; /* folder of compiled shaders; NULL: none */
     const char *root;  /* real path: files outside are not read; NULL: no limit */
+    bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
 };
 
 /* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
@@ -23,9 +24,10 @@ const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
 /* The paths of all files that were read. */
 const char *const *plan_sources(const struct plan *plan, uint32_t *count);
-/* What a backend ("gl", "vk") compiles for a pass; suffix: "comp", "vert" or "frag". NULL: none. */
-const char *plan_glsl(const struct plan *plan, const char *backend, uint32_t pass,
-                      const char *suffix);
+/* The GLSL of a pass for a backend ("gl", "vk"); suffix: "comp", "vert" or "frag". *glsl is NULL where
+ * the pass has none, and belongs to the plan. False when out of memory. */
+bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, const char *suffix,
+               const char **glsl);
 /* The pass's `limit` file with a #line that names it; free(). NULL: none, or out of memory. */
 char *plan_limit(const struct plan *plan, uint32_t pass);
 

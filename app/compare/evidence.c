@@ -157,12 +157,13 @@ static bool copy_generated(const struct writing *writing)
     const struct dt_pass *pass = guilty_pass(writing->evidence);
     bool good = true;
     for (int i = 0; i < 6 && good; i++) {
-        const char *glsl = plan_glsl(pipeline->plan, backends[i / 3],
-                                     (uint32_t)(pass - pipeline->info->passes), stages[i % 3]);
+        const char *glsl = NULL;
         char *name =
             format_string("generated/%s/%s.%s", backends[i / 3], pass->name, stages[i % 3]);
-        good = name ? !glsl || folder_write(&writing->folder, name, glsl, strlen(glsl))
-                    : out_of_memory(writing);
+        good = name && plan_glsl(pipeline->plan, backends[i / 3],
+                                 (uint32_t)(pass - pipeline->info->passes), stages[i % 3], &glsl)
+                   ? !glsl || folder_write(&writing->folder, name, glsl, strlen(glsl))
+                   : out_of_memory(writing);
         free(name);
     }
     return good;
