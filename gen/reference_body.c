@@ -207,8 +207,7 @@ static const struct body_name other_names[] = {
     {"FRAGMENT", "`#ifdef`", "Defined in fragment stages."},
     {"OPENGL", "`#ifdef`", "Defined for OpenGL."},
     {"VULKAN", "`#ifdef`",
-     "Defined for Vulkan. A body that names VULKAN or OPENGL is compiled for each API; of any "
-     "other, "
+     "Defined for Vulkan. A body that names VULKAN or OPENGL is compiled for each API; of others, "
      "OpenGL's SPIR-V is made from Vulkan's."},
     {"EXACT", "`#ifdef`", "Defined unless `exactness: fast`."},
     {0},

@@ -483,8 +483,8 @@ static bool take_words(const struct model *model, uint32_t *words, size_t count,
 }
 
 /* By SPIR-V's rules: those of Vulkan take half as long again, and tests/golden_test.sh holds the
- * modules to both APIs. Names for
- * messages take most of the time, so only an invalid module gets them. */
+ * modules to both APIs. Names for messages take most of the time, so only an invalid module gets
+ * them. */
 static bool validate(const struct pass *pass, const struct shader *shader, struct diag *diag)
 {
     spv_context context = spvContextCreate(SPV_ENV_UNIVERSAL_1_6);

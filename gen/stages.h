@@ -25,9 +25,8 @@ struct shader { /* one compiled stage of one pass for one backend */
     enum stage stage;
     struct text glsl; /* complete, readable source; OpenGL's with model->text alone */
     bool own;         /* does something else than the other backend's, not only by other names */
-    struct text
-        code; /* OpenGL's if `own`: the same in Vulkan's GLSL, the one that glslang compiles */
-    uint32_t *words; /* SPIR-V; free() */
+    struct text code; /* OpenGL's if `own`: for glslang, so in Vulkan's GLSL */
+    uint32_t *words;  /* SPIR-V; free() */
     size_t word_count;
 };
 /* What glslang compiles. */
