@@ -329,7 +329,7 @@ static enum status generate(struct generation *g)
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
                                    .prove = options->prove,
-                                   .text = !options->check && !options->prove && !options->needs,
+                                   .text = options->out != NULL,
                                    .seconds = (unsigned)seconds,
                                    .cache = options->cache};
     if (!spec_load(&g->spec, &request, options->out || options->needs, g->diag))

@@ -65,6 +65,19 @@ check "a pass of an included file" bisected three number "1 element differs with
 
 check "a fault put in on purpose" bisected mark marks "1 element differs within [" --spec "$specs/$spec" --fault vk:mark:bit:4
 
+# compare loads no text for OpenGL: it is made for the folder. A body that names an API, and one that does not.
+# shellcheck disable=SC2317
+as_generated() { # spec pass file...
+    local spec=$1 pass=$2 file
+    "$build/diptych-gen" "$spec" -o generated || return
+    [ "$(cd "case.$pass/generated" && find . -type f | sort | paste -sd ' ')" = "${*:3}" ] || return
+    for file in "${@:3}"; do
+        cmp "case.$pass/generated/$file" "generated/${file%/*}/features.${file##*/}" || return
+    done
+}
+check "the GLSL of a dispatch is in the folder, as diptych-gen writes it" as_generated "$specs/$spec" mark ./gl/mark.comp ./vk/mark.comp
+check "... and that of a draw" as_generated slice/$spec slice ./gl/slice.{frag,vert} ./vk/slice.{frag,vert}
+
 "$diptych" render --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --backend gl --dump dump >log 2>&1 || cat log
 check "against a dump" bisected quarter "pyramid mip 2" \
     "1 element differs within x " --spec "$specs/mips.yaml" --against dump --backend vk --fault vk:quarter:texel

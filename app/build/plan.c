@@ -90,21 +90,16 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count)
     return plan->spec.model.inputs;
 }
 
-bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, const char *suffix,
-               const char **glsl)
+bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl)
 {
-    static const char *const suffixes[] = {"comp", "vert", "frag"};
     struct model *model = &plan->spec.model;
-    enum stage stage = STAGE_IS_FRAGMENT;
-    while (stage > STAGE_IS_COMPUTE && strcmp(suffix, suffixes[stage]) != 0)
-        stage--;
     struct shader *shader = &plan->spec.shaders[backend_of(backend)][pass].stage[stage];
     bool good = true;
     if (shader->word_count && !shader->glsl.length) { /* loaded without OpenGL's text */
+        const struct pass *emitted = model->pipeline.order[pass];
         struct diag *diag = diag_create();
         model->text = true;
-        const struct pass *emitted = model->pipeline.order[pass];
-        good = diag && emit_glsl(model, emitted, BACKEND_GL, stage, shader, diag);
+        good = diag && emit_glsl(model, emitted, BACKEND_GL, shader->stage, shader, diag);
         diag_free(diag);
     }
     *glsl = shader->glsl.data;
@@ -222,6 +217,7 @@ uint64_t plan_hash(const struct plan *plan)
         for (int stage = 0; stage < 3; stage++)
             for (int backend = 0; backend < 2; backend++) {
                 const struct shader *shader = &spec->shaders[backend][i].stage[stage];
+                /* OpenGL's text, which not every plan has, follows from these */
                 const struct text *code = backend == BACKEND_GL ? &shader->code : &shader->glsl;
                 text_add_bytes(&text, code->data ? code->data : "", code->length);
             }

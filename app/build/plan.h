@@ -24,10 +24,9 @@ const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
 /* The paths of all files that were read. */
 const char *const *plan_sources(const struct plan *plan, uint32_t *count);
-/* The GLSL of a pass for a backend ("gl", "vk"); suffix: "comp", "vert" or "frag". *glsl is NULL where
- * the pass has none, and belongs to the plan. False when out of memory. */
-bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, const char *suffix,
-               const char **glsl);
+/* The GLSL of a pass for a backend ("gl", "vk"); stage: 0 compute, 1 vertex, 2 fragment. *glsl is
+ * NULL where the pass has none, and belongs to the plan. False when out of memory. */
+bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
 /* The pass's `limit` file with a #line that names it; free(). NULL: none, or out of memory. */
 char *plan_limit(const struct plan *plan, uint32_t pass);
 

@@ -161,7 +161,7 @@ static bool copy_generated(const struct writing *writing)
         char *name =
             format_string("generated/%s/%s.%s", backends[i / 3], pass->name, stages[i % 3]);
         good = name && plan_glsl(pipeline->plan, backends[i / 3],
-                                 (uint32_t)(pass - pipeline->info->passes), stages[i % 3], &glsl)
+                                 (uint32_t)(pass - pipeline->info->passes), i % 3, &glsl)
                    ? !glsl || folder_write(&writing->folder, name, glsl, strlen(glsl))
                    : out_of_memory(writing);
         free(name);
