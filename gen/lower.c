@@ -155,6 +155,14 @@ static void lower_barriers(struct lowering *l, struct lowered *out)
     }
 }
 
+static void lower_groups(struct lowering *l, struct lowered *out)
+{
+    out->groups = table(l, l->from->pass_count, sizeof *out->groups);
+    for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++)
+        for (int axis = 0; axis < 3 && !pass_draws(l->from->order[p]); axis++)
+            out->groups[p][axis] = pass_groups(l->from->order[p], axis);
+}
+
 /* ---- Storage, samplers ----------------------------------------------------------------------- */
 
 static bool bound_by_layer(const struct pipeline *pipeline, const struct resource *image)
@@ -715,6 +723,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     lower_programs(&l, shaders[BACKEND_VK], &out->panel);
     lower_needs(&l, shaders[BACKEND_VK], &out->panel);
     lower_barriers(&l, out);
+    lower_groups(&l, out);
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
         lower_shaders(&l, shaders[backend], backend, out);
     return l.failed ? NULL : out;

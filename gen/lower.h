@@ -7,13 +7,25 @@
 #include "panel.h"
 #include "stages.h"
 
+/* The workgroups of a dispatch along one axis: dt_groups(of, divisor), where `of` is an expression or
+ * the axis `of_axis` of an image or of the frame. GROUPS_NUMBER: the number `divisor`. */
+enum groups_kind { GROUPS_NUMBER, GROUPS_EXPR, GROUPS_IMAGE, GROUPS_FRAME };
+struct groups {
+    enum groups_kind kind;
+    const struct expr *expr;
+    const struct resource *image;
+    int of_axis;
+    uint32_t divisor;
+};
+
 struct lowered {
     const struct model *model;
     struct dt_pipeline pipeline;  /* without extent, runs and jitter */
     struct dt_panel panel;        /* without record */
     struct dt_shaders shaders[2]; /* by enum backend */
     const struct dt_barrier *
-        *barriers; /* by pass in order of execution; pass->barrier_count of them */
+        *barriers;              /* by pass in order of execution; pass->barrier_count of them */
+    struct groups (*groups)[3]; /* of dispatches, by pass */
 };
 
 /* All tables, in the model's arena; they point into the model and the shaders' words. NULL: out of
@@ -25,16 +37,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
 bool pass_draws(const struct pass *pass);
 const struct expr *resource_size(const struct resource *resource, int axis); /* NULL: 1 */
 
-/* The workgroups of a dispatch along one axis: dt_groups(of, divisor), where `of` is an expression or
- * the axis `of_axis` of an image or of the frame. GROUPS_NUMBER: the number `divisor`. */
-enum groups_kind { GROUPS_NUMBER, GROUPS_EXPR, GROUPS_IMAGE, GROUPS_FRAME };
-struct groups {
-    enum groups_kind kind;
-    const struct expr *expr;
-    const struct resource *image;
-    int of_axis;
-    uint32_t divisor;
-};
+/* `axis`: 0 to 2. */
 struct groups pass_groups(const struct pass *pass, int axis);
 
 /* What a conditional pass clears when it does not run. pass_clears_targets: targets of a draw,

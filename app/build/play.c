@@ -18,13 +18,18 @@ static int64_t value_of(const struct expr *expr, uint32_t width, uint32_t height
     return expr && expr_eval_live(expr, width, height, live, &value) != EXPR_OK ? 0 : value;
 }
 
+static int64_t size_of(const struct resource *resource, int axis, uint32_t width, uint32_t height)
+{
+    return value_of(resource_size(resource, axis), width, height, NULL);
+}
+
 static void play_extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
                         uint32_t height, uint32_t extent[3])
 {
     const struct pipeline *plan = &tables_of(pipeline)->model->pipeline;
     int64_t size[3] = {1, 1, 1};
     for (int axis = 0; axis < 3 && resource < plan->resource_count; axis++)
-        size[axis] = value_of(resource_size(&plan->resources[resource], axis), width, height, NULL);
+        size[axis] = size_of(&plan->resources[resource], axis, width, height);
     dt_set_extent(extent, size[0], size[1], size[2]);
 }
 
@@ -61,16 +66,16 @@ static int64_t play_jitter(const struct dt_pipeline *pipeline, const void *live)
 
 static uint32_t groups_of(const struct dt_recording *r, const struct pass *pass, int axis)
 {
-    struct groups groups = pass_groups(pass, axis);
-    uint32_t extent[3];
+    const struct lowered *tables = r->panel->plan;
+    const struct groups groups = tables->groups[pass->index][axis];
     switch (groups.kind) {
     case GROUPS_NUMBER:
         return groups.divisor;
     case GROUPS_EXPR:
         return dt_groups(value_of(groups.expr, r->width, r->height, r->live), groups.divisor);
     case GROUPS_IMAGE:
-        play_extent(r->panel->pipeline, groups.image->index, r->width, r->height, extent);
-        return dt_groups(extent[groups.of_axis], groups.divisor);
+        return dt_groups(dt_size(size_of(groups.image, groups.of_axis, r->width, r->height)),
+                         groups.divisor);
     case GROUPS_FRAME:
         return dt_groups(groups.of_axis == 0 ? r->width : r->height, groups.divisor);
     }

@@ -840,6 +840,8 @@ static bool check_target(const struct dt_core *core, uint32_t pass, const struct
 static bool check_layers(const struct dt_core *core, uint32_t pass, uint32_t layers)
 {
     const struct dt_program *program = &core->panel->programs[pass];
+    if (layers == 1) /* every image has one */
+        return true;
     for (uint32_t i = 0; i < program->color_count; i++)
         if (!check_target(core, pass, &program->colors[i], layers))
             return false;
