@@ -69,6 +69,7 @@ static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, cons
     if (!VK(rt, rt->vk.ResetCommandBuffer(commands, 0), name) || /* may hold a failed recording */
         !VK(rt, rt->vk.BeginCommandBuffer(commands, &info), name))
         return false;
+    rt->bound = (struct vk_bound){0};
     vk_full_barrier(rt, commands);
     return true;
 }

@@ -535,6 +535,7 @@ static bool render(struct dt_core *core, const struct dt_frame *frame, const voi
     wait_for(rt, rt->frame_commands, BEFORE);
     if (!core->first_pass)
         begin_frame(rt, frame, live);
+    rt->bound = (struct vk_bound){0};
     bool good = dt_front_record(core, live);
     if (core->end_pass == core->pipeline->pass_count)
         return_imports(rt);

@@ -113,6 +113,13 @@ struct vk_features {
     VkPhysicalDeviceVulkan13Features vulkan13;
 };
 
+/* What the commands of a frame have set, to be set again only when it changes. Zeroed: nothing. */
+struct vk_bound {
+    const struct vk_buffer *indices; /* with the attributes of the scene */
+    VkViewport viewport;
+    VkRect2D scissor;
+};
+
 struct vk_runtime {
     struct dt_core core;       /* first member: the front casts dt_core pointers */
     struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
@@ -157,6 +164,7 @@ struct vk_runtime {
     VkQueryPool queries;       /* two per pass and slot */
 
     /* Of a frame. */
+    struct vk_bound bound;
     uint32_t barriers; /* number of barriers recorded so far */
     double record_ms;  /* CPU time of recording the last frame; NAN with an observer */
     bool fills;        /* host: the next frame first fills resources with history */

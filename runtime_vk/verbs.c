@@ -191,13 +191,16 @@ static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list
 
 /* ---- Dispatches ------------------------------------------------------------------------------ */
 
+/* Pipelines without attributes also lack their dynamic strides: afterwards they must be bound again. */
 static bool bind(void *runtime, uint32_t pass)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     const struct vk_program *program = dt_program(&rt->core, pass);
     VkPipelineBindPoint point = rt->core.pipeline->passes[pass].kind == DT_PASS_DISPATCH
                                     ? VK_PIPELINE_BIND_POINT_COMPUTE
                                     : VK_PIPELINE_BIND_POINT_GRAPHICS;
+    if (point == VK_PIPELINE_BIND_POINT_GRAPHICS && !rt->core.panel->programs[pass].attributes)
+        rt->bound.indices = NULL;
     rt->vk.CmdBindPipeline(rt->frame_commands, point, program->pipeline->handle);
     if (program->set)
         rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->pipeline->layout, 0, 1,
@@ -263,8 +266,19 @@ static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
     return info;
 }
 
-static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t layers,
-                            int32_t layer)
+static void set_area(struct vk_runtime *rt, VkViewport viewport, VkRect2D scissor)
+{
+    struct vk_bound *bound = &rt->bound;
+    if (memcmp(&bound->viewport, &viewport, sizeof viewport) == 0 &&
+        memcmp(&bound->scissor, &scissor, sizeof scissor) == 0)
+        return;
+    bound->viewport = viewport;
+    bound->scissor = scissor;
+    rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
+    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
+}
+
+static void begin_rendering(struct vk_runtime *rt, uint32_t pass, uint32_t layers, int32_t layer)
 {
     const struct dt_program *program = &rt->core.panel->programs[pass];
     VkRenderingAttachmentInfo colors[DT_MAX_COLOR_TARGETS], depth;
@@ -290,13 +304,12 @@ static void begin_rendering(const struct vk_runtime *rt, uint32_t pass, uint32_t
         .pDepthAttachment = program->depth ? &depth : NULL,
     };
     rt->vk.CmdBeginRendering(rt->frame_commands, &info);
-    rt->vk.CmdSetViewport(rt->frame_commands, 0, 1, &viewport);
-    rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
+    set_area(rt, viewport, scissor);
 }
 
 /* Begins to render into all layers, or, on a device without shaderOutputLayer, into one after the
  * other; ends what it began before. False after the last. */
-static bool next_layers(const struct vk_runtime *rt, uint32_t pass, uint32_t layers, uint32_t *done)
+static bool next_layers(struct vk_runtime *rt, uint32_t pass, uint32_t layers, uint32_t *done)
 {
     bool layered = rt->core.panel->programs[pass].layered, alone = layered && !vk_has_layers(rt);
     int32_t layer = alone ? (int32_t)*done : -1;
@@ -338,24 +351,28 @@ bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute giv
 }
 
 /* One binding for each attribute. */
-static void bind_scene(const struct vk_runtime *rt, const struct vk_buffer *indices)
+static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
 {
     VkBuffer buffers[DT_ATTRIBUTES];
     VkDeviceSize offsets[DT_ATTRIBUTES], strides[DT_ATTRIBUTES];
+    if (rt->bound.indices == indices)
+        return;
     for (int i = 0; i < DT_ATTRIBUTES; i++) {
         buffers[i] = rt->builtin.attributes[i].buffer;
         offsets[i] = rt->builtin.attributes[i].offset;
         strides[i] = rt->builtin.attributes[i].stride;
     }
-    rt->vk.CmdBindVertexBuffers2(rt->frame_commands, 0, DT_ATTRIBUTES, buffers, offsets, NULL,
-                                 strides);
+    if (!rt->bound.indices)
+        rt->vk.CmdBindVertexBuffers2(rt->frame_commands, 0, DT_ATTRIBUTES, buffers, offsets, NULL,
+                                     strides);
+    rt->bound.indices = indices;
     rt->vk.CmdBindIndexBuffer(rt->frame_commands, indices->handle, indices->offset,
                               VK_INDEX_TYPE_UINT32);
 }
 
 static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     bind_scene(rt, &rt->builtin.indices);
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, layers, 0, 0, 0);
@@ -377,7 +394,7 @@ static bool counts_from_start(const struct vk_runtime *rt, uint32_t pass,
 static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                           uint32_t arguments)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
     const struct vk_buffer *from =
         indices == DT_SCENE_INDICES ? &rt->builtin.indices : &vk_resource_at(rt, indices)->buffer;
@@ -392,7 +409,7 @@ static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_
 
 static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDraw(rt->frame_commands, 3, layers, 0, 0); /* one triangle that covers all */
     return true;
@@ -401,7 +418,7 @@ static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
                           uint32_t instances)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDraw(rt->frame_commands, vertices, instances, 0, 0);
     return true;
@@ -410,7 +427,7 @@ static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_
 static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
                                    uint32_t arguments)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, draws->offset,
@@ -423,7 +440,7 @@ static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers
 
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
-    const struct vk_runtime *rt = runtime;
+    struct vk_runtime *rt = runtime;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         continue;
     return true;

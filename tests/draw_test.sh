@@ -89,6 +89,37 @@ for backend in gl vk; do
     check "... and with other live parameters" drawn $backend 12 -4
 done
 
+# Between the passes of the last frame `render` looks at images. The frame before is recorded whole: its draws, which must set
+# their areas one after the other, are in the history.
+cat >"$work/areas.yaml" <<'EOF'
+pipeline: areas
+images:
+  kept: {format: rgba8, size: [16, 16], history: true}
+  small: {format: rgba8, size: [9, 9]}
+  picture: {format: rgba8, size: [16, 16]}
+passes:
+  - {name: show, dispatch: picture, reads: [kept], writes: [picture], shader: picture.glsl}
+  - {name: fill, draw: fullscreen, writes: [kept], shader: kept.glsl}
+  - {name: in_scissor, draw: fullscreen, scissor: [2, 3, 5, 6], updates: [kept], blend: add, shader: kept.glsl}
+  - {name: in_small, draw: fullscreen, writes: [small], shader: small.glsl}
+  - {name: in_viewport, draw: fullscreen, viewport: [4, 4, 5, 6], updates: [kept], blend: add, shader: kept.glsl}
+  - {name: in_all, draw: fullscreen, updates: [kept], blend: add, shader: kept.glsl}
+output: {display: picture}
+EOF
+echo 'void main() { picture_store(invocation().xy, kept(invocation().xy)); }' >"$work/picture.glsl"
+for target in kept small; do
+    echo "void main() { $target = vec4(0.25, gl_FragCoord.xy / 64.0, 1.0); }" >"$work/$target.glsl"
+done
+# shellcheck disable=SC2317 # called through check
+whole() {
+    local backend
+    for backend in gl vk; do
+        "$diptych" render --spec "$work/areas.yaml" --size 16x16 --frames 2 --backend "$backend" -o "$work/$backend.png" || return
+    done
+    cmp "$work/gl.png" "$work/vk.png"
+}
+check "draws of a frame that is recorded whole have their areas" whole
+
 formats=$root/tests/specs/formats.yaml
 check "formats of few bits agree, validation silent" "$diptych" compare --spec "$formats" --size 20x12 --debug --backend gl,vk,gl+glsl
 # shellcheck disable=SC2317 # called through check
