@@ -13,6 +13,7 @@ agrees() { # what pipeline scene options...
         "$diptych" compare --scene "$root/scenes/$scene.yaml" --spec "$root/templates/$pipeline.yaml" --debug "$@"
 }
 fewer=(--set clusters=4) # shaders with more take longer to compile than to run
+small=(--set rsm_size=128) # where the RSM is not the subject
 for scene in cornell atrium; do
     for pipeline in rsm ssdo deep; do
         agrees "on $scene" $pipeline $scene --size 37x23
@@ -21,21 +22,22 @@ for scene in cornell atrium; do
     agrees "on $scene" ssvp $scene --size 37x23 "${fewer[@]}"
 done
 for pipeline in rsm ssdo deep; do
-    agrees "in one pixel" $pipeline cornell --size 1x1
+    agrees "in one pixel" $pipeline cornell --size 1x1 "${small[@]}"
 done
+fewer+=("${small[@]}")
 agrees "in one pixel" clustered cornell --size 1x1 "${fewer[@]}"
 agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${fewer[@]}" --set bounces=1
 agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 64x32 "${fewer[@]}" --set bounces=0
-agrees "with 32 clusters" ssvp cornell --size 37x23 --set clusters=32
+agrees "with 32 clusters" ssvp cornell --size 37x23 "${small[@]}" --set clusters=32
 agrees "over three frames, whose clusters are seeded from the last" ssvp cornell --size 37x23 "${fewer[@]}" --frames 3
 agrees "as printed: Equation 2, no second-bounce visibility, whose passes stay for what they clear" ssvp cornell --size 37x23 \
     "${fewer[@]}" --set metrics.vpl_distance.normal_term=dot --set second_clusters=0
 
 check "instant radiosity agrees" \
-    "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 --set first_vpls=24 --debug
+    "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 "${small[@]}" --set first_vpls=24 --debug
 
 check "taa agrees while the camera moves" "$diptych" compare --scene "$cornell" --motion "$root/scenes/cornell_walk.yaml" \
-    --spec "$root/templates/taa.yaml" --size 37x23 --frames 4 --debug
+    --spec "$root/templates/taa.yaml" --size 37x23 "${small[@]}" --frames 4 --debug
 for picture in templates/pictures/ssdo.png templates/post/table.png; do
     check "post agrees on $picture" \
         "$diptych" compare --spec "$root/templates/post.yaml" --input "photo=$root/$picture" --debug
