@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Tests the README's two commands on a bare Debian: installs Debian into the folder R, clones this checkout's last commit into R,
-# and runs `./bootstrap demo` or `./bootstrap test` there. `deb` also makes the package and installs it in a second bare Debian,
+# and runs `./bootstrap demo`, `test` or `check` there. `deb` also makes the package and installs it in a second bare Debian,
 # R-user, with only the packages that users need. There it builds and runs tests/hosts/project.
 # Needs root, debootstrap, and a network. R is kept and used again.
-# usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test|deb]
+# usage: [SUITE=bookworm|trixie] [R=FOLDER] tests/fresh.sh [demo|test|check|deb]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 suite=${SUITE:-trixie} what=${1:-demo}
