@@ -104,7 +104,7 @@ def main():
     for title, options in pipelines:
         names, why = passes_of(options)
         report(bool(names), f"{title} agrees without a fault", [why] if why else [])
-        if title == "ssvp" and not os.environ.get("DIPTYCH_LONG"):   # only passes without a counterpart in rsm
+        if names and title == "ssvp" and not os.environ.get("DIPTYCH_LONG"):   # only passes without a counterpart in rsm
             names = {name: names[name] for name in SSVP_PASSES}
         for name in names:
             if names[name] in seen and not os.environ.get("DIPTYCH_LONG"):
