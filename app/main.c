@@ -40,8 +40,7 @@ static const struct verb verbs[] = {
      verb_reference, EXIT_FAILED},
     {"metrics", VERB_METRICS, "measure how far a picture is from its reference",
      "RMSE, relative MSE, PSNR and FLIP, of linear light and after tone mapping, at one "
-     "exposure;\nOpenImageIO's version of Yee's metric, which misses differences in lightness "
-     "alone.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
+     "exposure.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics, EXIT_FAILED},
     {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
      "Compares pixels where both frames show the same surface, found by casting rays. Change\n"

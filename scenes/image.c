@@ -1,5 +1,5 @@
-/* Implements image.h: writes PNG by libpng; all else is done by the OpenImageIO shim, which it finds
- * and loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
+/* Implements image.h: writes PNG by libpng; reads by the OpenImageIO shim, which it finds and
+ * loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
 #include "image.h"
 
 #include "child.h"
@@ -50,8 +50,7 @@ static void *shim_open(const struct dt_log *log)
         place++;
     void *shim = dlopen(place < PLACES ? path : SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!shim)
-        log_message(log, DT_ERROR,
-                    "cannot read or write images: " SHIM " is not beside the executable (%s)",
+        log_message(log, DT_ERROR, "cannot read images: " SHIM " is not beside the executable (%s)",
                     dlerror());
     return shim;
 }
@@ -64,8 +63,8 @@ static void *shim_function(void *shim, const char *name, const struct dt_log *lo
     return function;
 }
 
-/* OpenImageIO opens the file by its name. */
-static bool may_open(const char *path, const struct dt_log *log)
+/* Libraries open the file by its name. */
+bool image_may_open(const char *path, const struct dt_log *log)
 {
     const char *reason;
     child_opens(path);
@@ -77,7 +76,7 @@ static bool may_open(const char *path, const struct dt_log *log)
 
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
 {
-    void *shim = may_open(path, log) ? shim_open(log) : NULL;
+    void *shim = image_may_open(path, log) ? shim_open(log) : NULL;
     if (!shim)
         return false;
     image_oiio_size_fn *size = (image_oiio_size_fn *)shim_function(shim, "image_oiio_size", log);
@@ -92,7 +91,7 @@ bool image_size(const char *path, uint32_t *width, uint32_t *height, const struc
 static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                        void **texels, const struct dt_log *log)
 {
-    void *shim = may_open(path, log) ? shim_open(log) : NULL;
+    void *shim = image_may_open(path, log) ? shim_open(log) : NULL;
     if (!shim)
         return false;
     image_oiio_read_fn *read = (image_oiio_read_fn *)shim_function(shim, "image_oiio_read", log);
@@ -157,9 +156,8 @@ static bool write_png(const char *path, uint32_t width, uint32_t height, uint32_
     return good;
 }
 
-static bool image_write(const char *path, image_oiio_write_fn *write, uint32_t width,
-                        uint32_t height, uint32_t channels, const void *texels,
-                        const struct dt_log *log)
+bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32_t height,
+                 uint32_t channels, const void *texels, const struct dt_log *log)
 {
     if (width == 0 || height == 0 || channels == 0 || channels > 4) {
         log_message(log, DT_ERROR, "cannot write %s: no picture of %ux%u texels with %u channels",
@@ -187,19 +185,6 @@ bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t
                      const uint8_t *texels, const struct dt_log *log)
 {
     return image_write(path, write_png, width, height, channels, texels, log);
-}
-
-bool image_write_exr(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                     const float *texels, const struct dt_log *log)
-{
-    void *shim = shim_open(log);
-    if (!shim)
-        return false;
-    image_oiio_write_fn *write =
-        (image_oiio_write_fn *)shim_function(shim, "image_oiio_write", log);
-    bool ok = write && image_write(path, write, width, height, channels, texels, log);
-    dlclose(shim);
-    return ok;
 }
 
 bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,

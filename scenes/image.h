@@ -1,10 +1,18 @@
-/* C interface to image files. OpenImageIO reads all and writes EXR; it is loaded on first use, from a
- * shared object beside the executable, since its 260 libraries cost a third of a second. Called by scenes (textures)
- * and by the app (pictures). */
+/* C interface to image files. OpenImageIO reads them; it is loaded on first use, from a shared object
+ * beside the executable, since its 260 libraries cost a quarter of a second. Called by scenes
+ * (textures) and by the app (pictures; those of light by app/base/hdr.h). */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H
 
 #include "diptych.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Whether the file can be an image: it is regular and not too large. Tells the parent of a child
+ * (child.h) that it is read now. */
+bool image_may_open(const char *path, const struct dt_log *log);
 
 /* Reads any file that OpenImageIO knows as RGBA8, row 0 at the top, resized to width x height if
  * both are non-zero. *texels is malloc'ed, width * height * 4 bytes. Colour stays as encoded in
@@ -17,13 +25,16 @@ bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log);
 
 /* Write the whole file or nothing (temporary file, then rename). Row 0 of the array is the top of
- * the picture. */
+ * the picture. `write` makes a file of the name that it is given, or gives a reason. */
+struct image_error;
+typedef bool image_write_fn(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                            const void *texels, struct image_error *error);
+bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32_t height,
+                 uint32_t channels, const void *texels, const struct dt_log *log);
 bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
                      const uint8_t *texels, const struct dt_log *log);
-/* Linear float, EXR; channels 1, 3 or 4. */
-bool image_write_exr(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                     const float *texels, const struct dt_log *log);
-/* Reads linear float, RGBA. */
+
+/* Reads any file that OpenImageIO knows as linear float, RGBA. */
 bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
                       const struct dt_log *log);
 
@@ -34,5 +45,9 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
 bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,
                        float luminance, float field_of_view, uint64_t *failing,
                        const struct dt_log *log);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

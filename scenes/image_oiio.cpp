@@ -1,20 +1,16 @@
-/* OpenImageIO behind four C functions (image_oiio.h). Built into its own shared object, so that
+/* OpenImageIO behind three C functions (image_oiio.h). Built into its own shared object, so that
  * only programs that use image files pay for loading the library. No exception leaves this file. */
 #include "image_oiio.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "srgb.h"
 
@@ -59,14 +55,6 @@ OIIO::ImageBuf to_rgba(const OIIO::ImageBuf &image)
     int order[4] = {0, count < 3 ? 0 : 1, count < 3 ? 0 : 2, count == 2 ? 1 : count >= 4 ? 3 : one};
     float values[4] = {0, 0, 0, 1};
     return OIIO::ImageBufAlgo::channels(image, 4, order, values);
-}
-
-bool write_file(const char *path, const std::vector<unsigned char> &bytes, image_error *error)
-{
-    std::FILE *file = std::fopen(path, "wb");
-    bool good = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-    good = file && !std::fclose(file) && good;
-    return good || fail(error, std::strerror(errno));
 }
 
 } // namespace
@@ -120,35 +108,6 @@ try {
         return fail(error, image.geterror());
     *texels = bytes.release();
     return true;
-} catch (const std::exception &exception) {
-    return fail(error, exception.what());
-}
-
-extern "C" bool image_oiio_write(const char *path, uint32_t width, uint32_t height,
-                                 uint32_t channels, const void *texels, image_error *error)
-try {
-    auto output = OIIO::ImageOutput::create("openexr");
-    if (!output)
-        return fail(error, OIIO::geterror());
-    OIIO::ImageSpec spec((int)width, (int)height, (int)channels, OIIO::TypeDesc::FLOAT);
-    spec.attribute("oiio:ColorSpace", "Linear");
-    spec.attribute("oiio:UnassociatedAlpha", 1);
-    spec.attribute("compression", "zip");
-    /* By default OpenImageIO writes the current time into an EXR; equal pictures must be equal
-     * files. */
-    spec.attribute("DateTime", "");
-    /* Into memory: not every writer of OpenImageIO sees that a file cannot be written. */
-    OIIO::Filesystem::IOVecOutput memory;
-    if (!output->set_ioproxy(&memory) || !output->open(path, spec))
-        return fail(error, output->geterror());
-    if (!output->write_image(OIIO::TypeDesc::FLOAT, texels)) {
-        std::string reason = output->geterror();
-        output->close();
-        return fail(error, reason);
-    }
-    if (!output->close())
-        return fail(error, output->geterror());
-    return write_file(path, memory.buffer(), error);
 } catch (const std::exception &exception) {
     return fail(error, exception.what());
 }

@@ -25,9 +25,6 @@ typedef bool image_oiio_size_fn(const char *path, uint32_t *width, uint32_t *hei
  * are non-zero. */
 typedef bool image_oiio_read_fn(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                                 void **texels, struct image_error *error);
-/* EXR; texels are float. */
-typedef bool image_oiio_write_fn(const char *path, uint32_t width, uint32_t height,
-                                 uint32_t channels, const void *texels, struct image_error *error);
 /* Two images of linear RGB floats in 0..1; see image_compare_yee. */
 typedef bool image_oiio_yee_fn(uint32_t width, uint32_t height, const float *a, const float *b,
                                float luminance, float field_of_view, uint64_t *failing,
@@ -35,7 +32,6 @@ typedef bool image_oiio_yee_fn(uint32_t width, uint32_t height, const float *a, 
 
 image_oiio_size_fn image_oiio_size;
 image_oiio_read_fn image_oiio_read;
-image_oiio_write_fn image_oiio_write;
 image_oiio_yee_fn image_oiio_yee;
 
 #ifdef __cplusplus

@@ -12,10 +12,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <OpenEXR/ImfCRgbaFile.h>
 #include <cmocka.h>
 
 #include "app/base/console.h"
 #include "app/base/files.h"
+#include "app/base/hdr.h"
 #include "app/base/live.h"
 #include "app/base/options.h"
 #include "app/base/texels.h"
@@ -616,6 +618,99 @@ static void threads_capture_beside_each_other(void **state)
     console_close(&console);
 }
 
+/* ---- Pictures of light ----------------------------------------------------------------------- */
+
+static void light_survives_the_round_trip(void **state)
+{
+    (void)state;
+    struct ear ear = {"", 0};
+    const struct dt_log log = {hear, &ear};
+    enum { WIDTH = 5, HEIGHT = 3, MOST = 4096 };
+    float light[WIDTH * HEIGHT * 3], *rgba;
+    uint8_t bytes[2][MOST];
+    size_t sizes[2];
+    uint32_t width = 0, height = 0;
+    char path[] = "/tmp/diptych-XXXXXX.exr";
+    close(mkstemps(path, 4));
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
+        light[i] = (float)(i * i) * 1.7f - 3;
+    for (int round = 0; round < 2; round++) { /* equal files, even a second later */
+        usleep(round * 1100000);
+        assert_true(hdr_write(path, WIDTH, HEIGHT, light, &log));
+        FILE *file = fopen(path, "rb");
+        assert_non_null(file);
+        sizes[round] = fread(bytes[round], 1, MOST, file);
+        fclose(file);
+    }
+    assert_in_range(sizes[0], 1, MOST - 1);
+    assert_int_equal(sizes[0], sizes[1]);
+    assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+    assert_true(hdr_read(path, &width, &height, &rgba, &log));
+    assert_int_equal(width, WIDTH);
+    assert_int_equal(height, HEIGHT);
+    for (int i = 0; i < WIDTH * HEIGHT; i++) {
+        assert_memory_equal(rgba + 4 * i, light + 3 * i, 3 * sizeof *light);
+        assert_float_equal(rgba[4 * i + 3], 1, 0);
+    }
+    free(rgba);
+    assert_int_equal(ear.errors, 0);
+
+    assert_int_equal(truncate(path, (off_t)sizes[0] - 40), 0);
+    assert_false(hdr_read(path, &width, &height, &rgba, &log));
+    assert_non_null(strstr(ear.last, path));
+    assert_int_equal(ear.errors, 1);
+    unlink(path);
+    assert_false(hdr_write("/tmp/no/such/folder.exr", WIDTH, HEIGHT, light, &log));
+    assert_non_null(strstr(ear.last, "/tmp/no/such/folder.exr"));
+}
+
+/* Half floats with alpha in a window that does not start at zero, and grey, which OpenImageIO reads. */
+static void light_of_other_programs_is_read(void **state)
+{
+    (void)state;
+    struct ear ear = {"", 0};
+    const struct dt_log log = {hear, &ear};
+    enum { WIDTH = 2, HEIGHT = 2, X = 10, Y = -7 };
+    ImfRgba texels[HEIGHT][WIDTH];
+    for (int y = 0; y < HEIGHT; y++)
+        for (int x = 0; x < WIDTH; x++) {
+            float level = (float)(1 + x + WIDTH * y);
+            ImfFloatToHalf(level, &texels[y][x].r);
+            ImfFloatToHalf(10 * level, &texels[y][x].g);
+            ImfFloatToHalf(100 * level, &texels[y][x].b);
+            ImfFloatToHalf(level / 4, &texels[y][x].a);
+        }
+    for (int grey = 0; grey < 2; grey++) {
+        char path[] = "/tmp/diptych-XXXXXX.exr";
+        close(mkstemps(path, 4));
+        ImfHeader *header = ImfNewHeader();
+        ImfHeaderSetDataWindow(header, X, Y, X + WIDTH - 1, Y + HEIGHT - 1);
+        ImfOutputFile *file = ImfOpenOutputFile(path, header, grey ? IMF_WRITE_Y : IMF_WRITE_RGBA);
+        assert_non_null(file);
+        assert_true(ImfOutputSetFrameBuffer(file, &texels[0][0] - X - Y * WIDTH, 1, WIDTH));
+        assert_true(ImfOutputWritePixels(file, HEIGHT));
+        assert_true(ImfCloseOutputFile(file));
+        ImfDeleteHeader(header);
+        float *rgba;
+        uint32_t width, height;
+        assert_true(hdr_read(path, &width, &height, &rgba, &log));
+        assert_int_equal(width, WIDTH);
+        assert_int_equal(height, HEIGHT);
+        for (int i = 0; i < WIDTH * HEIGHT; i++) {
+            float level = (float)(1 + i), *texel = rgba + 4 * i;
+            /* OpenEXR's luminance of (1, 10, 100) with the weights of Rec. 709 */
+            float luminance = 0.2126f + 10 * 0.7152f + 100 * 0.0722f;
+            assert_float_equal(texel[0], grey ? luminance * level : level, 0.05);
+            assert_float_equal(texel[1], grey ? texel[0] : 10 * level, 0);
+            assert_float_equal(texel[2], grey ? texel[0] : 100 * level, 0);
+            assert_float_equal(texel[3], grey ? 1 : level / 4, 0);
+        }
+        free(rgba);
+        unlink(path);
+    }
+    assert_int_equal(ear.errors, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -638,6 +733,8 @@ int main(void)
         cmocka_unit_test(dumps_replace_only_dumps),
         cmocka_unit_test(mips_hold_something_once_written),
         cmocka_unit_test(threads_capture_beside_each_other),
+        cmocka_unit_test(light_survives_the_round_trip),
+        cmocka_unit_test(light_of_other_programs_is_read),
     };
     return cmocka_run_group_tests_name("app", tests, NULL, NULL);
 }

@@ -109,7 +109,7 @@ refused 1 'absent.exr' "${metrics[@]}" --test "$work/absent.exr"
 refused 1 'must be from 1 to 4096' "${metrics[@]}" --test "$work/a.exr" --pixels-per-degree 5000
 # shellcheck disable=SC2317
 no_error() {
-    "${metrics[@]}" --test "$work/a.exr" -o "$work/maps" --json "$work/metrics.json" &&
+    "${metrics[@]}" --test "$work/a.exr" --yee -o "$work/maps" --json "$work/metrics.json" &&
         [ -s "$work/maps/flip_ldr.png" ] && [ -s "$work/maps/flip_hdr.png" ] &&
         /usr/bin/python3 -c 'import json, sys
 m = json.load(open(sys.argv[1]))

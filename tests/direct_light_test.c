@@ -1,7 +1,6 @@
 /* Direct light of the rasterized pipeline against the path tracer: two ways to the same number that
  * share the scene and nothing else. Runs from the root of the project; $DIPTYCH_BUILD is the folder
  * of the executable, build without it. */
-#include "scenes/image.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -14,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
+
+#include "app/base/hdr.h"
 
 enum { SIDE = 64, CHANNELS = 4 };
 
@@ -38,7 +39,7 @@ static float *picture(const char *arguments)
     assert_int_equal(system(command), 0);
     uint32_t width, height;
     float *texels;
-    assert_true(image_read_float(path, &width, &height, &texels, &log));
+    assert_true(hdr_read(path, &width, &height, &texels, &log));
     assert_int_equal(width, SIDE);
     assert_int_equal(height, SIDE);
     unlink(path);

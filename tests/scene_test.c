@@ -655,11 +655,8 @@ static void images_survive_the_round_trip(void **state)
     struct heard heard = {{0}, ""};
     const struct dt_log log = {hear, &heard};
     uint8_t codes[5 * 3 * 4], *read_codes;
-    float light[5 * 3 * 4], *read_light;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; i++)
         codes[i] = (uint8_t)(i * 37);
-        light[i] = (float)(i * i) * 1.7f - 3;
-    }
     uint32_t width = 0, height = 0;
     assert_true(image_write_png(at("a.png"), 5, 3, 4, codes, &log));
     assert_true(image_read_rgba8(at("a.png"), &width, &height, &read_codes, &log));
@@ -667,46 +664,7 @@ static void images_survive_the_round_trip(void **state)
     assert_int_equal(height, 3);
     assert_memory_equal(read_codes, codes, sizeof codes);
     free(read_codes);
-    assert_true(image_write_exr(at("a.exr"), 5, 3, 4, light, &log));
-    assert_true(image_read_float(at("a.exr"), &width, &height, &read_light, &log));
-    assert_int_equal(width, 5);
-    assert_memory_equal(read_light, light, sizeof light);
-    free(read_light);
     assert_int_equal(heard.count[DT_ERROR], 0);
-}
-
-static size_t slurp(const char *path, uint8_t *bytes, size_t capacity)
-{
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    size_t size = fread(bytes, 1, capacity, file);
-    fclose(file);
-    return size;
-}
-
-/* OpenImageIO would put the time into an EXR, to the second. */
-static void same_picture_is_the_same_file(void **state)
-{
-    (void)state;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    const float texel[3] = {1, 2, 3};
-    const uint8_t code[3] = {1, 2, 3};
-    uint8_t before[2][4096], after[2][4096];
-    size_t sizes[2];
-    for (int round = 0; round < 2; round++) {
-        assert_true(image_write_exr(at("b.exr"), 1, 1, 3, texel, &log));
-        assert_true(image_write_png(at("b.png"), 1, 1, 3, code, &log));
-        if (round == 0) {
-            sizes[0] = slurp(at("b.exr"), before[0], sizeof before[0]);
-            sizes[1] = slurp(at("b.png"), before[1], sizeof before[1]);
-            usleep(1100000);
-        }
-    }
-    assert_int_equal(slurp(at("b.exr"), after[0], sizeof after[0]), sizes[0]);
-    assert_int_equal(slurp(at("b.png"), after[1], sizeof after[1]), sizes[1]);
-    assert_memory_equal(before[0], after[0], sizes[0]);
-    assert_memory_equal(before[1], after[1], sizes[1]);
 }
 
 static void image_errors_name_the_file(void **state)
@@ -1073,7 +1031,6 @@ int main(void)
         cmocka_unit_test(sun_view_holds_the_scene),
         cmocka_unit_test(opening_bounds_the_sun_view),
         cmocka_unit_test(images_survive_the_round_trip),
-        cmocka_unit_test(same_picture_is_the_same_file),
         cmocka_unit_test(image_errors_name_the_file),
         cmocka_unit_test(wrong_scene_files_are_told_in_one_run),
         cmocka_unit_test(wrong_choices_of_cameras_and_lights_are_told),

@@ -9,11 +9,11 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "base/hdr.h"
 #include "base/texels.h"
 #include "result/identity.h"
 #include "scenes/nearest.h"
 #include "scenes/child.h"
-#include "scenes/image.h"
 #include "scenes/npy.h"
 #include "scenes/picture_size.h"
 #include "scenes/srgb.h"
@@ -77,7 +77,7 @@ static bool write_picture(FILE *result, void *user, const struct dt_log *log)
 {
     uint32_t size[2];
     float *texels = NULL;
-    if (!image_read_float(user, &size[0], &size[1], &texels, log))
+    if (!hdr_read(user, &size[0], &size[1], &texels, log))
         return false;
     fwrite(size, sizeof size, 1, result);
     fwrite(texels, CHANNELS * sizeof *texels, (size_t)size[0] * size[1], result);

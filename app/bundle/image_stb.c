@@ -63,13 +63,6 @@ bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t 
     return read || fail(error, "out of memory");
 }
 
-bool image_oiio_write(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                      const void *texels, struct image_error *error)
-{
-    (void)path, (void)width, (void)height, (void)channels, (void)texels;
-    return fail(error, "the bundle writes PNG only");
-}
-
 bool image_oiio_yee(uint32_t width, uint32_t height, const float *a, const float *b,
                     float luminance, float field_of_view, uint64_t *failing,
                     struct image_error *error)

@@ -4,6 +4,7 @@
 #include <strings.h>
 
 #include "base/files.h"
+#include "base/hdr.h"
 #include "base/numbered.h"
 #include "base/options.h"
 #include "base/texels.h"
@@ -197,7 +198,7 @@ static bool write_picture(const struct render *render, const char *path)
     if (good) {
         console_hold(render->console);
         good = render->exr
-                   ? image_write_exr(path, picture.width, picture.height, 3, picture.linear, log)
+                   ? hdr_write(path, picture.width, picture.height, picture.linear, log)
                    : image_write_png(path, picture.width, picture.height, 3, picture.codes, log);
         console_release(render->console);
     }

@@ -9,10 +9,10 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
+#include "base/hdr.h"
 #include "base/numbered.h"
 #include "base/options.h"
 #include "run/session.h"
-#include "scenes/image.h"
 #include "truth/change.h"
 #include "truth/rays.h"
 #include "truth/tracer.h"
@@ -62,7 +62,7 @@ static bool read_picture(const struct flicker *flicker, const char *pattern, uin
     float *rgba = NULL;
     if (!path)
         report_error(log, "out of memory");
-    bool good = path && image_read_float(path, &image->width, &image->height, &rgba, log);
+    bool good = path && hdr_read(path, &image->width, &image->height, &rgba, log);
     uint64_t count = good ? (uint64_t)image->width * image->height : 0;
     for (uint64_t i = 0; i < count; i++) /* in place: three floats are less than four */
         for (uint64_t channel = 0; channel < 3; channel++)

@@ -9,6 +9,7 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
+#include "base/hdr.h"
 #include "base/numbered.h"
 #include "base/options.h"
 #include "scenes/image.h"
@@ -22,7 +23,7 @@ static const float yee_luminance = 100;
 struct measured {
     struct image_errors hdr, ldr;
     struct distribution hdr_flip, ldr_flip; /* hdr_flip: NAN where it is not measured */
-    double yee_failing;
+    double yee_failing;                     /* NAN: not measured */
 };
 enum { MEASURED_NUMBERS = sizeof(struct measured) / sizeof(double) };
 
@@ -103,7 +104,7 @@ static bool read_image(struct metrics *metrics, int which, const char *path)
     const struct dt_log *log = &metrics->console->log;
     struct rgb_image *image = &metrics->images[which];
     float *rgba = NULL;
-    if (!image_read_float(path, &image->width, &image->height, &rgba, log))
+    if (!hdr_read(path, &image->width, &image->height, &rgba, log))
         return false;
     image->texels = rgba;
     uint64_t count = (uint64_t)image->width * image->height;
@@ -184,7 +185,6 @@ static bool measure(struct metrics *metrics, struct measured *measured)
 {
     const struct rgb_image *images = metrics->images, *mapped = metrics->mapped;
     struct console *console = metrics->console;
-    uint64_t failing = 0;
     measured->hdr = image_errors_measure(&images[REFERENCE], &images[TEST]);
     measured->ldr = image_errors_measure(&mapped[REFERENCE], &mapped[TEST]);
     console_status(console, "FLIP of tone-mapped images");
@@ -199,7 +199,11 @@ static bool measure(struct metrics *metrics, struct measured *measured)
     } else {
         measured->hdr_flip = (struct distribution){NAN, NAN, NAN, NAN, NAN};
     }
+    measured->yee_failing = NAN;
+    if (!metrics->options->yee)
+        return true;
     console_status(console, "Yee's metric");
+    uint64_t failing = 0;
     bool good = image_compare_yee(mapped[0].width, mapped[0].height, mapped[REFERENCE].texels,
                                   mapped[TEST].texels, yee_luminance,
                                   (float)(mapped[0].width / metrics->pixels_per_degree), &failing,
@@ -314,9 +318,11 @@ static void add_measured(cJSON *root, const struct metrics *metrics,
 {
     cJSON *ldr = errors_json(&measured->ldr, &measured->ldr_flip);
     cJSON_AddItemToObject(root, "ldr", ldr);
-    cJSON *yee = cJSON_AddObjectToObject(ldr, "yee");
-    cJSON_AddNumberToObject(yee, "failing", measured->yee_failing);
-    cJSON_AddNumberToObject(yee, "luminance", (double)yee_luminance);
+    cJSON *yee = metrics->options->yee ? cJSON_AddObjectToObject(ldr, "yee") : NULL;
+    if (yee) {
+        cJSON_AddNumberToObject(yee, "failing", measured->yee_failing);
+        cJSON_AddNumberToObject(yee, "luminance", (double)yee_luminance);
+    }
     if (metrics->hdr)
         cJSON_AddItemToObject(root, "hdr", errors_json(&measured->hdr, &measured->hdr_flip));
     else
@@ -386,8 +392,9 @@ static void print_table(const struct metrics *metrics)
                   AT(ldr) + image_numbers[i].offset);
     print_row(metrics, "FLIP, 95th percentile", AT(hdr_flip.p95), AT(ldr_flip.p95));
     print_row(metrics, "FLIP, largest", AT(hdr_flip.most), AT(ldr_flip.most));
-    printf("\nYee: %.6g of %llu pixels can be told apart\n", metrics->mean.yee_failing,
-           (unsigned long long)count);
+    if (metrics->options->yee)
+        printf("\nYee: %.6g of %llu pixels can be told apart\n", metrics->mean.yee_failing,
+               (unsigned long long)count);
     if (metrics->mean.hdr.not_finite > 0)
         printf("left out: %.6g pixels that are NaN or Inf\n", metrics->mean.hdr.not_finite);
 }

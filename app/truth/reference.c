@@ -10,9 +10,9 @@
 #include <time.h>
 
 #include "base/files.h"
+#include "base/hdr.h"
 #include "base/options.h"
 #include "run/session.h"
-#include "scenes/image.h"
 #include "truth/tracer.h"
 
 enum { DEFAULT_SAMPLES = 256, MAX_SAMPLES = 1000000, MAX_BOUNCES = 1000 };
@@ -292,8 +292,8 @@ static bool write_results(const struct reference *reference)
     for (size_t i = 0; i < pixels * 3; i++)
         mean[i % 3] += texels[i] / (double)pixels;
     console_hold(reference->console);
-    bool good = image_write_exr(options->output, film->width, film->height, 3, texels,
-                                &reference->console->log);
+    bool good =
+        hdr_write(options->output, film->width, film->height, texels, &reference->console->log);
     console_release(reference->console);
     free(texels);
     if (good && options->json)
