@@ -1,5 +1,5 @@
-/* Implements image.h: writes PNG by libpng; reads by the OpenImageIO shim, which it finds and
- * loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
+/* Implements image.h: libpng writes PNG and reads that of 8-bit sRGB; the OpenImageIO shim, found and loaded here, reads all
+ * else. Writes files by temporary name and rename. Called by texture.c and by the app. */
 #include "image.h"
 
 #include "child.h"
@@ -74,9 +74,45 @@ bool image_may_open(const char *path, const struct dt_log *log)
     return false;
 }
 
+/* Begins to read a PNG of 8-bit sRGB by libpng's simplified interface; png_image_free(). False for
+ * all else, for damaged files, and for a size that is not the one wanted: OpenImageIO reads these,
+ * or tells why not. */
+static bool png_begin(png_image *png, const char *path, uint32_t width, uint32_t height)
+{
+    *png = (png_image){.version = PNG_IMAGE_VERSION};
+    return png_image_begin_read_from_file(png, path) && !(png->format & PNG_FORMAT_FLAG_LINEAR) &&
+           !(png->flags & PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB) &&
+           (uint64_t)png->width * png->height <= IMAGE_MOST_PIXELS &&
+           (width == 0 || (width == png->width && height == png->height));
+}
+
+static bool read_png(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels)
+{
+    png_image png;
+    uint8_t *codes = NULL;
+    bool good = png_begin(&png, path, *width, *height);
+    png.format = PNG_FORMAT_RGBA;
+    good = good && (codes = malloc(PNG_IMAGE_SIZE(png))) &&
+           png_image_finish_read(&png, NULL, codes, 0, NULL);
+    if (good)
+        *width = png.width, *height = png.height, *texels = codes;
+    else
+        free(codes);
+    png_image_free(&png);
+    return good;
+}
+
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
 {
-    void *shim = image_may_open(path, log) ? shim_open(log) : NULL;
+    if (!image_may_open(path, log))
+        return false;
+    png_image png;
+    bool is_png = png_begin(&png, path, 0, 0);
+    *width = png.width, *height = png.height;
+    png_image_free(&png);
+    if (is_png)
+        return true;
+    void *shim = shim_open(log);
     if (!shim)
         return false;
     image_oiio_size_fn *size = (image_oiio_size_fn *)shim_function(shim, "image_oiio_size", log);
@@ -91,7 +127,7 @@ bool image_size(const char *path, uint32_t *width, uint32_t *height, const struc
 static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                        void **texels, const struct dt_log *log)
 {
-    void *shim = image_may_open(path, log) ? shim_open(log) : NULL;
+    void *shim = shim_open(log);
     if (!shim)
         return false;
     image_oiio_read_fn *read = (image_oiio_read_fn *)shim_function(shim, "image_oiio_read", log);
@@ -107,6 +143,10 @@ bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8
                       const struct dt_log *log)
 {
     void *bytes = NULL;
+    if (!image_may_open(path, log))
+        return false;
+    if (read_png(path, width, height, texels))
+        return true;
     if (!image_read(path, false, width, height, &bytes, log))
         return false;
     *texels = bytes;
@@ -117,11 +157,23 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
                       const struct dt_log *log)
 {
     void *bytes = NULL;
+    uint8_t *codes;
     *width = *height = 0;
-    if (!image_read(path, true, width, height, &bytes, log))
+    if (!image_may_open(path, log))
         return false;
-    *texels = bytes;
-    return true;
+    if (!read_png(path, width, height, &codes)) {
+        bool good = image_read(path, true, width, height, &bytes, log);
+        *texels = bytes;
+        return good;
+    }
+    size_t count = (size_t)*width * *height * 4;
+    *texels = malloc(count * sizeof **texels);
+    for (size_t i = 0; i < count && *texels; i++)
+        (*texels)[i] = (float)codes[i] / 255;
+    if (!*texels)
+        log_message(log, DT_ERROR, "cannot read image %s: out of memory", path);
+    free(codes);
+    return *texels;
 }
 
 /* fsync: a full disk or a network folder may report a failed write only then. */

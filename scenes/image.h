@@ -1,5 +1,5 @@
-/* C interface to image files. OpenImageIO reads them; it is loaded on first use, from a shared object
- * beside the executable, since its 260 libraries cost a quarter of a second. Called by scenes
+/* C interface to image files. libpng writes and reads PNG. OpenImageIO reads everything else; it is loaded on first
+ * use, from a shared object beside the executable, since its 260 libraries cost a quarter of a second. Called by scenes
  * (textures) and by the app (pictures; those of light by app/base/hdr.h). */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <png.h>
 
 #include <math.h>
 #include <signal.h>
@@ -667,6 +668,45 @@ static void images_survive_the_round_trip(void **state)
     assert_int_equal(heard.count[DT_ERROR], 0);
 }
 
+/* Grey with alpha, 8-bit; and 16-bit linear, which OpenImageIO reads. */
+static void kinds_of_png_are_read(void **state)
+{
+    (void)state;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    const uint8_t grey[2 * 2] = {10, 200, 30, 40};
+    const uint8_t spread[2 * 4] = {10, 10, 10, 200, 30, 30, 30, 40};
+    const png_uint_16 deep[2 * 3] = {1, 2, 3, 40000, 50000, 65535};
+    png_image png = {.version = PNG_IMAGE_VERSION, .width = 2, .height = 1};
+    uint32_t width = 0, height = 0;
+    uint8_t *codes;
+    float *texels;
+    assert_true(image_write_png(at("grey.png"), 2, 1, 2, grey, &log));
+    assert_true(image_read_rgba8(at("grey.png"), &width, &height, &codes, &log));
+    assert_memory_equal(codes, spread, sizeof spread);
+    free(codes);
+    assert_true(image_read_float(at("grey.png"), &width, &height, &texels, &log));
+    for (int i = 0; i < 8; i++)
+        assert_float_equal(texels[i], spread[i] / 255.0f, 0);
+    free(texels);
+    width = height = 4;
+    assert_true(image_read_rgba8(at("grey.png"), &width, &height, &codes, &log)); /* resized */
+    assert_int_equal(codes[0], 10);
+    assert_int_equal(codes[4 * 15], 30);
+    free(codes);
+    png.format = PNG_FORMAT_LINEAR_RGB;
+    assert_true(png_image_write_to_file(&png, at("deep.png"), 0, deep, 0, NULL));
+    assert_true(image_read_float(at("deep.png"), &width, &height, &texels, &log));
+    assert_int_equal(width, 2);
+    for (int i = 0; i < 6; i++)
+        assert_float_equal(texels[i + i / 3], deep[i] / 65535.0f, 1e-7);
+    free(texels);
+    assert_true(image_size(at("deep.png"), &width, &height, &log));
+    assert_int_equal(width, 2);
+    assert_int_equal(height, 1);
+    assert_int_equal(heard.count[DT_ERROR], 0);
+}
+
 static void image_errors_name_the_file(void **state)
 {
     (void)state;
@@ -1031,6 +1071,7 @@ int main(void)
         cmocka_unit_test(sun_view_holds_the_scene),
         cmocka_unit_test(opening_bounds_the_sun_view),
         cmocka_unit_test(images_survive_the_round_trip),
+        cmocka_unit_test(kinds_of_png_are_read),
         cmocka_unit_test(image_errors_name_the_file),
         cmocka_unit_test(wrong_scene_files_are_told_in_one_run),
         cmocka_unit_test(wrong_choices_of_cameras_and_lights_are_told),
