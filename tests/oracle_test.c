@@ -37,6 +37,25 @@ static void render(struct dump *dump, const char *scene, const char *backend, co
     dump_render(dump, arguments);
 }
 
+/* Of each backend, in the light of a spot: rendered once for several tests. */
+static struct dump usual[2];
+
+static int render_usual(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b)
+        render(&usual[b], "spot", backends[b], "");
+    return 0;
+}
+
+static int close_usual(void **state)
+{
+    (void)state;
+    for (int b = 0; b < 2; ++b)
+        dump_close(&usual[b]);
+    return 0;
+}
+
 static const float *vec(const struct dump_entry *buffer, size_t index, const char *field)
 {
     return dump_field(buffer, index, field);
@@ -229,11 +248,10 @@ static void first_vpls_are_texels_of_the_map(void **state)
 {
     (void)state;
     for (int b = 0; b < 2; ++b) {
-        struct dump dump;
-        render(&dump, "spot", backends[b], "");
-        struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
-                          position = dump_read(&dump, NULL, "rsm_position"),
-                          triangle = dump_read(&dump, NULL, "rsm_triangle");
+        const struct dump *dump = &usual[b];
+        struct dump_entry vpls = dump_read(dump, NULL, "vpls"),
+                          position = dump_read(dump, NULL, "rsm_position"),
+                          triangle = dump_read(dump, NULL, "rsm_triangle");
         assert_int_equal(vpls.count, FIRST_VPLS);
         int lit = 0;
         for (unsigned k = 0; k < FIRST_VPLS; ++k) {
@@ -259,7 +277,6 @@ static void first_vpls_are_texels_of_the_map(void **state)
         dump_entry_free(&vpls);
         dump_entry_free(&position);
         dump_entry_free(&triangle);
-        dump_close(&dump);
     }
 }
 
@@ -445,14 +462,12 @@ static const double *cornell_albedo(const float position[3], const float normal[
 
 /* Phi_2 = rho Phi_C 4 (1 - r^2) / ((1 + r^2)^3 N), with rho from the texel under the disk point,
  * and Phi_C the sum of the members' flux. */
-static void check_second_flux(const char *backend, bool by_power)
+static void check_second_flux(const struct dump *dump, bool by_power)
 {
-    struct dump dump;
-    render(&dump, "spot", backend, by_power ? "" : "--set second_by_flux=0");
-    struct dump_entry vpls = dump_read(&dump, NULL, "vpls"),
-                      labels = dump_read(&dump, NULL, "first.labels");
-    struct dump_entry second = dump_read(&dump, NULL, "second_vpl");
-    struct dump_entry position = map_positions(&dump);
+    struct dump_entry vpls = dump_read(dump, NULL, "vpls"),
+                      labels = dump_read(dump, NULL, "first.labels");
+    struct dump_entry second = dump_read(dump, NULL, "second_vpl");
+    struct dump_entry position = map_positions(dump);
     assert_int_equal(second.count, SECOND_VPLS);
     assert_int_equal(position.width, MAP_SIZE);
     double cluster_flux[CLUSTERS][3] = {{0}}, power[CLUSTERS] = {0}, first_sum = 0, second_sum = 0;
@@ -499,15 +514,17 @@ static void check_second_flux(const char *backend, bool by_power)
     dump_entry_free(&labels);
     dump_entry_free(&second);
     dump_entry_free(&position);
-    dump_close(&dump);
 }
 
 static void second_bounce_flux_is_as_derived(void **state)
 {
     (void)state;
     for (int b = 0; b < 2; ++b) {
-        check_second_flux(backends[b], true);
-        check_second_flux(backends[b], false);
+        struct dump equal;
+        render(&equal, "spot", backends[b], "--set second_by_flux=0");
+        check_second_flux(&usual[b], true);
+        check_second_flux(&equal, false);
+        dump_close(&equal);
     }
 }
 
@@ -542,10 +559,9 @@ static void first_vpls_stand_for_the_surface_of_their_texels(void **state)
 {
     (void)state;
     for (int b = 0; b < 2; ++b) {
-        struct dump dump;
-        render(&dump, "spot", backends[b], "");
-        struct dump_entry vpls = dump_read(&dump, NULL, "vpls");
-        struct dump_entry positions = dump_read(&dump, NULL, "rsm_position");
+        const struct dump *dump = &usual[b];
+        struct dump_entry vpls = dump_read(dump, NULL, "vpls");
+        struct dump_entry positions = dump_read(dump, NULL, "rsm_position");
         int checked = 0;
         for (unsigned k = 0; k < FIRST_VPLS; ++k) {
             size_t x = (size_t)((double)k / FIRST_VPLS * RSM_SIZE);
@@ -560,7 +576,6 @@ static void first_vpls_stand_for_the_surface_of_their_texels(void **state)
         assert_true(checked > FIRST_VPLS / 4);
         dump_entry_free(&vpls);
         dump_entry_free(&positions);
-        dump_close(&dump);
     }
 }
 
@@ -808,10 +823,9 @@ static void display_is_reinhards_curve_of_radiance(void **state)
 {
     (void)state;
     for (int b = 0; b < 2; ++b) {
-        struct dump dump;
-        render(&dump, "spot", backends[b], "");
-        struct dump_entry radiance = dump_read(&dump, NULL, "radiance"),
-                          display = dump_read(&dump, NULL, "display");
+        const struct dump *dump = &usual[b];
+        struct dump_entry radiance = dump_read(dump, NULL, "radiance"),
+                          display = dump_read(dump, NULL, "display");
         double logs = 0;
         int surfaces = 0;
         for (int pass = 0; pass < 2; ++pass)
@@ -837,7 +851,6 @@ static void display_is_reinhards_curve_of_radiance(void **state)
         assert_true(surfaces > 1000);
         dump_entry_free(&radiance);
         dump_entry_free(&display);
-        dump_close(&dump);
     }
 }
 
@@ -857,5 +870,5 @@ int main(void)
         cmocka_unit_test(second_bounce_irradiance_is_the_sum_of_its_class),
         cmocka_unit_test(display_is_reinhards_curve_of_radiance),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, render_usual, close_usual);
 }
