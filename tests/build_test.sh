@@ -9,7 +9,7 @@ mkdir "$tree"
 (cd "$root" && for entry in *; do [ "$entry" = build ] || cp -a "$entry" "$tree/" || exit; done &&
     mkdir "$tree/build" && for entry in build/.ninja_* build/*; do
         case $entry in
-        build/asan | build/check | build/demo | build/tests) ;;
+        build/asan | build/barrier-audit | build/bundle | build/cache | build/check | build/demo | build/swiftshader | build/tests) ;;
         *) cp -a "$entry" "$tree/build/" || exit ;;
         esac
     done) || exit
@@ -71,14 +71,14 @@ check "... and then there is nothing to do" nothing_to_do
 sed -i 's/\(rsm_size: .*value: \)512/\1384/' templates/rsm.yaml
 check "another value of a uniform parameter changes C, though it is a size" edges 2 6 'rsm|pipelines.a' ninja
 check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
-echo 'int extra(void);' >gen/extra.c
+echo 'int extra(void);' >app/base/extra.c
 # shellcheck disable=SC2016 # the variable is ninja's
-echo 'build $obj/gen/extra.o: cc gen/extra.c' >>gen/build.ninja
-check "a new source file is one line" edges 4 28 'build/obj/gen[/.]|build/diptych|build/libdiptych_play|GENERATE' ninja
-check "... and is linked" bash -c 'ar t build/obj/gen.a | grep -Fx extra.o'
-sed -i '/extra[.]o/d' gen/build.ninja
-check "without it ..." edges 3 27 'build/obj/gen[/.]|build/diptych|build/libdiptych_play|GENERATE' ninja
-check "... it is not linked" bash -c '! ar t build/obj/gen.a | grep -Fx extra.o'
+echo 'build $obj/app/extra.o: cc app/base/extra.c' >>app/build.ninja
+check "a new source file is one line" edges 5 5 'build/obj/app[/.]|build/diptych|build/libdiptych_play' ninja
+check "... and is linked" bash -c 'ar t build/obj/app.a | grep -Fx extra.o'
+sed -i '/extra[.]o/d' app/build.ninja
+check "without it ..." edges 4 4 'build/obj/app[/.]|build/diptych|build/libdiptych_play' ninja
+check "... it is not linked" bash -c '! ar t build/obj/app.a | grep -Fx extra.o'
 touch gen/plan.h
 check "a touched header concerns those that include it" \
     edges 3 120 'build/obj/gen[/.]|build/obj/app/build[/.]|build/diptych|build/libdiptych_play|GENERATE|build/obj/pipelines[/.]' ninja -n
