@@ -17,7 +17,7 @@ SMALL = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "16x16", "--set", "
 SSVP = SMALL + ["--spec", f"{ROOT}/templates/ssvp.yaml", "--set", "tile=[2,2]", "--set", "first_vpls=16",
                 "--set", "second_vpls=16", "--set", "clusters=2", "--set", "map_size=16",
                 # the list has room for one of two maps, so no draw is empty
-                "--set", "second_clusters=2", "--set", "map_triangles=300"]
+                "--set", "second_clusters=2", "--set", "map_triangles=300", "--set", "cull_triangles=1024"]
 FEATURES = ["--scene", f"{ROOT}/scenes/cornell.yaml", "--size", "17x9", "--spec", f"{ROOT}/tests/specs/features.yaml"]
 SSVP_PASSES = ("first.kmeans", "first.map.test", "first.map.list", "first.map", "shade", "composite")
 RSM = SMALL + ["--spec", f"{ROOT}/templates/rsm.yaml", "--set", "samples=4"]

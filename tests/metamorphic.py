@@ -20,7 +20,8 @@ BACKENDS = ("gl", "vk")
 TIMEOUT = 120   # seconds for one command, most of which take less than two
 PIPELINES = {
     "ssvp": ("templates/ssvp.yaml", {"first_vpls": 24, "second_vpls": 30, "clusters": 3, "second_clusters": 2,
-                                     "kmeans_iterations": 3, "rsm_size": 32, "map_size": 32, "tile": [3, 2]}),
+                                     "kmeans_iterations": 3, "rsm_size": 32, "map_size": 32, "map_triangles": 300,
+                                     "cull_triangles": 1024, "tile": [3, 2]}),
     "rsm": ("templates/rsm.yaml", {"samples": 8, "rsm_size": 32, "tile": [3, 2]}),
     "features": ("tests/specs/features.yaml", {}),
     "mips": ("tests/specs/mips.yaml", {}),

@@ -26,7 +26,7 @@ static const double pi = 3.14159265358979323846;
  * frame. */
 #define COMMON                                                                                     \
     " --spec templates/ssvp.yaml --size 50x38 --set rsm_size=128 --set map_size=64"                \
-    " --set metrics.vpl_distance.scale=0.5 "
+    " --set map_triangles=10000 --set cull_triangles=16384 --set metrics.vpl_distance.scale=0.5 "
 static const char *const backends[] = {"gl", "vk"};
 
 static void render(struct dump *dump, const char *scene, const char *backend, const char *more)

@@ -62,7 +62,7 @@ for pipeline in templates/ssvp templates/rsm tests/specs/features; do
     name=$(basename $pipeline)
     options=()
     [ "$name" = features ] || options=("${small[@]}")
-    [ "$name" != ssvp ] || options+=(--set first_vpls=64 --set second_vpls=96 --set clusters=3 --set map_size=32)
+    [ "$name" != ssvp ] || options+=(--set first_vpls=64 --set second_vpls=96 --set clusters=3 --set map_size=32 --set map_triangles=300 --set cull_triangles=1024)
     for backend in "${backends[@]}"; do
         for threads in 1 2 8; do
             check "$name, $backend, $threads threads: $runs runs" \

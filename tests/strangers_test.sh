@@ -66,7 +66,7 @@ for driver in "${strangers[@]}"; do
     for spec in rsm ssvp ssdo taa deep clustered instant_radiosity; do
         small=(--size 160x90 --set rsm_size=128)
         case $spec in
-        ssvp) small+=(--set map_size=64 --set clusters=2 --set second_clusters=2 --set first_vpls=64 --set second_vpls=64) ;;
+        ssvp) small+=(--set map_triangles=3000 --set map_size=64 --set clusters=2 --set second_clusters=2 --set first_vpls=64 --set second_vpls=64) ;;
         clustered) small+=(--set map_size=64 --set clusters=2 --set first_vpls=64) ;;
         instant_radiosity) small+=(--set map_size=32 --set first_vpls=64) ;;
         deep | ssdo) small+=(--set samples=8) ;; # SwiftShader writes the loop out, which takes it seconds
