@@ -1,5 +1,5 @@
-/* Implements image.h: libpng writes PNG and reads that of 8-bit sRGB; the OpenImageIO shim, found and loaded here, reads all
- * else. Writes files by temporary name and rename. Called by texture.c and by the app. */
+/* Implements image.h: PNG by libpng; everything else by the OpenImageIO shim, which it finds and
+ * loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
 #include "image.h"
 
 #include "child.h"

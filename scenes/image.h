@@ -1,6 +1,7 @@
-/* C interface to image files. libpng writes and reads PNG. OpenImageIO reads everything else; it is loaded on first
- * use, from a shared object beside the executable, since its 260 libraries cost a quarter of a second. Called by scenes
- * (textures) and by the app (pictures; those of light by app/base/hdr.h). */
+/* C interface to image files. libpng writes PNG, and reads PNG of 8-bit sRGB. OpenImageIO reads
+ * everything else; it is loaded on first use, from a shared object beside the executable, since its
+ * 260 libraries cost a quarter of a second. Called by scenes (textures) and by the app (pictures;
+ * those of light by app/base/hdr.h). */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H
 
@@ -14,7 +15,7 @@ extern "C" {
  * (child.h) that it is read now. */
 bool image_may_open(const char *path, const struct dt_log *log);
 
-/* Reads any file that OpenImageIO knows as RGBA8, row 0 at the top, resized to width x height if
+/* Reads any image file as RGBA8, row 0 at the top, resized to width x height if
  * both are non-zero. *texels is malloc'ed, width * height * 4 bytes. Colour stays as encoded in
  * the file (sRGB), not premultiplied; one channel is spread over red, green and blue; alpha is
  * 255 where the file has none. */
@@ -34,7 +35,7 @@ bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32
 bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
                      const uint8_t *texels, const struct dt_log *log);
 
-/* Reads any file that OpenImageIO knows as linear float, RGBA. */
+/* Reads any image file as float, RGBA: light as it is, codes divided by their largest value. */
 bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
                       const struct dt_log *log);
 
