@@ -23,6 +23,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #define PI     3.14159265358979323846
@@ -689,11 +690,15 @@ static void kinds_of_png_are_read(void **state)
     for (int i = 0; i < 8; i++)
         assert_float_equal(texels[i], spread[i] / 255.0f, 0);
     free(texels);
+    /* Resized, by threads of OpenImageIO, beside which LeakSanitizer crashes: in a child. */
     width = height = 4;
-    assert_true(image_read_rgba8(at("grey.png"), &width, &height, &codes, &log)); /* resized */
-    assert_int_equal(codes[0], 10);
-    assert_int_equal(codes[4 * 15], 30);
-    free(codes);
+    int status;
+    pid_t child = fork();
+    if (child == 0)
+        _exit(!image_read_rgba8(at("grey.png"), &width, &height, &codes, &log) || width != 4 ||
+              codes[0] != 10 || codes[4 * 15] != 30);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
     png.format = PNG_FORMAT_LINEAR_RGB;
     assert_true(png_image_write_to_file(&png, at("deep.png"), 0, deep, 0, NULL));
     assert_true(image_read_float(at("deep.png"), &width, &height, &texels, &log));
