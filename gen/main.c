@@ -360,7 +360,8 @@ static enum status print_variations(struct generation *g)
                                    .set_count = options->sets.count,
                                    .count = (uint32_t)count,
                                    .seed = seed,
-                                   .bytes = memory << 20};
+                                   .bytes = memory << 20,
+                                   .cache = options->cache};
     if (vary(&request, &text, g->diag))
         return print_text(&text);
     text_free(&text);

@@ -97,7 +97,8 @@ struct vary_request {
     size_t set_count;
     uint32_t count;
     uint64_t seed;
-    uint64_t bytes; /* most that the resources of a variation may take together */
+    uint64_t bytes;    /* most that the resources of a variation may take together */
+    const char *cache; /* folder of compiled shaders; NULL: none */
 };
 bool vary(const struct vary_request *request, struct text *out, struct diag *diag);
 

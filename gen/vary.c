@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "plan.h"
+#include "shader_cache.h"
 
 enum { MOST_ATTEMPTS = 1000 };
 
@@ -44,7 +45,7 @@ static bool take(struct model *model, const struct draws *draws, enum depth dept
         return true;
     if (!plan_model(model, diag) || diag_error_count(diag))
         return false;
-    bool good = depth == PLANNED || shaders_compile(model, shaders, NULL, diag);
+    bool good = depth == PLANNED || shaders_compile(model, shaders, draws->cache, diag);
     shaders_free(model, shaders);
     return good;
 }
@@ -217,7 +218,9 @@ static void print(const struct model *model, const struct listing *listing, stru
 
 bool vary(const struct vary_request *request, struct text *out, struct diag *diag)
 {
-    struct draws draws = {.request = request, .arena = arena_create()};
+    struct draws draws = {.request = request,
+                          .cache = shader_cache_open(request->cache, diag),
+                          .arena = arena_create()};
     struct model model = {.arena = arena_create(), .templates_dir = request->templates_dir};
     struct listing listing = {{0}, {0}};
     struct variation variation = {.number = 0};
@@ -239,5 +242,6 @@ bool vary(const struct vary_request *request, struct text *out, struct diag *dia
     text_free(&listing.refusals);
     arena_free(model.arena);
     arena_free(draws.arena);
+    shader_cache_close(draws.cache);
     return good && !failed;
 }

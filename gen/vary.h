@@ -7,7 +7,8 @@
 /* The overrides drawn so far, "PATH=VALUE" each, and the state of the random numbers. */
 struct draws {
     const struct vary_request *request;
-    struct arena *arena; /* of the overrides */
+    struct shader_cache *cache; /* NULL: none */
+    struct arena *arena;        /* of the overrides */
     uint64_t state;
     const char **sets; /* those drawn; take() in vary.c adds those of the request */
     size_t set_count, capacity;

@@ -57,9 +57,7 @@ static char *folder_in(const char *base, const char *name)
     return NULL;
 }
 
-/* build/cache where that can be written, else the user's own cache folder, as for what is installed. NULL:
- * neither can; then there is no cache. */
-static char *cache_folder(const char *tools)
+char *pipeline_cache(const char *tools)
 {
     const char *home = getenv("HOME");
     char *own = home ? format_string("%s/.cache", home) : NULL;
@@ -82,7 +80,7 @@ static bool find(struct load *load, const struct options *options, const struct 
     if (load->spec && !load->templates)
         report_error(log, "%s: cannot be read: %s",
                      options->templates ? options->templates : "templates", strerror(errno));
-    load->cache = load->templates ? cache_folder(load->tools) : NULL;
+    load->cache = load->templates ? pipeline_cache(load->tools) : NULL;
     return load->templates;
 }
 

@@ -21,6 +21,10 @@ struct pipeline {
     uint32_t frame_size[2]; /* the only one that --input fits; 0: any */
 };
 
+/* Folder of compiled shaders: build/cache where that can be written, else the user's own cache folder, as for
+ * what is installed; free(). NULL: neither can be written, and there is no cache. */
+char *pipeline_cache(const char *tools);
+
 /* The real path of a spec, NULL: of the project's own; logged; free(). */
 char *pipeline_spec_path(const char *spec, const struct dt_log *log);
 

@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/tool.h"
 #include "build/inputs.h"
+#include "build/pipeline.h"
 #include "measure/sweep.h"
 
 enum { MOST_RUNS = 100000, DEFAULT_MEMORY = 64 };
@@ -181,6 +182,7 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
     const cJSON *sets = cJSON_GetObjectItem(options, "set"), *set;
     bool random = cJSON_HasObjectItem(options, "random");
     char *folder = tools_folder(&console->log), *templates = templates_folder(&console->log);
+    char *cache = folder ? pipeline_cache(folder) : NULL; /* the runs find their shaders there */
     char *parts[] = {
         format_string("%s/diptych-gen", folder ? folder : ""),
         format_string("--templates=%s", templates ? templates : ""),
@@ -191,7 +193,7 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
     cJSON *point =
         random ? cJSON_CreateArray() : grid_sets(cJSON_GetObjectItem(options, "grid"), 0);
     int set_count = cJSON_GetArraySize(sets) + cJSON_GetArraySize(point);
-    char **argv = calloc((size_t)set_count * 2 + 7, sizeof *argv);
+    char **argv = calloc((size_t)set_count * 2 + 9, sizeof *argv);
     size_t n = 0;
     bool good = folder && templates && argv && point;
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts) && good; i++) {
@@ -200,6 +202,10 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
     }
     if (good)
         argv[n++] = (char *)sweep_text(options, "spec");
+    if (cache && good) {
+        argv[n++] = (char *)"--cache";
+        argv[n++] = cache;
+    }
     for (set = sets->child; set && good; set = set->next) {
         argv[n++] = (char *)"--set";
         argv[n++] = set->valuestring;
@@ -217,6 +223,7 @@ static cJSON *ask_generator(struct console *console, const cJSON *options)
     cJSON_Delete(point);
     for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
         free(parts[i]);
+    free(cache);
     free(templates);
     free(folder);
     return answer;
