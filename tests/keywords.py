@@ -47,7 +47,7 @@ PASS = "  - {{name: {0}, dispatch: picture, {1}: [picture], shader: keywords.gls
 
 def spec(kind, names):
     parts = {part: "" for part in ("params", "structs", "fields", "buffers", "images")}
-    parts.update(pipeline="plain", passes=PASS.format("fill", "writes"))
+    parts.update(pipeline=f"plain_{kind}", passes=PASS.format("fill", "writes"))
     rows = "".join
     if kind == "param":
         parts["params"] = "params:\n" + rows(f"  {n}: {{value: 1.5, live: true}}\n" for n in names)
@@ -74,11 +74,12 @@ def generate(gen, templates, folder, kind, names):
                           capture_output=True, text=True, check=False)
 
 
-def compiles(folder, kind, names):
+def compiles(folder, kinds, names):
+    """One source with the headers of these names, each kind's in a folder of its own."""
     source = f"{folder}/use.{{}}"
     good = True
     compilers = [("gcc", "c", "c11"), ("g++", "cpp", "c++20")]  # C17 has C11's words, C++17 has some of C++20's
-    if kind != "pipeline" and shutil.which("x86_64-w64-mingw32-gcc"):
+    if kinds != ["pipeline"] and shutil.which("x86_64-w64-mingw32-gcc"):
         compilers.append(("x86_64-w64-mingw32-gcc", "c", "c11"))
     for compiler, suffix, standard in compilers:
         path = source.format(suffix)
@@ -86,10 +87,11 @@ def compiles(folder, kind, names):
             file.write("#ifdef _WIN32\n#include <windows.h>\n#endif\n")
             file.writelines(f'#include "{name}.h"\n' for name in names)
             file.write("int main(void) { return 0; }\n")
-        run = subprocess.run([compiler, f"-std={standard}", "-Wall", "-Werror", "-fsyntax-only", "-Itemplates/c", f"-I{folder}/{kind}", path],
+        run = subprocess.run([compiler, f"-std={standard}", "-Wall", "-Werror", "-fsyntax-only", "-Itemplates/c",
+                              *(f"-I{folder}/{kind}" for kind in kinds), path],
                              capture_output=True, text=True, check=False)
         if run.returncode:
-            print(f"{kind}, {standard}: {run.stderr[:2000]}")
+            print(f"{kinds}, {standard}: {run.stderr[:2000]}")
             good = False
     return good
 
@@ -99,7 +101,8 @@ def main():
     with open(f"{folder}/keywords.glsl", "w", encoding="utf-8") as file:
         file.write(BODY)
     good = True
-    for kind in ("param", "struct", "field", "buffer", "image", "pass"):
+    kinds = ["param", "struct", "field", "buffer", "image", "pass"]
+    for kind in kinds:
         first = generate(gen, templates, folder, kind, words())
         refused = set(re.findall(r"error: `(\w+)`", first.stderr))
         left = [word for word in words() if word not in refused]
@@ -112,8 +115,9 @@ def main():
         second = generate(gen, templates, folder, kind, left)
         if second.returncode:
             print(f"{kind}: {second.stderr[:2000]}")
-        good &= second.returncode == 0 and compiles(folder, kind, ["plain"])
+        good &= second.returncode == 0
         print(f"{kind}: {len(refused)} refused, {' '.join(left)}")
+    good = good and compiles(folder, kinds, [f"plain_{kind}" for kind in kinds])
     made = []
     for word in sorted(set(words()) - set(WINDOWS.split())):
         run = generate(gen, templates, folder, "pipeline", [word])
@@ -122,7 +126,7 @@ def main():
             good = False
         elif not run.returncode:
             made.append(word)
-    return 0 if good and made and compiles(folder, "pipeline", made) else 1
+    return 0 if good and made and compiles(folder, ["pipeline"], made) else 1
 
 
 sys.exit(main())
