@@ -8,32 +8,37 @@ gen=$build/gen
 fixed=() # newer kernels place memory where ThreadSanitizer does not expect it
 setarch -R true 2>"$work/output" && fixed=(setarch -R)
 
+flags=(-fsanitize=thread -O1 -g -Wall -Wextra -Werror -I. -Itemplates/c -Iruntime_vk -Iscenes "-I$gen/ssvp" "-I$gen/rsm" "-I$work")
 # shellcheck disable=SC2317 # called through check
+compile() { # folder source...: an object of each
+    local folder=$work/$1 source
+    shift
+    mkdir -p "$folder"
+    for source in "$@"; do
+        cc -std=c11 -D_GNU_SOURCE "${flags[@]}" -c "$source" -o "$folder/$(basename "$source" .c).o" || return
+    done
+}
+# shellcheck disable=SC2317
 build_host() {
-    cc -fsanitize=thread -std=c11 -D_GNU_SOURCE -O1 -g -Wall -Wextra -Werror -I. -Itemplates/c -Iruntime_vk -Iscenes \
-        "-I$gen/ssvp" "-I$gen/rsm" tests/hosts/host_vk.c tests/hosts/renderer_vk.c templates/c/front.c \
-        runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c \
-        "$gen"/{ssvp/ssvp,ssvp/ssvp_vk_shaders,rsm/rsm,rsm/rsm_vk_shaders}.c \
-        "$build/library/libdiptych_scene.a" -lvulkan -lpng -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/host"
+    compile both tests/hosts/renderer_vk.c templates/c/front.c \
+        runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c &&
+        compile host tests/hosts/host_vk.c "$gen"/{ssvp/ssvp,ssvp/ssvp_vk_shaders,rsm/rsm,rsm/rsm_vk_shaders}.c &&
+        cc -fsanitize=thread "$work"/{both,host}/*.o "$build/library/libdiptych_scene.a" \
+            -lvulkan -lpng -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/threads"
 }
 # shellcheck disable=SC2317
 build_inputs() {
-    local flags=(-fsanitize=thread -O1 -g -Wall -Wextra -Werror -I. -Itemplates/c -Iruntime_vk "-I$work")
-    "$build/diptych-gen" tests/hosts/lit.yaml -o "$work" || return
-    for source in tests/hosts/renderer_vk.c templates/c/front.c "$work"/lit{,_vk_shaders}.c \
-        runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c; do
-        cc -std=c11 -D_GNU_SOURCE "${flags[@]}" -c "$source" -o "$work/$(basename "$source" .c).o" || return
-    done
-    c++ -std=c++17 "${flags[@]}" tests/hosts/host_inputs_vk.cpp "$work"/*.o -lvulkan -ldl -lm -o "$work/inputs"
+    "$build/diptych-gen" tests/hosts/lit.yaml -o "$work" && compile inputs "$work"/lit{,_vk_shaders}.c &&
+        c++ -std=c++17 "${flags[@]}" tests/hosts/host_inputs_vk.cpp "$work"/{both,inputs}/*.o -lvulkan -ldl -lm -o "$work/writer"
 }
 # shellcheck disable=SC2317
 runs_in_silence() {
-    TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/host" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
+    TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/threads" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
         "$work/rsm.ppm" "$work/second.ppm" && [ ! -s "$work/output" ] && cmp "$work/ssvp.ppm" "$work/second.ppm"
 }
 # shellcheck disable=SC2317
 inputs_run_in_silence() {
-    TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/inputs" && [ ! -s "$work/output" ]
+    TSAN_OPTIONS="suppressions='$root/tests/threads.supp'" "${fixed[@]}" "$work/writer" && [ ! -s "$work/output" ]
 }
 
 echo 'int main(void) { return 0; }' >"$work/nothing.c"
