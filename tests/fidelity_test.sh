@@ -5,7 +5,7 @@
 # other errors than relative MSE are checked because that one does not show darkness. TAP. Long: more scenes.
 # shellcheck disable=SC2317 # functions are called through check
 . "$(dirname "$0")/tap.sh"
-size=160x90 samples=64 frames=3
+size=160x90 samples=16 frames=3
 commented=$work/comments
 
 truth() { # file scene first last: traced once
