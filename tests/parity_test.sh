@@ -16,11 +16,13 @@ fewer=(--set clusters=4) # shaders with more take longer to compile than to run
 small=(--set rsm_size=128) # where the RSM is not the subject
 room=(--set map_triangles=3000) # compare reads back what the lists of triangles have room for; the Cornell Box has 30
 for scene in cornell atrium; do
-    for pipeline in rsm ssdo deep; do
-        agrees "on $scene" $pipeline $scene --size 37x23
+    agrees "on $scene" rsm $scene --size 37x23
+    for pipeline in ssdo deep; do
+        agrees "on $scene" $pipeline $scene --size 37x23 "${small[@]}"
     done
-    agrees "on $scene" clustered $scene --size 37x23 "${fewer[@]}"
-    agrees "on $scene" ssvp $scene --size 37x23 "${fewer[@]}"
+    for pipeline in clustered ssvp; do
+        agrees "on $scene" $pipeline $scene --size 37x23 "${small[@]}" "${fewer[@]}"
+    done
 done
 for pipeline in rsm ssdo deep; do
     agrees "in one pixel" $pipeline cornell --size 1x1 "${small[@]}"
