@@ -231,6 +231,8 @@ static void emit_barrier(const struct c_output *c, const struct barrier *plan,
     text_add(c->out, "        {");
     c_resource(c, barrier->resource);
     text_add(c->out, ", ");
+    if (plan->alias)
+        text_add(c->out, "/* in the memory of %s */ ", plan->alias->name);
     emit_stages(c->out, barrier->from_stages);
     text_add(c->out, ", ");
     emit_accesses(c->out, barrier->from);
@@ -238,11 +240,8 @@ static void emit_barrier(const struct c_output *c, const struct barrier *plan,
     emit_stages(c->out, barrier->to_stages);
     text_add(c->out, ", ");
     emit_accesses(c->out, barrier->to);
-    text_add(c->out, ", %s, %s},", layouts[barrier->layout],
+    text_add(c->out, ", %s, %s},\n", layouts[barrier->layout],
              barrier->discard ? "DT_DISCARD" : "DT_KEEP");
-    if (plan->alias)
-        text_add(c->out, " /* in the memory of %s */", plan->alias->name);
-    text_add(c->out, "\n");
 }
 
 static void emit_barriers(const struct c_output *c, const struct pass *pass)
@@ -394,9 +393,9 @@ static void emit_body(const struct c_output *c, const struct pass *pass)
 {
     bool image = !pass_draws(pass) && pass->size == SIZE_IMAGE;
     if (pass->conditional) {
-        text_add(c->out, "    const bool runs = (");
-        c_expr(c->out, pass->when);
-        text_add(c->out, ") != 0;\n");
+        text_add(c->out, "    const bool runs = ");
+        expr_emit_c_condition(pass->when, c->out);
+        text_add(c->out, ";\n");
     }
     text_add(c->out, image ? "    uint32_t size[3];\n" : "");
     text_add(c->out, "    bool ok = ");

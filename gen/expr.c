@@ -819,6 +819,11 @@ static bool is_condition(const struct expr *expr)
     return (expr->operation >= OP_LESS && expr->operation <= OP_OR) || expr->operation == OP_NOT;
 }
 
+static bool is_flag(const struct expr *expr)
+{
+    return expr->operation == OP_NAME && expr->param && expr->param->type == DT_TYPE_BOOL;
+}
+
 static void emit_param(const struct expr *expr, enum language language, struct text *out)
 {
     const struct param *param = expr->param;
@@ -888,9 +893,27 @@ static void emit_call(const struct expr *expr, enum language language, struct te
     }
 }
 
+/* The operand that decides alone, as `a` in `a && true`; NULL: both decide. */
+static const struct expr *deciding_operand(const struct expr *expr, enum language language)
+{
+    for (int i = 0; i < 2; i++) {
+        const struct expr *operand = expr->operand[i];
+        int64_t value;
+        if (is_value(operand, language) && expr_eval(operand, 1, 1, &value) == EXPR_OK &&
+            (value != 0) == (expr->operation == OP_AND))
+            return expr->operand[1 - i];
+    }
+    return NULL;
+}
+
 static void emit_comparison(const struct expr *expr, enum language language, struct text *out)
 {
     bool logic = expr->operation == OP_AND || expr->operation == OP_OR;
+    const struct expr *deciding = logic ? deciding_operand(expr, language) : NULL;
+    if (deciding) {
+        emit_condition(deciding, language, out);
+        return;
+    }
     if (expr->operation == OP_NOT) {
         text_add(out, "!(");
         emit_condition(expr->operand[0], language, out);
@@ -913,10 +936,14 @@ static void emit_comparison(const struct expr *expr, enum language language, str
 static void emit_condition(const struct expr *expr, enum language language, struct text *out)
 {
     int64_t value;
+    while (language == LANGUAGE_C && expr->operation == OP_NAME && expr->constant)
+        expr = expr->constant->value;
     if (is_value(expr, language) && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
         text_add(out, value ? "true" : "false");
     } else if (is_condition(expr)) {
         emit_comparison(expr, language, out);
+    } else if (language == LANGUAGE_C && is_flag(expr)) {
+        text_add(out, "live->%s != 0", expr->param->name);
     } else {
         emit(expr, language, true, out);
         text_add(out, " != 0");
@@ -973,6 +1000,11 @@ static void emit(const struct expr *expr, enum language language, bool nested, s
 void expr_emit_c(const struct expr *expr, struct text *out)
 {
     emit(expr, LANGUAGE_C, false, out);
+}
+
+void expr_emit_c_condition(const struct expr *expr, struct text *out)
+{
+    emit_condition(expr, LANGUAGE_C, out);
 }
 
 void expr_emit_glsl(const struct expr *expr, struct text *out)

@@ -57,6 +57,8 @@ bool expr_mentions(const struct expr *expr, const char *name);
 /* C: baked parts as literals, frame.width as `width`, live parameters as `live->NAME`; int64_t
  * arithmetic. */
 void expr_emit_c(const struct expr *expr, struct text *out);
+/* The same as a condition: whether the value is not 0. */
+void expr_emit_c_condition(const struct expr *expr, struct text *out);
 /* GLSL int: frame.width as int(frame.width), live and uniform parameters by name. */
 void expr_emit_glsl(const struct expr *expr, struct text *out);
 

@@ -20,6 +20,8 @@ static struct param params[] = {
     {.name = "n", .type = DT_TYPE_INT, .components = 1, .value = {8}},
     {.name = "tile", .type = DT_TYPE_IVEC2, .components = 2, .value = {4, 3}},
     {.name = "live", .type = DT_TYPE_INT, .components = 1, .value = {2}, .live = true},
+    {.name = "flag", .type = DT_TYPE_BOOL, .components = 1, .value = {1}, .live = true},
+    {.name = "block", .type = DT_TYPE_INT, .components = 1, .value = {3}, .uniform = true},
     {.name = "ratio", .type = DT_TYPE_FLOAT, .components = 1, .value = {0.5}},
 };
 
@@ -34,7 +36,7 @@ static int setup(void **state)
     f->model.arena = arena_create();
     f->diag = diag_create();
     f->model.pipeline.params = params;
-    f->model.pipeline.param_count = 4;
+    f->model.pipeline.param_count = 6;
     *state = f;
     return 0;
 }
@@ -145,6 +147,10 @@ static void reach_and_text(void **state)
         {"0 && live > 1", EXPR_BAKED, "0", "0"},
         {"n == 8 || live > 1", EXPR_BAKED, "1", "1"},
         {"n == 8 ? 3 : live", EXPR_BAKED, "3", "3"},
+        {"n == 8 && live > 1", EXPR_LIVE, "((int64_t)live->live > 1)", "int(live > 1)"},
+        {"live || n < 8", EXPR_LIVE, "((int64_t)live->live != 0)", "int(live != 0)"},
+        {"n < 8 && block", EXPR_BAKED, "0", "int((false) && (block != 0))"},
+        {"n == 8 && block", EXPR_BAKED, "1", "int(block != 0)"},
         {"min(live, 3)", EXPR_LIVE, "((int64_t)live->live < 3 ? (int64_t)live->live : 3)",
          "min(live, 3)"},
         {"live && frame.height", EXPR_LIVE | EXPR_FRAME,
@@ -163,6 +169,31 @@ static void reach_and_text(void **state)
         assert_string_equal(glsl.data, cases[i].glsl);
         text_free(&c);
         text_free(&glsl);
+    }
+}
+
+static void conditions_in_c(void **state)
+{
+    static const struct {
+        const char *text, *c;
+    } cases[] = {
+        {"live", "(int64_t)live->live != 0"},
+        {"flag", "live->flag != 0"},
+        {"flag == 1", "(live->flag != 0) == 1"},
+        {"live > 1 && n > 0", "(int64_t)live->live > 1"},
+        {"live > 1 && flag", "((int64_t)live->live > 1) && (live->flag != 0)"},
+        {"!(n < 0 || flag)", "!(live->flag != 0)"},
+        {"n > 0", "true"},
+        {"n < 0 && live", "false"},
+    };
+    struct fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct text c = {0};
+        struct expr *expr = parse(f, cases[i].text);
+        assert_non_null(expr);
+        expr_emit_c_condition(expr, &c);
+        assert_string_equal(c.data, cases[i].c);
+        text_free(&c);
     }
 }
 
@@ -361,6 +392,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(faults, setup, teardown),
         cmocka_unit_test_setup_teardown(refusals, setup, teardown),
         cmocka_unit_test_setup_teardown(reach_and_text, setup, teardown),
+        cmocka_unit_test_setup_teardown(conditions_in_c, setup, teardown),
         cmocka_unit_test(nearest),
         cmocka_unit_test(growing_text),
         cmocka_unit_test(off_for_good),

@@ -68,7 +68,7 @@ static int64_t jitter(const struct dt_pipeline *pipeline, const void *live_block
 {
     const struct small_live *live = live_block;
     (void)pipeline, (void)live_block;
-    return ((live->glow != 0) != 0 ? 8 : 0);
+    return (live->glow != 0 ? 8 : 0);
 }
 
 static const struct {
@@ -364,12 +364,12 @@ static bool record_glow(const struct dt_recording *r)
     static const struct dt_barrier barriers[] = {
         {SMALL_RESOURCE_LIT, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_FRAGMENT, DT_READ_TEXTURE,
          DT_LAYOUT_READ, DT_KEEP},
-        {SMALL_RESOURCE_HALO, DT_STAGE_COMPUTE, 0, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_LAYOUT_COLOR,
-         DT_DISCARD}, /* in the memory of depth */
+        {SMALL_RESOURCE_HALO, /* in the memory of depth */ DT_STAGE_COMPUTE, 0, DT_STAGE_COLOR,
+         DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_DISCARD},
     };
     const struct dt_verbs *v = r->verbs;
     const struct small_live *live = r->live;
-    const bool runs = ((live->glow != 0)) != 0;
+    const bool runs = live->glow != 0;
     bool ok = v->begin(r->runtime, SMALL_PASS_GLOW, runs);
 
     ok = ok && v->barriers(r->runtime, SMALL_PASS_GLOW, barriers, 2);
@@ -407,8 +407,8 @@ static bool record_show(const struct dt_recording *r)
     static const struct dt_barrier barriers[] = {
         {SMALL_RESOURCE_TRAIL, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
          DT_READ_STORAGE, DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_SHOWN, DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE, DT_WRITE_STORAGE,
-         DT_LAYOUT_GENERAL, DT_DISCARD}, /* in the memory of halo */
+        {SMALL_RESOURCE_SHOWN, /* in the memory of halo */ DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE,
+         DT_WRITE_STORAGE, DT_LAYOUT_GENERAL, DT_DISCARD},
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
