@@ -819,7 +819,7 @@ static bool is_condition(const struct expr *expr)
     return (expr->operation >= OP_LESS && expr->operation <= OP_OR) || expr->operation == OP_NOT;
 }
 
-static bool is_flag(const struct expr *expr)
+static bool is_boolean_param(const struct expr *expr)
 {
     return expr->operation == OP_NAME && expr->param && expr->param->type == DT_TYPE_BOOL;
 }
@@ -936,13 +936,11 @@ static void emit_comparison(const struct expr *expr, enum language language, str
 static void emit_condition(const struct expr *expr, enum language language, struct text *out)
 {
     int64_t value;
-    while (language == LANGUAGE_C && expr->operation == OP_NAME && expr->constant)
-        expr = expr->constant->value;
     if (is_value(expr, language) && expr_eval(expr, 1, 1, &value) == EXPR_OK) {
         text_add(out, value ? "true" : "false");
     } else if (is_condition(expr)) {
         emit_comparison(expr, language, out);
-    } else if (language == LANGUAGE_C && is_flag(expr)) {
+    } else if (language == LANGUAGE_C && is_boolean_param(expr)) {
         text_add(out, "live->%s != 0", expr->param->name);
     } else {
         emit(expr, language, true, out);
