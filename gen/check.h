@@ -8,7 +8,6 @@
 struct token {
     const char *text;
     int length;
-    struct loc loc;
     /* the nearest non-space characters; before: 'a' for a word, '0' for a number; 0: none */
     char before, after;
     int depth; /* of braces */

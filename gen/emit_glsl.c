@@ -33,14 +33,18 @@ bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     if (length < 0 || (size_t)length >= sizeof word)
         return true;
     for (int part = 0; part < PART_COUNT; part++)
-        if (glsl->parts[part].data && find_word(glsl->parts[part].data, word))
+        if ((part != PART_BODY || glsl->expanded || !glsl->files) && glsl->parts[part].data &&
+            find_word(glsl->parts[part].data, word))
             return true;
-    return false;
+    for (uint32_t i = 0; i < glsl->shader->wanted_count; i++)
+        if (!strcmp(glsl->shader->wanted[i], word))
+            return true;
+    return !glsl->expanded && body_mentions(glsl->files, word);
 }
 
-void glsl_binding(const struct glsl *glsl, int binding, struct text *out)
+void glsl_binding(int binding, struct text *out)
 {
-    text_add(out, "%sbinding = %d", glsl->driver ? "" : "set = 0, ", binding);
+    text_add(out, "set = 0, binding = %d", binding);
 }
 
 /* ---- Parameters, constants, structs ---------------------------------------------------------- */
@@ -78,7 +82,7 @@ static void add_component(enum dt_type scalar, double value, struct text *out)
 static void add_block(const struct glsl *glsl, struct text *out)
 {
     text_add(out, "\nlayout(std140, ");
-    glsl_binding(glsl, glsl->pass->live_binding, out);
+    glsl_binding(glsl->pass->live_binding, out);
     text_add(out, ") uniform Live {\n");
     for (int uniform = 0; uniform < 2; uniform++)
         for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
@@ -390,13 +394,12 @@ static void add_frame_names(struct glsl *glsl)
 }
 
 /* A fullscreen draw has no vertex buffer: one triangle covers the frame. */
-static void add_fullscreen_position(const struct glsl *glsl, struct text *out)
+static void add_fullscreen_position(struct text *out)
 {
-    const char *index = glsl->driver ? "gl_VertexID" : "gl_VertexIndex";
     text_add(out,
-             "vec4 fullscreen_position()\n{\n    vec2 corner = vec2(%s << 1 & 2, %s & 2);\n"
-             "    return vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n\n",
-             index, index);
+             "vec4 fullscreen_position()\n{\n"
+             "    vec2 corner = vec2(gl_VertexIndex << 1 & 2, gl_VertexIndex & 2);\n"
+             "    return vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n\n");
 }
 
 static void add_scene_object(struct text *out)
@@ -429,7 +432,7 @@ static void add_place(struct glsl *glsl)
                                             : "gl_GlobalInvocationID");
     } else if (glsl->pass->kind == PASS_FULLSCREEN) {
         if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "fullscreen_position"))
-            add_fullscreen_position(glsl, &function);
+            add_fullscreen_position(&function);
     } else if (glsl->pass->kind == PASS_SCENE) {
         if (glsl_uses(glsl, "view"))
             text_add(&function, "View view = frame.%s;\n\n",
@@ -465,35 +468,20 @@ static void add_functions(struct glsl *glsl)
     glsl_accessors(glsl);
 }
 
-/* Whether the body may have matrices besides mat4, the only ones that specs can name. */
-static bool has_other_matrices(const struct glsl *glsl)
-{
-    static const char *const words[] = {"mat2",   "mat2x2", "mat2x3", "mat2x4",
-                                        "mat3",   "mat3x2", "mat3x3", "mat3x4",
-                                        "mat4x2", "mat4x3", "mat",    "outerProduct"};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
-        if (glsl_uses(glsl, "%s", words[i]))
-            return true;
-    return false;
-}
-
 static bool add_library(struct glsl *glsl)
 {
     static const char *const from_the_end[] = {"interleave", "metric", "disk", "hammersley",
                                                "scene"};
     struct text layout = {0};
     text_add(&layout, "std140, ");
-    glsl_binding(glsl, glsl->pass->frame_binding, &layout);
+    glsl_binding(glsl->pass->frame_binding, &layout);
     bool ok = !layout.failed;
     for (size_t i = 0; ok && i < DT_ARRAY_COUNT(from_the_end); i++)
         ok = glsl_library(glsl, from_the_end[i], layout.data);
     ok = ok && glsl_library(glsl, "frame", layout.data);
-    if (ok && !glsl->pipeline->fast) {
-        glsl_exact(glsl);
-        glsl->other_matrices = has_other_matrices(glsl);
-        ok = glsl_library(glsl, "filter", layout.data) &&
-             glsl_library(glsl, "store", layout.data) && glsl_library(glsl, "exact", layout.data);
-    }
+    if (ok && !glsl->pipeline->fast)
+        ok = glsl_library(glsl, "filter", layout.data) && glsl_library(glsl, "store", layout.data);
+    ok = ok && glsl_library(glsl, "approximate", layout.data);
     text_free(&layout);
     return ok;
 }
@@ -510,8 +498,6 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
         text_add(out, "out float gl_ClipDistance[%u];\n", glsl->pass->clip_distances);
-    if (glsl->driver && !glsl->pipeline->fast && glsl_uses(glsl, "gl_Position"))
-        text_add(out, "precise gl_Position;\n");
 }
 
 /* Whether the generator supplies the vertex shader. */
@@ -520,9 +506,17 @@ static bool makes_vertices(const struct pass *pass)
     return pass->kind == PASS_FULLSCREEN && !pass->own_vertices;
 }
 
-static void add_head(struct glsl *glsl)
+void glsl_macros(const struct glsl *glsl, struct text *out)
 {
     static const char *const stages[] = {"COMPUTE", "VERTEX", "FRAGMENT"};
+    text_add(out, "#define %s\n%s%s", stages[glsl->stage],
+             glsl->backend == BACKEND_VK ? "" /* glslang defines VULKAN */
+                                         : "#undef VULKAN\n#define OPENGL\n",
+             glsl->pipeline->fast ? "" : "#define EXACT\n");
+}
+
+static void add_head(struct glsl *glsl)
+{
     static const char *const stage_names[] = {"compute", "vertex", "fragment"};
     static const char *const subgroups[] = {"basic",     "vote",    "arithmetic",
                                             "ballot",    "shuffle", "shuffle_relative",
@@ -538,13 +532,7 @@ static void add_head(struct glsl *glsl)
         text_add(out, "#extension GL_ARB_shader_viewport_layer_array : require\n");
     for (size_t i = 0; glsl->subgroups && i < DT_ARRAY_COUNT(subgroups); i++)
         text_add(out, "#extension GL_KHR_shader_subgroup_%s : enable\n", subgroups[i]);
-    text_add(out, "#define %s\n%s%s", stages[glsl->stage],
-             glsl->backend == BACKEND_VK ? "" /* glslang defines VULKAN */
-             : glsl->driver              ? "#define OPENGL\n"
-                                         : "#undef VULKAN\n#define OPENGL\n",
-             glsl->pipeline->fast ? "" : "#define EXACT\n");
-    if (glsl->other_matrices)
-        text_add(out, "#define EXACT_MATRICES\n"); /* exact.glsl has overloads for them */
+    glsl_macros(glsl, out);
     if (glsl->stage == STAGE_IS_COMPUTE)
         text_add(out, "\nlayout(local_size_x = %u, local_size_y = %u, local_size_z = %u) in;\n",
                  pass->local[0], pass->local[1], pass->local[2]);
@@ -560,9 +548,8 @@ static void add_fullscreen_vertex(struct glsl *glsl)
 
 /* Directly before the body, so that no macro replaces a word of generated code. Names of an instance
  * are variables: a body may have one of that name itself. */
-static void add_defines(struct glsl *glsl)
+void glsl_defines(const struct glsl *glsl, struct text *out)
 {
-    struct text macros = {0};
     for (uint32_t i = 0; i < glsl->pass->define_count; i++) {
         const struct define *define = &glsl->pass->defines[i];
         int64_t value = 0;
@@ -570,42 +557,46 @@ static void add_defines(struct glsl *glsl)
             continue;
         for (uint32_t k = 0; define->param && k < glsl->pipeline->param_count; k++)
             if (!strcmp(glsl->pipeline->params[k].name, define->param))
-                text_add(&macros, "%s %s = %s;\n", glsl_type(glsl->pipeline->params[k].type),
+                text_add(out, "%s %s = %s;\n", glsl_type(glsl->pipeline->params[k].type),
                          define->name, define->param);
         if (define->param) {
             continue;
         } else if (define->word && !expr_is_literal(define->value)) {
-            text_add(&macros, "int %s = ", define->name);
-            expr_emit_glsl(define->value, &macros);
-            text_add(&macros, ";\n");
+            text_add(out, "int %s = ", define->name);
+            expr_emit_glsl(define->value, out);
+            text_add(out, ";\n");
         } else if (expr_eval(define->value, 0, 0, &value) != EXPR_OK) {
             continue;
         } else if (define->word) {
-            text_add(&macros, "const int %s = %lld;\n", define->name, (long long)value);
+            text_add(out, "const int %s = %lld;\n", define->name, (long long)value);
         } else {
-            text_add(&macros, value < 0 ? "#define %s (%lld)\n" : "#define %s %lld\n", define->name,
+            text_add(out, value < 0 ? "#define %s (%lld)\n" : "#define %s %lld\n", define->name,
                      (long long)value);
         }
     }
-    glsl_put_before(&glsl->parts[PART_BODY], &macros);
+    if (!glsl->pipeline->fast && body_mentions(glsl->pass->files, "precise"))
+        text_add(out, "#define precise /* as all operations are; glslang (12) takes no `precise` "
+                      "of global variables */\n");
+    for (uint32_t i = 0; i < glsl->shader->own_count; i++)
+        text_add(out, "#define %s body_%s /* the body has its own */\n",
+                 glsl->shader->own_names[i], glsl->shader->own_names[i]);
 }
 
 static bool add_parts(struct glsl *glsl)
 {
-    bool made = makes_vertices(glsl->pass) && glsl->stage == STAGE_IS_VERTEX;
-    if (made)
+    if (makes_vertices(glsl->pass) && glsl->stage == STAGE_IS_VERTEX) {
         add_fullscreen_vertex(glsl);
-    else if (!glsl_body(glsl) || !glsl_check_precise(glsl) || !glsl_ranges(glsl))
-        return false;
-    if (!made) {
-        if (!glsl_texels(glsl))
+    } else {
+        glsl->files = glsl->pass->files;
+        if (!glsl_body(glsl))
             return false;
-        add_defines(glsl);
+        glsl_end(glsl);
+        glsl_texels(glsl);
+        if (glsl->expanded) /* with its macros */
+            glsl->files = NULL;
+        else
+            glsl_defines(glsl, &glsl->parts[PART_DEFINES]);
     }
-    bool chooses_layer = glsl->pass->layers && glsl->stage == STAGE_IS_VERTEX;
-    if (chooses_layer && glsl->backend == BACKEND_VK)
-        glsl_choose_layer(glsl);
-    glsl->own |= chooses_layer;
     add_functions(glsl);
     glsl_resources(glsl);
     struct text *constants = &glsl->parts[PART_CONSTANTS];
@@ -642,10 +633,6 @@ static bool emit_text(struct glsl *glsl, struct text *out)
     bool ok = glsl_check_accesses(glsl) && add_parts(glsl);
     if (ok) {
         join_parts(glsl, out);
-        if (glsl->driver && !glsl->pipeline->fast) {
-            glsl_products(out, glsl->parts[PART_HEAD].length);
-            glsl_precise(out);
-        }
         ok = !out->failed;
     }
     for (int i = 0; i < PART_COUNT; i++)
@@ -662,14 +649,15 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
                         .backend = backend,
                         .stage = stage,
                         .diag = diag};
+    bool good = true;
     shader->stage = stage;
+    glsl.shader = shader;
     if (backend == BACKEND_VK) {
-        bool good = emit_text(&glsl, &shader->glsl);
+        good = emit_text(&glsl, &shader->glsl);
         shader->own = glsl.own;
-        return good;
+    } else if (shader->own && !shader->code.length) {
+        good = emit_text(&glsl, &shader->code);
     }
-    if (shader->own && !shader->code.length && !emit_text(&glsl, &shader->code))
-        return false;
-    glsl.driver = true;
-    return !model->text || emit_text(&glsl, &shader->glsl);
+    shader->files = glsl.files;
+    return good;
 }

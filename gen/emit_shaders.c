@@ -1,7 +1,7 @@
 /* NAME_gl_shaders.c and NAME_vk_shaders.c: a backend's shaders as packed SPIR-V, for OpenGL also as
  * GLSL if asked for. Not in the panel's file, because most edits change only a shader. Called by main.c. */
 #include "emit_c.h"
-#include "spirv.h"
+#include "spirv/passes.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* What the files that write GLSL share: emit_glsl.c (the stage as a whole), glsl_access.c
  * (resources and their accessors), glsl_body.c (the author's text), glsl_range.c (loops over
- * ranges), glsl_exact.c (portable arithmetic), glsl_library.c (templates/glsl).
+ * ranges), glsl_library.c (templates/glsl).
  *
  * A stage is written from its end to its beginning: the body first, then the declarations that the
  * body uses, then those that these use. So each declaration can check whether later text uses it,
@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "body_files.h"
 #include "expr.h"
 #include "stages.h"
 
@@ -23,6 +24,8 @@ enum glsl_part {
     PART_RESOURCES,
     PART_FUNCTIONS, /* accessors, samplers, metrics, interleaves */
     PART_CACHES,    /* shared memory of ranges */
+    PART_END,       /* diptych_end(): what runs behind the body's main */
+    PART_DEFINES, /* the pass's `defines`, and names that the body has of its own */
     PART_BODY,
     PART_COUNT
 };
@@ -34,10 +37,11 @@ struct glsl {
     enum backend backend;
     enum stage stage;
     struct diag *diag;
-    bool driver;         /* for OpenGL's own compiler, not for glslang */
-    bool own;            /* becomes shader.own */
-    bool subgroups;      /* glsl_body: the body has subgroup operations */
-    bool other_matrices; /* the stage may have matrices besides mat4 */
+    const struct body_files *files; /* of the body; NULL: the generator's */
+    const struct shader *shader;
+    bool own;       /* becomes shader.own */
+    bool expanded;  /* the body is behind the preprocessor: nothing is left to include */
+    bool subgroups; /* glsl_body: the body may have subgroup operations */
     struct text parts[PART_COUNT];
 };
 
@@ -45,8 +49,8 @@ struct glsl {
  * count. */
 bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
-/* "set = 0, binding = 3", or for OpenGL's compiler "binding = 3". */
-void glsl_binding(const struct glsl *glsl, int binding, struct text *out);
+/* "set = 0, binding = 3". */
+void glsl_binding(int binding, struct text *out);
 /* Puts `front` at the beginning of the part and empties `front`. */
 void glsl_put_before(struct text *part, struct text *front);
 /* Name of a type in GLSL. */
@@ -69,41 +73,32 @@ static inline bool token_is(struct token token, const char *text)
     return token.length && *token.text == *text && !strncmp(token.text, text, token.length) &&
            !text[token.length];
 }
-/* First occurrence of `word` as a whole identifier, not as a member after a dot, not in a comment;
- * NULL: none. */
-const char *find_word(const char *text, const char *word);
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
-/* glsl_body.c: the author's file with includes expanded, other stages cut out, and #line; into
- * PART_BODY. */
+/* glsl_body.c: #line and the author's file, into PART_BODY; loops over ranges are expanded. */
 bool glsl_body(struct glsl *glsl);
-/* glsl_body.c: Vulkan's vertex stage of a layered draw drops vertices of layers that are not drawn. */
-void glsl_choose_layer(struct glsl *glsl);
+/* glsl_body.c: into PART_END: colour targets are rounded; Vulkan's vertex stage of a layered draw
+ * drops vertices of layers that are not drawn. */
+void glsl_end(struct glsl *glsl);
+/* emit_glsl.c: the generator's macros of the stage, and those of the pass's `defines`. */
+void glsl_macros(const struct glsl *glsl, struct text *out);
+void glsl_defines(const struct glsl *glsl, struct text *out);
+/* glsl_messages.c: sets column and length of `loc` to the first `word` in its line; false: none. */
+bool glsl_find_in_line(struct loc *loc, const char *word, size_t length);
 /* Place in a source file of a piece of PART_BODY. */
 struct loc glsl_body_loc(const struct glsl *glsl, const char *body, size_t offset, size_t length);
 /* glsl_range.c: expands `for (Type v : range) { ... }` in PART_BODY; adds declarations to
  * PART_CACHES. */
 bool glsl_ranges(struct glsl *glsl);
-/* glsl_access.c: the scene's texel buffers are read by calls in PART_BODY. */
-bool glsl_texels(struct glsl *glsl);
+/* glsl_access.c: functions that read the scene's texel buffers, for spirv/texels.c. */
+void glsl_texels(struct glsl *glsl);
 /* glsl_access.c: into PART_FUNCTIONS and PART_RESOURCES. */
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);
 bool glsl_check_accesses(struct glsl *glsl);
 /* Statements that round the colour targets to what their formats hold; false: none needs it. */
 bool glsl_round_targets(const struct glsl *glsl, struct text *out);
-/* glsl_precise.c: rejects `precise` in the body where glslang cannot compile it. */
-bool glsl_check_precise(const struct glsl *glsl);
-/* glsl_exact.c: in all parts, calls of functions that devices round differently, and divisions,
- * become calls of templates/glsl/exact.glsl; sums and products of float literals are folded. For
- * OpenGL, operations become calls where glsl_precise cannot mark them. */
-void glsl_exact(struct glsl *glsl);
-/* glsl_product.c: makes products with matrices calls, in the text of a whole stage. head: length of
- * PART_HEAD, behind which the called functions stand. */
-void glsl_products(struct text *text, size_t head);
-/* glsl_precise.c: adds `precise` to declarations and results in the text of a whole stage. */
-void glsl_precise(struct text *text);
 /* glsl_library.c: puts the definitions of templates/glsl/NAME.glsl that the stage uses before
  * PART_LIBRARY. Replaces @layout@ in them by `layout`. */
 bool glsl_library(struct glsl *glsl, const char *name, const char *layout);

@@ -270,6 +270,8 @@ static void add_atomics(const struct glsl *glsl, const struct access *access, st
     static const char *const names[] = {"Add", "Min", "Max",      "And",
                                         "Or",  "Xor", "Exchange", "CompSwap"};
     const char *type = access->resource->format == DT_FORMAT_R32I ? "int" : "uint";
+    if (access->resource->format != DT_FORMAT_R32I && access->resource->format != DT_FORMAT_R32UI)
+        return;
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
         const char *name =
             arena_printf(glsl->model->arena, "%s_atomic%s", access_word(access), names[i]);
@@ -307,7 +309,7 @@ static bool gives_texels(const struct glsl *glsl, const struct access *access)
 /* The fields of an element of a builtin by its words, from texelFetch(NAME_texels, ...). */
 static const char *const texel_readers[BUILTIN_COUNT] = {
     [BUILTIN_VERTICES] =
-        "SceneVertex scene_vertices_at(uint i)\n{\n"
+        "SceneVertex scene_vertices_at(const uint i)\n{\n"
         "    int k = 5 * int(i);\n"
         "    uvec2 a = texelFetch(scene_vertices_texels, k).xy;\n"
         "    uvec2 b = texelFetch(scene_vertices_texels, k + 1).xy;\n"
@@ -320,81 +322,18 @@ static const char *const texel_readers[BUILTIN_COUNT] = {
         "int scene_vertices_length()\n{\n    int texels = textureSize(scene_vertices_texels);\n    "
         "return texels / 5;\n}\n\n",
     [BUILTIN_INDICES] =
-        "uint scene_indices_at(uint i)\n{\n    return texelFetch(scene_indices_texels, "
+        "uint scene_indices_at(const uint i)\n{\n    return texelFetch(scene_indices_texels, "
         "int(i)).x;\n}\n\n"
         "int scene_indices_length()\n{\n    return textureSize(scene_indices_texels);\n}\n\n",
 };
 
-/* Whether the next tokens are these; then *cursor is behind the last. */
-static bool skip_tokens(const char **cursor, const char *const *tokens, size_t count)
+void glsl_texels(struct glsl *glsl)
 {
-    const char *at = *cursor;
-    for (size_t i = 0; i < count; i++)
-        if (!token_is(token_next(&at), tokens[i]))
-            return false;
-    *cursor = at;
-    return true;
-}
-
-/* Texel buffers are read by calls: NAME[i] becomes NAME_at(uint(i)), NAME.length() NAME_length().
- * Not in macros. */
-static void call_texels(struct glsl *glsl, const char *name)
-{
-    enum { MOST_DEPTH = 64 };
-    static const char *const length[] = {".", "length", "(", ")"};
-    struct text *body = &glsl->parts[PART_BODY], out = {0};
-    bool ours[MOST_DEPTH] = {false}; /* of the open brackets */
-    int depth = 0;
-    const char *from = body->data ? body->data : "", *cursor = from;
-    struct token before = {0}, token;
-    for (; (token = token_next(&cursor)).length; before = token) {
-        const char *replaced = NULL, *end = token.text;
-        bool named = token_is(token, name) && !token_is(before, ".");
-        if (token_is(token, "]") && depth && ours[--depth]) {
-            replaced = "))";
-        } else if (token_is(token, "[") && depth < MOST_DEPTH) {
-            ours[depth++] = false;
-        } else if (named && skip_tokens(&cursor, length, DT_ARRAY_COUNT(length))) {
-            replaced = "_length()";
-            end += token.length;
-        } else if (named && depth < MOST_DEPTH && skip_tokens(&cursor, &(const char *){"["}, 1)) {
-            replaced = "_at(uint(";
-            end += token.length;
-            ours[depth++] = true;
-        }
-        if (!replaced)
-            continue;
-        text_add_bytes(&out, from, (size_t)(end - from));
-        text_add(&out, "%s", replaced);
-        from = cursor;
-    }
-    if (out.length) {
-        text_add(&out, "%s", from);
-        text_free(body);
-        *body = out;
-    }
-}
-
-bool glsl_texels(struct glsl *glsl)
-{
-    bool ok = true;
     for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        const char *name = access->name;
-        if (access->resource || !(access->kind & ACCESS_FETCH))
-            continue;
-        call_texels(glsl, name);
-        if (glsl_uses(glsl, "%s", name)) {
-            diag_error(glsl->diag, access->loc,
-                       "%s is a texel buffer: a body reads `%s[index]` and `%s.length()`, and not "
-                       "in macros",
-                       name, name, name);
-            ok = false;
-        }
-        if (glsl_uses(glsl, "%s_at", name) || glsl_uses(glsl, "%s_length", name))
+        if (!access->resource && access->kind & ACCESS_FETCH && glsl_uses(glsl, "%s", access->name))
             text_add(&glsl->parts[PART_FUNCTIONS], "%s", texel_readers[access->builtin]);
     }
-    return ok;
 }
 
 /* Whether the name is a colour target's variable in the body, so no function can have it. */
@@ -442,7 +381,7 @@ static void add_image(struct glsl *glsl, const struct access *access, struct tex
     if (!glsl_uses(glsl, "%s", variable))
         return;
     text_add(out, "layout(");
-    glsl_binding(glsl, access->binding, out);
+    glsl_binding(access->binding, out);
     if (!is_storage(access)) {
         text_add(out, ") uniform %ssampler%s%s %s;\n", names.prefix, dimension(access),
                  is_compare(access) ? "Shadow" : "", variable);
@@ -474,7 +413,7 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
         uint32_t bytes =
             buffer->block ? buffer->block : expr_value(buffer->count, 0, 0, 0) * buffer->stride;
         text_add(out, "layout(std140, ");
-        glsl_binding(glsl, access->binding, out);
+        glsl_binding(access->binding, out);
         text_add(out, ") uniform %s_quads_block {\n    uvec4 %s_quads[%u];\n};\n",
                  access_word(access), access_word(access), bytes / 16);
     }
@@ -484,7 +423,7 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
         return; /* only fragment and compute stages write */
     bool uniform = access->kind & ACCESS_UNIFORM;
     text_add(out, "layout(%s, ", uniform ? "std140" : "std430");
-    glsl_binding(glsl, access->binding, out);
+    glsl_binding(access->binding, out);
     text_add(out, ") %s %s_block {\n    %s %s[",
              uniform                     ? "uniform"
              : access->mode == MODE_READ ? "readonly buffer"
@@ -496,8 +435,6 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
     else if (uniform && expr_eval(buffer->count, 0, 0, &count) == EXPR_OK)
         text_add(out, "%lld", (long long)count);
     text_add(out, "];\n};\n");
-    if (glsl->driver && !glsl->pipeline->fast && access->mode != MODE_READ)
-        text_add(out, "precise %s;\n", access_word(access));
 }
 
 /* kind: of the access to it. */
@@ -514,15 +451,14 @@ static void add_builtin(struct glsl *glsl, int builtin, unsigned kind, int bindi
         if (!glsl_uses(glsl, "%s_texels", names[builtin]))
             return;
         text_add(out, "layout(");
-        glsl_binding(glsl, binding, out);
+        glsl_binding(binding, out);
         text_add(out, ") uniform usamplerBuffer %s_texels;\n", names[builtin]);
-        return;
     }
     if (!glsl_uses(glsl, "%s", names[builtin]))
         return;
     bool uniform = kind & ACCESS_UNIFORM;
     text_add(out, "layout(%s", uniform ? "std140, " : elements[builtin] ? "std430, " : "");
-    glsl_binding(glsl, binding, out);
+    glsl_binding(binding, out);
     if (uniform)
         text_add(out, ") uniform %s_block {\n    %s %s[%d];\n};\n", names[builtin],
                  elements[builtin], names[builtin], DT_MAX_MATERIALS);

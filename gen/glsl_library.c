@@ -56,31 +56,6 @@ struct token token_next(const char **cursor)
     return (struct token){at, (size_t)(end - at)};
 }
 
-static bool in_comment(const char *text, const char *at)
-{
-    for (const char *c = at; c > text && c[-1] != '\n'; c--)
-        if (c[0] == '/' && c[-1] == '/')
-            return true;
-    for (const char *c = at; c > text; c--) {
-        if (c[-1] == '*' && c[0] == '/')
-            return false;
-        if (c[-1] == '/' && c[0] == '*')
-            return true;
-    }
-    return false;
-}
-
-const char *find_word(const char *text, const char *word)
-{
-    size_t length = strlen(word);
-    for (const char *at = text; at && length && (at = strstr(at, word)); at += length) {
-        bool starts = at == text || (!is_word(at[-1]) && at[-1] != '.');
-        if (starts && !is_word(at[length]) && !in_comment(text, at))
-            return at;
-    }
-    return NULL;
-}
-
 /* ---- Files ----------------------------------------------------------------------------------- */
 
 const struct source *glsl_source(struct model *model, const char *path)

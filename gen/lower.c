@@ -6,7 +6,7 @@
 
 #include "expr.h"
 #include "plan.h"
-#include "spirv.h"
+#include "spirv/passes.h"
 
 struct lowering {
     const struct pipeline *from;

@@ -287,6 +287,7 @@ struct pass {
     const char *more;   /* a second file, which follows; NULL: none */
     struct loc shader_loc;
     const struct source *body; /* check: the file, read once */
+    const struct body_files *files; /* check: it and what it may include */
     const char *limit;         /* C file with the same work for the CPU, path; NULL: none */
     struct loc limit_loc;
     const struct source *limit_body; /* check */

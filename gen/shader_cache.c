@@ -4,6 +4,8 @@
  * foreign file is a miss, and is replaced. Called by shaders.c. */
 #include "shader_cache.h"
 
+#include "body_files.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -16,8 +18,8 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-/* Raise after a change of the SPIR-V that spirv.c or loops.c write. */
-enum { REWRITING = 2 };
+/* Raise after a change of the SPIR-V that the passes of gen/spirv write. */
+enum { REWRITING = 3 };
 enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 
@@ -77,6 +79,18 @@ static bool is_same_text(const char *a, size_t a_length, const char *b, size_t b
     return a == a_end && b == b_end;
 }
 
+/* Whether two shaders include the same files. */
+static bool is_same_files(const struct body_files *a, const struct body_files *b)
+{
+    uint32_t count = a ? a->count : 1;
+    if (count != (b ? b->count : 1))
+        return false;
+    for (uint32_t i = 1; i < count; i++)
+        if (a->list[i].source != b->list[i].source)
+            return false;
+    return true;
+}
+
 struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage)
 {
     const struct text *code = shader_code(&shaders[pass].stage[stage]);
@@ -84,6 +98,7 @@ struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, en
     for (uint32_t i = 0; i < pass; i++) {
         const struct text *other = shader_code(&shaders[i].stage[stage]);
         if (other->length && shaders[i].stage[stage].own == shaders[pass].stage[stage].own &&
+            is_same_files(shaders[i].stage[stage].files, shaders[pass].stage[stage].files) &&
             is_same_text(other->data, other->length, code->data, code->length))
             return (struct shader *)&shaders[i].stage[stage];
     }
@@ -123,6 +138,10 @@ static bool name_of(char name[NAME_SIZE], uint64_t *seed, const struct model *mo
     XXH3_128bits_update(state, kind, sizeof kind);
     XXH3_128bits_update(state, tools, strlen(tools));
     hash_text(state, shader_code(shader));
+    for (uint32_t i = 1; shader->files && i < shader->files->count; i++) {
+        const struct body_file *file = &shader->files->list[i];
+        XXH3_128bits_update(state, file->source->text, file->source->length + 1);
+    }
     XXH128_hash_t hash = XXH3_128bits_digest(state);
     XXH3_freeState(state);
     snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", (uint64_t)hash.high64,

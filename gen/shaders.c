@@ -3,7 +3,7 @@
  * Meanwhile others compile the shaders that are not in the cache. Most of OpenGL's are made of
  * Vulkan's, which takes no time: their GLSL is for people, and for drivers that take text. */
 #include "shader_cache.h"
-#include "spirv.h"
+#include "spirv/cross.h"
 #include "watchdog.h"
 
 #include <pthread.h>
@@ -60,7 +60,7 @@ static void *compile_some(void *user)
         snprintf(label, sizeof label, "%s (%s:%d: %s)", job->pass->name,
                  job->pass->shader_loc.source->path, job->pass->shader_loc.line, job->pass->shader);
         watchdog_begin(label);
-        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, NULL);
+        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, NULL, NULL);
         watchdog_end(label);
     }
     return NULL;
@@ -140,19 +140,37 @@ static bool copy_twin(struct shader *shader, const struct shader *twin)
     return true;
 }
 
+/* Compiles a failed shader again, with what its messages teach; reports the last ones. */
+static bool compile_again(struct model *model, const struct job *job, struct diag *diag)
+{
+    struct shader *shader = job->shader;
+    for (;;) {
+        char *log = NULL;
+        free(shader->words);
+        shader->words = NULL;
+        bool done = spirv_compile(model, job->pass, job->backend, shader, &log, diag);
+        bool again = !done && log && glsl_adapt(model, job->pass, shader, log);
+        if (!done && !again && log)
+            glsl_report(model, job->pass, log, diag);
+        free(log);
+        if (!again)
+            return done;
+        text_free(job->backend == BACKEND_VK ? &shader->glsl : &shader->code);
+        if (!emit_glsl(model, job->pass, job->backend, shader->stage, shader, diag))
+            return false;
+    }
+}
+
 /* Compiles failed shaders again on this thread, so that their messages come in order. */
-static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *diag)
+static bool compile(struct model *model, struct jobs *jobs, struct shader_cache *cache,
+                    struct diag *diag)
 {
     bool good = true;
     compile_rest(jobs);
     for (uint32_t i = 0; i < jobs->count; i++) {
         struct job *job = &jobs->list[i];
-        bool done = job->done || (job->twin && copy_twin(job->shader, job->twin));
-        if (!done) {
-            free(job->shader->words);
-            job->shader->words = NULL;
-            done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, diag);
-        }
+        bool done = job->done || (job->twin && copy_twin(job->shader, job->twin)) ||
+                    compile_again(model, job, diag);
         if (done && !job->twin)
             shader_cache_add(cache, jobs->model, job->backend, job->shader);
         good &= done;
@@ -161,19 +179,39 @@ static bool compile(struct jobs *jobs, struct shader_cache *cache, struct diag *
 }
 
 /* OpenGL's shaders that are not their own. */
-static bool derive(struct pass_shaders *shaders[2], uint32_t pass_count)
+static bool derive(const struct model *model, struct pass_shaders *shaders[2])
 {
-    for (uint32_t i = 0; i < pass_count; i++)
+    for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++) {
             const struct shader *vulkan = &shaders[BACKEND_VK][i].stage[stage];
             struct shader *opengl = &shaders[BACKEND_GL][i].stage[stage];
             if (!vulkan->words || opengl->own)
                 continue;
-            if (!copy_twin(opengl, vulkan))
+            if (!copy_twin(opengl, vulkan) ||
+                !spirv_make_opengl(model->pipeline.order[i], opengl))
                 return false;
-            opengl->word_count = spirv_for_opengl(opengl->words, opengl->word_count);
         }
     return true;
+}
+
+/* OpenGL's GLSL text of every shader. */
+static bool write_text(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
+{
+    bool good = true;
+    for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
+        for (int stage = 0; stage < 3; stage++) {
+            struct shader *shader = &shaders[i].stage[stage];
+            char *why = NULL;
+            if (!shader->word_count ||
+                spirv_cross(shader->words, shader->word_count, &shader->glsl, &why))
+                continue;
+            const struct pass *pass = model->pipeline.order[i];
+            diag_error(diag, pass->shader_loc, "pass %s has no GLSL text for OpenGL: %s", pass->name,
+                       why ? why : "out of memory");
+            free(why);
+            good = false;
+        }
+    return good;
 }
 
 /* Whether a resource that the pass writes has the contract `exact`. */
@@ -219,11 +257,15 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
                 &jobs, diag);
     }
     if (jobs.count)
-        good &= compile(&jobs, cache, diag);
-    if (good && !derive(shaders, count)) {
+        good &= compile(model, &jobs, cache, diag);
+    if (good && !derive(model, shaders)) {
         diag_error(diag, (struct loc){0}, "out of memory");
         good = false;
     }
+    if (good)
+        check_listed(model, shaders[BACKEND_VK], diag);
+    if (good && model->text)
+        good = write_text(model, shaders[BACKEND_GL], diag);
     free(jobs.list);
     if (model->pipeline.fast && model->prove)
         diag_error(diag, model->pipeline.loc,

@@ -26,8 +26,13 @@ struct shader { /* one compiled stage of one pass for one backend */
     struct text glsl; /* complete, readable source; OpenGL's with model->text alone */
     bool own;         /* does something else than the other backend's, not only by other names */
     struct text code; /* OpenGL's if `own`: for glslang, so in Vulkan's GLSL */
-    uint32_t *words;  /* SPIR-V; free() */
+    const struct body_files *files; /* that the text may include; NULL: none */
+    uint32_t *words;                /* SPIR-V; free() */
     size_t word_count;
+    /* glsl_adapt: names that the body declares although the generator or GLSL has them, and names
+     * to declare that no file has as a word */
+    const char *const *own_names, *const *wanted;
+    uint32_t own_count, wanted_count;
 };
 /* What glslang compiles. */
 static inline const struct text *shader_code(const struct shader *shader)
@@ -40,23 +45,31 @@ static inline const struct text *shader_code(const struct shader *shader)
  * model->glsl_sources; changes nothing else in the model. */
 bool emit_glsl(struct model *model, const struct pass *pass, enum backend backend, enum stage stage,
                struct shader *shader, struct diag *diag);
-/* spirv.c: GLSL -> SPIR-V (glslang), NoContraction on all float arithmetic unless pipeline->fast; then
- * spirv-val (SPIRV-Tools). Errors of glslang are reported at the line of the body file. After
- * spirv_init has returned true, spirv_compile may run on several threads, also beside emit_glsl, each
- * with a diag of its own; NULL: errors are not reported. */
+/* spirv/compile.c: GLSL -> SPIR-V (glslang), the passes of gen/spirv, then
+ * spirv-val (SPIRV-Tools). *log: the messages of glslang, for glsl_adapt and glsl_report; free();
+ * log, and diag for other errors, may be NULL. After spirv_init has returned true, spirv_compile may
+ * run on several threads, also beside emit_glsl. */
 bool spirv_init(void);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
-                   struct shader *shader, struct diag *diag);
+                   struct shader *shader, char **log, struct diag *diag);
+/* Makes the words of a compiled shader OpenGL's. */
+bool spirv_make_opengl(const struct pass *pass, struct shader *shader);
 /* The same file: reports each open operation of a compiled shader (prove.h) at its place in the
  * body. Without model->prove, only those that are wrong. */
 void spirv_prove(const struct model *model, const struct pass *pass, const struct shader *shader,
                  struct diag *diag);
 
-/* flops.c: lower bound of the float operations of one invocation that does not return early. Counts
+/* spirv/flops.c: lower bound of the float operations of one invocation that does not return early. Counts
  * loops as often as constants and parameters say, else once (spirv_iterations); the cheapest other
  * branches; called functions. An instruction on n numbers counts n. False when out of memory. */
 struct parameter_values;
+/* glsl_messages.c: takes in from the messages of a failed shader what emit_glsl can do better: see
+ * struct shader. False: nothing new. */
+bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *shader,
+                const char *log);
+/* The same file: reports the messages. */
+void glsl_report(struct model *model, const struct pass *pass, const char *log, struct diag *diag);
 bool count_flops(const struct shader *shader, const struct parameter_values *parameters,
                  uint64_t *flops);
 
@@ -65,6 +78,8 @@ bool count_flops(const struct shader *shader, const struct parameter_values *par
 struct pass_shaders {
     struct shader stage[3];
 };
+/* unused.c: warns about names that passes list and their shaders, Vulkan's, do not use. */
+void check_listed(const struct model *model, const struct pass_shaders *shaders, struct diag *diag);
 struct shader_cache;
 /* shaders.c: every stage of every pass for both backends, with emit_glsl and spirv_compile. `cache`
  * may be NULL. Call shaders_free also after a failure. */

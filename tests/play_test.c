@@ -14,7 +14,7 @@
 
 #include "build/play.h"
 #include "gen/load.h"
-#include "gen/spirv.h"
+#include "gen/spirv/passes.h"
 #include "recorder.h"
 
 #define EACH_SPEC(X)                                                                               \

@@ -11,7 +11,7 @@
 #include <glslang/Include/glslang_c_interface.h>
 #include <glslang/Public/resource_limits_c.h>
 
-#include "prove.h"
+#include "spirv/prove.h"
 
 static const char compute[] = "#version 460\n"
                               "layout(local_size_x = 1) in;\n"
@@ -183,8 +183,11 @@ static void prove(const char *shader, glslang_stage_t stage, const struct row *r
     glslang_program_SPIRV_generate(program, stage);
     const uint32_t *words = glslang_program_SPIRV_get_ptr(program);
     size_t size = glslang_program_SPIRV_get_size(program);
-    assert_true(prove_module(words, size, take, (void *)row));
-    assert_true(prove_module(words, size, count, &found));
+    struct spirv module;
+    assert_true(spirv_open(&module, words, size));
+    assert_true(prove_module(&module, take, (void *)row));
+    assert_true(prove_module(&module, count, &found));
+    spirv_free(&module);
     if (!found != !row->word)
         fail_msg("%s: found nothing", row->statement);
     glslang_program_delete(program);

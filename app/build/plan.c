@@ -10,7 +10,9 @@
 #include "base/files.h"
 #include "base/tool.h"
 #include "build/play.h"
+#include "gen/body_files.h"
 #include "gen/load.h"
+#include "gen/spirv/cross.h"
 
 struct plan {
     struct spec spec;
@@ -92,15 +94,12 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count)
 
 bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl)
 {
-    struct model *model = &plan->spec.model;
     struct shader *shader = &plan->spec.shaders[backend_of(backend)][pass].stage[stage];
     bool good = true;
     if (shader->word_count && !shader->glsl.length) { /* loaded without OpenGL's text */
-        const struct pass *emitted = model->pipeline.order[pass];
-        struct diag *diag = diag_create();
-        model->text = true;
-        good = diag && emit_glsl(model, emitted, BACKEND_GL, shader->stage, shader, diag);
-        diag_free(diag);
+        char *why = NULL;
+        good = spirv_cross(shader->words, shader->word_count, &shader->glsl, &why);
+        free(why);
     }
     *glsl = shader->glsl.data;
     return good;
@@ -220,6 +219,8 @@ uint64_t plan_hash(const struct plan *plan)
                 /* OpenGL's text, which not every plan has, follows from these */
                 const struct text *code = backend == BACKEND_GL ? &shader->code : &shader->glsl;
                 text_add_bytes(&text, code->data ? code->data : "", code->length);
+                for (uint32_t k = 1; shader->files && k < shader->files->count; k++)
+                    text_add(&text, "%s", shader->files->list[k].code);
             }
     uint64_t hash = text.failed ? 0 : XXH3_64bits(text.data, text.length);
     for (uint32_t i = 0; hash && i < spec->model.pipeline.resource_count; i++)

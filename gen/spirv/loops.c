@@ -1,10 +1,9 @@
 /* Marks the loops that drivers must not unroll. CPU drivers unroll every short loop of constant
  * length. With many operations per iteration, that multiplies the compile time but does not shorten
  * the frame. Called by spirv.c with a finished module. */
-#include "spirv.h"
+#include "passes.h"
 
 #include <spirv/unified1/spirv.h>
-#include <stdlib.h>
 
 /* LONG_TURN: fewest operations per iteration of a marked loop. READ: operations that reading a
  * number counts as, because a CPU reads lane by lane. With these, Mesa 22.3 and LLVM 15 compile the
@@ -13,14 +12,8 @@
 enum { LONG_TURN = 80, READ = 8 };
 enum { MAX_CALLS = 16 }; /* GLSL has no recursion; a limit for broken modules */
 
-struct module {
-    uint32_t *words;
-    size_t count;
-    const uint32_t *definitions;
-};
-
 /* Number of scalars in a value of the type. */
-static uint32_t numbers_in(const struct module *m, uint32_t type)
+static uint32_t numbers_in(const struct spirv *m, uint32_t type)
 {
     const uint32_t *declared = m->words + m->definitions[type];
     uint32_t sum = 0;
@@ -34,7 +27,7 @@ static uint32_t numbers_in(const struct module *m, uint32_t type)
 }
 
 /* Whether a pointer leads to memory that invocations share. */
-static bool is_shared(const struct module *m, uint32_t pointer)
+static bool is_shared(const struct spirv *m, uint32_t pointer)
 {
     const uint32_t *type = m->words + m->definitions[m->words[m->definitions[pointer] + 1]];
     return type[2] == SpvStorageClassUniform || type[2] == SpvStorageClassStorageBuffer ||
@@ -43,7 +36,7 @@ static bool is_shared(const struct module *m, uint32_t pointer)
 
 /* Instructions that only move data count as nothing: they differ between the SPIR-V versions of the
  * backends, and both backends must mark the same loops. */
-static uint32_t operations_of(const struct module *m, const uint32_t *instruction)
+static uint32_t operations_of(const struct spirv *m, const uint32_t *instruction)
 {
     uint32_t opcode = *instruction & 0xffff;
     if ((opcode == SpvOpLoad && is_shared(m, instruction[3])) ||
@@ -54,7 +47,7 @@ static uint32_t operations_of(const struct module *m, const uint32_t *instructio
     return computes ? numbers_in(m, instruction[1]) : 0;
 }
 
-static size_t function_end(const struct module *m, size_t at)
+static size_t function_end(const struct spirv *m, size_t at)
 {
     while (!spirv_is(m->words + at, SpvOpFunctionEnd))
         at += m->words[at] >> 16;
@@ -62,7 +55,7 @@ static size_t function_end(const struct module *m, size_t at)
 }
 
 /* Operations between two instructions, with called functions; a loop counts as one iteration. */
-static uint64_t operations_in(const struct module *m, size_t from, size_t to, uint32_t calls)
+static uint64_t operations_in(const struct spirv *m, size_t from, size_t to, uint32_t calls)
 {
     uint64_t sum = 0;
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
@@ -77,7 +70,7 @@ static uint64_t operations_in(const struct module *m, size_t from, size_t to, ui
 
 /* Whether the loop indexes a private array with a variable. Drivers hold such arrays in registers
  * only if they know the index. */
-static bool picks_from_array(const struct module *m, size_t from, size_t to)
+static bool picks_from_array(const struct spirv *m, size_t from, size_t to)
 {
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
         const uint32_t *chain = m->words + at;
@@ -93,20 +86,17 @@ static bool picks_from_array(const struct module *m, size_t from, size_t to)
     return false;
 }
 
-bool spirv_keep_loops(uint32_t *words, size_t count)
+void spirv_keep_loops(struct spirv *module)
 {
-    uint32_t *definitions = spirv_definitions(words, count);
-    const struct module module = {words, count, definitions};
+    uint32_t *words = module->words;
     size_t behind = 0; /* the last outermost loop */
-    for (size_t at = SPIRV_HEADER; definitions && at < count; at += words[at] >> 16) {
+    SPIRV_EACH (module, at, module->code, module->count) {
         if (!spirv_is(words + at, SpvOpLoopMerge) || at < behind)
             continue;
-        behind = definitions[words[at + 1]];
-        uint64_t operations = operations_in(&module, at, behind, 0);
+        behind = module->definitions[words[at + 1]];
+        uint64_t operations = operations_in(module, at, behind, 0);
         if (operations >= LONG_TURN && words[at + 3] == SpvLoopControlMaskNone &&
-            !picks_from_array(&module, at, behind))
+            !picks_from_array(module, at, behind))
             words[at + 3] = SpvLoopControlDontUnrollMask;
     }
-    free(definitions);
-    return definitions;
 }

@@ -24,6 +24,44 @@ vec4 store_half(vec4 value)
     return uintBitsToFloat(rounded | (bits & 0x80000000u));
 }
 
+/* What is new in every frame: struct dt_frame of diptych.h, std140. */
+struct View {
+    mat4 view;
+    mat4 projection;
+    mat4 view_projection;
+    mat4 inverse_view_projection;
+    vec3 position;
+    float near_plane;
+    vec3 direction; /* unit, into the view */
+    float far_plane;
+};
+
+struct Light {
+    vec3 position; /* spot */
+    int kind;      /* 0 directional, 1 spot */
+    vec3 direction; /* unit, the way that light travels */
+    float area;
+    vec3 color; /* directional: irradiance, W/m2; spot: intensity on the axis, W/sr */
+    float cos_inner;
+    float cos_outer;
+};
+
+layout(std140, set = 0, binding = 1) uniform Frame {
+    View camera;
+    View light_view;
+    Light light;
+    vec3 scene_center;
+    float scene_radius;
+    uint width;
+    uint height;
+    uint index;
+    uint triangle_count;
+    View previous_camera;
+    vec2 jitter; /* pixels */
+    float time;  /* seconds */
+    uint first;
+} frame;
+
 /* struct dt_material of diptych.h. */
 struct SceneMaterial {
     vec3 albedo;       /* linear, 0..1; multiplies the texture */
@@ -38,6 +76,8 @@ layout(std430, set = 0, binding = 0) readonly buffer scene_materials_block {
 layout(set = 0, binding = 3) uniform sampler2DArray scene_textures;
 layout(location = 0) out vec4 color;
 
+View view = frame.light_view;
+
 /* Linear colour and alpha; layer -1: white. */
 vec4 scene_texture(vec2 uv, int layer)
 {
@@ -45,15 +85,25 @@ vec4 scene_texture(vec2 uv, int layer)
     return layer < 0 ? vec4(1.0) : texel;
 }
 
-#line 11 1
+void diptych_end()
+{
+    color = store_half(color);
+}
+
+#line 1 1
+#ifdef VERTEX
+layout(location = 0) out vec3 normal;
+void main()
+{
+    normal = vertex_normal;
+    gl_Layer = gl_InstanceIndex;
+    gl_Position = view.view_projection * vec4(vertex_position, 1.0);
+    gl_ClipDistance[0] = dot(vertex_normal, view.direction);
+}
+#else
 layout(location = 0) in vec3 normal;
-void pass_main()
+void main()
 {
     color = scene_texture(normal.xy, scene_materials[0].texture_layer);
 }
-
-void main()
-{
-    pass_main();
-    color = store_half(color);
-}
+#endif

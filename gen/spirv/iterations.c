@@ -1,6 +1,6 @@
 /* How often the loops of a shader run, from its SPIR-V. Evaluates the loop's variable turn by turn,
  * as far as constants and the parameters' values decide it. Called by flops.c. */
-#include "spirv.h"
+#include "passes.h"
 
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
@@ -19,9 +19,7 @@ struct stores {
 };
 
 struct module {
-    const uint32_t *words;
-    size_t count;
-    const uint32_t *definitions;
+    const struct spirv *spirv;
     const struct parameter_values *parameters;
     struct stores *stores; /* by id of the variable */
 };
@@ -38,7 +36,7 @@ struct evaluation {
 
 static const uint32_t *definition(const struct module *m, uint32_t id)
 {
-    return m->words + m->definitions[id];
+    return m->spirv->words + m->spirv->definitions[id];
 }
 
 /* The value as one of the type, 32 bits or a boolean; false: another type. */
@@ -57,8 +55,8 @@ static bool fit(const struct module *m, uint32_t type, int64_t *value)
 
 static bool decorated(const struct module *m, uint32_t id, uint32_t decoration, uint32_t value)
 {
-    for (size_t at = SPIRV_HEADER; at < m->count; at += m->words[at] >> 16) {
-        const uint32_t *i = m->words + at;
+    for (size_t at = SPIRV_HEADER; at < m->spirv->count; at += m->spirv->words[at] >> 16) {
+        const uint32_t *i = m->spirv->words + at;
         if (spirv_is(i, SpvOpFunction))
             return false;
         if (spirv_is(i, SpvOpDecorate) && i[1] == id && i[2] == decoration && i[3] == value)
@@ -70,8 +68,8 @@ static bool decorated(const struct module *m, uint32_t id, uint32_t decoration, 
 static bool member_offset(const struct module *m, uint32_t structure, uint32_t member,
                           uint32_t *offset)
 {
-    for (size_t at = SPIRV_HEADER; at < m->count; at += m->words[at] >> 16) {
-        const uint32_t *i = m->words + at;
+    for (size_t at = SPIRV_HEADER; at < m->spirv->count; at += m->spirv->words[at] >> 16) {
+        const uint32_t *i = m->spirv->words + at;
         if (spirv_is(i, SpvOpMemberDecorate) && i[1] == structure && i[2] == member &&
             i[3] == SpvDecorationOffset) {
             *offset = i[4];
@@ -184,8 +182,8 @@ static bool load(struct evaluation *e, const uint32_t *instruction, int64_t *val
     if (spirv_is(pointer, SpvOpAccessChain))
         return read_parameter(m, pointer, value);
     return stores->count == 1 && !stores->escapes &&
-           m->words + stores->first < instruction && /* else the store may read what it stores */
-           evaluate(e, m->words[stores->first + 2], value);
+           m->spirv->words + stores->first < instruction && /* else the store may read what it stores */
+           evaluate(e, m->spirv->words[stores->first + 2], value);
 }
 
 static bool call_library(struct evaluation *e, const uint32_t *instruction, int64_t *value)
@@ -232,7 +230,7 @@ static bool compute(struct evaluation *e, const uint32_t *instruction, int64_t *
 static bool evaluate(struct evaluation *e, uint32_t id, int64_t *value)
 {
     const uint32_t *instruction = definition(e->module, id);
-    if (!e->module->definitions[id] || e->depth == MAX_DEPTH || e->steps++ >= MAX_STEPS)
+    if (!e->module->spirv->definitions[id] || e->depth == MAX_DEPTH || e->steps++ >= MAX_STEPS)
         return false;
     e->depth++;
     bool known = compute(e, instruction, value) && fit(e->module, instruction[1], value);
@@ -253,8 +251,8 @@ struct loop {
 static uint32_t ways_out(const struct module *m, size_t from, size_t to, uint32_t merge)
 {
     uint32_t ways = 0;
-    for (size_t at = from; at < to; at += m->words[at] >> 16) {
-        const uint32_t *i = m->words + at;
+    for (size_t at = from; at < to; at += m->spirv->words[at] >> 16) {
+        const uint32_t *i = m->spirv->words + at;
         bool jumps = spirv_is(i, SpvOpBranch) || spirv_is(i, SpvOpBranchConditional) ||
                      spirv_is(i, SpvOpSwitch);
         ways += spirv_ends_block(i) && !jumps;
@@ -266,19 +264,19 @@ static uint32_t ways_out(const struct module *m, size_t from, size_t to, uint32_
 
 static const uint32_t *block_end(const struct module *m, uint32_t label)
 {
-    size_t at = m->definitions[label];
-    while (!spirv_ends_block(m->words + at))
-        at += m->words[at] >> 16;
-    return m->words + at;
+    size_t at = m->spirv->definitions[label];
+    while (!spirv_ends_block(m->spirv->words + at))
+        at += m->spirv->words[at] >> 16;
+    return m->spirv->words + at;
 }
 
 /* A loop that only its condition ends, asked before every turn: `for` and `while` without `break`
  * and `return`. at: its OpLoopMerge. */
 static bool read_loop(const struct module *m, size_t header, size_t at, struct loop *loop)
 {
-    const uint32_t *merge = m->words + at, *branch = merge + (*merge >> 16);
+    const uint32_t *merge = m->spirv->words + at, *branch = merge + (*merge >> 16);
     *loop = (struct loop){
-        .header = header, .merge = m->definitions[merge[1]], .onward = m->definitions[merge[2]]};
+        .header = header, .merge = m->spirv->definitions[merge[1]], .onward = m->spirv->definitions[merge[2]]};
     if (!spirv_is(branch, SpvOpBranch))
         return false;
     loop->test = block_end(m, branch[1]);
@@ -291,9 +289,9 @@ static bool read_loop(const struct module *m, size_t header, size_t at, struct l
 /* Whether a loop begins behind the offset and surrounds `loop`. */
 static bool is_repeated(const struct module *m, size_t from, const struct loop *loop)
 {
-    for (size_t at = from; at < loop->header; at += m->words[at] >> 16)
-        if (spirv_is(m->words + at, SpvOpLoopMerge) &&
-            m->definitions[m->words[at + 1]] > loop->header)
+    for (size_t at = from; at < loop->header; at += m->spirv->words[at] >> 16)
+        if (spirv_is(m->spirv->words + at, SpvOpLoopMerge) &&
+            m->spirv->definitions[m->spirv->words[at + 1]] > loop->header)
             return true;
     return false;
 }
@@ -303,7 +301,7 @@ static bool drives(const struct module *m, uint32_t variable, const struct loop 
 {
     const struct stores *stores = &m->stores[variable];
     return stores->count == 2 && !stores->escapes && stores->first < loop->header &&
-           m->definitions[stores->block] == loop->onward && !is_repeated(m, stores->first, loop);
+           m->spirv->definitions[stores->block] == loop->onward && !is_repeated(m, stores->first, loop);
 }
 
 /* The variable of the loop: the one that its condition loads. 0: none that can be followed. */
@@ -325,14 +323,14 @@ static uint64_t count_turns(const struct module *m, const struct loop *loop)
     const struct stores *stores = &m->stores[variable];
     struct evaluation e = {.module = m};
     int64_t stays;
-    if (!variable || !evaluate(&e, m->words[stores->first + 2], &e.value))
+    if (!variable || !evaluate(&e, m->spirv->words[stores->first + 2], &e.value))
         return 1;
     e.variable = variable;
     for (uint64_t turns = 0; evaluate(&e, loop->test[1], &stays); turns++) {
         int64_t next;
         if (stays != loop->stays_if)
             return turns;
-        if (!evaluate(&e, m->words[stores->last + 2], &next))
+        if (!evaluate(&e, m->spirv->words[stores->last + 2], &next))
             return 1;
         e.value = next;
     }
@@ -344,8 +342,8 @@ static uint64_t count_turns(const struct module *m, const struct loop *loop)
 static void survey(const struct module *m)
 {
     uint32_t label = 0;
-    for (size_t at = SPIRV_HEADER; at < m->count; at += m->words[at] >> 16) {
-        const uint32_t *i = m->words + at;
+    for (size_t at = SPIRV_HEADER; at < m->spirv->count; at += m->spirv->words[at] >> 16) {
+        const uint32_t *i = m->spirv->words + at;
         if (spirv_is(i, SpvOpLabel)) {
             label = i[1];
         } else if (spirv_is(i, SpvOpStore)) {
@@ -364,22 +362,22 @@ static void survey(const struct module *m)
     }
 }
 
-uint64_t *spirv_iterations(const uint32_t *words, size_t count, const uint32_t *definitions,
-                           const struct parameter_values *parameters)
+uint64_t *spirv_iterations(const struct spirv *module, const struct parameter_values *parameters)
 {
+    const uint32_t *words = module->words;
     struct stores *stores = calloc(words[3], sizeof *stores);
     uint64_t *iterations = calloc(words[3], sizeof *iterations);
-    const struct module m = {words, count, definitions, parameters, stores};
+    const struct module m = {module, parameters, stores};
     uint32_t label = 0;
     struct loop loop;
     if (stores && iterations)
         survey(&m);
-    for (size_t at = SPIRV_HEADER; stores && iterations && at < count; at += words[at] >> 16) {
+    SPIRV_EACH (module, at, module->code, stores && iterations ? module->count : module->code) {
         if (spirv_is(words + at, SpvOpLabel))
             label = words[at + 1];
         else if (spirv_is(words + at, SpvOpLoopMerge))
             iterations[label] =
-                read_loop(&m, definitions[label], at, &loop) ? count_turns(&m, &loop) : 1;
+                read_loop(&m, module->definitions[label], at, &loop) ? count_turns(&m, &loop) : 1;
     }
     free(stores);
     if (!stores)

@@ -5,8 +5,8 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
-#include "spirv.h"
-#include "stages.h"
+#include "../stages.h"
+#include "passes.h"
 
 /* Cost of a path through a function. Paths that leave a loop by `break` or return early are taken
  * only if no other exists. So the cost is that of an invocation that does its work, with the
@@ -21,9 +21,7 @@ static const uint64_t MOST_FLOPS = 1ull << 56; /* of a loop; sums of these do no
 enum state { STATE_NEW, STATE_OPEN, STATE_DONE };
 
 struct counting {
-    const uint32_t *words;
-    size_t count;
-    const uint32_t *definitions;
+    const struct spirv *module;
     /* the next four: arrays by id */
     enum state *states;    /* of blocks and functions */
     struct cost *costs;    /* from a block to the function's end; of a function */
@@ -37,7 +35,7 @@ struct counting {
 /* Number of floats in a value of the type; 0: not a float type. */
 static uint32_t floats_in(const struct counting *c, uint32_t type)
 {
-    const uint32_t *declared = c->words + c->definitions[type];
+    const uint32_t *declared = c->module->words + c->module->definitions[type];
 
     if (spirv_is(declared, SpvOpTypeFloat))
         return 1;
@@ -48,7 +46,7 @@ static uint32_t floats_in(const struct counting *c, uint32_t type)
 
 static uint32_t type_of(const struct counting *c, uint32_t id)
 {
-    return c->words[c->definitions[id] + 1];
+    return c->module->words[c->module->definitions[id] + 1];
 }
 
 /* Operations per component of the result. Functions such as sin count as one, although devices need
@@ -90,7 +88,7 @@ static uint64_t instruction_flops(const struct counting *c, const uint32_t *inst
     case SpvOpMatrixTimesVector:
         return (2 * floats_in(c, type_of(c, instruction[4])) - 1) * floats_in(c, instruction[1]);
     case SpvOpMatrixTimesMatrix: {
-        const uint32_t *left = c->words + c->definitions[type_of(c, instruction[3])];
+        const uint32_t *left = c->module->words + c->module->definitions[type_of(c, instruction[3])];
 
         return (uint64_t)(2 * left[3] - 1) * floats_in(c, instruction[1]);
     }
@@ -167,18 +165,18 @@ static struct cost function_cost(struct counting *c, uint32_t function);
 static struct cost block_cost(struct counting *c, uint32_t label)
 {
     uint64_t flops = 0;
-    size_t at = c->definitions[label];
+    size_t at = c->module->definitions[label];
 
     if (c->states[label] == STATE_DONE)
         return c->costs[label];
     c->states[label] = STATE_OPEN;
-    for (; !spirv_ends_block(c->words + at); at += c->words[at] >> 16) {
-        const uint32_t *instruction = c->words + at;
+    for (; !spirv_ends_block(c->module->words + at); at += c->module->words[at] >> 16) {
+        const uint32_t *instruction = c->module->words + at;
 
         flops += spirv_is(instruction, SpvOpFunctionCall) ? function_cost(c, instruction[3]).flops
                                                           : instruction_flops(c, instruction);
     }
-    struct cost cost = end_cost(c, c->words + at);
+    struct cost cost = end_cost(c, c->module->words + at);
 
     cost.flops += flops;
     if (c->loop_merges[label])
@@ -190,12 +188,12 @@ static struct cost block_cost(struct counting *c, uint32_t label)
 
 static struct cost function_cost(struct counting *c, uint32_t function)
 {
-    size_t at = c->definitions[function];
+    size_t at = c->module->definitions[function];
 
     if (c->states[function] != STATE_DONE) {
-        while (!spirv_is(c->words + at, SpvOpLabel))
-            at += c->words[at] >> 16;
-        c->costs[function] = block_cost(c, c->words[at + 1]);
+        while (!spirv_is(c->module->words + at, SpvOpLabel))
+            at += c->module->words[at] >> 16;
+        c->costs[function] = block_cost(c, c->module->words[at + 1]);
         c->states[function] = STATE_DONE;
     }
     return c->costs[function];
@@ -208,8 +206,8 @@ static uint32_t survey(struct counting *c)
 {
     uint32_t entry = 0, label = 0;
 
-    for (size_t at = SPIRV_HEADER; at < c->count; at += c->words[at] >> 16) {
-        const uint32_t *instruction = c->words + at;
+    for (size_t at = SPIRV_HEADER; at < c->module->count; at += c->module->words[at] >> 16) {
+        const uint32_t *instruction = c->module->words + at;
 
         if (spirv_is(instruction, SpvOpEntryPoint)) {
             entry = instruction[2];
@@ -226,21 +224,24 @@ static uint32_t survey(struct counting *c)
 bool count_flops(const struct shader *shader, const struct parameter_values *parameters,
                  uint64_t *flops)
 {
-    uint32_t bound = shader->word_count ? shader->words[3] : 1;
-    uint32_t *definitions = spirv_definitions(shader->words, shader->word_count);
-    struct counting c = {.words = shader->words,
-                         .count = shader->word_count,
-                         .definitions = definitions,
+    struct spirv module = {0};
+    *flops = 0;
+    if (!shader->word_count)
+        return true;
+    if (!spirv_open(&module, shader->words, shader->word_count))
+        return false;
+    uint32_t bound = module.words[3];
+    struct counting c = {.module = &module,
                          .states = calloc(bound, sizeof *c.states),
                          .costs = calloc(bound, sizeof *c.costs),
                          .loop_merges = calloc(bound, sizeof *c.loop_merges),
-                         .behind_loop = calloc(bound, sizeof *c.behind_loop)};
-    if (definitions)
-        c.iterations = spirv_iterations(shader->words, shader->word_count, definitions, parameters);
+                         .behind_loop = calloc(bound, sizeof *c.behind_loop),
+                         .iterations = spirv_iterations(&module, parameters)};
     bool good = c.iterations && c.states && c.costs && c.loop_merges && c.behind_loop;
 
-    *flops = good ? function_cost(&c, survey(&c)).flops : 0;
-    free(definitions);
+    if (good)
+        *flops = function_cost(&c, survey(&c)).flops;
+    spirv_free(&module);
     free(c.states);
     free(c.costs);
     free(c.loop_merges);

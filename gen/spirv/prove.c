@@ -8,15 +8,15 @@
 
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "panel.h" /* DT_ARRAY_COUNT */
-#include "spirv.h"
 
 enum verdict {
-    OPEN,    /* arithmetic that exact mode replaces, but not in macros */
-    DRIVER,  /* a value of a texture unit or of the scheduler */
+    WRONG,   /* no value at all */
+    DRIVER,  /* a value of a texture unit or of the scheduler, or arithmetic of double precision */
     RASTER,  /* a value of the rasterizer */
     ROUNDED, /* correctly rounded; open without NoContraction */
     MEMORY,  /* exact in memory; the result is open */
@@ -175,7 +175,7 @@ static const uint16_t exact_operations[] = {
 };
 
 static const struct rule operations[] = {
-    {SpvOpUndef, OPEN, "a variable", "it has no value"},
+    {SpvOpUndef, WRONG, "a value", "nothing sets it"},
     {SpvOpLoad, INPUT, "", ""},
     {SpvOpAccessChain, INPUT, "", ""},
     {SpvOpFAdd, ROUNDED, "+", CONTRACT},
@@ -184,12 +184,12 @@ static const struct rule operations[] = {
     {SpvOpVectorTimesScalar, ROUNDED, "*", CONTRACT},
     {SpvOpMatrixTimesScalar, ROUNDED, "*", CONTRACT},
     {SpvOpOuterProduct, ROUNDED, "outerProduct", CONTRACT},
-    {SpvOpFDiv, OPEN, "/", "it may err by 2.5 ulp"},
-    {SpvOpFMod, OPEN, "mod", BOUND},
-    {SpvOpDot, OPEN, "dot", ORDER},
-    {SpvOpVectorTimesMatrix, OPEN, "*", ORDER},
-    {SpvOpMatrixTimesVector, OPEN, "*", ORDER},
-    {SpvOpMatrixTimesMatrix, OPEN, "*", ORDER},
+    {SpvOpFDiv, DRIVER, "/", "it may err by 2.5 ulp"},
+    {SpvOpFMod, DRIVER, "mod", BOUND},
+    {SpvOpDot, DRIVER, "dot", ORDER},
+    {SpvOpVectorTimesMatrix, DRIVER, "*", ORDER},
+    {SpvOpMatrixTimesVector, DRIVER, "*", ORDER},
+    {SpvOpMatrixTimesMatrix, DRIVER, "*", ORDER},
     {SpvOpImageSampleImplicitLod, DRIVER, "texture", LEVEL},
     {SpvOpImageSampleExplicitLod, DRIVER, "texture", FILTER},
     {SpvOpImageSampleDrefImplicitLod, DRIVER, "texture", LEVEL},
@@ -235,56 +235,56 @@ static const uint16_t exact_functions[] = {
 };
 
 static const struct rule functions[] = {
-    {GLSLstd450Round, OPEN, "round", HALVES},
-    {GLSLstd450Fract, OPEN, "fract", "GLSL has no bound for its error"},
-    {GLSLstd450Radians, OPEN, "radians", "the rounding of its factor is open"},
-    {GLSLstd450Degrees, OPEN, "degrees", "the rounding of its factor is open"},
-    {GLSLstd450Sin, OPEN, "sin", "it may err by 2^-11"},
-    {GLSLstd450Cos, OPEN, "cos", "it may err by 2^-11"},
-    {GLSLstd450Tan, OPEN, "tan", BOUND},
-    {GLSLstd450Asin, OPEN, "asin", BOUND},
-    {GLSLstd450Acos, OPEN, "acos", BOUND},
-    {GLSLstd450Atan, OPEN, "atan", "it may err by 4096 ulp"},
-    {GLSLstd450Atan2, OPEN, "atan", "it may err by 4096 ulp"},
-    {GLSLstd450Sinh, OPEN, "sinh", BOUND},
-    {GLSLstd450Cosh, OPEN, "cosh", BOUND},
-    {GLSLstd450Tanh, OPEN, "tanh", BOUND},
-    {GLSLstd450Asinh, OPEN, "asinh", BOUND},
-    {GLSLstd450Acosh, OPEN, "acosh", BOUND},
-    {GLSLstd450Atanh, OPEN, "atanh", BOUND},
-    {GLSLstd450Pow, OPEN, "pow", BOUND},
-    {GLSLstd450Exp, OPEN, "exp", "it may err by 3 + 2 |x| ulp"},
-    {GLSLstd450Log, OPEN, "log", "it may err by 3 ulp"},
-    {GLSLstd450Exp2, OPEN, "exp2", "it may err by 3 + 2 |x| ulp"},
-    {GLSLstd450Log2, OPEN, "log2", "it may err by 3 ulp"},
-    {GLSLstd450Sqrt, OPEN, "sqrt", BOUND},
-    {GLSLstd450InverseSqrt, OPEN, "inversesqrt", "it may err by 2 ulp"},
-    {GLSLstd450Determinant, OPEN, "determinant", ORDER},
-    {GLSLstd450MatrixInverse, OPEN, "inverse", ORDER},
-    {GLSLstd450FMin, OPEN, "min", ZEROS},
-    {GLSLstd450FMax, OPEN, "max", ZEROS},
-    {GLSLstd450FClamp, OPEN, "clamp", ZEROS},
-    {GLSLstd450FMix, OPEN, "mix", BOUND},
-    {GLSLstd450SmoothStep, OPEN, "smoothstep", BOUND},
-    {GLSLstd450Fma, OPEN, "fma", "it may round once or twice"},
-    {GLSLstd450Ldexp, OPEN, "ldexp", "GLSL has no bound for its error"},
-    {GLSLstd450PackSnorm4x8, OPEN, "packSnorm4x8", HALVES},
-    {GLSLstd450PackUnorm4x8, OPEN, "packUnorm4x8", HALVES},
-    {GLSLstd450PackSnorm2x16, OPEN, "packSnorm2x16", HALVES},
-    {GLSLstd450PackUnorm2x16, OPEN, "packUnorm2x16", HALVES},
-    {GLSLstd450PackHalf2x16, OPEN, "packHalf2x16", HALVES},
-    {GLSLstd450UnpackSnorm2x16, OPEN, "unpackSnorm2x16", "its division may err"},
-    {GLSLstd450UnpackUnorm2x16, OPEN, "unpackUnorm2x16", "its division may err"},
-    {GLSLstd450UnpackHalf2x16, OPEN, "unpackHalf2x16", "denormals may become 0"},
-    {GLSLstd450UnpackSnorm4x8, OPEN, "unpackSnorm4x8", "its division may err"},
-    {GLSLstd450UnpackUnorm4x8, OPEN, "unpackUnorm4x8", "its division may err"},
-    {GLSLstd450Length, OPEN, "length", ORDER},
-    {GLSLstd450Distance, OPEN, "distance", ORDER},
-    {GLSLstd450Cross, OPEN, "cross", BOUND},
-    {GLSLstd450Normalize, OPEN, "normalize", ORDER},
-    {GLSLstd450FaceForward, OPEN, "faceforward", ORDER},
-    {GLSLstd450Reflect, OPEN, "reflect", ORDER},
-    {GLSLstd450Refract, OPEN, "refract", ORDER},
+    {GLSLstd450Round, DRIVER, "round", HALVES},
+    {GLSLstd450Fract, DRIVER, "fract", "GLSL has no bound for its error"},
+    {GLSLstd450Radians, DRIVER, "radians", "the rounding of its factor is open"},
+    {GLSLstd450Degrees, DRIVER, "degrees", "the rounding of its factor is open"},
+    {GLSLstd450Sin, DRIVER, "sin", "it may err by 2^-11"},
+    {GLSLstd450Cos, DRIVER, "cos", "it may err by 2^-11"},
+    {GLSLstd450Tan, DRIVER, "tan", BOUND},
+    {GLSLstd450Asin, DRIVER, "asin", BOUND},
+    {GLSLstd450Acos, DRIVER, "acos", BOUND},
+    {GLSLstd450Atan, DRIVER, "atan", "it may err by 4096 ulp"},
+    {GLSLstd450Atan2, DRIVER, "atan", "it may err by 4096 ulp"},
+    {GLSLstd450Sinh, DRIVER, "sinh", BOUND},
+    {GLSLstd450Cosh, DRIVER, "cosh", BOUND},
+    {GLSLstd450Tanh, DRIVER, "tanh", BOUND},
+    {GLSLstd450Asinh, DRIVER, "asinh", BOUND},
+    {GLSLstd450Acosh, DRIVER, "acosh", BOUND},
+    {GLSLstd450Atanh, DRIVER, "atanh", BOUND},
+    {GLSLstd450Pow, DRIVER, "pow", BOUND},
+    {GLSLstd450Exp, DRIVER, "exp", "it may err by 3 + 2 |x| ulp"},
+    {GLSLstd450Log, DRIVER, "log", "it may err by 3 ulp"},
+    {GLSLstd450Exp2, DRIVER, "exp2", "it may err by 3 + 2 |x| ulp"},
+    {GLSLstd450Log2, DRIVER, "log2", "it may err by 3 ulp"},
+    {GLSLstd450Sqrt, DRIVER, "sqrt", BOUND},
+    {GLSLstd450InverseSqrt, DRIVER, "inversesqrt", "it may err by 2 ulp"},
+    {GLSLstd450Determinant, DRIVER, "determinant", ORDER},
+    {GLSLstd450MatrixInverse, DRIVER, "inverse", ORDER},
+    {GLSLstd450FMin, DRIVER, "min", ZEROS},
+    {GLSLstd450FMax, DRIVER, "max", ZEROS},
+    {GLSLstd450FClamp, DRIVER, "clamp", ZEROS},
+    {GLSLstd450FMix, DRIVER, "mix", BOUND},
+    {GLSLstd450SmoothStep, DRIVER, "smoothstep", BOUND},
+    {GLSLstd450Fma, DRIVER, "fma", "it may round once or twice"},
+    {GLSLstd450Ldexp, DRIVER, "ldexp", "GLSL has no bound for its error"},
+    {GLSLstd450PackSnorm4x8, DRIVER, "packSnorm4x8", HALVES},
+    {GLSLstd450PackUnorm4x8, DRIVER, "packUnorm4x8", HALVES},
+    {GLSLstd450PackSnorm2x16, DRIVER, "packSnorm2x16", HALVES},
+    {GLSLstd450PackUnorm2x16, DRIVER, "packUnorm2x16", HALVES},
+    {GLSLstd450PackHalf2x16, DRIVER, "packHalf2x16", HALVES},
+    {GLSLstd450UnpackSnorm2x16, DRIVER, "unpackSnorm2x16", "its division may err"},
+    {GLSLstd450UnpackUnorm2x16, DRIVER, "unpackUnorm2x16", "its division may err"},
+    {GLSLstd450UnpackHalf2x16, DRIVER, "unpackHalf2x16", "denormals may become 0"},
+    {GLSLstd450UnpackSnorm4x8, DRIVER, "unpackSnorm4x8", "its division may err"},
+    {GLSLstd450UnpackUnorm4x8, DRIVER, "unpackUnorm4x8", "its division may err"},
+    {GLSLstd450Length, DRIVER, "length", ORDER},
+    {GLSLstd450Distance, DRIVER, "distance", ORDER},
+    {GLSLstd450Cross, DRIVER, "cross", BOUND},
+    {GLSLstd450Normalize, DRIVER, "normalize", ORDER},
+    {GLSLstd450FaceForward, DRIVER, "faceforward", ORDER},
+    {GLSLstd450Reflect, DRIVER, "reflect", ORDER},
+    {GLSLstd450Refract, DRIVER, "refract", ORDER},
     {GLSLstd450InterpolateAtCentroid, RASTER, "interpolateAtCentroid", BETWEEN},
     {GLSLstd450InterpolateAtSample, RASTER, "interpolateAtSample", BETWEEN},
     {GLSLstd450InterpolateAtOffset, RASTER, "interpolateAtOffset", BETWEEN},
@@ -315,12 +315,12 @@ struct id { /* decorations of an id */
 };
 
 struct proof {
-    const uint32_t *words;
-    size_t count;
-    uint32_t *definitions;
+    const struct spirv *module;
     struct id *ids;
     uint32_t glsl;            /* id of GLSL.std.450 */
     bool fragment;            /* of a fragment shader */
+    uint32_t function;        /* the current one */
+    char name[64];            /* its name, as the author has it */
     struct open_operation at; /* place of the current instruction */
     void (*found)(void *user, const struct open_operation *operation);
     void *user;
@@ -353,7 +353,7 @@ static void tell(struct proof *proof, const char *word, const char *why, enum ve
 {
     proof->at.word = word;
     proof->at.why = why;
-    proof->at.wrong = verdict == OPEN;
+    proof->at.wrong = verdict == WRONG;
     proof->at.raster = verdict == RASTER;
     proof->found(proof->user, &proof->at);
 }
@@ -366,42 +366,19 @@ struct use {
 };
 typedef bool allows_fn(const struct proof *proof, const struct use *use);
 
-/* Whether a word of an instruction is a number, of those instructions that often have one. */
-static bool is_literal(const uint32_t *instruction, uint32_t word)
-{
-    switch (*instruction & 0xffff) {
-    case SpvOpExtInst:
-        return word == 4;
-    case SpvOpCompositeExtract:
-        return word >= 4;
-    case SpvOpVectorShuffle:
-        return word >= 5;
-    case SpvOpVariable:
-    case SpvOpFunction:
-    case SpvOpLoopMerge:
-        return word == 3;
-    case SpvOpSelectionMerge:
-        return word == 2;
-    case SpvOpSwitch:
-        return word >= 3 && word % 2;
-    default:
-        return spirv_is(instruction, SpvOpLine);
-    }
-}
-
 /* Whether `allows` every use of an id. Other literals that look like the id count as uses. */
 static bool all_uses(const struct proof *proof, uint32_t id, int depth, allows_fn *allows)
 {
     struct use use = {.depth = depth};
-    for (size_t at = SPIRV_HEADER; at < proof->count && depth < MOST_DEPTH;
-         at += proof->words[at] >> 16) {
-        use.instruction = proof->words + at;
+    for (size_t at = SPIRV_HEADER; at < proof->module->count && depth < MOST_DEPTH;
+         at += proof->module->words[at] >> 16) {
+        use.instruction = proof->module->words + at;
         if (spirv_is(use.instruction, SpvOpFunction))
             use.function = use.instruction[2];
-        if (!use.function || at == proof->definitions[id])
+        if (!use.function || at == proof->module->definitions[id])
             continue;
         for (use.operand = 1; use.operand < *use.instruction >> 16; use.operand++)
-            if (use.instruction[use.operand] == id && !is_literal(use.instruction, use.operand) &&
+            if (use.instruction[use.operand] == id && !spirv_is_literal(use.instruction, use.operand) &&
                 !allows(proof, &use))
                 return false;
     }
@@ -437,7 +414,7 @@ static bool drops_reads(const struct proof *proof, const struct use *use)
 /* A value goes nowhere but through variables and out of functions whose results are dropped. */
 static bool drops(const struct proof *proof, const struct use *use)
 {
-    const uint32_t *variable = proof->words + proof->definitions[use->instruction[1]];
+    const uint32_t *variable = proof->module->words + proof->module->definitions[use->instruction[1]];
     if (spirv_is(use->instruction, SpvOpReturnValue))
         return all_uses(proof, use->function, use->depth + 1, drops_reads);
     return spirv_is(use->instruction, SpvOpStore) && use->operand == 2 &&
@@ -452,22 +429,20 @@ static bool reads_xy(const struct proof *proof, const uint32_t *instruction)
 {
     if (spirv_is(instruction, SpvOpLoad))
         return all_uses(proof, instruction[2], 0, takes_xy);
-    const uint32_t *index = proof->words + proof->definitions[instruction[4]];
+    const uint32_t *index = proof->module->words + proof->module->definitions[instruction[4]];
     return spirv_is(index, SpvOpConstant) && index[3] < 2;
 }
 
 static const char *name_of(const struct proof *proof, uint32_t id)
 {
-    for (size_t at = SPIRV_HEADER; at < proof->count; at += proof->words[at] >> 16)
-        if (spirv_is(proof->words + at, SpvOpName) && proof->words[at + 1] == id)
-            return (const char *)(proof->words + at + 2);
-    return "an input";
+    const char *name = spirv_name(proof->module, id);
+    return name ? name : "an input";
 }
 
 /* A load, or an access chain. */
 static void check_input(struct proof *proof, const uint32_t *instruction)
 {
-    const uint32_t *variable = proof->words + proof->definitions[instruction[3]];
+    const uint32_t *variable = proof->module->words + proof->module->definitions[instruction[3]];
     const struct id *id = &proof->ids[instruction[3]];
     if (!spirv_is(variable, SpvOpVariable) || variable[3] != SpvStorageClassInput)
         return;
@@ -490,9 +465,28 @@ static const struct rule *rule_of(const struct proof *proof, const uint32_t *ins
     return RULE(exact_operations, operations, opcode);
 }
 
+/* Whether the use is the end of a function that returns a value. */
+static bool returns(const struct proof *proof, const struct use *use)
+{
+    (void)proof;
+    return spirv_is(use->instruction, SpvOpReturnValue);
+}
+
+/* A function may end without a `return`: glslang then returns a value that nothing sets. */
+static bool check_end(struct proof *proof, const uint32_t *instruction)
+{
+    const char *name = spirv_name(proof->module, proof->function);
+    if (!spirv_is(instruction, SpvOpUndef) || !name ||
+        !all_uses(proof, instruction[2], 0, returns))
+        return false;
+    snprintf(proof->name, sizeof proof->name, "%.*s", (int)strcspn(name, "("), name);
+    tell(proof, proof->name, "it may end without `return`, and its value is then undefined", WRONG);
+    return true;
+}
+
 static void check_instruction(struct proof *proof, const uint32_t *instruction)
 {
-    const struct rule *rule = rule_of(proof, instruction);
+    const struct rule *rule = check_end(proof, instruction) ? NULL : rule_of(proof, instruction);
     uint32_t result = spirv_result(instruction);
     if (result && proof->ids[result].relaxed && !spirv_is(instruction, SpvOpVariable))
         tell(proof, "mediump", "its precision is open", DRIVER);
@@ -520,36 +514,32 @@ static void take_decoration(struct proof *proof, const uint32_t *instruction)
 /* OpLine: its file is a string that holds the number of a source. */
 static void take_line(struct proof *proof, const uint32_t *instruction)
 {
-    const uint32_t *string = proof->words + proof->definitions[instruction[1]];
+    const uint32_t *string = proof->module->words + proof->module->definitions[instruction[1]];
     proof->at.file = (uint32_t)strtoul((const char *)(string + 2), NULL, 10);
     proof->at.line = instruction[2];
 }
 
-bool prove_module(const uint32_t *words, size_t count,
+bool prove_module(const struct spirv *module,
                   void (*found)(void *user, const struct open_operation *operation), void *user)
 {
-    struct proof proof = {.words = words,
-                          .count = count,
-                          .definitions = spirv_definitions(words, count),
-                          .ids = calloc(words[3], sizeof *proof.ids),
+    struct proof proof = {.module = module,
+                          .ids = calloc(module->words[3], sizeof *proof.ids),
+                          .glsl = spirv_glsl(module),
                           .found = found,
                           .user = user};
-    bool good = proof.definitions && proof.ids;
-    for (size_t at = SPIRV_HEADER; good && at < count; at += words[at] >> 16) {
-        const uint32_t *instruction = words + at;
-        uint32_t opcode = *instruction & 0xffff;
+    SPIRV_EACH (module, at, SPIRV_HEADER, proof.ids ? module->count : SPIRV_HEADER) {
+        const uint32_t *instruction = module->words + at;
+        uint32_t opcode = spirv_opcode(instruction);
         if (opcode == SpvOpDecorate)
             take_decoration(&proof, instruction);
         else if (opcode == SpvOpLine)
             take_line(&proof, instruction);
-        else if (opcode == SpvOpExtInstImport &&
-                 !strcmp((const char *)(instruction + 2), "GLSL.std.450"))
-            proof.glsl = instruction[1];
+        else if (opcode == SpvOpFunction)
+            proof.function = instruction[2];
         else if (opcode == SpvOpEntryPoint)
             proof.fragment = instruction[1] == SpvExecutionModelFragment;
         check_instruction(&proof, instruction);
     }
-    free(proof.definitions);
     free(proof.ids);
-    return good;
+    return proof.ids;
 }

@@ -7,26 +7,6 @@ layout(location = 0) in vec3 vertex_position;
 layout(location = 1) in vec3 vertex_normal;
 out float gl_ClipDistance[1];
 
-float exact_dot(float a, float b)
-{
-    return a * b;
-}
-
-float exact_dot(vec2 a, vec2 b)
-{
-    return a.x * b.x + a.y * b.y;
-}
-
-float exact_dot(vec3 a, vec3 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-float exact_dot(vec4 a, vec4 b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-}
-
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */
 struct View {
     mat4 view;
@@ -65,14 +45,34 @@ layout(std140, set = 0, binding = 1) uniform Frame {
     uint first;
 } frame;
 
+/* struct dt_material of diptych.h. */
+struct SceneMaterial {
+    vec3 albedo;       /* linear, 0..1; multiplies the texture */
+    int texture_layer; /* of scene_textures, or -1 */
+    vec3 emission;
+    float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
+};
+
+layout(std430, set = 0, binding = 0) readonly buffer scene_materials_block {
+    SceneMaterial scene_materials[];
+};
+
 View view = frame.light_view;
 
-#line 2 1
+#line 1 1
+#ifdef VERTEX
 layout(location = 0) out vec3 normal;
 void main()
 {
     normal = vertex_normal;
     gl_Layer = gl_InstanceIndex;
     gl_Position = view.view_projection * vec4(vertex_position, 1.0);
-    gl_ClipDistance[0] = exact_dot(vertex_normal, view.direction);
+    gl_ClipDistance[0] = dot(vertex_normal, view.direction);
 }
+#else
+layout(location = 0) in vec3 normal;
+void main()
+{
+    color = scene_texture(normal.xy, scene_materials[0].texture_layer);
+}
+#endif

@@ -1,0 +1,46 @@
+/* The files of a pass's body: its own, and all that it may include. Which of them a stage includes is
+ * glslang's decision: a name counts here in whichever branch of #if it stands. So what is asked of
+ * these texts may be "yes" too often, never decides what a shader means, and saves work: which
+ * declarations to write, what to read again when a file changes. */
+#ifndef DIPTYCH_GEN_BODY_FILES_H
+#define DIPTYCH_GEN_BODY_FILES_H
+
+#include "diag.h"
+#include "spirv/glslang.h"
+
+struct body_file {
+    const struct source *source;
+    uint32_t number;  /* of #line: place in model->glsl_sources, from 1 */
+    const char *name; /* the number as text: its name for glslang */
+    const char *code; /* the text without comments, line by line */
+};
+
+struct body_include { /* #include "name" of a file */
+    uint32_t from;    /* number of the file */
+    const char *name;
+    const struct body_file *file;
+};
+
+struct body_files {
+    struct body_file *list; /* the body first */
+    uint32_t count;
+    struct body_include *includes;
+    uint32_t include_count;
+};
+
+/* In the model's arena. Names that lead nowhere are left out: glslang asks for them, or does not.
+ * NULL when out of memory. */
+const struct body_files *body_files_read(struct model *model, const struct source *body);
+/* glslang_job.include, of struct body_files as `user`. */
+bool body_include(const void *user, const char *from, const char *name, struct glslang_file *file);
+/* Whether a file has the word as an identifier, not as a member behind a dot. */
+bool body_mentions(const struct body_files *files, const char *word);
+/* Whether a file has an identifier that begins so. */
+bool body_mentions_prefix(const struct body_files *files, const char *prefix);
+/* Whether an #if, #ifdef or #elif asks for the macro. */
+bool body_asks_for(const struct body_files *files, const char *macro);
+
+/* First occurrence of `word` as an identifier, not as a member behind a dot; NULL: none. */
+const char *find_word(const char *text, const char *word);
+
+#endif

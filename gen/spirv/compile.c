@@ -1,0 +1,225 @@
+/* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Called by shaders.c.
+ * Messages of glslang are reported at the line of the original file. */
+#include "../diag.h"
+#include "../glsl.h"
+#include "../plan.h"
+#include "../stages.h"
+#include "exact.h"
+#include "glslang.h"
+#include "link.h"
+#include "passes.h"
+#include "prove.h"
+
+#include <ctype.h>
+#include <glslang/build_info.h>
+#include <spirv-tools/libspirv.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Start ----------------------------------------------------------------------------------- */
+
+/* glslang keeps its tables until the process ends. */
+bool spirv_init(void)
+{
+    static atomic_bool started;
+    if (!started)
+        started = spirv_library_start() && glslang_start();
+    return started;
+}
+
+#define WORD(text)      #text
+#define DOTTED(a, b, c) WORD(a) "." WORD(b) "." WORD(c)
+
+const char *spirv_tools(void)
+{
+    static char tools[256];
+    snprintf(tools, sizeof tools, "glslang %s, %s, exact.glsl %08x",
+             DOTTED(GLSLANG_VERSION_MAJOR, GLSLANG_VERSION_MINOR, GLSLANG_VERSION_PATCH),
+             spvSoftwareVersionString(), spirv_library_hash());
+    return tools;
+}
+
+/* ---- Compiling ------------------------------------------------------------------------------- */
+
+/* The passes; takes over `words`. */
+static bool pass_words(const struct model *model, const struct pass *pass, uint32_t *words,
+                       size_t count, struct shader *shader)
+{
+    struct spirv module;
+    bool good = spirv_read(&module, words, count) && spirv_end_entry(&module);
+    for (uint32_t i = 0; good && i < pass->access_count; i++)
+        if (!pass->accesses[i].resource && pass->accesses[i].kind & ACCESS_FETCH)
+            good = spirv_texels(&module, pass->accesses[i].name);
+    good = good && (model->pipeline.fast || spirv_exact(&module)) && spirv_reach(&module);
+    if (good && !model->pipeline.gpu)
+        spirv_keep_loops(&module);
+    if (good)
+        shader->words = spirv_take(&module, &shader->word_count);
+    return good;
+}
+
+/* By SPIR-V's rules: those of Vulkan take half as long again, and tests/golden_test.sh holds the
+ * modules to both APIs. Names for messages take most of the time, so only an invalid module gets
+ * them. */
+static bool validate(const struct pass *pass, const struct shader *shader, struct diag *diag)
+{
+    spv_context context = spvContextCreate(SPV_ENV_UNIVERSAL_1_6);
+    spv_validator_options options = spvValidatorOptionsCreate();
+    spvValidatorOptionsSetFriendlyNames(options, false);
+    spv_const_binary_t binary = {shader->words, shader->word_count};
+    bool valid = spvValidateWithOptions(context, options, &binary, NULL) == SPV_SUCCESS;
+    if (!valid && diag) {
+        spv_diagnostic diagnostic = NULL;
+        spvValidateBinary(context, shader->words, shader->word_count, &diagnostic);
+        diag_error(diag, pass->shader_loc, "pass %s: spirv-val says: %s", pass->name,
+                   diagnostic && diagnostic->error ? diagnostic->error : "invalid module");
+        spvDiagnosticDestroy(diagnostic);
+    }
+    spvValidatorOptionsDestroy(options);
+    spvContextDestroy(context);
+    return valid;
+}
+
+/* OpenGL takes SPIR-V 1.0, and by GL_KHR_shader_subgroup 1.3, which brought subgroup operations. In
+ * 1.5 a vertex shader's layer is a capability of its own, as some devices have it. */
+static int minor_version(const struct shader *shader)
+{
+    const char *code = shader_code(shader)->data;
+    if (shader->own && !shader->code.length)
+        return 5; /* Vulkan's own */
+    return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") ? 3 : 0;
+}
+
+/* `lines`: with OpLine, which makes no valid module of all that follows. */
+static bool compile(const struct model *model, const struct pass *pass, bool lines,
+                    struct shader *shader, char **log)
+{
+    const struct glslang_job job = {.code = shader_code(shader)->data,
+                                    .stage = shader->stage,
+                                    .minor = minor_version(shader),
+                                    .lines = lines,
+                                    .include = body_include,
+                                    .user = shader->files};
+    size_t count;
+    uint32_t *words = glslang_compile(&job, &count, log);
+    return words && pass_words(model, pass, words, count, shader);
+}
+
+bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
+                   struct shader *shader, char **log, struct diag *diag)
+{
+    char *unread = NULL;
+    bool good = compile(model, pass, false, shader, log ? log : &unread) &&
+                validate(pass, shader, diag);
+    free(unread);
+    return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
+}
+
+bool spirv_make_opengl(const struct pass *pass, struct shader *shader)
+{
+    struct spirv module;
+    bool good = spirv_read(&module, shader->words, shader->word_count) &&
+                spirv_for_opengl(&module, pass->indirect_resource);
+    shader->words = spirv_take(&module, &shader->word_count);
+    return good;
+}
+
+/* ---- Proof ----------------------------------------------------------------------------------- */
+
+struct proving {
+    const struct model *model;
+    const struct pass *pass;
+    struct diag *diag;
+    bool numbers;  /* a scene draw leaves numbers and depth: the rasterizer decides edges alone */
+    unsigned open; /* operations to report */
+};
+
+static bool draws_numbers(const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct resource *resource = pass->accesses[i].resource;
+        if (pass->accesses[i].mode != MODE_READ &&
+            !(resource->kind == DT_IMAGE &&
+              (format_info(resource->format)->integer || resource->format == DT_FORMAT_D32F)))
+            return false;
+    }
+    return pass->kind == PASS_SCENE;
+}
+
+static void count_open(void *user, const struct open_operation *operation)
+{
+    struct proving *proving = user;
+    proving->open += proving->model->prove || operation->wrong;
+}
+
+static void report_open(void *user, const struct open_operation *operation)
+{
+    const struct proving *proving = user;
+    const struct model *model = proving->model;
+    if (!model->prove && !operation->wrong)
+        return;
+    if (!operation->file || operation->file > model->glsl_source_count) {
+        diag_error(proving->diag, proving->pass->shader_loc,
+                   "pass %s, in the generated GLSL: `%s` is not exact: %s", proving->pass->name,
+                   operation->word, operation->why);
+        return;
+    }
+    struct loc loc = {model->glsl_sources[operation->file - 1], (int)operation->line, 1, 1};
+    while (!glsl_find_in_line(&loc, operation->word, strlen(operation->word)) &&
+           operation->wrong && loc.line > 1) /* up to where the function begins */
+        loc.line--;
+    if (operation->raster && proving->numbers)
+        diag_warning(proving->diag, loc, "`%s` decides at edges: %s", operation->word,
+                     operation->why);
+    else
+        diag_error(proving->diag, loc, "`%s` is not exact: %s", operation->word, operation->why);
+}
+
+/* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
+static void add_lines(const char *code, struct text *out)
+{
+    unsigned row, file;
+    for (const char *end; *code; code = end) {
+        end = code + strcspn(code, "\n");
+        end += *end == '\n';
+        if (sscanf(code, "#line %u %u", &row, &file) == 2)
+            text_add(out, "#line %u \"%u\"\n", row, file);
+        else
+            text_add_bytes(out, code, (size_t)(end - code));
+        if (!strncmp(code, "#version", 8))
+            text_add(out, "#extension GL_GOOGLE_cpp_style_line_directive : enable\n");
+    }
+}
+
+static bool prove_words(const struct shader *shader,
+                        void (*found)(void *user, const struct open_operation *operation),
+                        struct proving *proving)
+{
+    struct spirv module;
+    bool good = spirv_open(&module, shader->words, shader->word_count) &&
+                prove_module(&module, found, proving);
+    spirv_free(&module);
+    return good;
+}
+
+void spirv_prove(const struct model *model, const struct pass *pass, const struct shader *shader,
+                 struct diag *diag)
+{
+    struct proving proving = {model, pass, diag, draws_numbers(pass), 0};
+    struct shader lined = {.stage = shader->stage, .files = shader->files};
+    char *log = NULL;
+    bool good = prove_words(shader, count_open, &proving);
+    if (good && proving.open) {
+        add_lines(shader_code(shader)->data, &lined.glsl);
+        good = lined.glsl.data && !lined.glsl.failed && spirv_init() &&
+               compile(model, pass, true, &lined, &log) &&
+               prove_words(&lined, report_open, &proving);
+    }
+    if (!good)
+        diag_error(diag, pass->shader_loc, "out of memory");
+    free(log);
+    text_free(&lined.glsl);
+    free(lined.words);
+}

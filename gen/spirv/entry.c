@@ -1,0 +1,52 @@
+/* The entry point becomes a function that calls the body's main, then diptych_end(), which the
+ * generator declares where something must run behind the body (glsl_body.c). So the body may return
+ * where it likes, and its text stays as it is. */
+#include <spirv/unified1/spirv.h>
+#include <string.h>
+
+#include "passes.h"
+
+static const struct spirv_function *find_end(const struct spirv *module)
+{
+    for (uint32_t i = 0; i < module->function_count; i++) {
+        const char *name = spirv_name(module, module->functions[i].id);
+        if (name && !strcmp(name, "diptych_end("))
+            return &module->functions[i];
+    }
+    return NULL;
+}
+
+bool spirv_end_entry(struct spirv *module)
+{
+    const struct spirv_function *end = find_end(module);
+    if (!end)
+        return true;
+    struct spirv_edit edit;
+    const uint32_t *words = module->words, *head = words + end->begin;
+    uint32_t void_type = head[1], function_type = head[4], body = spirv_entry(module);
+    spirv_edit_begin(&edit, module);
+    uint32_t entry = edit.bound++;
+    for (size_t at = SPIRV_HEADER; !edit.failed && at < edit.front.count;
+         at += spirv_length(edit.front.data + at)) {
+        uint32_t *instruction = edit.front.data + at;
+        if (spirv_is(instruction, SpvOpEntryPoint))
+            instruction[2] = entry;
+        else if (spirv_is(instruction, SpvOpName) && instruction[1] == body)
+            instruction[1] = entry; /* "main" */
+        else if (spirv_is(instruction, SpvOpExecutionMode) && instruction[1] == body)
+            instruction[1] = entry;
+    }
+    SPIRV_EACH (module, at, module->annotations, module->declarations)
+        spirv_copy(&edit, &edit.annotations, words + at);
+    SPIRV_EACH (module, at, module->code, module->count)
+        spirv_copy(&edit, &edit.code, words + at);
+    spirv_put_name(&edit, body, "pass_main(");
+    SPIRV_PUT(&edit, &edit.code, SpvOpFunction, void_type, entry, SpvFunctionControlMaskNone,
+              function_type);
+    SPIRV_PUT(&edit, &edit.code, SpvOpLabel, edit.bound++);
+    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, edit.bound++, body);
+    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, edit.bound++, end->id);
+    spirv_put(&edit, &edit.code, SpvOpReturn, NULL, 0);
+    spirv_put(&edit, &edit.code, SpvOpFunctionEnd, NULL, 0);
+    return spirv_edit_end(&edit, module);
+}

@@ -1,0 +1,345 @@
+/* Exact arithmetic. GLSL and Vulkan round + - * correctly, and comparisons, conversions and integer
+ * operations are exact; every other operation may err by some units in the last place. This pass
+ * replaces each open operation by a call of a function of templates/glsl/exact.glsl, which is made of
+ * the former alone in a fixed order; the function joins the module (link.h). What is left gets
+ * NoContraction, so no driver fuses or reorders it, and loses RelaxedPrecision, so none computes it
+ * with fewer bits.
+ *
+ * A function is found by the name and types of the operands, as glslang mangles them:
+ * "exact_pow(f1;f1;". If the library has none for vectors, the one for numbers is called component by
+ * component. Double precision is left alone: prove.c names it. */
+#include "exact.h"
+
+#include <spirv/unified1/GLSL.std.450.h>
+#include <spirv/unified1/spirv.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "link.h"
+#include "panel.h" /* DT_ARRAY_COUNT */
+
+struct replacement {
+    uint32_t number; /* SpvOp or GLSLstd450 */
+    const char *name;
+};
+
+static const struct replacement operations[] = {
+    {SpvOpConvertFToU, "exact_to_uint"},
+    {SpvOpConvertFToS, "exact_to_int"},
+    {SpvOpFDiv, "exact_divide"},
+    {SpvOpFMod, "exact_mod"},
+    {SpvOpVectorTimesMatrix, "exact_product"},
+    {SpvOpMatrixTimesVector, "exact_product"},
+    {SpvOpMatrixTimesMatrix, "exact_product"},
+    {SpvOpDot, "exact_dot"},
+    {SpvOpIsNan, "exact_isnan"},
+    {SpvOpIsInf, "exact_isinf"},
+};
+
+static const struct replacement functions[] = {
+    {GLSLstd450Round, "exact_round"},
+    {GLSLstd450Fract, "exact_fract"},
+    {GLSLstd450Radians, "exact_radians"},
+    {GLSLstd450Degrees, "exact_degrees"},
+    {GLSLstd450Sin, "exact_sin"},
+    {GLSLstd450Cos, "exact_cos"},
+    {GLSLstd450Tan, "exact_tan"},
+    {GLSLstd450Asin, "exact_asin"},
+    {GLSLstd450Acos, "exact_acos"},
+    {GLSLstd450Atan, "exact_atan"},
+    {GLSLstd450Sinh, "exact_sinh"},
+    {GLSLstd450Cosh, "exact_cosh"},
+    {GLSLstd450Tanh, "exact_tanh"},
+    {GLSLstd450Asinh, "exact_asinh"},
+    {GLSLstd450Acosh, "exact_acosh"},
+    {GLSLstd450Atanh, "exact_atanh"},
+    {GLSLstd450Atan2, "exact_atan"},
+    {GLSLstd450Pow, "exact_pow"},
+    {GLSLstd450Exp, "exact_exp"},
+    {GLSLstd450Log, "exact_log"},
+    {GLSLstd450Exp2, "exact_exp2"},
+    {GLSLstd450Log2, "exact_log2"},
+    {GLSLstd450Sqrt, "exact_sqrt"},
+    {GLSLstd450InverseSqrt, "exact_inversesqrt"},
+    {GLSLstd450Determinant, "exact_determinant"},
+    {GLSLstd450MatrixInverse, "exact_inverse"},
+    {GLSLstd450FMin, "exact_min"},
+    {GLSLstd450FMax, "exact_max"},
+    {GLSLstd450FClamp, "exact_clamp"},
+    {GLSLstd450FMix, "exact_mix"},
+    {GLSLstd450SmoothStep, "exact_smoothstep"},
+    {GLSLstd450Fma, "exact_fma"},
+    {GLSLstd450Ldexp, "exact_ldexp"},
+    {GLSLstd450PackSnorm4x8, "exact_packSnorm4x8"},
+    {GLSLstd450PackUnorm4x8, "exact_packUnorm4x8"},
+    {GLSLstd450PackSnorm2x16, "exact_packSnorm2x16"},
+    {GLSLstd450PackUnorm2x16, "exact_packUnorm2x16"},
+    {GLSLstd450PackHalf2x16, "exact_packHalf2x16"},
+    {GLSLstd450UnpackSnorm2x16, "exact_unpackSnorm2x16"},
+    {GLSLstd450UnpackUnorm2x16, "exact_unpackUnorm2x16"},
+    {GLSLstd450UnpackHalf2x16, "exact_unpackHalf2x16"},
+    {GLSLstd450UnpackSnorm4x8, "exact_unpackSnorm4x8"},
+    {GLSLstd450UnpackUnorm4x8, "exact_unpackUnorm4x8"},
+    {GLSLstd450Length, "exact_length"},
+    {GLSLstd450Distance, "exact_distance"},
+    {GLSLstd450Cross, "exact_cross"},
+    {GLSLstd450Normalize, "exact_normalize"},
+    {GLSLstd450FaceForward, "exact_faceforward"},
+    {GLSLstd450Reflect, "exact_reflect"},
+    {GLSLstd450Refract, "exact_refract"},
+};
+
+struct exact {
+    const struct spirv *from;
+    struct spirv_edit edit;
+    struct spirv_link link;
+    uint32_t glsl; /* id of GLSL.std.450 */
+};
+
+/* ---- Look-ups -------------------------------------------------------------------------------- */
+
+/* The name of the replacement; NULL: the instruction stays. *first: word of its first operand. */
+static const char *replacement_of(const struct exact *exact, const uint32_t *instruction,
+                                  uint32_t *first)
+{
+    bool extended = spirv_is(instruction, SpvOpExtInst) && instruction[3] == exact->glsl;
+    const struct replacement *list = extended ? functions : operations;
+    size_t count = extended ? DT_ARRAY_COUNT(functions) : DT_ARRAY_COUNT(operations);
+    uint32_t number = extended ? instruction[4] : spirv_opcode(instruction);
+    *first = extended ? 5 : 3;
+    for (size_t i = 0; i < count; i++)
+        if (list[i].number == number)
+            return list[i].name;
+    return NULL;
+}
+
+/* The letter of a scalar type in mangled names; 0: of another width than 32, or no scalar. */
+static char letter_of(const uint32_t *type)
+{
+    if (spirv_is(type, SpvOpTypeBool))
+        return 'b';
+    if (spirv_is(type, SpvOpTypeFloat))
+        return type[2] == 32 ? 'f' : 0;
+    return spirv_is(type, SpvOpTypeInt) && type[2] == 32 ? (type[3] ? 'i' : 'u') : 0;
+}
+
+/* Appends a type as glslang mangles it: f1, vf3, mf34. False: no type of the library. */
+static bool mangle(const struct exact *exact, const uint32_t *type, bool scalar, char *name,
+                   size_t room)
+{
+    const struct spirv *from = exact->from;
+    bool matrix = spirv_is(type, SpvOpTypeMatrix), vector = spirv_is(type, SpvOpTypeVector);
+    const uint32_t *column = matrix ? spirv_definition(from, type[2]) : type;
+    char letter = letter_of(matrix || vector ? spirv_definition(from, column[2]) : type);
+    size_t length = strlen(name);
+    if (matrix)
+        snprintf(name + length, room - length, "m%c%u%u;", letter, type[3], column[3]);
+    else if (vector && !scalar)
+        snprintf(name + length, room - length, "v%c%u;", letter, type[3]);
+    else
+        snprintf(name + length, room - length, "%c1;", letter);
+    return letter && !(matrix && scalar);
+}
+
+/* The library's function for an instruction with operands from the word `first`; scalar: that for
+ * their components. 0: none. */
+static uint32_t find_function(struct exact *exact, const uint32_t *instruction, const char *name,
+                              uint32_t first, bool scalar)
+{
+    char mangled[96];
+    snprintf(mangled, sizeof mangled, "%s(", name);
+    for (uint32_t word = first; word < spirv_length(instruction); word++)
+        if (!mangle(exact, spirv_type(exact->from, instruction[word]), scalar, mangled,
+                    sizeof mangled))
+            return 0;
+    return spirv_link_function(&exact->link, mangled);
+}
+
+/* ---- Constants ------------------------------------------------------------------------------- */
+
+/* The one number of a constant, or of all components of a constant vector. */
+static bool constant_bits(const struct exact *exact, uint32_t id, uint32_t *bits)
+{
+    const uint32_t *constant = spirv_definition(exact->from, id);
+    if (spirv_is(constant, SpvOpConstant) && spirv_length(constant) == 4) {
+        *bits = constant[3];
+        return true;
+    }
+    bool composite =
+        spirv_is(constant, SpvOpConstantComposite) || spirv_is(constant, SpvOpCompositeConstruct);
+    bool equal = composite && constant_bits(exact, constant[3], bits);
+    for (uint32_t word = 4; equal && word < spirv_length(constant); word++)
+        equal = constant[word] == constant[3];
+    return equal;
+}
+
+/* A constant of the type, all of whose components have these bits. */
+static uint32_t declare_constant(struct exact *exact, uint32_t type, uint32_t bits)
+{
+    const uint32_t *declared = spirv_definition(exact->from, type);
+    if (!spirv_is(declared, SpvOpTypeVector))
+        return spirv_declare(&exact->edit, SpvOpConstant, type, &bits, 1);
+    uint32_t part = declare_constant(exact, declared[2], bits);
+    return spirv_declare(&exact->edit, SpvOpConstantComposite, type,
+                         (uint32_t[]){part, part, part, part}, declared[3]);
+}
+
+/* ---- Instructions ---------------------------------------------------------------------------- */
+
+static void mark(struct exact *exact, uint32_t id)
+{
+    SPIRV_PUT(&exact->edit, &exact->edit.annotations, SpvOpDecorate, id,
+              SpvDecorationNoContraction);
+}
+
+/* Calls `function` with the operands from the word `first`, or with their components `component`. */
+static uint32_t put_call(struct exact *exact, const uint32_t *instruction, uint32_t first,
+                         uint32_t function, uint32_t type, uint32_t result, int component)
+{
+    struct spirv_edit *edit = &exact->edit;
+    uint32_t operands[8] = {type, result, function}, count = 3;
+    for (uint32_t word = first; word < spirv_length(instruction); word++) {
+        const uint32_t *declared = spirv_type(exact->from, instruction[word]);
+        uint32_t operand = instruction[word];
+        if (component >= 0 && spirv_is(declared, SpvOpTypeVector)) {
+            operand = edit->bound++;
+            SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, declared[2], operand,
+                      instruction[word], (uint32_t)component);
+        }
+        operands[count++] = operand;
+    }
+    spirv_put(edit, &edit->code, SpvOpFunctionCall, operands, count);
+    return result;
+}
+
+/* Replaces an operation of vectors by calls for their components. */
+static void put_components(struct exact *exact, const uint32_t *instruction, uint32_t first,
+                           uint32_t function, const uint32_t *type)
+{
+    struct spirv_edit *edit = &exact->edit;
+    uint32_t parts[6] = {instruction[1], instruction[2]};
+    for (uint32_t i = 0; i < type[3]; i++)
+        parts[2 + i] =
+            put_call(exact, instruction, first, function, type[2], edit->bound++, (int)i);
+    spirv_put(edit, &edit->code, SpvOpCompositeConstruct, parts, 2 + type[3]);
+}
+
+/* Division by a power of two whose reciprocal is a normal number becomes a product. */
+static bool put_product(struct exact *exact, const uint32_t *division)
+{
+    uint32_t bits, exponent;
+    if (!spirv_is(division, SpvOpFDiv) || !constant_bits(exact, division[4], &bits))
+        return false;
+    exponent = bits >> 23 & 0xff;
+    if (bits & 0x7fffff || exponent < 1 || exponent > 253)
+        return false;
+    const uint32_t *type = spirv_type(exact->from, division[4]);
+    const uint32_t *scalar =
+        spirv_is(type, SpvOpTypeVector) ? spirv_definition(exact->from, type[2]) : type;
+    if (letter_of(scalar) != 'f')
+        return false;
+    uint32_t factor =
+        declare_constant(exact, division[1], (bits & 0x80000000u) | (254 - exponent) << 23);
+    SPIRV_PUT(&exact->edit, &exact->edit.code, SpvOpFMul, division[1], division[2], division[3],
+              factor);
+    mark(exact, division[2]);
+    return true;
+}
+
+static bool is_shift(const uint32_t *instruction)
+{
+    return spirv_is(instruction, SpvOpShiftRightLogical) ||
+           spirv_is(instruction, SpvOpShiftRightArithmetic) ||
+           spirv_is(instruction, SpvOpShiftLeftLogical);
+}
+
+/* Shifts take the low five bits of their count; GLSL leaves the others' effect open. */
+static bool put_shift(struct exact *exact, const uint32_t *shift)
+{
+    uint32_t bits;
+    if (!is_shift(shift) || (constant_bits(exact, shift[4], &bits) && bits < 32))
+        return false;
+    uint32_t type = spirv_definition(exact->from, shift[4])[1];
+    const uint32_t *declared = spirv_definition(exact->from, type);
+    const uint32_t *scalar = spirv_is(declared, SpvOpTypeVector)
+                                 ? spirv_definition(exact->from, declared[2])
+                                 : declared;
+    if (!letter_of(scalar))
+        return false;
+    struct spirv_edit *edit = &exact->edit;
+    uint32_t mask = declare_constant(exact, type, 31), count = edit->bound++;
+    SPIRV_PUT(edit, &edit->code, SpvOpBitwiseAnd, type, count, shift[4], mask);
+    SPIRV_PUT(edit, &edit->code, spirv_opcode(shift), shift[1], shift[2], shift[3], count);
+    return true;
+}
+
+/* Writes calls instead of an open operation; false: it stays. */
+static bool replace(struct exact *exact, const uint32_t *instruction)
+{
+    uint32_t first;
+    const char *name = replacement_of(exact, instruction, &first);
+    if (!name)
+        return put_shift(exact, instruction);
+    if (put_product(exact, instruction))
+        return true;
+    uint32_t function = find_function(exact, instruction, name, first, false);
+    const uint32_t *type = spirv_definition(exact->from, instruction[1]);
+    if (function) {
+        put_call(exact, instruction, first, function, instruction[1], instruction[2], -1);
+        return true;
+    }
+    function = spirv_is(type, SpvOpTypeVector)
+                   ? find_function(exact, instruction, name, first, true)
+                   : 0;
+    if (function)
+        put_components(exact, instruction, first, function, type);
+    return function;
+}
+
+/* ---- The module ------------------------------------------------------------------------------ */
+
+/* Decorations but those of precision, which are set anew. */
+static void copy_annotations(struct exact *exact)
+{
+    const struct spirv *from = exact->from;
+    SPIRV_EACH (from, at, from->annotations, from->declarations) {
+        const uint32_t *i = from->words + at;
+        bool precision = (spirv_is(i, SpvOpDecorate) && (i[2] == SpvDecorationNoContraction ||
+                                                         i[2] == SpvDecorationRelaxedPrecision)) ||
+                         (spirv_is(i, SpvOpMemberDecorate) && i[3] == SpvDecorationRelaxedPrecision);
+        if (!precision)
+            spirv_copy(&exact->edit, &exact->edit.annotations, i);
+    }
+}
+
+/* Marks the arithmetic of the code from `begin` on. */
+static void mark_code(struct exact *exact, size_t begin)
+{
+    const struct spirv_words *code = &exact->edit.code;
+    for (size_t at = begin; !exact->edit.failed && at < code->count;
+         at += spirv_length(code->data + at))
+        if (spirv_is_arithmetic(code->data + at))
+            mark(exact, code->data[at + 2]);
+}
+
+bool spirv_exact(struct spirv *module)
+{
+    struct exact exact = {.from = module, .glsl = spirv_glsl(module)};
+    struct spirv_edit *edit = &exact.edit;
+    spirv_edit_begin(edit, module);
+    edit->failed |= !spirv_link_begin(&exact.link, edit);
+    copy_annotations(&exact);
+    SPIRV_EACH (module, at, module->code, edit->failed ? module->code : module->count) {
+        const uint32_t *instruction = module->words + at;
+        if (replace(&exact, instruction))
+            continue;
+        spirv_copy(edit, &edit->code, instruction);
+        if (spirv_is_arithmetic(instruction))
+            mark(&exact, instruction[2]);
+    }
+    size_t linked = edit->code.count;
+    spirv_link_end(&exact.link);
+    mark_code(&exact, linked);
+    return spirv_edit_end(edit, module);
+}

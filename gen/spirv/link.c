@@ -1,0 +1,152 @@
+/* See link.h. */
+#include "link.h"
+
+#include <pthread.h>
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "exact_library.h" /* made of templates/glsl/exact.glsl by the build */
+
+struct entry {
+    const char *name; /* mangled */
+    uint32_t function;
+};
+
+static struct {
+    struct spirv module;
+    struct entry *entries; /* sorted by name */
+    uint32_t count;
+} library;
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(((const struct entry *)a)->name, ((const struct entry *)b)->name);
+}
+
+static void read_library(void)
+{
+    struct spirv *module = &library.module;
+    uint32_t *words = malloc(sizeof exact_library);
+    if (words)
+        memcpy(words, exact_library, sizeof exact_library);
+    if (!spirv_read(module, words, sizeof exact_library / sizeof *words))
+        return;
+    library.entries = calloc(module->function_count + 1, sizeof *library.entries);
+    for (uint32_t i = 0; library.entries && i < module->function_count; i++) {
+        const char *name = spirv_name(module, module->functions[i].id);
+        if (name)
+            library.entries[library.count++] = (struct entry){name, i};
+    }
+    if (library.entries)
+        qsort(library.entries, library.count, sizeof *library.entries, by_name);
+}
+
+bool spirv_library_start(void)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    return !pthread_once(&once, read_library) && library.entries;
+}
+
+uint32_t spirv_library_hash(void)
+{
+    uint32_t hash = 2166136261u; /* FNV-1a, by words */
+    for (size_t i = 0; i < sizeof exact_library / sizeof *exact_library; i++)
+        hash = (hash ^ exact_library[i]) * 16777619u;
+    return hash;
+}
+
+bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit)
+{
+    *link = (struct spirv_link){.edit = edit};
+    if (!spirv_library_start())
+        return false;
+    link->ids = calloc(library.module.words[3], sizeof *link->ids);
+    link->wanted = calloc(library.module.function_count + 1, sizeof *link->wanted);
+    return link->ids && link->wanted;
+}
+
+static uint32_t map_id(struct spirv_link *link, uint32_t id);
+
+/* A type or constant of the library in the module. */
+static uint32_t map_declaration(struct spirv_link *link, const uint32_t *declaration)
+{
+    enum { MOST_OPERANDS = 60 };
+    uint32_t operands[MOST_OPERANDS], count = 0, result = spirv_result_word(declaration);
+    uint32_t type = result == 2 ? map_id(link, declaration[1]) : 0;
+    for (uint32_t word = result + 1; word < spirv_length(declaration) && count < MOST_OPERANDS;
+         word++)
+        operands[count++] = spirv_is_literal(declaration, word) ? declaration[word]
+                                                                : map_id(link, declaration[word]);
+    return spirv_declare(link->edit, spirv_opcode(declaration), type, operands, count);
+}
+
+static uint32_t want(struct spirv_link *link, uint32_t index)
+{
+    uint32_t id = library.module.functions[index].id;
+    link->wanted[link->wanted_count++] = index;
+    return link->ids[id] = link->edit->bound++;
+}
+
+static uint32_t want_id(struct spirv_link *link, uint32_t id)
+{
+    uint32_t index = 0;
+    while (library.module.functions[index].id != id)
+        index++;
+    return want(link, index);
+}
+
+/* The id in the module of an id of the library. */
+static uint32_t map_id(struct spirv_link *link, uint32_t id)
+{
+    const struct spirv *from = &library.module;
+    uint32_t *mapped = &link->ids[id];
+    size_t at = from->definitions[id];
+    if (*mapped)
+        return *mapped;
+    if (spirv_is(from->words + at, SpvOpExtInstImport))
+        *mapped = spirv_glsl(link->edit->from);
+    else if (spirv_is(from->words + at, SpvOpFunction))
+        want_id(link, id);
+    else if (at < from->code)
+        *mapped = map_declaration(link, from->words + at);
+    else
+        *mapped = link->edit->bound++;
+    return *mapped;
+}
+
+uint32_t spirv_link_function(struct spirv_link *link, const char *name)
+{
+    struct entry wanted = {.name = name};
+    const struct entry *entry =
+        bsearch(&wanted, library.entries, library.count, sizeof wanted, by_name);
+    if (!entry)
+        return 0;
+    uint32_t id = link->ids[library.module.functions[entry->function].id];
+    return id ? id : want(link, entry->function);
+}
+
+static void copy_function(struct spirv_link *link, const struct spirv_function *function)
+{
+    struct spirv_edit *edit = link->edit;
+    const char *name = spirv_name(&library.module, function->id);
+    spirv_put_name(edit, link->ids[function->id], name ? name : "exact");
+    SPIRV_EACH (&library.module, at, function->begin, function->end) {
+        const uint32_t *instruction = library.module.words + at;
+        size_t start = edit->code.count;
+        if (spirv_is(instruction, SpvOpLine) || spirv_is(instruction, SpvOpNoLine))
+            continue;
+        spirv_copy(edit, &edit->code, instruction);
+        for (uint32_t word = 1; word < spirv_length(instruction) && !edit->failed; word++)
+            if (!spirv_is_literal(instruction, word))
+                edit->code.data[start + word] = map_id(link, instruction[word]);
+    }
+}
+
+void spirv_link_end(struct spirv_link *link)
+{
+    for (uint32_t i = 0; link->ids && link->wanted && i < link->wanted_count; i++)
+        copy_function(link, &library.module.functions[link->wanted[i]]);
+    free(link->ids);
+    free(link->wanted);
+}

@@ -1,0 +1,29 @@
+/* Functions of a library module join a module. The library is templates/glsl/exact.glsl, which is
+ * compiled when diptych-gen is built; a module gets the functions that it calls, and those that
+ * these call. */
+#ifndef DIPTYCH_GEN_SPIRV_LINK_H
+#define DIPTYCH_GEN_SPIRV_LINK_H
+
+#include "module.h"
+
+struct spirv_link {
+    struct spirv_edit *edit;
+    uint32_t *ids;    /* by id of the library: its id in the module; 0: not there yet */
+    uint32_t *wanted; /* functions of the library to copy, by index */
+    uint32_t wanted_count;
+};
+
+/* Reads the library, once per process, from any thread. False when out of memory. */
+bool spirv_library_start(void);
+
+/* A hash of the library: part of what a cached shader is made from. */
+uint32_t spirv_library_hash(void);
+
+bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit);
+/* The id, in the module, of the library's function with glslang's mangled name, "exact_pow(f1;f1;".
+ * 0: the library has none. */
+uint32_t spirv_link_function(struct spirv_link *link, const char *name);
+/* Copies the functions that were asked for, and those that they call. Frees the link. */
+void spirv_link_end(struct spirv_link *link);
+
+#endif

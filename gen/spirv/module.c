@@ -1,0 +1,402 @@
+/* See module.h. */
+#include "module.h"
+
+#define SPV_ENABLE_UTILITY_CODE /* SpvHasResultAndType */
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The external definition of the header's inline function. */
+extern void SpvHasResultAndType(SpvOp opcode, bool *hasResult, bool *hasResultType);
+
+/* ---- Instructions ---------------------------------------------------------------------------- */
+
+uint32_t spirv_result_word(const uint32_t *instruction)
+{
+    bool has_result, has_type;
+    SpvHasResultAndType((SpvOp)spirv_opcode(instruction), &has_result, &has_type);
+    return has_result ? 1 + has_type : 0;
+}
+
+uint32_t spirv_result(const uint32_t *instruction)
+{
+    uint32_t word = spirv_result_word(instruction);
+    return word ? instruction[word] : 0;
+}
+
+bool spirv_ends_block(const uint32_t *instruction)
+{
+    uint32_t opcode = spirv_opcode(instruction);
+    return (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
+           opcode == SpvOpTerminateInvocation;
+}
+
+bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
+{
+    switch (spirv_opcode(instruction)) {
+    case SpvOpTypeInt:
+    case SpvOpTypeFloat:
+    case SpvOpName:
+    case SpvOpDecorate:
+    case SpvOpMemberName:
+    case SpvOpMemberDecorate:
+        return word >= 2;
+    case SpvOpTypePointer:
+    case SpvOpSelectionMerge:
+        return word == 2;
+    case SpvOpTypeVector:
+    case SpvOpTypeMatrix:
+    case SpvOpTypeImage:
+        return word >= 3;
+    case SpvOpConstant:
+    case SpvOpSpecConstant:
+        return word >= 3;
+    case SpvOpVariable:
+    case SpvOpFunction:
+    case SpvOpLoopMerge:
+        return word == 3;
+    case SpvOpSwitch:
+        return word >= 3 && word % 2;
+    case SpvOpExtInst:
+        return word == 4;
+    case SpvOpLoad:
+    case SpvOpCompositeExtract:
+    case SpvOpArrayLength:
+        return word >= 4;
+    case SpvOpCompositeInsert:
+    case SpvOpVectorShuffle:
+        return word >= 5;
+    case SpvOpStore:
+        return word >= 3;
+    case SpvOpImageFetch:
+    case SpvOpImageRead:
+        return word == 5;
+    case SpvOpImageWrite:
+        return word == 4;
+    case SpvOpImageSampleImplicitLod:
+    case SpvOpImageSampleExplicitLod:
+    case SpvOpImageSampleProjImplicitLod:
+    case SpvOpImageSampleProjExplicitLod:
+        return word == 5;
+    case SpvOpImageSampleDrefImplicitLod:
+    case SpvOpImageSampleDrefExplicitLod:
+    case SpvOpImageGather:
+    case SpvOpImageDrefGather:
+        return word == 6;
+    default:
+        return spirv_is(instruction, SpvOpLine) && word > 1;
+    }
+}
+
+bool spirv_is_arithmetic(const uint32_t *instruction)
+{
+    switch (spirv_opcode(instruction)) {
+    case SpvOpFNegate:
+    case SpvOpFAdd:
+    case SpvOpFSub:
+    case SpvOpFMul:
+    case SpvOpFDiv:
+    case SpvOpFRem:
+    case SpvOpFMod:
+    case SpvOpVectorTimesScalar:
+    case SpvOpMatrixTimesScalar:
+    case SpvOpVectorTimesMatrix:
+    case SpvOpMatrixTimesVector:
+    case SpvOpMatrixTimesMatrix:
+    case SpvOpOuterProduct:
+    case SpvOpDot:
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* ---- Modules --------------------------------------------------------------------------------- */
+
+static bool is_annotation(uint32_t opcode)
+{
+    return (opcode >= SpvOpDecorate && opcode <= SpvOpGroupMemberDecorate) ||
+           opcode == SpvOpDecorateId || opcode == SpvOpDecorateString ||
+           opcode == SpvOpMemberDecorateString;
+}
+
+static bool is_declaration(uint32_t opcode)
+{
+    return (opcode >= SpvOpTypeVoid && opcode <= SpvOpTypeForwardPointer) ||
+           (opcode >= SpvOpConstantTrue && opcode <= SpvOpSpecConstantOp) ||
+           opcode == SpvOpVariable || opcode == SpvOpUndef;
+}
+
+/* Finds the sections, and counts the functions. */
+static void find_sections(struct spirv *module)
+{
+    module->annotations = module->declarations = module->code = module->count;
+    SPIRV_EACH (module, at, SPIRV_HEADER, module->count) {
+        uint32_t opcode = spirv_opcode(module->words + at);
+        if (is_annotation(opcode) && at < module->annotations)
+            module->annotations = at;
+        if (is_declaration(opcode) && at < module->declarations)
+            module->declarations = at;
+        if (opcode == SpvOpFunction) {
+            module->code = at < module->code ? at : module->code;
+            module->function_count++;
+        }
+    }
+    if (module->declarations > module->code)
+        module->declarations = module->code;
+    if (module->annotations > module->declarations)
+        module->annotations = module->declarations;
+}
+
+static void find_functions(struct spirv *module)
+{
+    struct spirv_function *function = module->functions;
+    SPIRV_EACH (module, at, module->code, module->count) {
+        const uint32_t *instruction = module->words + at;
+        if (spirv_is(instruction, SpvOpFunction))
+            *function = (struct spirv_function){.id = instruction[2], .begin = at};
+        else if (spirv_is(instruction, SpvOpFunctionEnd))
+            function++->end = at + 1;
+    }
+}
+
+bool spirv_read(struct spirv *module, uint32_t *words, size_t count)
+{
+    *module = (struct spirv){.words = words, .count = count};
+    if (!words)
+        return false;
+    find_sections(module);
+    module->definitions = calloc(words[3], sizeof *module->definitions);
+    module->functions = calloc(module->function_count + 1, sizeof *module->functions);
+    if (!module->definitions || !module->functions) {
+        spirv_free(module);
+        return false;
+    }
+    SPIRV_EACH (module, at, SPIRV_HEADER, count) {
+        uint32_t result = spirv_result(words + at);
+        if (result)
+            module->definitions[result] = (uint32_t)at;
+    }
+    find_functions(module);
+    return true;
+}
+
+bool spirv_open(struct spirv *module, const uint32_t *words, size_t count)
+{
+    uint32_t *copy = malloc(count * sizeof *copy);
+    if (copy)
+        memcpy(copy, words, count * sizeof *copy);
+    return spirv_read(module, copy, count);
+}
+
+void spirv_free(struct spirv *module)
+{
+    free(module->words);
+    free(module->definitions);
+    free(module->functions);
+    *module = (struct spirv){0};
+}
+
+uint32_t *spirv_take(struct spirv *module, size_t *count)
+{
+    uint32_t *words = module->words;
+    *count = module->count;
+    module->words = NULL;
+    spirv_free(module);
+    return words;
+}
+
+const char *spirv_name(const struct spirv *module, uint32_t id)
+{
+    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations)
+        if (spirv_is(module->words + at, SpvOpName) && module->words[at + 1] == id)
+            return (const char *)(module->words + at + 2);
+    return NULL;
+}
+
+uint32_t spirv_glsl(const struct spirv *module)
+{
+    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations)
+        if (spirv_is(module->words + at, SpvOpExtInstImport) &&
+            !strcmp((const char *)(module->words + at + 2), "GLSL.std.450"))
+            return module->words[at + 1];
+    return 0;
+}
+
+uint32_t spirv_entry(const struct spirv *module)
+{
+    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations)
+        if (spirv_is(module->words + at, SpvOpEntryPoint))
+            return module->words[at + 2];
+    return 0;
+}
+
+/* ---- Edits ----------------------------------------------------------------------------------- */
+
+static uint32_t *make_room(struct spirv_edit *edit, struct spirv_words *to, size_t count)
+{
+    if (to->count + count > to->room) {
+        size_t room = (to->count + count) * 3 / 2 + 64;
+        uint32_t *data = realloc(to->data, room * sizeof *data);
+        edit->failed |= !data;
+        if (!data)
+            return NULL;
+        to->data = data;
+        to->room = room;
+    }
+    to->count += count;
+    return to->data + to->count - count;
+}
+
+void spirv_append(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *words,
+                  size_t count)
+{
+    uint32_t *room = count ? make_room(edit, to, count) : NULL;
+    if (room)
+        memcpy(room, words, count * sizeof *words);
+}
+
+void spirv_put(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,
+               const uint32_t *operands, size_t count)
+{
+    uint32_t *room = make_room(edit, to, count + 1);
+    if (!room)
+        return;
+    room[0] = (uint32_t)(count + 1) << 16 | opcode;
+    if (count)
+        memcpy(room + 1, operands, count * sizeof *operands);
+}
+
+void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction)
+{
+    spirv_append(edit, to, instruction, spirv_length(instruction));
+}
+
+void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name)
+{
+    size_t bytes = strlen(name) + 1, words = (bytes + 3) / 4;
+    uint32_t *room = make_room(edit, &edit->front, words + 2);
+    if (!room)
+        return;
+    room[0] = (uint32_t)(words + 2) << 16 | SpvOpName;
+    room[1] = id;
+    room[words + 1] = 0;
+    memcpy(room + 2, name, bytes);
+}
+
+/* Whether two declarations are equal but for their results. */
+static bool same_declaration(const uint32_t *a, const uint32_t *b)
+{
+    uint32_t result = spirv_result_word(a);
+    if (*a != *b)
+        return false;
+    for (uint32_t word = 1; word < spirv_length(a); word++)
+        if (word != result && a[word] != b[word])
+            return false;
+    return true;
+}
+
+static size_t hash_declaration(const uint32_t *instruction)
+{
+    uint32_t result = spirv_result_word(instruction);
+    uint64_t hash = *instruction;
+    for (uint32_t word = 1; word < spirv_length(instruction); word++)
+        if (word != result)
+            hash = (hash ^ instruction[word]) * 0x9e3779b97f4a7c15ull;
+    return (size_t)(hash >> 20);
+}
+
+/* The slot of a declaration, or the free one that it would take. */
+static uint32_t *find_slot(struct spirv_edit *edit, const uint32_t *instruction)
+{
+    size_t slot = hash_declaration(instruction) & (edit->slot_count - 1);
+    while (edit->slots[slot] &&
+           !same_declaration(edit->declarations.data + edit->slots[slot] - 1, instruction))
+        slot = (slot + 1) & (edit->slot_count - 1);
+    return edit->slots + slot;
+}
+
+/* Structs, arrays of layouts and variables are never shared: their decorations may differ. */
+static bool is_shared(uint32_t opcode)
+{
+    return opcode != SpvOpTypeStruct && opcode != SpvOpTypeArray &&
+           opcode != SpvOpTypeRuntimeArray && opcode != SpvOpVariable && opcode != SpvOpUndef &&
+           (opcode < SpvOpSpecConstantTrue || opcode > SpvOpSpecConstantOp);
+}
+
+static void fill_slots(struct spirv_edit *edit, size_t count)
+{
+    free(edit->slots);
+    edit->slots = calloc(count, sizeof *edit->slots);
+    edit->slot_count = count;
+    edit->failed |= !edit->slots;
+    const struct spirv_words *words = &edit->declarations;
+    edit->declared = 0;
+    for (size_t at = 0; edit->slots && at < words->count; at += spirv_length(words->data + at)) {
+        edit->declared++;
+        if (is_shared(spirv_opcode(words->data + at)))
+            *find_slot(edit, words->data + at) = (uint32_t)at + 1;
+    }
+}
+
+void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from)
+{
+    *edit = (struct spirv_edit){.from = from, .bound = from->words[3]};
+    spirv_append(edit, &edit->front, from->words, from->annotations);
+    spirv_append(edit, &edit->declarations, from->words + from->declarations,
+           from->code - from->declarations);
+    if (!edit->failed)
+        fill_slots(edit, 1024);
+}
+
+uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,
+                       const uint32_t *operands, size_t count)
+{
+    enum { MOST_WORDS = 64 };
+    uint32_t instruction[MOST_WORDS], length = 0;
+    if (edit->failed || count + 3 > MOST_WORDS) {
+        edit->failed = true;
+        return 0;
+    }
+    if (type)
+        instruction[++length] = type;
+    uint32_t result = ++length;
+    if (count)
+        memcpy(instruction + length + 1, operands, count * sizeof *operands);
+    length += (uint32_t)count;
+    instruction[0] = (length + 1) << 16 | opcode;
+    if (2 * edit->declared > edit->slot_count)
+        fill_slots(edit, 2 * edit->slot_count);
+    uint32_t *slot = edit->failed ? NULL : find_slot(edit, instruction);
+    if (!slot)
+        return 0;
+    if (*slot)
+        return spirv_result(edit->declarations.data + *slot - 1);
+    *slot = (uint32_t)edit->declarations.count + 1;
+    instruction[result] = edit->bound++;
+    spirv_append(edit, &edit->declarations, instruction, length + 1);
+    edit->declared++;
+    return instruction[result];
+}
+
+bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)
+{
+    const struct spirv_words *parts[] = {&edit->front, &edit->annotations, &edit->declarations,
+                                         &edit->code};
+    size_t count = 0;
+    for (int i = 0; i < 4; i++)
+        count += parts[i]->count;
+    uint32_t *words = edit->failed ? NULL : malloc(count * sizeof *words);
+    for (size_t i = 0, at = 0; i < 4; at += parts[i]->count, i++) {
+        if (words && parts[i]->count)
+            memcpy(words + at, parts[i]->data, parts[i]->count * sizeof *words);
+    }
+    for (int i = 0; i < 4; i++)
+        free(parts[i]->data);
+    free(edit->slots);
+    if (!words)
+        return false;
+    words[3] = edit->bound;
+    spirv_free(module);
+    return spirv_read(module, words, count);
+}

@@ -1,0 +1,123 @@
+/* SPIR-V modules as the passes of this room see them: the words of a module with an index of its
+ * sections, functions and ids, and an edit that makes the next module of it. A pass reads one module
+ * and writes another; nothing is changed in place but by the passes that say so.
+ *
+ * Instructions are as the specification has them: the first word holds length and opcode, the others
+ * operands. Sections follow its "Logical Layout of a Module". */
+#ifndef DIPTYCH_GEN_SPIRV_MODULE_H
+#define DIPTYCH_GEN_SPIRV_MODULE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { SPIRV_HEADER = 5 }; /* words before the first instruction; [3] is the bound of the ids */
+
+struct spirv_function {
+    uint32_t id;
+    size_t begin, end; /* offsets of OpFunction, and behind OpFunctionEnd */
+};
+
+struct spirv {
+    uint32_t *words; /* free() */
+    size_t count;
+    size_t annotations, declarations, code; /* offsets of the first decoration, the first type,
+                                               constant or variable, and the first function */
+    uint32_t *definitions; /* by id: offset of the instruction that defines it; 0: none */
+    struct spirv_function *functions;
+    uint32_t function_count;
+};
+
+/* Indexes a module and takes over its words, also after a failure. The words come from glslang or
+ * from an edit: malformed modules are refused by spirv-val, not here. False when out of memory. */
+bool spirv_read(struct spirv *module, uint32_t *words, size_t count);
+/* The same of a copy of the words. */
+bool spirv_open(struct spirv *module, const uint32_t *words, size_t count);
+void spirv_free(struct spirv *module);
+/* Gives the words away: free(). The module is empty then. */
+uint32_t *spirv_take(struct spirv *module, size_t *count);
+
+static inline uint32_t spirv_opcode(const uint32_t *instruction)
+{
+    return *instruction & 0xffff;
+}
+static inline uint32_t spirv_length(const uint32_t *instruction)
+{
+    return *instruction >> 16;
+}
+static inline bool spirv_is(const uint32_t *instruction, unsigned opcode)
+{
+    return spirv_opcode(instruction) == opcode;
+}
+/* The instruction that defines an id of the module. */
+static inline const uint32_t *spirv_definition(const struct spirv *module, uint32_t id)
+{
+    return module->words + module->definitions[id];
+}
+/* The instruction that declares the type of a value. Vectors and matrices: [2] is the type of a
+ * component or column, [3] their number. */
+static inline const uint32_t *spirv_type(const struct spirv *module, uint32_t value)
+{
+    return spirv_definition(module, spirv_definition(module, value)[1]);
+}
+/* All instructions between two offsets, in order. */
+#define SPIRV_EACH(module, at, from, to)                                                           \
+    for (size_t at = (from); at < (to); at += (module)->words[at] >> 16)
+
+/* The id that the instruction defines, and the word that holds it; 0: none. */
+uint32_t spirv_result(const uint32_t *instruction);
+uint32_t spirv_result_word(const uint32_t *instruction);
+/* Whether a word of an instruction is a number or text, not an id. */
+bool spirv_is_literal(const uint32_t *instruction, uint32_t word);
+/* Whether the instruction ends its block: a branch, a return or a discard. */
+bool spirv_ends_block(const uint32_t *instruction);
+/* Whether it computes with floats and may be contracted with others. */
+bool spirv_is_arithmetic(const uint32_t *instruction);
+/* The name of an id; NULL: it has none. */
+const char *spirv_name(const struct spirv *module, uint32_t id);
+/* The id of the extended instructions GLSL.std.450; 0: not imported. */
+uint32_t spirv_glsl(const struct spirv *module);
+/* The function of the entry point. */
+uint32_t spirv_entry(const struct spirv *module);
+
+/* ---- Edits ----------------------------------------------------------------------------------- */
+
+struct spirv_words { /* a growing piece of a module */
+    uint32_t *data;
+    size_t count, room;
+};
+
+/* The next module, section by section. A pass fills them; spirv_edit_end joins them. */
+struct spirv_edit {
+    const struct spirv *from;
+    struct spirv_words front, annotations, declarations, code;
+    uint32_t bound;
+    uint32_t *slots; /* hash table of declarations: offset + 1, 0: free */
+    size_t slot_count, declared;
+    bool failed; /* out of memory */
+};
+
+/* Copies front (up to names) and declarations; annotations and code are the pass's. */
+void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from);
+/* Replaces the module by the edit; false when out of memory. Frees the edit. */
+bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module);
+
+/* Appends an instruction with `count` operands, or a copy. */
+void spirv_put(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,
+               const uint32_t *operands, size_t count);
+void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction);
+#define SPIRV_PUT(edit, to, opcode, ...)                                                           \
+    spirv_put(edit, to, opcode, (const uint32_t[]){__VA_ARGS__},                                   \
+              sizeof((const uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t))
+/* Appends words. */
+void spirv_append(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *words,
+                  size_t count);
+/* Names an id. */
+void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name);
+
+/* The id of a type (type: 0) or constant with these operands behind the result; declares it if the
+ * module has none. Not for structs, whose decorations differ. */
+uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,
+                       const uint32_t *operands, size_t count);
+
+#endif

@@ -1,0 +1,96 @@
+/* A module for Vulkan becomes one for OpenGL: no descriptor sets, OpenGL's numbers of vertices and
+ * instances, and its origin of gl_FragCoord. */
+#include <spirv/unified1/spirv.h>
+#include <string.h>
+
+#include "passes.h"
+
+/* The variable with a built-in; 0: there is none. */
+static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
+{
+    SPIRV_EACH (module, at, module->annotations, module->declarations) {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn && i[3] == builtin)
+            return i[1];
+    }
+    return 0;
+}
+
+static void copy_annotations(struct spirv_edit *edit)
+{
+    const struct spirv *from = edit->from;
+    SPIRV_EACH (from, at, from->annotations, from->declarations) {
+        const uint32_t *i = from->words + at;
+        bool decorates = spirv_is(i, SpvOpDecorate);
+        if (decorates && i[2] == SpvDecorationDescriptorSet)
+            continue;
+        size_t start = edit->annotations.count;
+        spirv_copy(edit, &edit->annotations, i);
+        uint32_t *copy = edit->failed ? NULL : edit->annotations.data + start;
+        if (copy && decorates && i[2] == SpvDecorationBuiltIn)
+            copy[3] = i[3] == SpvBuiltInVertexIndex     ? SpvBuiltInVertexId
+                      : i[3] == SpvBuiltInInstanceIndex ? SpvBuiltInInstanceId
+                                                        : i[3];
+    }
+}
+
+/* The front again, with another origin; base: the variable of gl_BaseInstance, 0: none. */
+static void copy_front(struct spirv_edit *edit, uint32_t base)
+{
+    static const char extension[] = "SPV_KHR_shader_draw_parameters";
+    const struct spirv *from = edit->from;
+    edit->front.count = SPIRV_HEADER;
+    if (base)
+        SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityDrawParameters);
+    SPIRV_EACH (from, at, SPIRV_HEADER, from->annotations) {
+        const uint32_t *i = from->words + at;
+        if (base && spirv_is(i, SpvOpExtInstImport)) {
+            uint32_t name[sizeof extension / 4 + 1] = {0};
+            memcpy(name, extension, sizeof extension);
+            spirv_put(edit, &edit->front, SpvOpExtension, name, sizeof extension / 4 + 1);
+        }
+        size_t start = edit->front.count;
+        spirv_copy(edit, &edit->front, i);
+        if (edit->failed)
+            return;
+        if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeOriginUpperLeft)
+            edit->front.data[start + 2] = SpvExecutionModeOriginLowerLeft;
+        if (base && spirv_is(i, SpvOpEntryPoint)) { /* one more input */
+            edit->front.data[start] += 1 << 16;
+            spirv_append(edit, &edit->front, &base, 1);
+        }
+    }
+}
+
+/* OpenGL's number of an instance leaves out the base instance, which only indirect draws have. */
+static void put_instance(struct spirv_edit *edit, const uint32_t *load, uint32_t base)
+{
+    uint32_t number = edit->bound++, first = edit->bound++;
+    SPIRV_PUT(edit, &edit->code, SpvOpLoad, load[1], number, load[3]);
+    SPIRV_PUT(edit, &edit->code, SpvOpLoad, load[1], first, base);
+    SPIRV_PUT(edit, &edit->code, SpvOpIAdd, load[1], load[2], number, first);
+}
+
+bool spirv_for_opengl(struct spirv *module, bool indirect)
+{
+    uint32_t instance = indirect ? find_builtin(module, SpvBuiltInInstanceIndex) : 0, base = 0;
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    copy_annotations(&edit);
+    if (instance) {
+        uint32_t type = spirv_definition(module, instance)[1];
+        base = edit.bound++;
+        SPIRV_PUT(&edit, &edit.declarations, SpvOpVariable, type, base, SpvStorageClassInput);
+        SPIRV_PUT(&edit, &edit.annotations, SpvOpDecorate, base, SpvDecorationBuiltIn,
+                  SpvBuiltInBaseInstance);
+    }
+    copy_front(&edit, base);
+    SPIRV_EACH (module, at, module->code, module->count) {
+        const uint32_t *instruction = module->words + at;
+        if (base && spirv_is(instruction, SpvOpLoad) && instruction[3] == instance)
+            put_instance(&edit, instruction, base);
+        else
+            spirv_copy(&edit, &edit.code, instruction);
+    }
+    return spirv_edit_end(&edit, module);
+}

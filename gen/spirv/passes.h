@@ -1,0 +1,39 @@
+/* Small passes over modules; those with files of their own to read have headers of their own. */
+#ifndef DIPTYCH_GEN_SPIRV_PASSES_H
+#define DIPTYCH_GEN_SPIRV_PASSES_H
+
+#include "module.h"
+
+/* strip.c: removes names, sources and lines in place, which no result depends on. Returns the new
+ * count. */
+size_t spirv_strip(uint32_t *words, size_t count);
+
+/* opengl.c: makes a module for Vulkan one for OpenGL. indirect: for draws with a base instance.
+ * False when out of memory, as for all that follow. */
+bool spirv_for_opengl(struct spirv *module, bool indirect);
+
+/* entry.c: the entry point also calls diptych_end(), if the module has it. */
+bool spirv_end_entry(struct spirv *module);
+
+/* texels.c: reads of the storage buffer `name` become calls of name_at() and name_length(). */
+bool spirv_texels(struct spirv *module, const char *name);
+
+/* reach.c: leaves out what the entry point does not reach. */
+bool spirv_reach(struct spirv *module);
+
+/* loops.c: marks long loops DontUnroll, in place: those in no other loop of their function, with
+ * many operations per iteration. */
+void spirv_keep_loops(struct spirv *module);
+
+/* The block of parameters in force: uniform and live ones. */
+struct parameter_values {
+    uint32_t binding;
+    const void *bytes;
+    uint32_t size;
+};
+/* iterations.c: for each label below the module's bound, how often the loop runs that starts there;
+ * 0: no loop. 1 also where more than constants and parameters decide, or `break` or `return` can
+ * end the loop. free(). NULL when out of memory. */
+uint64_t *spirv_iterations(const struct spirv *module, const struct parameter_values *parameters);
+
+#endif

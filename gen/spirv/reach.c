@@ -1,0 +1,115 @@
+/* Leaves out what the entry point does not reach: functions, variables, types, constants, and their
+ * names and decorations. Inputs and outputs stay, since stages agree on them. */
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+
+#include "passes.h"
+
+struct reach {
+    const struct spirv *module;
+    bool *live;      /* by id */
+    uint32_t *queue; /* ids whose definitions are to be read */
+    uint32_t count;
+};
+
+static void mark(struct reach *reach, uint32_t id)
+{
+    if (id < reach->module->words[3] && !reach->live[id]) {
+        reach->live[id] = true;
+        reach->queue[reach->count++] = id;
+    }
+}
+
+static void mark_operands(struct reach *reach, const uint32_t *instruction)
+{
+    for (uint32_t word = 1; word < spirv_length(instruction); word++)
+        if (!spirv_is_literal(instruction, word))
+            mark(reach, instruction[word]);
+}
+
+/* Operands behind the name of an entry point are its inputs and outputs. */
+static void mark_entry(struct reach *reach, const uint32_t *entry)
+{
+    uint32_t word = 3;
+    while (word < spirv_length(entry) && entry[word] >> 24)
+        word++; /* the last word of a text ends with zero */
+    mark(reach, entry[2]);
+    for (word++; word < spirv_length(entry); word++)
+        mark(reach, entry[word]);
+}
+
+static void mark_function(struct reach *reach, size_t at)
+{
+    const struct spirv *module = reach->module;
+    for (; !spirv_is(module->words + at, SpvOpFunctionEnd); at += spirv_length(module->words + at))
+        mark_operands(reach, module->words + at);
+}
+
+static void mark_all(struct reach *reach)
+{
+    const struct spirv *module = reach->module;
+    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations) {
+        const uint32_t *instruction = module->words + at;
+        if (spirv_is(instruction, SpvOpEntryPoint))
+            mark_entry(reach, instruction);
+        else if (spirv_is(instruction, SpvOpExtInstImport) || spirv_is(instruction, SpvOpString))
+            mark(reach, instruction[1]);
+    }
+    SPIRV_EACH (module, at, module->annotations, module->declarations)
+        if (spirv_is(module->words + at, SpvOpDecorate) &&
+            module->words[at + 2] == SpvDecorationBuiltIn &&
+            module->words[at + 3] == SpvBuiltInWorkgroupSize)
+            mark(reach, module->words[at + 1]);
+    while (reach->count) {
+        size_t at = module->definitions[reach->queue[--reach->count]];
+        if (at >= module->code && spirv_is(module->words + at, SpvOpFunction))
+            mark_function(reach, at);
+        else if (at >= module->declarations && at < module->code)
+            mark_operands(reach, module->words + at);
+    }
+}
+
+static bool is_target_live(const struct reach *reach, const uint32_t *instruction)
+{
+    bool has_target = spirv_is(instruction, SpvOpName) || spirv_is(instruction, SpvOpMemberName) ||
+                      spirv_is(instruction, SpvOpDecorate) ||
+                      spirv_is(instruction, SpvOpMemberDecorate);
+    return !has_target || reach->live[instruction[1]];
+}
+
+static void copy_live(const struct reach *reach, struct spirv_edit *edit)
+{
+    const struct spirv *module = reach->module;
+    edit->front.count = SPIRV_HEADER;
+    edit->declarations.count = 0;
+    SPIRV_EACH (module, at, SPIRV_HEADER, module->declarations)
+        if (is_target_live(reach, module->words + at))
+            spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
+                       module->words + at);
+    SPIRV_EACH (module, at, module->declarations, module->code) {
+        uint32_t result = spirv_result(module->words + at);
+        if (!result || reach->live[result])
+            spirv_copy(edit, &edit->declarations, module->words + at);
+    }
+    for (uint32_t i = 0; i < module->function_count; i++)
+        if (reach->live[module->functions[i].id])
+            SPIRV_EACH (module, at, module->functions[i].begin, module->functions[i].end)
+                spirv_copy(edit, &edit->code, module->words + at);
+}
+
+bool spirv_reach(struct spirv *module)
+{
+    struct reach reach = {.module = module,
+                          .live = calloc(module->words[3], sizeof *reach.live),
+                          .queue = calloc(module->words[3], sizeof *reach.queue)};
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    edit.failed |= !reach.live || !reach.queue;
+    if (!edit.failed) {
+        mark_all(&reach);
+        copy_live(&reach, &edit);
+    }
+    free(reach.live);
+    free(reach.queue);
+    return spirv_edit_end(&edit, module);
+}
