@@ -200,6 +200,19 @@ static const struct body_name function_names[] = {
     {0},
 };
 
+static const struct body_name approximate_names[] = {
+    {"float approximate_reciprocal_estimate(float y)", "any",
+     "1 / y within 3e-6, for normal y up to 2^64."},
+    {"float approximate_reciprocal(float y)", "any", "1 / y within 2 ulp."},
+    {"approximate_divide(x, float y)", "any", "x / y within 2 ulp, for float and vectors."},
+    {"float approximate_root_estimate(float x)", "any",
+     "1 / sqrt(x) within 2e-5, for positive normal x."},
+    {"approximate_inversesqrt(x)", "any", "Within 2 ulp, for float and vectors."},
+    {"approximate_sqrt(x)", "any", "Within 2 ulp, for float and vectors."},
+    {"approximate_normalize(v)", "any", "Unit vector, within 4 ulp."},
+    {0},
+};
+
 static const struct body_name other_names[] = {
     {"PI", "any", "float."},
     {"COMPUTE", "`#ifdef`", "Defined in compute stages."},
@@ -228,15 +241,23 @@ static const struct body_group groups[] = {
      "NAME is the resource's, or what the pass calls it with `as`. A pass sees what it lists.",
      resource_names},
     {"Point sets, metrics, interleaves", "Those that the pass lists in `uses`.", function_names},
+    {"Cheap division and roots",
+     "For loops that need no last bit: the same bits on every device, at less than half of the "
+     "operations of `/` and `sqrt`, which round correctly. With `exactness: fast`, the device's.",
+     approximate_names},
     {"Parameters, constants, structs and macros",
      "Parameters and constants are there by their names, of the type that the spec gives them; a "
      "constant is an int. So are structs. The pass's `defines` are macros of integer literals. "
      "`#include \"FILE\"` looks beside the including file, "
-     "then in templates and templates/glsl. Without `exactness: fast`, float division and the "
-     "built-in functions whose result depends on the driver are those of "
-     "templates/glsl/exact.glsl: "
-     "division, `sqrt` and `inversesqrt` within 2 ulp, other functions of one number within 4, "
-     "`sin` and `cos` for |x| up to 65536, `tan` up to 8192. Inputs below 2^-126 count as zero.",
+     "then in templates and templates/glsl. A body may declare any name itself, also one of this "
+     "chapter, but for names of the spec that the pass lists. Without `exactness: fast`, `/` and "
+     "`sqrt` round to nearest, as `+ - *` do; the other built-in functions whose result depends on "
+     "the driver are those of templates/glsl/exact.glsl: `inversesqrt` within 1 ulp, other "
+     "functions of one number within 4, `sin` and `cos` for |x| up to 65536, `tan` up to 8192. "
+     "Inputs below 2^-126 count as zero. Float to integer saturates, NaN gives 0; shifts take the "
+     "low five bits of their count; `pow` of a negative number is defined for whole exponents; "
+     "`min` and `max` with NaN give the first operand. Constant expressions are glslang's: in "
+     "double precision, rounded once.",
      other_names},
 };
 

@@ -194,6 +194,19 @@ static bool derive(const struct model *model, struct pass_shaders *shaders[2])
     return true;
 }
 
+/* The text of an earlier shader with the same words; NULL: none. */
+static const struct text *same_text(const struct pass_shaders *shaders, uint32_t pass, int stage)
+{
+    const struct shader *shader = &shaders[pass].stage[stage];
+    for (uint32_t i = 0; i < pass; i++) {
+        const struct shader *other = &shaders[i].stage[stage];
+        if (other->word_count == shader->word_count &&
+            !memcmp(other->words, shader->words, shader->word_count * sizeof *shader->words))
+            return &other->glsl;
+    }
+    return NULL;
+}
+
 /* OpenGL's GLSL text of every shader. */
 static bool write_text(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
 {
@@ -201,8 +214,12 @@ static bool write_text(const struct model *model, struct pass_shaders *shaders, 
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++) {
             struct shader *shader = &shaders[i].stage[stage];
+            const struct text *same =
+                shader->word_count ? same_text(shaders, i, stage) : NULL;
             char *why = NULL;
-            if (!shader->word_count ||
+            if (same)
+                text_add_bytes(&shader->glsl, same->data, same->length);
+            if (!shader->word_count || same ||
                 spirv_cross(shader->words, shader->word_count, &shader->glsl, &why))
                 continue;
             const struct pass *pass = model->pipeline.order[i];

@@ -9,7 +9,7 @@ bool sees(ClusterView e, int layer, vec3 d, vec3 n, vec2 shift, float closest, o
     vec2 middle = vec2(0.5 * float(map_size)) + shift;
     Sight s = sight(d, e.tangent, e.bitangent, e.normal, middle);
     float seen = map_reach(ivec3(s.texel, layer)).r;
-    apart = 1.0 / max(seen, 0.1 * s.reach) - 1.0 / s.reach;
+    apart = approximate_reciprocal(max(seen, 0.1 * s.reach)) - approximate_reciprocal(s.reach);
     return is_seen(s, e.tangent, e.bitangent, e.normal, n, seen, bias);
 }
 
@@ -20,9 +20,9 @@ bool sees(ClusterView e, int layer, vec3 d, vec3 n, vec2 shift, float closest, o
 float visible(ClusterView e, int layer, vec3 x, vec3 n, vec2 turn, float closest)
 {
     vec3 d = x - e.position;
-    float far = sqrt(max(dot(d, d), closest));
+    float far = approximate_sqrt(max(dot(d, d), closest));
     /* A texel's side is sqrt(2 PI) / map_size in radians, on average. */
-    float size = 0.4 * float(map_size) * light_size * sqrt(e.area / PI);
+    float size = 0.4 * float(map_size) * light_size * approximate_sqrt(e.area * (1.0 / PI));
     vec2 side = vec2(-turn.y, turn.x);
     vec2 taps[4] = vec2[](0.25 * turn, 0.5 * side, -0.75 * turn, -side);
     float before = 0.0;
@@ -30,11 +30,11 @@ float visible(ClusterView e, int layer, vec3 x, vec3 n, vec2 turn, float closest
     float lit = 0.0;
     float apart;
     for (int k = 0; k < 4; k++) {
-        bool open = sees(e, layer, d, n, taps[k] * (size / far), closest, apart);
+        bool open = sees(e, layer, d, n, taps[k] * approximate_divide(size, far), closest, apart);
         before += open ? 0.0 : apart;
         hidden += open ? 0.0 : 1.0;
     }
-    float width = size * max(before, 0.0) / max(hidden, 1.0);
+    float width = approximate_divide(size * max(before, 0.0), max(hidden, 1.0));
     for (int k = 0; k < 4; k++)
         lit += sees(e, layer, d, n, taps[k] * width, closest, apart) ? 0.25 : 0.0;
     return lit;

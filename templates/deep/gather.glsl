@@ -9,7 +9,7 @@ vec4 sent(vec3 x, vec3 n, vec4 y, vec3 m, vec3 light)
     float square = dot(d, d);
     float arriving = dot(n, d);
     bool faces = y.w > 0.0 && square > 0.0 && arriving > 0.0 && dot(m, d) < 0.0;
-    return faces ? vec4(light * (arriving * inversesqrt(square)), 1.0) : vec4(0.0);
+    return faces ? vec4(light * (arriving * approximate_inversesqrt(square)), 1.0) : vec4(0.0);
 }
 
 /* How much a surface hides of ambient light: less the farther it is, none where the square of the
@@ -18,8 +18,8 @@ float obscurance(vec3 x, vec3 n, vec4 y, float reach)
 {
     vec3 d = y.xyz - x;
     float square = dot(d, d);
-    float height = max(dot(n, d) * inversesqrt(max(square, 1e-6 * reach)) - 0.05, 0.0);
-    return y.w > 0.0 ? max(1.0 - square / reach, 0.0) * height : 0.0;
+    float height = max(dot(n, d) * approximate_inversesqrt(max(square, 1e-6 * reach)) - 0.05, 0.0);
+    return y.w > 0.0 ? max(1.0 - approximate_divide(square, reach), 0.0) * height : 0.0;
 }
 
 void main()
@@ -42,7 +42,7 @@ void main()
     for (Tap tap : pattern_taps) {
         vec2 d = vec2(turn.x * tap.direction.x - turn.y * tap.direction.y,
                       turn.y * tap.direction.x + turn.x * tap.direction.y);
-        d *= scale * along / float(samples);
+        d *= scale * along * (1.0 / float(samples));
         along += 1.0;
         ivec2 q = ivec2(floor(vec2(p) + 0.5 + radius * d));
         ivec2 texel = clamp(q, ivec2(0), size - 1);

@@ -92,36 +92,6 @@ float approximate_sqrt(const float x)
 }
 approximate_each(approximate_sqrt)
 
-float approximate_length(const vec2 v)
-{
-    return approximate_sqrt(dot(v, v));
-}
-
-float approximate_length(const vec3 v)
-{
-    return approximate_sqrt(dot(v, v));
-}
-
-float approximate_length(const vec4 v)
-{
-    return approximate_sqrt(dot(v, v));
-}
-
-float approximate_distance(const vec2 a, const vec2 b)
-{
-    return approximate_length(a - b);
-}
-
-float approximate_distance(const vec3 a, const vec3 b)
-{
-    return approximate_length(a - b);
-}
-
-float approximate_distance(const vec4 a, const vec4 b)
-{
-    return approximate_length(a - b);
-}
-
 vec2 approximate_normalize(const vec2 v)
 {
     return v * approximate_inversesqrt(dot(v, v));

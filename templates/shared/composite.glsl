@@ -15,5 +15,5 @@ void main()
     vec3 direct = unshadowed_irradiance(x.xyz, n);
     direct *= light_visibility(x.xyz, n);
     vec3 irradiance = direct + indirect(p).rgb;
-    radiance_store(p, vec4(gbuffer_albedo(p).rgb * irradiance * (surface / PI), surface));
+    radiance_store(p, vec4(gbuffer_albedo(p).rgb * irradiance * (surface * (1.0 / PI)), surface));
 }

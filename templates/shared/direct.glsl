@@ -12,6 +12,6 @@ void main()
     vec3 n = normal(p).xyz;
     vec3 irradiance = unshadowed_irradiance(x.xyz, n) * light_visibility(x.xyz, n);
     float surface = x.w > 0.0 ? 1.0 : 0.0;
-    vec3 radiance = albedo(p).rgb * irradiance * (surface / PI);
+    vec3 radiance = albedo(p).rgb * irradiance * (surface * (1.0 / PI));
     sent_store(p, vec4(min(radiance, 60000.0), surface)); /* half floats end at 65504 */
 }

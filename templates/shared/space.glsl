@@ -10,7 +10,7 @@ vec4 transform_point(mat4 m, vec3 p)
 vec3 unit_or(vec3 v, vec3 otherwise)
 {
     float square = dot(v, v);
-    return square > 1e-24 ? v * inversesqrt(square) : otherwise;
+    return square > 1e-24 ? v * approximate_inversesqrt(square) : otherwise;
 }
 
 /* Two unit vectors that make a right-handed frame with the unit vector n (Duff et al. 2017,
@@ -18,7 +18,7 @@ vec3 unit_or(vec3 v, vec3 otherwise)
 void tangent_frame(vec3 n, out vec3 tangent, out vec3 bitangent)
 {
     float side = n.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (side + n.z);
+    float a = -approximate_reciprocal(side + n.z);
     float b = n.x * n.y * a;
     tangent = vec3(1.0 + side * n.x * n.x * a, side * b, -side * n.x);
     bitangent = vec3(b, side + n.y * n.y * a, -n.y);

@@ -38,7 +38,7 @@ Surface surface_at(uint number, vec2 place, vec2 texel, mat4 view_projection)
     vec3 y = vec3(a.y, b.y, c.y) - place.y * w;
     vec3 areas = ray_areas(x, y);
     float sum = areas.x + areas.y + areas.z;
-    float scale = sum == 0.0 ? 0.0 : 1.0 / sum;
+    float scale = sum == 0.0 ? 0.0 : approximate_reciprocal(sum);
     vec3 weights = areas * scale;
     vec3 right = ray_areas(y, w); /* change of the areas with place.x */
     vec3 up = ray_areas(w, x);

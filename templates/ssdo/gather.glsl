@@ -24,7 +24,7 @@ void main()
         vec3 to = tangent * d.x + bitangent * d.y + n * tap.direction.z;
         vec4 clip = transform_point(frame.camera.view_projection,
                                     x.xyz + to * (most * fract(tap.reach + part)));
-        vec2 ndc = clip.xy / max(clip.w, 1e-12);
+        vec2 ndc = approximate_divide(clip.xy, max(clip.w, 1e-12));
         bool inside = clip.w > 0.0 && abs(ndc.x) < 1.0 && abs(ndc.y) < 1.0;
         ivec2 texel = clamp(ivec2((ndc * 0.5 + 0.5) * vec2(size)), ivec2(0), size - 1);
         vec4 y = gbuffer_position(texel);
@@ -36,7 +36,7 @@ void main()
         float arriving = max(dot(n, across), 0.0);
         /* The occluder stands for a disk, an equal part of a disk of the radius. A disk, unlike a
          * point, bounds the light nearby. */
-        float geometry = most * most * leaving * arriving / (square * (square + disk));
+        float geometry = approximate_divide(most * most * leaving * arriving, square * (square + disk));
         vec3 bounce = direct(texel).rgb * (bleeding * geometry);
         vec3 light = sky * max(to.y, 0.0);
         sum += hidden ? bounce : light;

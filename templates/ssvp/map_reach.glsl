@@ -29,6 +29,6 @@ void main()
     vec3 reaches = ahead + SLANT * z; /* of the corners, in the texel's view */
     vec3 areas = ray_areas(x - ray.x * reaches, y - ray.y * reaches);
     float sum = areas.x + areas.y + areas.z;
-    vec3 weights = within_triangle(areas * (sum == 0.0 ? 0.0 : 1.0 / sum));
+    vec3 weights = within_triangle(areas * (sum == 0.0 ? 0.0 : approximate_reciprocal(sum)));
     reach_store(at, vec4(dot(weights, reaches)));
 }

@@ -4,12 +4,15 @@
 #define EXACT
 
 /* 1 / sqrt(x) within 2e-5, for positive normal x. */
-float exact_root_estimate(float x)
+float approximate_root_estimate(const float x)
 {
+#ifdef EXACT
     float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
     float d = x * r * r;
-    r *= 2.102354969 - d * (1.760928667 - d * 0.6631531635);
-    return r;
+    return r * (2.102354969 - d * (1.760928667 - d * 0.6631531635));
+#else
+    return inversesqrt(x);
+#endif
 }
 
 /* Drivers decode sRGB to a few bits. So the code of 8 bits is found again from what they give, by a
@@ -17,7 +20,7 @@ float exact_root_estimate(float x)
  * that is 4e-5 off, relative: 0.006 codes. */
 float filter_decode(float light)
 {
-    precise float u = light * exact_root_estimate(light);
+    precise float u = light * approximate_root_estimate(light);
     precise float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
         - 0.03925529;
     precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * 0.00392156862745;

@@ -8,6 +8,13 @@ float of_frame()
     return sum + light.area + light.cos_inner + light.cos_outer + amount * float(half_width);
 }
 
+float cheap(float x)
+{
+    vec3 unit = approximate_normalize(vec3(x, 2.0, 3.0));
+    float sum = approximate_reciprocal_estimate(x) + approximate_reciprocal(x) + approximate_divide(unit, x).x;
+    return sum + approximate_root_estimate(x) + approximate_inversesqrt(x) + approximate_sqrt(unit).y;
+}
+
 #ifdef COMPUTE
 void main()
 {
