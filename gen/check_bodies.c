@@ -481,6 +481,29 @@ static bool minds_group(const struct body *body)
     return false;
 }
 
+/* Notes whether the body has a `.length()`. In a uniform block whose count comes from uniform
+ * parameters it would be that of the limit: plan.c reads such buffers as storage, except in a range
+ * with `storage: uniform`. */
+static void note_lengths(struct checker *c, struct pass *pass, const struct body *body)
+{
+    for (size_t k = 1; k < body->count; k++) {
+        const struct token *word = &body->tokens[k - 1];
+        if (body->tokens[k].before != '.' || !token_is(&body->tokens[k], "length"))
+            continue;
+        pass->asks_length = true;
+        for (uint32_t i = 0; i < pass->range_count && word->after == '.'; i++) {
+            const struct access *access = pass->ranges[i].access;
+            if (pass->ranges[i].storage == STORAGE_UNIFORM && access && access->resource &&
+                access->resource->count && !expr_is_literal(access->resource->count) &&
+                token_is(word, access_word(access)))
+                diag_error(c->diag, word->loc,
+                           "`%s.length()`: the range `%s` has `storage: uniform`, and a uniform "
+                           "block has no length; use `%s_count`",
+                           access_word(access), pass->ranges[i].name, access_word(access));
+        }
+    }
+}
+
 static bool reads_image(const struct pass *pass, const struct token *token)
 {
     for (uint32_t i = 0; i < pass->access_count; i++) {
@@ -539,6 +562,7 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
         pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
     scan_source(c, body, pass->body, 0, 0);
     pass->minds_group = minds_group(body);
+    note_lengths(c, pass, body);
     note_images(pass, body);
     pass->own_vertices = mentions(body, "VERTEX");
     if (pass->kind == PASS_VERTICES && !pass->own_vertices)

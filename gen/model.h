@@ -310,6 +310,7 @@ struct pass {
     uint32_t local[3]; /* workgroup size: read sets the default, check the value of local_size */
     struct expr *local_size[3]; /* as written; NULL: not given */
     bool minds_group;           /* check: the body depends on the size of the workgroup */
+    bool asks_length;           /* check: the body has a `.length()` */
     struct range *ranges;
     uint32_t range_count;
     struct define *defines;

@@ -190,21 +190,22 @@ static bool create_white(struct vk_runtime *rt)
 bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
 {
     struct vk_builtin *builtin = &rt->builtin;
+    const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
     release_scene(rt);
     if (!dt_front_import_scene(&rt->core, scene->index_count) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
          !vk_buffer_import(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
                            sizeof(struct dt_vertex))) ||
         !vk_scene_attributes(rt, scene->attributes) ||
-        !vk_buffer_import(rt, &builtin->indices, "scene_indices", &scene->indices,
-                          (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
+        !vk_buffer_import(rt, &builtin->indices, "scene_indices", &scene->indices, index_bytes) ||
         !vk_buffer_import(rt, &builtin->materials, "scene_materials", &scene->materials,
                           DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
         (scene->objects.buffer && !vk_buffer_import(rt, &builtin->objects, "scene_objects",
                                                     &scene->objects, sizeof(struct dt_object))))
         return false;
-    builtin->materials.size =
-        DT_MAX_MATERIALS * sizeof(struct dt_material); /* size of the uniform block */
+    /* Shaders compute length() from the bytes that are bound. */
+    builtin->indices.size = index_bytes;
+    builtin->materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     if (scene->textures)
         builtin->textures = (struct vk_image){
             .name = "scene_textures", .view = scene->textures, .layered = true, .imported = true};

@@ -15,7 +15,7 @@ struct vk_buffer {
     const char *name;
     VkBuffer handle;
     VkDeviceSize offset;        /* bytes; 0 except in a host's buffer */
-    VkDeviceSize size;          /* bytes, at least 16 */
+    VkDeviceSize size;          /* bytes that are bound; the memory has at least 16 */
     VkDeviceSize block;         /* bytes bound as a uniform block, if more than size; else 0 */
     VkBufferView texels;        /* created when first bound as a texel buffer */
     VkBufferUsageFlags usage;   /* as created; of an import 0 */
@@ -232,7 +232,7 @@ VkImageLayout vk_layout(unsigned layout); /* enum dt_layout */
 /* All destroy functions take zeroed structs, and zero them. */
 struct vk_buffer_info {
     const char *name;
-    VkDeviceSize size;        /* bytes; raised to 16 */
+    VkDeviceSize size;        /* bytes */
     VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: size */
     VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
 };
