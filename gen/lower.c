@@ -192,7 +192,7 @@ static void lower_storage(struct lowering *l, struct dt_panel *panel)
             .by_layer = bound_by_layer(l->from, resource),
         };
         for (int c = 0; c < 4 && image; c++)
-            storage[i].clear[c] = (float)resource->clear[c];
+            storage[i].clear[c] = format_round(resource->format, c, resource->clear[c]);
     }
     panel->storage = storage;
     panel->slot_count = l->from->slot_count;
