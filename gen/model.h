@@ -324,7 +324,8 @@ struct pass {
     enum dt_topology topology;
     struct expr *viewport[4], *scissor[4]; /* x, y, width, height; NULL: all of the targets */
     float bias_constant, bias_slope;
-    bool own_vertices; /* check: the body has a vertex part */
+    bool own_vertices;                                      /* check: the body has a vertex part */
+    struct loc blend_loc, topology_loc, bias_loc, clip_loc; /* draws: of the keys, if given */
     /* check and plan */
     struct loc size_loc, indirect_loc, indices_loc, interleave_loc;
     bool conditional; /* `when` depends on live parameters */

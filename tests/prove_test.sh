@@ -42,6 +42,23 @@ told_as_expected() { # name status
 check "open operations are told at their places" told_as_expected proof_open 1
 check "what the rasterizer decides in a draw of numbers is a warning" told_as_expected proof_edges 0
 check "... but not of a pass whose resources have a tolerance" "$gen" "$root/tests/specs/proof_open.yaml" --prove --set 'contracts.default={ulp: 4}'
+check "fixed functions of draws are told at their places" told_as_expected proof_fixed 1
+# shellcheck disable=SC2317
+sure() { # passes of proof_fixed.yaml in which the proof finds nothing leave on both drivers what they make of the same inputs
+    "$diptych" compare --spec "$root/tests/specs/proof_fixed.yaml" --size 8x8 --backend "vk@llvmpipe,${strangers[0]}" >"$work/table"
+    [ $? = 1 ] && [ "$(grep -c '^sure_' "$work/table")" = 10 ] && ! grep '^sure_' "$work/table" | grep -v ' none '
+}
+if [ ${#strangers[@]} -gt 0 ]; then
+    check "... and where the proof finds none, another driver has the same" sure
+else
+    skip "... and where the proof finds none, another driver has the same" "$no_strangers"
+fi
+# shellcheck disable=SC2317
+assumes() { # what the proof assumes is one line, the last
+    "$gen" "$spec" --prove 2>&1 | tail -n 1 >"$work/last" && cat "$work/last" &&
+        grep -q '^exact where .* no NaN, infinity or denormal number' "$work/last"
+}
+check "the proof says what it assumes" assumes
 # shellcheck disable=SC2317
 silent() { # for all pipelines that ship
     local spec
