@@ -108,9 +108,11 @@ bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders
     if (!dt_front_takes(&rt.core, panel) || !load_instance(&rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(&rt, host->physical_device);
-    return vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing) ||
-           dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
-                    rt.core.device_name, panel->pipeline->name, missing);
+    if (!vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing))
+        return dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
+                        rt.core.device_name, panel->pipeline->name, missing);
+    return vk_device_is_enough(&rt, rt.physical, panel, missing, sizeof missing) ||
+           dt_error(&rt.core, "%s", missing);
 }
 
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live);

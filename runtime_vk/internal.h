@@ -212,6 +212,9 @@ bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel);
  * none. `panel`: also one that its passes lack; NULL: any pipeline. */
 bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
                      const struct dt_panel *panel, char *text, size_t size);
+/* Whether its limits are enough for the panel's passes (NULL: none); if not, `text` gets a sentence. */
+bool vk_device_is_enough(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                         const struct dt_panel *panel, char *text, size_t size);
 /* The first queue family with graphics and compute; UINT32_MAX: there is none. */
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
