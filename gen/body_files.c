@@ -142,6 +142,22 @@ bool body_mentions(const struct body_files *files, const char *word)
     return false;
 }
 
+bool body_mentions_member(const struct body_files *files, const char *word)
+{
+    size_t length = strlen(word);
+    for (uint32_t i = 0; files && i < files->count; i++) {
+        const char *code = files->list[i].code;
+        for (const char *at = code; (at = strstr(at, word)); at += length) {
+            const char *before = at;
+            while (before > code && isspace((unsigned char)before[-1]))
+                before--;
+            if (before > code && before[-1] == '.' && !is_word(at[length]))
+                return true;
+        }
+    }
+    return false;
+}
+
 bool body_mentions_prefix(const struct body_files *files, const char *prefix)
 {
     for (uint32_t i = 0; files && i < files->count; i++)

@@ -35,6 +35,8 @@ const struct body_files *body_files_read(struct model *model, const struct sourc
 bool body_include(const void *user, const char *from, const char *name, struct glslang_file *file);
 /* Whether a file has the word as an identifier, not as a member behind a dot. */
 bool body_mentions(const struct body_files *files, const char *word);
+/* Whether a file has the word behind a dot. */
+bool body_mentions_member(const struct body_files *files, const char *word);
 /* Whether a file has an identifier that begins so. */
 bool body_mentions_prefix(const struct body_files *files, const char *prefix);
 /* Whether an #if, #ifdef or #elif asks for the macro. */

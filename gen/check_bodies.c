@@ -135,6 +135,7 @@ static bool minds_group(const struct body_files *files)
     return false;
 }
 
+
 static bool reads_image(const struct pass *pass, const struct token *token)
 {
     for (uint32_t i = 0; i < pass->access_count; i++) {
@@ -179,6 +180,28 @@ static void note_images(struct checker *c, struct pass *pass, struct body *body)
                 pass->ranges[i].reads_images = true;
 }
 
+/* Whether the body asks for the length of an array: of a buffer whose count is not fixed by the
+ * parameters it would be that of the limit, so plan.c reads such buffers as storage, except in a
+ * range with `storage: uniform`. */
+static void note_lengths(struct checker *c, struct pass *pass, const struct body *body)
+{
+    pass->asks_length = body_mentions_member(pass->files, "length");
+    for (size_t k = 1; k < body->count; k++) {
+        const struct token *word = &body->tokens[k - 1];
+        bool asks = body->tokens[k].before == '.' && token_is(&body->tokens[k], "length");
+        for (uint32_t i = 0; asks && i < pass->range_count; i++) {
+            const struct access *access = pass->ranges[i].access;
+            if (pass->ranges[i].storage == STORAGE_UNIFORM && access && access->resource &&
+                access->resource->count && !expr_is_literal(access->resource->count) &&
+                token_is(word, access_word(access)))
+                diag_error(c->diag, pass->ranges[i].loc,
+                           "`%s.length()`: the range `%s` has `storage: uniform`, and a uniform "
+                           "block has no length; use `%s_count`",
+                           access_word(access), pass->ranges[i].name, access_word(access));
+        }
+    }
+}
+
 static void check_body(struct checker *c, struct pass *pass, struct body *body)
 {
     if (!pass->shader)
@@ -198,6 +221,7 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
         pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
     pass->minds_group = minds_group(pass->files);
     note_images(c, pass, body);
+    note_lengths(c, pass, body);
     pass->own_vertices = body_asks_for(pass->files, "VERTEX");
     if (pass->kind == PASS_VERTICES && !pass->own_vertices)
         diag_error(c->diag, pass->shader_loc,

@@ -210,6 +210,21 @@ static void emit_programs(const struct c_output *c)
     text_add(c->out, "};\n\n");
 }
 
+static void emit_demands(const struct c_output *c)
+{
+    if (!c->tables->panel.demand_count)
+        return;
+    text_add(c->out, "static const struct dt_demand demands[] = {\n");
+    for (uint32_t i = 0; i < c->tables->panel.demand_count; i++) {
+        const struct dt_demand *demand = &c->tables->panel.demands[i];
+        text_add(c->out, "    {");
+        c_pass(c, demand->pass);
+        text_add(c->out, ", DT_LIMIT_%s, %" PRIu64 "},\n", demand_name(demand->limit),
+                 demand->amount);
+    }
+    text_add(c->out, "};\n\n");
+}
+
 static void emit_needs(const struct c_output *c)
 {
     if (!c->tables->panel.need_count)
@@ -469,6 +484,7 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     emit_samplers(&c);
     emit_programs(&c);
     emit_needs(&c);
+    emit_demands(&c);
     text_add(out,
              "/* ---- One frame. Barriers: resource; stages and writes that are waited for; stages "
              "and accesses that wait; layout ---- */\n\n");
@@ -481,6 +497,7 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
              pipeline->pass_count ? "    .programs = programs,\n" : "");
     c_table(&c, "samplers", "sampler_count", tables->panel.sampler_count);
     c_table(&c, "needs", "need_count", tables->panel.need_count);
+    c_table(&c, "demands", "demand_count", tables->panel.demand_count);
     text_add(out, "    .slot_count = %" PRIu32 ",\n    .record = record,\n};\n",
              pipeline->slot_count);
 }

@@ -2,6 +2,9 @@
  * store them. Called by the plan and the emitters. */
 #include "plan.h"
 
+#include <math.h>
+#include <string.h>
+
 static const struct format_info formats[DT_FORMAT_COUNT] = {
     [DT_FORMAT_R8] = {"r8", "DT_FORMAT_R8", "VK_FORMAT_R8_UNORM", 1, true, false},
     [DT_FORMAT_RG8] = {"rg8", "DT_FORMAT_RG8", "VK_FORMAT_R8G8_UNORM", 2, true, false},
@@ -59,4 +62,54 @@ static const struct format_info formats[DT_FORMAT_COUNT] = {
 const struct format_info *format_info(enum dt_format format)
 {
     return &formats[format];
+}
+
+/* ---- Rounding -------------------------------------------------------------------------------- */
+
+/* The nearest of the codes 0 to `most`, or -most to `most`, as a number from -1 to 1. */
+static double nearest_code(double value, double least, double most)
+{
+    value = value < least ? least : value > 1 ? 1 : value;
+    return rint(value * most) / most;
+}
+
+/* The nearest float with `bits` of mantissa behind the point and five of exponent; halves to even. */
+static double nearest_small_float(double value, int bits, bool sign)
+{
+    const double most = ldexp(2 - ldexp(1, -bits), 15);
+    int exponent;
+    if (value < 0 && !sign)
+        return 0;
+    frexp(value, &exponent); /* of a number from 0.5 to 1 */
+    double unit = ldexp(1, (exponent - 1 < -14 ? -14 : exponent - 1) - bits);
+    value = rint(value / unit) * unit;
+    return value > most ? most : value < -most ? -most : value;
+}
+
+/* sRGB's transfer functions, IEC 61966-2-1. */
+static double nearest_srgb(double value)
+{
+    value = value < 0 ? 0 : value > 1 ? 1 : value;
+    double code = value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1 / 2.4) - 0.055;
+    code = nearest_code(code, 0, 255);
+    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
+}
+
+float format_round(enum dt_format format, int channel, double value)
+{
+    const char *name = formats[format].name;
+    if (formats[format].integer || strstr(name, "32f"))
+        return (float)value;
+    if (format == DT_FORMAT_R11G11B10F)
+        return (float)nearest_small_float(value, channel == 2 ? 5 : 6, false);
+    if (strstr(name, "16f"))
+        return (float)nearest_small_float(value, 10, true);
+    if (strstr(name, "_snorm"))
+        return (float)nearest_code(value, -1, 32767);
+    if (strstr(name, "srgb") && channel < 3)
+        return (float)nearest_srgb(value);
+    double most = format == DT_FORMAT_RGB10A2 ? (channel < 3 ? 1023 : 3)
+                  : strstr(name, "16")        ? 65535
+                                              : 255;
+    return (float)nearest_code(value, 0, most);
 }

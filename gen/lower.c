@@ -192,7 +192,7 @@ static void lower_storage(struct lowering *l, struct dt_panel *panel)
             .by_layer = bound_by_layer(l->from, resource),
         };
         for (int c = 0; c < 4 && image; c++)
-            storage[i].clear[c] = (float)resource->clear[c];
+            storage[i].clear[c] = format_round(resource->format, c, resource->clear[c]);
     }
     panel->storage = storage;
     panel->slot_count = l->from->slot_count;
@@ -498,6 +498,21 @@ static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
     panel->needs = needs;
 }
 
+static void lower_demands(struct lowering *l, const struct pass_shaders *shaders,
+                          struct dt_panel *panel)
+{
+    struct dt_demand *demands = table(l, (size_t)l->from->pass_count * DT_LIMITS, sizeof *demands);
+    uint64_t amounts[DT_LIMITS];
+    for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
+        l->failed |= !find_demands(l->from->order[p], &shaders[p], amounts);
+        for (int i = 0; i < DT_LIMITS && !l->failed; i++)
+            if (amounts[i])
+                demands[panel->demand_count++] =
+                    (struct dt_demand){p, (enum dt_device_limit)i, amounts[i]};
+    }
+    panel->demands = demands;
+}
+
 /* ---- Code ------------------------------------------------------------------------------------ */
 
 static struct dt_code code_of(const struct shader *shader, enum backend backend)
@@ -722,6 +737,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     lower_samplers(&l, &out->panel);
     lower_programs(&l, shaders[BACKEND_VK], &out->panel);
     lower_needs(&l, shaders[BACKEND_VK], &out->panel);
+    lower_demands(&l, shaders[BACKEND_VK], &out->panel);
     lower_barriers(&l, out);
     lower_groups(&l, out);
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)

@@ -32,6 +32,12 @@ struct lowered {
  * memory. */
 struct lowered *lower(const struct model *model, struct pass_shaders *const shaders[2]);
 
+/* demands.c: what the shaders and the workgroup of a pass need, where the standards promise less;
+ * else 0. False when out of memory. */
+bool find_demands(const struct pass *pass, const struct pass_shaders *shaders,
+                  uint64_t demands[DT_LIMITS]);
+const char *demand_name(enum dt_device_limit limit); /* of the enumerator, behind DT_LIMIT_ */
+
 /* ---- What a pass does ------------------------------------------------------------------------ */
 
 bool pass_draws(const struct pass *pass);

@@ -48,8 +48,10 @@ static const struct option_row option_rows[] = {
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
     ROW("--prove", OPTION_FLAG, prove, NULL,
         "check only, and prove that the pipeline is exact: an error for each operation and input "
-        "whose bits the standards leave open, in passes that write a resource whose contract is "
-        "exact; a warning for each value of the rasterizer in draws of the scene that leave only "
+        "whose bits the standards leave open, and for blending, lines, points and other fixed "
+        "functions "
+        "of draws, in passes that write a resource whose contract is exact; prints what the proof "
+        "assumes; a warning for each value of the rasterizer in draws of the scene that leave only "
         "numbers and depth, where it decides edges"),
     ROW("--needs", OPTION_FLAG, needs, NULL,
         "check only, and print what the passes need of a Vulkan device, against the profiles "
@@ -342,6 +344,8 @@ static enum status generate(struct generation *g)
     enum status status = options->check || options->prove ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
         print_summary(&g->spec.model.pipeline);
+    if (status == STATUS_DONE && options->prove)
+        printf("%s\n", prove_assumptions);
     return status;
 }
 

@@ -311,6 +311,7 @@ struct pass {
     uint32_t local[3]; /* workgroup size: read sets the default, check the value of local_size */
     struct expr *local_size[3]; /* as written; NULL: not given */
     bool minds_group;           /* check: the body depends on the size of the workgroup */
+    bool asks_length;           /* check: the body has a `.length()` */
     struct range *ranges;
     uint32_t range_count;
     struct define *defines;
@@ -324,7 +325,8 @@ struct pass {
     enum dt_topology topology;
     struct expr *viewport[4], *scissor[4]; /* x, y, width, height; NULL: all of the targets */
     float bias_constant, bias_slope;
-    bool own_vertices; /* check: the body has a vertex part */
+    bool own_vertices;                                      /* check: the body has a vertex part */
+    struct loc blend_loc, topology_loc, bias_loc, clip_loc; /* draws: of the keys, if given */
     /* check and plan */
     struct loc size_loc, indirect_loc, indices_loc, interleave_loc;
     bool conditional; /* `when` depends on live parameters */

@@ -2,7 +2,12 @@
  * main.c. */
 #include "lower.h"
 
+#include <inttypes.h>
 #include <string.h>
+
+#include "device_needs.h"
+#include "expr.h"
+#include "plan.h"
 
 /* Sources: the profiles VP_KHR_roadmap_2022 and VP_ANDROID_vulkan_profile_2022 of
  * KhronosGroup/Vulkan-Profiles; for MoltenVK, its MVKDevice.mm on GPUs of Apple, version 1.4.3. */
@@ -38,52 +43,94 @@ static const struct {
 };
 
 /* Told only where the least of the three profiles is not enough. */
-enum limit { BLOCK_BYTES, TARGETS, GROUP, UNIFORMS, STORAGES, TEXTURES, IMAGES, LIMITS };
 static const struct {
     const char *name;
-    uint32_t most[PROFILES];
-} limits[LIMITS] = {
-    [BLOCK_BYTES] = {"maxUniformBufferRange", {65536, 16384, 65536}},
-    [TARGETS] = {"maxColorAttachments", {7, 4, 8}},
-    [GROUP] = {"maxComputeWorkGroupInvocations", {256, 128, 1024}},
-    [UNIFORMS] = {"maxPerStageDescriptorUniformBuffers", {15, 12, 31}},
-    [STORAGES] = {"maxPerStageDescriptorStorageBuffers", {30, 4, 31}},
-    [TEXTURES] = {"maxPerStageDescriptorSampledImages", {200, 16, 128}},
-    [IMAGES] = {"maxPerStageDescriptorStorageImages", {16, 4, 128}},
+    uint64_t most[PROFILES];
+} limits[DT_LIMITS] = {
+#define ROW(name, words, vk, gl, gl_draw, index, roadmap, vulkan, moltenvk, opengl)                \
+    [DT_LIMIT_##name] = {#vk, {roadmap, vulkan, moltenvk}},
+    DT_DEVICE_LIMITS(ROW)
+#undef ROW
 };
 
-static uint32_t block_bytes(const struct pass *pass)
+/* At the reference size of the frame. */
+static uint64_t value_of(const struct expr *expr)
 {
-    const uint64_t materials = DT_MAX_MATERIALS * sizeof(struct dt_material);
-    uint64_t most = pass->uniform_materials ? materials : 0;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct resource *resource = pass->accesses[i].resource;
-        if (!(pass->accesses[i].kind & ACCESS_UNIFORM))
-            continue;
-        uint64_t bytes = !resource         ? materials
-                         : resource->block ? resource->block
-                                           : resource->bytes;
-        most = bytes > most ? bytes : most;
-    }
-    return most > UINT32_MAX ? UINT32_MAX : (uint32_t)most;
+    return expr ? expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1) : 1;
 }
 
-/* What one pass needs of each limit. */
-static void count_limits(const struct pass *pass, const struct dt_program *program,
-                         uint32_t needs[LIMITS])
+static uint64_t larger(uint64_t a, uint64_t b)
 {
-    static const enum limit kinds[] = {[DT_BIND_UNIFORM] = UNIFORMS,
-                                       [DT_BIND_STORAGE] = STORAGES,
-                                       [DT_BIND_TEXELS] = TEXTURES,
-                                       [DT_BIND_TEXTURE] = TEXTURES,
-                                       [DT_BIND_IMAGE] = IMAGES};
-    memset(needs, 0, LIMITS * sizeof *needs);
-    needs[BLOCK_BYTES] = block_bytes(pass);
-    needs[TARGETS] = program->color_count;
-    if (!pass_draws(pass))
-        needs[GROUP] = pass->local[0] * pass->local[1] * pass->local[2];
-    for (uint32_t i = 0; i < program->binding_count; i++)
-        needs[kinds[program->bindings[i].kind]]++;
+    return a > b ? a : b;
+}
+
+static void add_image(const struct access *access, uint64_t needs[DT_LIMITS])
+{
+    const struct resource *image = access->resource;
+    uint64_t width = value_of(image->width), height = value_of(image->height);
+    uint64_t layers = value_of(image->layers), side = larger(width, height);
+    bool volume = image->shape == DT_SHAPE_3D;
+    enum dt_device_limit limit = volume                        ? DT_LIMIT_VOLUME_SIDE
+                                 : image->shape != DT_SHAPE_2D ? DT_LIMIT_CUBE_SIDE
+                                                               : DT_LIMIT_IMAGE_SIDE;
+    needs[limit] = larger(needs[limit], volume ? larger(side, layers) : side);
+    if (!volume)
+        needs[DT_LIMIT_IMAGE_LAYERS] = larger(needs[DT_LIMIT_IMAGE_LAYERS], layers);
+    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
+        needs[DT_LIMIT_TARGET_WIDTH] = larger(needs[DT_LIMIT_TARGET_WIDTH], width);
+        needs[DT_LIMIT_TARGET_HEIGHT] = larger(needs[DT_LIMIT_TARGET_HEIGHT], height);
+    }
+}
+
+static void add_buffer(const struct access *access, uint64_t needs[DT_LIMITS])
+{
+    const struct resource *buffer = access->resource;
+    enum dt_device_limit limit =
+        access->kind & ACCESS_UNIFORM ? DT_LIMIT_UNIFORM_BYTES : DT_LIMIT_STORAGE_BYTES;
+    uint64_t block = access->kind & ACCESS_UNIFORM ? buffer->block : 0;
+    if (access->binding >= 0)
+        needs[limit] = larger(needs[limit], block ? block : buffer->bytes);
+}
+
+static uint64_t groups_along(const struct groups *groups)
+{
+    static const int frame[] = {REFERENCE_WIDTH, REFERENCE_HEIGHT, 1};
+    switch (groups->kind) {
+    case GROUPS_NUMBER:
+        return groups->divisor;
+    case GROUPS_EXPR:
+        return dt_groups((int64_t)value_of(groups->expr), groups->divisor);
+    case GROUPS_IMAGE:
+        return dt_groups((int64_t)value_of(resource_size(groups->image, groups->of_axis)),
+                         groups->divisor);
+    case GROUPS_FRAME:
+        return dt_groups(frame[groups->of_axis], groups->divisor);
+    }
+    return 1;
+}
+
+/* What one pass needs of each limit, at the reference size of the frame. */
+static void count_limits(const struct lowered *tables, uint32_t index, uint64_t needs[DT_LIMITS])
+{
+    const struct pass *pass = tables->model->pipeline.order[index];
+    for (int i = 0; i < DT_LIMITS; i++)
+        needs[i] = dt_demand_of(&tables->panel, index, (enum dt_device_limit)i);
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        if (!pass->accesses[i].resource)
+            continue;
+        if (pass->accesses[i].resource->kind == DT_IMAGE)
+            add_image(&pass->accesses[i], needs);
+        else
+            add_buffer(&pass->accesses[i], needs);
+    }
+    if (pass->layers)
+        needs[DT_LIMIT_TARGET_LAYERS] = value_of(pass->layers);
+    for (int axis = 0; axis < 3 && !pass_draws(pass) && pass->size != SIZE_INDIRECT; axis++)
+        needs[DT_LIMIT_GROUPS_X + axis] = groups_along(&tables->groups[index][axis]);
+    if (pass_draws(pass) && pass->indirect_resource)
+        needs[DT_LIMIT_DRAWS] =
+            pass->indirect_resource->bytes /
+            (pass->kind == PASS_VERTICES ? DT_VERTEX_DRAW_BYTES : DT_DRAW_BYTES);
 }
 
 /* The passes of a row, comma between them. */
@@ -128,25 +175,33 @@ static void emit_features(const struct lowered *tables, struct text *out)
     }
 }
 
+static void emit_limit_row(int limit, uint64_t needed, const struct text *passes, struct text *out)
+{
+    text_add(out, "| %s: %" PRIu64 " | %s |", limits[limit].name, needed, passes->data);
+    for (int profile = 0; profile < PROFILES; profile++) {
+        uint64_t most = limits[limit].most[profile];
+        if (needed > most)
+            text_add(out, " %" PRIu64 " |", most);
+        else
+            text_add(out, " yes |");
+    }
+    text_add(out, "\n");
+}
+
 static void emit_limits(const struct lowered *tables, struct text *out)
 {
     const struct pipeline *pipeline = &tables->model->pipeline;
-    for (int limit = 0; limit < LIMITS; limit++) {
-        const uint32_t *most = limits[limit].most;
+    for (int limit = 0; limit < DT_LIMITS; limit++) {
         struct text passes = {0};
-        uint32_t needed = 0, needs[LIMITS];
+        uint64_t needed = 0, needs[DT_LIMITS];
         for (uint32_t p = 0; p < pipeline->pass_count; p++) {
-            count_limits(pipeline->order[p], &tables->panel.programs[p], needs);
-            if (needs[limit] > most[ANDROID])
+            count_limits(tables, p, needs);
+            if (needs[limit] > limits[limit].most[ANDROID])
                 add_pass(&passes, pipeline->order[p]->name);
-            needed = needs[limit] > needed ? needs[limit] : needed;
+            needed = larger(needed, needs[limit]);
         }
-        if (passes.length) {
-            text_add(out, "| %s: %u | %s |", limits[limit].name, needed, passes.data);
-            for (int profile = 0; profile < PROFILES; profile++)
-                text_add(out, needed > most[profile] ? " %u |" : " yes |", most[profile]);
-            text_add(out, "\n");
-        }
+        if (passes.length)
+            emit_limit_row(limit, needed, &passes, out);
         out->failed |= passes.failed;
         text_free(&passes);
     }

@@ -34,12 +34,13 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
 /* CPU drivers gather from a uniform block, but load from a storage buffer lane by lane, with bounds
  * checks. Passes of SSVP took 1.2 to 1.4 times as long with storage buffers. The longer code also
  * takes longer to compile. */
-static bool suits_uniform(const struct pipeline *pipeline, const struct resource *buffer)
+static bool suits_uniform(const struct pipeline *pipeline, const struct pass *pass,
+                          const struct resource *buffer)
 {
     uint64_t count = 0;
 
     if (pipeline->gpu || !buffer->count || expr_reach(buffer->count) ||
-        !std140_equals_std430(buffer))
+        !std140_equals_std430(buffer) || (pass->asks_length && !expr_is_literal(buffer->count)))
         return false;
     count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
     return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
@@ -48,7 +49,7 @@ static bool suits_uniform(const struct pipeline *pipeline, const struct resource
 static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pass,
                           const struct access *access)
 {
-    bool suits = suits_uniform(pipeline, access->resource);
+    bool suits = suits_uniform(pipeline, pass, access->resource);
 
     for (uint32_t i = 0; i < pass->range_count; i++) {
         if (pass->ranges[i].access == access) {

@@ -32,6 +32,9 @@ struct format_info {
     bool integer;
 };
 const struct format_info *format_info(enum dt_format format);
+/* The number nearest to `value` that the channel, 0 to 3, of the format can hold. Drivers round
+ * others to either side. */
+float format_round(enum dt_format format, int channel, double value);
 
 /* ---- plan.c: all accesses of one pass to the same mips of one resource ----------------------- */
 

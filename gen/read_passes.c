@@ -320,6 +320,7 @@ static void read_draw(struct reader *reader, const struct fields *fields, struct
     pass->vertices = field_expr(reader, &map, "vertices");
     pass->instances = field_expr(reader, &map, "instances");
     pass->topology = (enum dt_topology)field_choice(reader, &map, "topology", DT_TRIANGLES);
+    pass->topology_loc = field_loc(reader, &map, "topology");
     if (!pass->indirect && !field_given(&map, "vertices"))
         diag_error(reader->diag, node_loc(reader, node),
                    "a draw of vertices needs the key `vertices`, or `indirect` beside `draw`");
@@ -430,6 +431,9 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
     read_rect(reader, fields, "viewport", pass->viewport);
     read_rect(reader, fields, "scissor", pass->scissor);
     read_depth_bias(reader, fields, pass);
+    pass->bias_loc = field_loc(reader, fields, "depth_bias");
+    pass->blend_loc = field_loc(reader, fields, "blend");
+    pass->clip_loc = field_loc(reader, fields, "clip_distances");
     const struct dt_blend *blend = read_blend(reader, fields);
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (!pass->accesses[i].own_blend)

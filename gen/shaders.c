@@ -241,6 +241,14 @@ static bool writes_exact(const struct pass *pass)
     return false;
 }
 
+static void prove_draws(const struct model *model, const struct pass_shaders *shaders,
+                        struct diag *diag)
+{
+    for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
+        if (model->pipeline.order[i]->kind != PASS_DISPATCH)
+            prove_fixed(model->pipeline.order[i], &shaders[i].stage[STAGE_IS_FRAGMENT], diag);
+}
+
 /* Also of cached shaders: a pass with another contract may have compiled them. */
 static void prove(const struct model *model, const struct pass_shaders *shaders,
                   enum backend backend, struct diag *diag)
@@ -290,6 +298,8 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
         if (good && !model->pipeline.fast)
             prove(model, shaders[backend], backend, diag);
+    if (good && !model->pipeline.fast && model->prove)
+        prove_draws(model, shaders[BACKEND_VK], diag);
     return good && !diag_error_count(diag);
 }
 

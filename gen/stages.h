@@ -60,6 +60,12 @@ bool spirv_make_opengl(const struct pass *pass, struct shader *shader);
 void spirv_prove(const struct model *model, const struct pass *pass, const struct shader *shader,
                  struct diag *diag);
 
+/* prove_fixed.c: reports what the fixed functions of a draw leave open in its targets of the contract
+ * `exact`: blending, coverage, depth, the encoding of colours. `fragment`: its shader, if any. */
+void prove_fixed(const struct pass *pass, const struct shader *fragment, struct diag *diag);
+/* What the proof takes for granted, in one sentence. */
+extern const char prove_assumptions[];
+
 /* spirv/flops.c: lower bound of the float operations of one invocation that does not return early. Counts
  * loops as often as constants and parameters say, else once (spirv_iterations); the cheapest other
  * branches; called functions. An instruction on n numbers counts n. False when out of memory. */

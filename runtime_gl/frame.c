@@ -270,7 +270,7 @@ static void set_raster_state(struct gl_runtime *rt, const struct dt_program *inf
         set_blend(rt, i, &info->colors[i]);
     enable(rt, GL_POLYGON_OFFSET_FILL, info->bias_constant != 0 || info->bias_slope != 0);
     rt->gl.PolygonOffset(info->bias_slope, info->bias_constant);
-    for (uint32_t i = 0; i < rt->core.limits.clip_distances; i++)
+    for (uint32_t i = 0; i < rt->core.limits.most[DT_LIMIT_CLIP_DISTANCES]; i++)
         enable(rt, GL_CLIP_DISTANCE0 + i, i < info->clip_distances);
 }
 

@@ -82,14 +82,16 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
                         "scene indices: offset %llu, but it must be 0; use a separate buffer",
                         (unsigned long long)scene->indices.offset);
     rt->index_count = scene->index_count;
-    struct dt_gl_range materials = scene->materials;
+    struct dt_gl_range materials = scene->materials, indices = scene->indices;
+    const uint64_t index_bytes = (uint64_t)scene->index_count * sizeof(uint32_t);
+    if (indices.size > index_bytes) /* shaders compute length() from the bytes that are bound */
+        indices.size = index_bytes;
     if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* the uniform block */
         materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     return ((!scene->vertices.buffer && scene->attributes[DT_POSITION].buffer) ||
             gl_buffer_import(rt, &builtin->vertices, "scene vertices", &scene->vertices,
                              sizeof(struct dt_vertex))) &&
-           gl_buffer_import(rt, &builtin->indices, "scene indices", &scene->indices,
-                            (uint64_t)scene->index_count * sizeof(uint32_t)) &&
+           gl_buffer_import(rt, &builtin->indices, "scene indices", &indices, index_bytes) &&
            gl_buffer_import(rt, &builtin->materials, "scene materials", &materials,
                             DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
            (!scene->objects.buffer ||

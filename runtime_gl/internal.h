@@ -28,7 +28,7 @@ struct gl_context {
 struct gl_buffer {
     const char *name;
     GLuint handle;
-    GLsizeiptr size;  /* bytes, at least 16 */
+    GLsizeiptr size;  /* bytes that are bound; the memory has at least 16 */
     GLsizeiptr block; /* bytes bound as a uniform block, if more than size */
     GLintptr offset;  /* bytes; 0 except in a host's buffer */
     GLuint texels;    /* buffer texture; created when first bound as a texel buffer */

@@ -81,32 +81,14 @@ static bool has_needs(struct gl_runtime *rt, const struct dt_panel *panel)
     return true;
 }
 
-/* Bytes of a built-in uniform block that may exceed the device's limit, else 0. resize checks
- * buffers of the pipeline. */
-static uint64_t block_bytes(const struct dt_panel *panel, const struct dt_binding *binding)
-{
-    if (binding->kind != DT_BIND_UNIFORM)
-        return 0;
-    if (binding->resource == DT_SCENE_MATERIALS)
-        return DT_MAX_MATERIALS * sizeof(struct dt_material);
-    return binding->resource == DT_LIVE ? panel->pipeline->block_size : 0;
-}
-
 /* OpenGL limits the binding numbers, not only their count. */
 static bool check_binding(const struct dt_core *core, const struct dt_panel *panel, uint32_t pass,
                           const struct dt_binding *binding)
 {
-    const struct dt_limits *limits = &core->limits;
-    const char *name = panel->pipeline->passes[pass].name;
-    uint64_t bytes = block_bytes(panel, binding);
-    if (binding->binding >= limits->bindings[binding->kind])
-        return dt_error(core, "pass %s: binding %u, but %s has %u of this kind; bind fewer", name,
-                        binding->binding, core->device_name, limits->bindings[binding->kind]);
-    return bytes <= limits->uniform_bytes ||
-           dt_error(core, "pass %s: %s of %llu bytes, but %s allows %llu in a uniform block", name,
-                    binding->resource == DT_LIVE ? "parameters" : "materials",
-                    (unsigned long long)bytes, core->device_name,
-                    (unsigned long long)limits->uniform_bytes);
+    uint32_t most = core->limits.numbers[binding->kind];
+    return binding->binding < most ||
+           dt_error(core, "pass %s: binding %u, but %s has %u of this kind; bind fewer",
+                    panel->pipeline->passes[pass].name, binding->binding, core->device_name, most);
 }
 
 static bool suits(struct dt_core *core, const struct dt_panel *panel)

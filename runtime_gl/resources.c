@@ -72,15 +72,18 @@ GLsizei gl_mip_size(uint32_t size, uint32_t mip)
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
+/* Memory of a small buffer: shaders that read four uints at once stay inside. Bindings have the
+ * buffer's own size, from which shaders compute length(). */
+enum { LEAST_BYTES = 16 };
+
 bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data)
 {
     const char *name = buffer->name;
-    size_t given = (size_t)buffer->size;
-    buffer->size = buffer->size < 16 ? 16 : buffer->size;
-    GLsizeiptr size = buffer->block > buffer->size ? buffer->block : buffer->size;
+    GLsizeiptr whole = buffer->block > buffer->size ? buffer->block : buffer->size;
+    whole = whole < LEAST_BYTES ? LEAST_BYTES : whole;
     return GL(rt, name, CreateBuffers(1, &buffer->handle)) &&
-           GL(rt, name, NamedBufferStorage(buffer->handle, size, NULL, GL_DYNAMIC_STORAGE_BIT)) &&
-           (!data || gl_buffer_write(rt, buffer, data, given));
+           GL(rt, name, NamedBufferStorage(buffer->handle, whole, NULL, GL_DYNAMIC_STORAGE_BIT)) &&
+           (!data || gl_buffer_write(rt, buffer, data, (size_t)buffer->size));
 }
 
 bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,

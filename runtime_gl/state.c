@@ -49,35 +49,46 @@ static uint64_t integer64(const struct gl_runtime *rt, GLenum name)
     return (uint64_t)value;
 }
 
+/* The less of a limit's values for dispatches and for draws. */
+static uint64_t limit(struct gl_runtime *rt, const GLenum names[2], int index)
+{
+    uint64_t least = UINT64_MAX;
+    for (int i = 0; i < 2; i++) {
+        GLint64 value = INT64_MAX;
+        if (names[i] == GL_NONE)
+            continue;
+        if (index < 0)
+            rt->gl.GetInteger64v(names[i], &value);
+        else
+            rt->gl.GetInteger64i_v(names[i], (GLuint)index, &value);
+        least = (uint64_t)value < least ? (uint64_t)value : least;
+    }
+    return least;
+}
+
 static void read_limits(struct gl_runtime *rt)
 {
-    struct dt_limits *l = &rt->core.limits;
-    uint32_t attachments = integer(rt, GL_MAX_COLOR_ATTACHMENTS);
-    uint32_t buffers = integer(rt, GL_MAX_DRAW_BUFFERS);
-    GLint viewport[2] = {0}, groups = 0;
-    rt->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    *l = (struct dt_limits){
-        .image_size = integer(rt, GL_MAX_TEXTURE_SIZE),
-        .image_layers = integer(rt, GL_MAX_ARRAY_TEXTURE_LAYERS),
-        .volume_size = integer(rt, GL_MAX_3D_TEXTURE_SIZE),
-        .cube_size = integer(rt, GL_MAX_CUBE_MAP_TEXTURE_SIZE),
-        .target_size = {(uint32_t)viewport[0], (uint32_t)viewport[1]},
-        .color_targets = attachments < buffers ? attachments : buffers,
-        .bindings = {[DT_BIND_UNIFORM] = integer(rt, GL_MAX_UNIFORM_BUFFER_BINDINGS),
-                     [DT_BIND_STORAGE] = integer(rt, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS),
-                     [DT_BIND_TEXELS] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS),
-                     [DT_BIND_TEXTURE] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS),
-                     [DT_BIND_IMAGE] = integer(rt, GL_MAX_IMAGE_UNITS)},
-        .uniform_bytes = integer64(rt, GL_MAX_UNIFORM_BLOCK_SIZE),
-        .storage_bytes = integer64(rt, GL_MAX_SHADER_STORAGE_BLOCK_SIZE),
-        .texels = integer(rt, GL_MAX_TEXTURE_BUFFER_SIZE),
-        .draws = UINT32_MAX,
-        .clip_distances = integer(rt, GL_MAX_CLIP_DISTANCES),
+    static const struct {
+        GLenum names[2];
+        int index;
+    } rows[DT_LIMITS] = {
+#define ROW(name, words, vk, gl, gl_draw, index, ...) [DT_LIMIT_##name] = {{gl, gl_draw}, index},
+        DT_DEVICE_LIMITS(ROW)
+#undef ROW
     };
-    for (GLuint i = 0; i < 3; i++) {
-        rt->gl.GetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, i, &groups);
-        l->groups[i] = (uint32_t)groups;
-    }
+    struct dt_limits *l = &rt->core.limits;
+    GLint viewport[2] = {0};
+    rt->gl.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    for (int i = 0; i < DT_LIMITS; i++)
+        l->most[i] = limit(rt, rows[i].names, rows[i].index);
+    for (int i = 0; i < 2; i++)
+        if ((uint64_t)viewport[i] < l->most[DT_LIMIT_TARGET_WIDTH + i])
+            l->most[DT_LIMIT_TARGET_WIDTH + i] = (uint64_t)viewport[i];
+    l->numbers[DT_BIND_UNIFORM] = integer(rt, GL_MAX_UNIFORM_BUFFER_BINDINGS);
+    l->numbers[DT_BIND_STORAGE] = integer(rt, GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS);
+    l->numbers[DT_BIND_TEXELS] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS);
+    l->numbers[DT_BIND_TEXTURE] = integer(rt, GL_MAX_COMBINED_TEXTURE_IMAGE_UNITS);
+    l->numbers[DT_BIND_IMAGE] = integer(rt, GL_MAX_IMAGE_UNITS);
     rt->gl.GetFloatv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &l->anisotropy);
     uint64_t storage = integer64(rt, GL_SHADER_STORAGE_BUFFER_OFFSET_ALIGNMENT);
     uint64_t uniform = integer64(rt, GL_UNIFORM_BUFFER_OFFSET_ALIGNMENT);

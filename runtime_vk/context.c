@@ -162,7 +162,8 @@ static bool choose_device(struct vk_runtime *rt, const struct dt_runtime_options
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (suits(rt, devices[i], options->panel, missing, sizeof missing)) {
+        if (suits(rt, devices[i], options->panel, missing, sizeof missing) &&
+            vk_device_is_enough(rt, devices[i], options->panel, missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
@@ -173,7 +174,8 @@ static bool choose_device(struct vk_runtime *rt, const struct dt_runtime_options
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "device",
                         rt->core.device_name, missing);
-    return true;
+    return vk_device_is_enough(rt, rt->physical, options->panel, missing, sizeof missing) ||
+           dt_error(&rt->core, "%s", missing);
 }
 
 static bool open_device(struct vk_runtime *rt)

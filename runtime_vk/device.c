@@ -280,35 +280,27 @@ bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
     return used == 0;
 }
 
-static uint32_t least(uint32_t a, uint32_t b)
-{
-    return a < b ? a : b;
-}
-
 static struct dt_limits limits_of(const VkPhysicalDeviceLimits *can)
 {
-    const uint32_t *groups = can->maxComputeWorkGroupCount;
     return (struct dt_limits){
-        .image_size = can->maxImageDimension2D,
-        .image_layers = can->maxImageArrayLayers,
-        .volume_size = can->maxImageDimension3D,
-        .cube_size = can->maxImageDimensionCube,
-        .target_size = {can->maxFramebufferWidth, can->maxFramebufferHeight},
-        .color_targets = can->maxColorAttachments,
-        .bindings = {[DT_BIND_UNIFORM] = can->maxPerStageDescriptorUniformBuffers,
-                     [DT_BIND_STORAGE] = can->maxPerStageDescriptorStorageBuffers,
-                     [DT_BIND_TEXELS] = can->maxPerStageDescriptorSampledImages,
-                     [DT_BIND_TEXTURE] = least(can->maxPerStageDescriptorSampledImages,
-                                               can->maxPerStageDescriptorSamplers),
-                     [DT_BIND_IMAGE] = can->maxPerStageDescriptorStorageImages},
-        .uniform_bytes = can->maxUniformBufferRange,
-        .storage_bytes = can->maxStorageBufferRange,
-        .texels = can->maxTexelBufferElements,
-        .groups = {groups[0], groups[1], groups[2]},
-        .draws = can->maxDrawIndirectCount,
-        .clip_distances = can->maxClipDistances,
+        .most =
+            {
+#define ROW(name, words, vk, ...) [DT_LIMIT_##name] = can->vk,
+                DT_DEVICE_LIMITS(ROW)
+#undef ROW
+            },
+        .numbers = {UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX},
         .anisotropy = can->maxSamplerAnisotropy,
     };
+}
+
+bool vk_device_is_enough(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                         const struct dt_panel *panel, char *text, size_t size)
+{
+    VkPhysicalDeviceProperties properties;
+    rt->vk.GetPhysicalDeviceProperties(physical, &properties);
+    const struct dt_limits limits = limits_of(&properties.limits);
+    return !panel || dt_front_suits(panel, &limits, properties.deviceName, text, size);
 }
 
 void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)

@@ -108,9 +108,11 @@ bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders
     if (!dt_front_takes(&rt.core, panel) || !load_instance(&rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(&rt, host->physical_device);
-    return vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing) ||
-           dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
-                    rt.core.device_name, panel->pipeline->name, missing);
+    if (!vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing))
+        return dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
+                        rt.core.device_name, panel->pipeline->name, missing);
+    return vk_device_is_enough(&rt, rt.physical, panel, missing, sizeof missing) ||
+           dt_error(&rt.core, "%s", missing);
 }
 
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live);
@@ -190,21 +192,22 @@ static bool create_white(struct vk_runtime *rt)
 bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
 {
     struct vk_builtin *builtin = &rt->builtin;
+    const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
     release_scene(rt);
     if (!dt_front_import_scene(&rt->core, scene->index_count) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
          !vk_buffer_import(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
                            sizeof(struct dt_vertex))) ||
         !vk_scene_attributes(rt, scene->attributes) ||
-        !vk_buffer_import(rt, &builtin->indices, "scene_indices", &scene->indices,
-                          (VkDeviceSize)scene->index_count * sizeof(uint32_t)) ||
+        !vk_buffer_import(rt, &builtin->indices, "scene_indices", &scene->indices, index_bytes) ||
         !vk_buffer_import(rt, &builtin->materials, "scene_materials", &scene->materials,
                           DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
         (scene->objects.buffer && !vk_buffer_import(rt, &builtin->objects, "scene_objects",
                                                     &scene->objects, sizeof(struct dt_object))))
         return false;
-    builtin->materials.size =
-        DT_MAX_MATERIALS * sizeof(struct dt_material); /* size of the uniform block */
+    /* Shaders compute length() from the bytes that are bound. */
+    builtin->indices.size = index_bytes;
+    builtin->materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     if (scene->textures)
         builtin->textures = (struct vk_image){
             .name = "scene_textures", .view = scene->textures, .layered = true, .imported = true};

@@ -15,7 +15,7 @@ struct vk_buffer {
     const char *name;
     VkBuffer handle;
     VkDeviceSize offset;        /* bytes; 0 except in a host's buffer */
-    VkDeviceSize size;          /* bytes, at least 16 */
+    VkDeviceSize size;          /* bytes that are bound; the memory has at least 16 */
     VkDeviceSize block;         /* bytes bound as a uniform block, if more than size; else 0 */
     VkBufferView texels;        /* created when first bound as a texel buffer */
     VkBufferUsageFlags usage;   /* as created; of an import 0 */
@@ -212,6 +212,9 @@ bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel);
  * none. `panel`: also one that its passes lack; NULL: any pipeline. */
 bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
                      const struct dt_panel *panel, char *text, size_t size);
+/* Whether its limits are enough for the panel's passes (NULL: none); if not, `text` gets a sentence. */
+bool vk_device_is_enough(const struct vk_runtime *rt, VkPhysicalDevice physical,
+                         const struct dt_panel *panel, char *text, size_t size);
 /* The first queue family with graphics and compute; UINT32_MAX: there is none. */
 uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
@@ -232,7 +235,7 @@ VkImageLayout vk_layout(unsigned layout); /* enum dt_layout */
 /* All destroy functions take zeroed structs, and zero them. */
 struct vk_buffer_info {
     const char *name;
-    VkDeviceSize size;        /* bytes; raised to 16 */
+    VkDeviceSize size;        /* bytes */
     VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: size */
     VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
 };

@@ -80,18 +80,22 @@ void vk_memory_destroy(struct vk_runtime *rt, struct dt_vk_memory *memory)
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
+/* Memory of a small buffer: shaders that read four uints at once stay inside. Bindings have the
+ * buffer's own size, from which shaders compute length(). */
+enum { LEAST_BYTES = 16 };
+
 bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
                       const struct vk_buffer_info *info)
 {
-    VkDeviceSize size = info->size < 16 ? 16 : info->size;
-    VkDeviceSize whole = info->block > size ? info->block : size;
+    VkDeviceSize block = info->block > info->size ? info->block : 0;
+    VkDeviceSize whole = block ? block : info->size;
     VkBufferCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = whole,
+        .size = whole < LEAST_BYTES ? LEAST_BYTES : whole,
         .usage = info->usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
     *buffer = (struct vk_buffer){
-        .name = info->name, .size = size, .block = whole > size ? whole : 0, .usage = create.usage};
+        .name = info->name, .size = info->size, .block = block, .usage = create.usage};
     if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, rt->callbacks, &buffer->handle),
             info->name))
         return false;

@@ -207,4 +207,47 @@ PYTHON
 for backend in gl vk; do
     check "lists of kept triangles draw what the scene draws, $backend" culled $backend
 done
+
+# Clear values become the nearest code, a half the even one, on every driver.
+# shellcheck disable=SC2317 # called through check
+cleared() { # backend [option...]
+    rm -rf "${work:?}/cleared"
+    "$diptych" render --spec "$root/tests/specs/clears.yaml" --size 4x4 --backend "$@" --dump "$work/cleared" -o "$work/cleared.png" &&
+        /usr/bin/python3 - "$work/cleared" "$#" <<'PYTHON'
+import glob, struct, sys
+def codes(name, code):
+    data = open(glob.glob(f"{sys.argv[1]}/*.{name}.raw")[0], "rb").read()
+    found = struct.unpack(f"<{len(data) // struct.calcsize(code)}{code}", data)
+    count = len(found) // 16
+    assert found == found[:count] * 16, (name, found)
+    return list(found[:count])
+half = lambda value: struct.unpack("<H", struct.pack("<e", value))[0]
+unorm = lambda value, most: round(min(max(value, -1), 1) * most)
+def srgb(value):
+    return unorm(12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055, 255)
+def small_float(value, bits): # positive, normal
+    mantissa, exponent = value.hex()[4:].split("p")
+    return (int(exponent) + 15 << bits) + round(int(mantissa, 16) / (1 << 4 * len(mantissa) - bits))
+def check(name, found, want):
+    assert found == want, (name, found, want)
+check("halves", codes("halves", "H"), [half(v) for v in (0.1, 0.3, 0.7, -1.1)])
+check("small", codes("small", "H"), [half(v) for v in (1e-7, 3.1e-5, 65503, 65504)])
+check("bytes", codes("bytes", "B"), [unorm(v, 255) for v in (0.1, 0.3, 0.7, 1.5)])
+check("tens", codes("tens", "I"), [unorm(0.1, 1023) | unorm(0.3, 1023) << 10 | unorm(0.7, 1023) << 20 | unorm(0.6, 3) << 30])
+check("eleven", codes("eleven", "I"), [small_float(0.1, 6) | small_float(0.3, 6) << 11 | small_float(0.7, 5) << 22])
+check("coded", codes("coded", "B"), [srgb(0.1), srgb(0.3), srgb(0.002), unorm(0.7, 255)])
+if sys.argv[2] == "1":
+    check("wide", codes("wide", "H"), [unorm(v, 65535) for v in (0.1, 0.3, 0.7, 0.9)])
+    check("negative", codes("negative", "h"), [unorm(v, 32767) for v in (0.1, -0.3, 0.7, -2)])
+PYTHON
+}
+. "$root/tests/drivers.sh"
+for backend in gl vk@llvmpipe; do
+    check "clear values are rounded to the format, $backend" cleared $backend
+done
+if [ ${#strangers[@]} -gt 0 ]; then # it has no 16-bit codes
+    check "... on ${strangers[0]}" cleared "${strangers[0]}" --set images.wide.format=rgba8 --set images.negative.format=rgba8
+else
+    skip "... on another driver" "$no_strangers"
+fi
 finish

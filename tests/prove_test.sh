@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The proof that a pipeline is exact, gen/prove.c. Every operation that the proof counts as exact is exact on each pair of
+# The proof that a pipeline is exact, gen/spirv/prove.c. Every operation that the proof counts as exact is exact on each pair of
 # drivers; tests/specs/proof.yaml has all these operations. --prove reports open operations at their places; prove_test.c tests
 # them one by one.
 . "$(dirname "$0")/tap.sh"
@@ -24,7 +24,7 @@ lists_all() { # the shaders of the spec have every operation that the proof coun
         spirv-dis "$file"
     done | grep -oE 'OpExtInst %[A-Za-z0-9_]+ %[a-z0-9_]+ [A-Za-z]+|BuiltIn [A-Za-z]+|Op[A-Z][A-Za-z0-9]+' |
         sed 's/.* //; s/^Op//; s/^ModfStruct$/Modf/' | sort -u >"$work/has"
-    sed -n '/bits and integers/,/^};/p; /exact_functions\[\]/,/^};/p; /exact_inputs\[\]/,/^};/p' "$root/gen/prove.c" |
+    sed -n '/bits and integers/,/^};/p; /exact_functions\[\]/,/^};/p; /exact_inputs\[\]/,/^};/p' "$root/gen/spirv/prove.c" |
         grep -oE '(SpvOp|GLSLstd450|SpvBuiltIn)[A-Za-z0-9]+' | sed -E 's/^(SpvOp|GLSLstd450|SpvBuiltIn)//; s/^ModfStruct$/Modf/' | sort -u >"$work/wants"
     [ "$(wc -l <"$work/wants")" -gt 90 ] && ! comm -23 "$work/wants" "$work/has" | grep .
 }
@@ -42,6 +42,23 @@ told_as_expected() { # name status
 check "open operations are told at their places" told_as_expected proof_open 1
 check "what the rasterizer decides in a draw of numbers is a warning" told_as_expected proof_edges 0
 check "... but not of a pass whose resources have a tolerance" "$gen" "$root/tests/specs/proof_open.yaml" --prove --set 'contracts.default={ulp: 4}'
+check "fixed functions of draws are told at their places" told_as_expected proof_fixed 1
+# shellcheck disable=SC2317
+sure() { # passes of proof_fixed.yaml in which the proof finds nothing leave on both drivers what they make of the same inputs
+    "$diptych" compare --spec "$root/tests/specs/proof_fixed.yaml" --size 8x8 --backend "vk@llvmpipe,${strangers[0]}" >"$work/table"
+    [ $? = 1 ] && [ "$(grep -c '^sure_' "$work/table")" = 10 ] && ! grep '^sure_' "$work/table" | grep -v ' none '
+}
+if [ ${#strangers[@]} -gt 0 ]; then
+    check "... and where the proof finds none, another driver has the same" sure
+else
+    skip "... and where the proof finds none, another driver has the same" "$no_strangers"
+fi
+# shellcheck disable=SC2317
+assumes() { # what the proof assumes is one line, the last
+    "$gen" "$spec" --prove 2>&1 | tail -n 1 >"$work/last" && cat "$work/last" &&
+        grep -q '^exact where .* no NaN, infinity or denormal number' "$work/last"
+}
+check "the proof says what it assumes" assumes
 # shellcheck disable=SC2317
 silent() { # for all pipelines that ship
     local spec

@@ -745,23 +745,21 @@ static void limits_of_programs(struct transcript *transcript, const struct bench
     const struct dt_limits own = *limits_of(rt);
     struct dt_limits *limits = limits_of(rt);
     static const struct {
-        uint32_t kind, most;
+        enum dt_device_limit limit;
+        uint64_t most;
         const char *words;
     } kinds[] = {
-        {DT_BIND_UNIFORM, 0, "pass plan: 1 uniform buffers, but "},
-        {DT_BIND_STORAGE, 1, "pass plan: 2 storage buffers, but "},
-        {DT_BIND_TEXTURE, 0, "pass scene: 1 textures, but "},
-        {DT_BIND_IMAGE, 0, "pass count: 1 storage images, but "},
+        {DT_LIMIT_UNIFORMS, 0, "pass plan needs 1 uniform buffers; the device "},
+        {DT_LIMIT_STORAGES, 1, "pass plan needs 2 storage buffers; the device "},
+        {DT_LIMIT_TEXTURES, 0, "pass scene needs 1 textures and texel buffers; the device "},
+        {DT_LIMIT_IMAGES, 0, "pass count needs 1 storage images; the device "},
+        {DT_LIMIT_COLOR_TARGETS, 0, "pass scene needs 1 color targets; the device "},
     };
     for (size_t i = 0; i < DT_ARRAY_COUNT(kinds); i++) {
-        limits->bindings[kinds[i].kind] = kinds[i].most;
+        limits->most[kinds[i].limit] = kinds[i].most;
         WRONG(runtime->create(rt, bench->probe), kinds[i].words);
         *limits = own;
     }
-    limits->color_targets = 0;
-    WRONG(runtime->create(rt, bench->probe),
-          "pass scene: 1 color targets, but the limit is 0; split the pass");
-    *limits = own;
     struct variant *v = make_variant(bench);
     v->programs[PROBE_SCENE].color_count = DT_MAX_COLOR_TARGETS + 1;
     WRONG(runtime->create(rt, &v->shaders),
@@ -772,17 +770,25 @@ static void limits_of_programs(struct transcript *transcript, const struct bench
           "pass scene: 65 resources, but at most 64 can be bound");
     v->programs[PROBE_SCENE].binding_count = 2;
     v->programs[PROBE_SCENE].clip_distances = 3;
-    limits->clip_distances = 2;
-    WRONG(runtime->create(rt, &v->shaders), "pass scene: 3 clip distances, but ");
+    limits->most[DT_LIMIT_CLIP_DISTANCES] = 2;
+    WRONG(runtime->create(rt, &v->shaders), "pass scene needs 3 clip distances; the device ");
     *limits = own;
     v->programs[PROBE_SCENE].clip_distances = 0;
+    /* What a panel lists: shared memory of a dispatch. */
+    static const struct dt_demand demand = {PROBE_PLAN, DT_LIMIT_SHARED_BYTES, 80000};
+    v->panel.demands = &demand;
+    v->panel.demand_count = 1;
+    limits->most[DT_LIMIT_SHARED_BYTES] = 32768;
+    WRONG(runtime->create(rt, &v->shaders), "pass plan needs 80,000 bytes of shared memory; the ");
+    *limits = own;
+    v->panel.demand_count = 0;
     struct dt_binding bindings[DT_MAX_BINDINGS];
     memcpy(bindings, v->programs[PROBE_SCENE].bindings,
            v->programs[PROBE_SCENE].binding_count * sizeof *bindings);
     v->programs[PROBE_SCENE].bindings = bindings;
     bindings[0].kind = DT_BIND_UNIFORM;
-    limits->uniform_bytes = 65535;
-    WRONG(runtime->create(rt, &v->shaders), "pass scene: 65536 bytes of materials, but ");
+    limits->most[DT_LIMIT_UNIFORM_BYTES] = 65535;
+    WRONG(runtime->create(rt, &v->shaders), "pass scene needs 65,536 bytes in a uniform block; ");
     *limits = own;
     v->programs[PROBE_SCENE].bindings = probe_panel.programs[PROBE_SCENE].bindings;
     v->sampler.anisotropy = 16;
@@ -802,26 +808,26 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     struct dt_limits *limits = limits_of(rt);
     struct variant *v = make_variant(bench);
     assert_true(runtime->create(rt, &v->shaders));
-    limits->image_size = 15;
+    limits->most[DT_LIMIT_IMAGE_SIDE] = 15;
     WRONG(runtime->resize(rt, 8, 8), "image stack: 16x8 texels, but ");
-    limits->image_size = 7;
+    limits->most[DT_LIMIT_IMAGE_SIDE] = 7;
     WRONG(runtime->resize(rt, 8, 7), "frame of 8x7: ");
     *limits = own;
-    limits->image_layers = 3;
+    limits->most[DT_LIMIT_IMAGE_LAYERS] = 3;
     WRONG(runtime->resize(rt, 8, 8), "image stack: 4 layers, but ");
     *limits = own;
-    limits->target_size[1] = 7;
+    limits->most[DT_LIMIT_TARGET_HEIGHT] = 7;
     WRONG(runtime->resize(rt, 8, 8), "image color: 8x8 texels, but ");
     *limits = own;
-    limits->storage_bytes = 31;
+    limits->most[DT_LIMIT_STORAGE_BYTES] = 31;
     WRONG(runtime->resize(rt, 7, 7), "buffer frames: 32 bytes, but ");
     *limits = own;
     formats_prepare();
     assert_true(runtime->create(rt, bench->formats));
-    limits->volume_size = 12;
+    limits->most[DT_LIMIT_VOLUME_SIDE] = 12;
     WRONG(runtime->resize(rt, 8, 8), "image volume_0: 13x7 texels, but ");
     *limits = own;
-    limits->cube_size = 6;
+    limits->most[DT_LIMIT_CUBE_SIDE] = 6;
     WRONG(runtime->resize(rt, 8, 8), "image cube_0: 7x7 texels, but ");
     *limits = own;
     assert_true(runtime->create(rt, &v->shaders));
@@ -830,7 +836,7 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     v->resources[PROBE_LEVELS].mips = PROBE_MIPS;
     v->storage[PROBE_ROWS].usage |= DT_READ_UNIFORM;
     v->storage[PROBE_ROWS].block = 1u << 20; /* the declared size counts, not the written one */
-    limits->uniform_bytes = 65536;
+    limits->most[DT_LIMIT_UNIFORM_BYTES] = 65536;
     WRONG(runtime->resize(rt, 8, 8), "buffer rows: 1048576 bytes, but ");
     *limits = own;
     v->storage[PROBE_ROWS] = probe_panel.storage[PROBE_ROWS];
@@ -838,10 +844,10 @@ static void limits_of_resources(struct transcript *transcript, const struct benc
     scene.material_count = DT_MAX_MATERIALS + 1;
     WRONG(runtime->set_scene(rt, &scene), "materials, but shaders see 2048; merge some");
     scene = probe_scene;
-    limits->storage_bytes = scene.vertex_count * sizeof *scene.vertices - 1;
+    limits->most[DT_LIMIT_STORAGE_BYTES] = scene.vertex_count * sizeof *scene.vertices - 1;
     WRONG(runtime->set_scene(rt, &scene), "scene vertices: ");
     *limits = own;
-    limits->image_layers = 0;
+    limits->most[DT_LIMIT_IMAGE_LAYERS] = 0;
     WRONG(runtime->set_scene(rt, &scene), "scene textures: ");
     *limits = own; /* the scene before is still there */
     assert_true(runtime->resize(rt, 8, 8) && render(bench, rt, NULL, NULL));
@@ -868,21 +874,22 @@ static void limits_of_frames(struct transcript *transcript, const struct bench *
     const struct dt_limits own = *limits_of(rt);
     struct dt_limits *limits = limits_of(rt);
     struct variant *v = make_variant(bench);
-    assert_true(runtime->create(rt, &v->shaders) && runtime->resize(rt, 8, 8));
-    limits->groups[0] = 1;
-    WRONG(render(bench, rt, NULL, NULL), "pass level_0: 2 x 1 x 1 workgroups, but ");
-    *limits = own;
-    assert_true(runtime->resize(rt, 8, 8));
-    limits->draws = 1;
-    WRONG(render(bench, rt, NULL, NULL), "pass again: 2 indirect draws, but ");
-    *limits = own;
+    assert_true(runtime->create(rt, &v->shaders));
+    limits->most[DT_LIMIT_GROUPS_X] = 1;
+    WRONG(runtime->resize(rt, 8, 8), "pass level_0 needs 2 workgroups along x; the device ");
     WRONG(render(bench, rt, NULL, NULL), "call resize first");
+    *limits = own;
+    limits->most[DT_LIMIT_DRAWS] = 1;
+    WRONG(runtime->resize(rt, 8, 8), "pass again needs 2 indirect draws; the device ");
+    *limits = own;
+    assert_true(runtime->resize(rt, 8, 8)); /* other live parameters come with the frame */
+    limits->most[DT_LIMIT_GROUPS_X] = 1;
+    WRONG(render(bench, rt, NULL, NULL), "pass level_0 needs 2 workgroups along x; the device ");
+    *limits = own;
     v->panel.record = record_layers;
-    assert_true(runtime->resize(rt, 8, 8));
-    WRONG(render(bench, rt, NULL, NULL), "pass layers: draws into 5 layers, and image stack has 4");
+    WRONG(runtime->resize(rt, 8, 8), "pass layers: draws into 5 layers, and image stack has 4");
     v->panel.record = record_no_layers;
-    assert_true(runtime->resize(rt, 8, 8));
-    WRONG(render(bench, rt, NULL, NULL), "pass show: draws into 0 layers, and image display has 1");
+    WRONG(runtime->resize(rt, 8, 8), "pass show: draws into 0 layers, and image display has 1");
     v->panel.record = probe_panel.record;
     assert_true(runtime->resize(rt, 8, 8) && render(bench, rt, NULL, NULL));
     probe_check_rest(runtime, rt, 8, 8, 1, &defaults);

@@ -101,8 +101,8 @@ static const uint16_t exact_operations[] = {
     SpvOpKill,
     SpvOpControlBarrier,
     SpvOpMemoryBarrier,
-    /* bits and integers */
     SpvOpCopyLogical,
+    /* bits and integers */
     SpvOpSelect,
     SpvOpVectorExtractDynamic,
     SpvOpVectorShuffle,
@@ -152,8 +152,6 @@ static const uint16_t exact_operations[] = {
     SpvOpULessThanEqual,
     SpvOpSLessThanEqual,
     SpvOpFNegate,
-    SpvOpIsNan,
-    SpvOpIsInf,
     SpvOpFOrdEqual,
     SpvOpFUnordNotEqual,
     SpvOpFOrdLessThan,

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "device_needs.h"
+
 /* ---- Messages -------------------------------------------------------------------------------- */
 
 static void log_list(const struct dt_core *core, enum dt_level level, const char *format,
@@ -61,52 +63,70 @@ static const char *pass_name(const struct dt_core *core, uint32_t pass)
     return core->pipeline->passes[pass].name;
 }
 
-static bool check_bindings(const struct dt_core *core, const struct dt_panel *panel, uint32_t pass)
+static const char *const limit_words[DT_LIMITS] = {
+#define ROW(name, words, ...) [DT_LIMIT_##name] = (words),
+    DT_DEVICE_LIMITS(ROW)
+#undef ROW
+};
+
+/* 80000 as "80,000". */
+static const char *grouped(uint64_t number, char text[32])
 {
-    static const char *const kinds[] = {[DT_BIND_UNIFORM] = "uniform buffers",
-                                        [DT_BIND_STORAGE] = "storage buffers",
-                                        [DT_BIND_TEXELS] = "texel buffers",
-                                        [DT_BIND_TEXTURE] = "textures",
-                                        [DT_BIND_IMAGE] = "storage images"};
-    const struct dt_program *program = &panel->programs[pass];
-    const char *name = panel->pipeline->passes[pass].name;
-    uint32_t count[DT_ARRAY_COUNT(kinds)] = {0};
-    if (program->binding_count > DT_MAX_BINDINGS)
-        return dt_error(core, "pass %s: %u resources, but at most %d can be bound; split the pass",
-                        name, program->binding_count, DT_MAX_BINDINGS);
-    for (uint32_t i = 0; i < program->binding_count; i++) {
-        const struct dt_binding *binding = &program->bindings[i];
-        const size_t materials = DT_MAX_MATERIALS * sizeof(struct dt_material);
-        count[binding->kind]++;
-        if (binding->resource == DT_SCENE_MATERIALS && binding->kind == DT_BIND_UNIFORM &&
-            core->limits.uniform_bytes < materials)
-            return dt_error(core,
-                            "pass %s: %zu bytes of materials, but %s allows %llu in a uniform "
-                            "block; use another device",
-                            name, materials, core->device_name,
-                            (unsigned long long)core->limits.uniform_bytes);
+    char *at = text + 31;
+    *at = '\0';
+    for (int digits = 0; digits == 0 || number; digits++, number /= 10) {
+        if (digits && digits % 3 == 0)
+            *--at = ',';
+        *--at = (char)('0' + number % 10);
     }
-    for (size_t kind = 0; kind < DT_ARRAY_COUNT(kinds); kind++)
-        if (count[kind] > core->limits.bindings[kind])
-            return dt_error(core, "pass %s: %u %s, but %s binds at most %u; split the pass", name,
-                            count[kind], kinds[kind], core->device_name,
-                            core->limits.bindings[kind]);
+    return at;
+}
+
+static void describe_lack(const char *pass, enum dt_device_limit limit, uint64_t needed,
+                          uint64_t most, const char *device, char *text, size_t size)
+{
+    char numbers[2][32];
+    snprintf(text, size, "pass %s needs %s %s; the device %s has %s", pass,
+             grouped(needed, numbers[0]), limit_words[limit], device, grouped(most, numbers[1]));
+}
+
+bool dt_front_suits(const struct dt_panel *panel, const struct dt_limits *limits,
+                    const char *device, char *text, size_t size)
+{
+    for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
+        for (int i = 0; i < DT_LIMITS; i++) {
+            uint64_t needed = dt_demand_of(panel, pass, (enum dt_device_limit)i);
+            if (needed <= limits->most[i])
+                continue;
+            describe_lack(panel->pipeline->passes[pass].name, (enum dt_device_limit)i, needed,
+                          limits->most[i], device, text, size);
+            return false;
+        }
     return true;
+}
+
+/* Whether the device has as much as a pass needs; if not, logs it. */
+static bool has_limit(const struct dt_core *core, uint32_t pass, enum dt_device_limit limit,
+                      uint64_t needed)
+{
+    char text[512];
+    if (needed <= core->limits.most[limit])
+        return true;
+    describe_lack(pass_name(core, pass), limit, needed, core->limits.most[limit], core->device_name,
+                  text, sizeof text);
+    return dt_error(core, "%s", text);
 }
 
 static bool check_program(const struct dt_core *core, const struct dt_panel *panel, uint32_t pass)
 {
     const struct dt_program *program = &panel->programs[pass];
     const char *name = panel->pipeline->passes[pass].name;
-    uint32_t colors = core->limits.color_targets < DT_MAX_COLOR_TARGETS ? core->limits.color_targets
-                                                                        : DT_MAX_COLOR_TARGETS;
-    if (program->color_count > colors)
-        return dt_error(core, "pass %s: %u color targets, but the limit is %u; split the pass",
-                        name, program->color_count, colors);
-    if (program->clip_distances > core->limits.clip_distances)
-        return dt_error(core, "pass %s: %u clip distances, but %s allows %u", name,
-                        program->clip_distances, core->device_name, core->limits.clip_distances);
-    return check_bindings(core, panel, pass);
+    if (program->color_count > DT_MAX_COLOR_TARGETS)
+        return dt_error(core, "pass %s: %u color targets, but the limit is %d; split the pass",
+                        name, program->color_count, DT_MAX_COLOR_TARGETS);
+    return program->binding_count <= DT_MAX_BINDINGS ||
+           dt_error(core, "pass %s: %u resources, but at most %d can be bound; split the pass",
+                    name, program->binding_count, DT_MAX_BINDINGS);
 }
 
 static bool check_sampler(const struct dt_core *core, const struct dt_sampler *sampler)
@@ -120,12 +140,15 @@ static bool check_sampler(const struct dt_core *core, const struct dt_sampler *s
 /* Before create changes anything: on false the pipeline before stays. */
 static bool check_panel(struct dt_core *core, const struct dt_panel *panel)
 {
+    char text[512];
     for (uint32_t i = 0; i < panel->pipeline->pass_count; i++)
         if (!check_program(core, panel, i))
             return false;
     for (uint32_t i = 0; i < panel->sampler_count; i++)
         if (!check_sampler(core, &panel->samplers[i]))
             return false;
+    if (!dt_front_suits(panel, &core->limits, core->device_name, text, sizeof text))
+        return dt_error(core, "%s", text);
     return core->backend->suits(core, panel);
 }
 
@@ -143,13 +166,14 @@ static uint32_t full_mips(const struct dt_resource *image, const uint32_t extent
 static bool check_image(const struct dt_core *core, const struct dt_resource *image, unsigned usage,
                         const uint32_t extent[3])
 {
-    const struct dt_limits *limits = &core->limits;
-    const uint32_t *target = limits->target_size;
+    const uint64_t *most = core->limits.most;
     bool volume = image->shape == DT_SHAPE_3D;
-    uint32_t side = volume                        ? limits->volume_size
-                    : image->shape != DT_SHAPE_2D ? limits->cube_size
-                                                  : limits->image_size;
-    uint32_t layers = volume ? side : image->layered ? limits->image_layers : 1;
+    uint32_t side = (uint32_t)most[volume                        ? DT_LIMIT_VOLUME_SIDE
+                                   : image->shape != DT_SHAPE_2D ? DT_LIMIT_CUBE_SIDE
+                                                                 : DT_LIMIT_IMAGE_SIDE];
+    uint32_t layers = volume ? side : image->layered ? (uint32_t)most[DT_LIMIT_IMAGE_LAYERS] : 1;
+    uint32_t width = (uint32_t)most[DT_LIMIT_TARGET_WIDTH];
+    uint32_t height = (uint32_t)most[DT_LIMIT_TARGET_HEIGHT];
     if (extent[0] > side || extent[1] > side)
         return dt_error(core,
                         "image %s: %ux%u texels, but %s allows 1x1 to %ux%u; choose another size",
@@ -160,32 +184,32 @@ static bool check_image(const struct dt_core *core, const struct dt_resource *im
     if (image->mips < 1 || image->mips > full_mips(image, extent))
         return dt_error(core, "image %s: %u mips, but %ux%u texels have 1 to %u", image->name,
                         image->mips, extent[0], extent[1], full_mips(image, extent));
-    if (usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH) &&
-        (extent[0] > target[0] || extent[1] > target[1]))
+    if (usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH) && (extent[0] > width || extent[1] > height))
         return dt_error(core,
                         "image %s: %ux%u texels, but %s draws into at most %ux%u; choose "
                         "another size",
-                        image->name, extent[0], extent[1], core->device_name, target[0], target[1]);
+                        image->name, extent[0], extent[1], core->device_name, width, height);
     return true;
 }
 
 static bool check_buffer(const struct dt_core *core, const struct dt_resource *buffer,
                          const struct dt_storage *storage, uint32_t count)
 {
-    const struct dt_limits *limits = &core->limits;
+    uint64_t storage_bytes = core->limits.most[DT_LIMIT_STORAGE_BYTES];
+    uint64_t uniform_bytes = core->limits.most[DT_LIMIT_UNIFORM_BYTES];
     uint64_t bytes = (uint64_t)count * buffer->stride;
     uint64_t block = storage->block > bytes ? storage->block : bytes;
-    if (storage->usage & (DT_READ_STORAGE | DT_WRITE_STORAGE) && bytes > limits->storage_bytes)
+    if (storage->usage & (DT_READ_STORAGE | DT_WRITE_STORAGE) && bytes > storage_bytes)
         return dt_error(core,
                         "buffer %s: %llu bytes, but %s binds at most %llu; use fewer elements",
                         buffer->name, (unsigned long long)bytes, core->device_name,
-                        (unsigned long long)limits->storage_bytes);
-    if (storage->usage & DT_READ_UNIFORM && block > limits->uniform_bytes)
+                        (unsigned long long)storage_bytes);
+    if (storage->usage & DT_READ_UNIFORM && block > uniform_bytes)
         return dt_error(core,
                         "buffer %s: %llu bytes, but %s allows %llu in a uniform block; make it a "
                         "storage buffer",
                         buffer->name, (unsigned long long)block, core->device_name,
-                        (unsigned long long)limits->uniform_bytes);
+                        (unsigned long long)uniform_bytes);
     return true;
 }
 
@@ -459,15 +483,21 @@ static void extent_of(const struct dt_core *core, uint32_t resource, uint32_t ex
     core->pipeline->extent(core->pipeline, resource, core->width, core->height, extent);
 }
 
-static bool create_resource(struct dt_core *core, uint32_t index)
+static bool check_resource(const struct dt_core *core, uint32_t index)
 {
     const struct dt_resource *resource = &core->pipeline->resources[index];
     const struct dt_storage *storage = &core->panel->storage[index];
     uint32_t extent[3];
     extent_of(core, index, extent);
-    return (resource->kind == DT_IMAGE ? check_image(core, resource, storage->usage, extent)
-                                       : check_buffer(core, resource, storage, extent[0])) &&
-           core->backend->create_resource(core, index, extent);
+    return resource->kind == DT_IMAGE ? check_image(core, resource, storage->usage, extent)
+                                      : check_buffer(core, resource, storage, extent[0]);
+}
+
+static bool create_resource(struct dt_core *core, uint32_t index)
+{
+    uint32_t extent[3];
+    extent_of(core, index, extent);
+    return core->backend->create_resource(core, index, extent);
 }
 
 static bool create_resources(struct dt_core *core)
@@ -533,9 +563,20 @@ static bool check_geometry(const struct dt_core *core, uint32_t pass)
     return true;
 }
 
+static bool check_work(struct dt_core *core);
+
+/* What depends on the size of the frame, before anything is created for it. */
+static bool check_sizes(struct dt_core *core)
+{
+    for (uint32_t i = 0; i < core->pipeline->resource_count; i++)
+        if (!check_resource(core, i))
+            return false;
+    return check_work(core);
+}
+
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
 {
-    uint32_t limit = core->limits.image_size;
+    uint32_t limit = (uint32_t)core->limits.most[DT_LIMIT_IMAGE_SIDE];
     if (!core->panel || lacks_scene(core))
         return dt_error(core, "resize: no pipeline or no scene yet; create and %s come first",
                         core->hosted ? "import_scene" : "set_scene");
@@ -550,7 +591,7 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
         release_resources(core);
         core->width = width;
         core->height = height;
-        good = create_resources(core);
+        good = check_sizes(core) && create_resources(core);
         if (!good)
             release_resources(core);
         memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
@@ -571,18 +612,18 @@ bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, 
 
 bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elements)
 {
-    return elements <= core->limits.texels ||
+    return elements <= core->limits.most[DT_LIMIT_TEXELS] ||
            dt_error(core,
                     "%s: %llu elements, but %s has at most %llu in a texel buffer; generate the "
                     "pipeline with `target: gpu`",
                     name, (unsigned long long)elements, core->device_name,
-                    (unsigned long long)core->limits.texels);
+                    (unsigned long long)core->limits.most[DT_LIMIT_TEXELS]);
 }
 
 bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offset, uint64_t size,
                     uint64_t least, uint64_t alignment)
 {
-    uint64_t most = core->limits.storage_bytes;
+    uint64_t most = core->limits.most[DT_LIMIT_STORAGE_BYTES];
     alignment = alignment < 4 ? 4 : alignment; /* of indirect draws and fills */
     if (size < least || offset % alignment)
         return dt_error(core,
@@ -805,19 +846,19 @@ static bool bind(void *runtime, uint32_t pass)
     return core->skips || core->backend->verbs.bind(core, pass);
 }
 
+static bool check_groups(const struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y,
+                         uint32_t z)
+{
+    return has_limit(core, pass, DT_LIMIT_GROUPS_X, x) &&
+           has_limit(core, pass, DT_LIMIT_GROUPS_Y, y) &&
+           has_limit(core, pass, DT_LIMIT_GROUPS_Z, z);
+}
+
 static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
     struct dt_core *core = runtime;
-    const uint32_t *most = core->limits.groups;
-    if (core->skips)
-        return true;
-    if (x > most[0] || y > most[1] || z > most[2])
-        return dt_error(core,
-                        "pass %s: %u x %u x %u workgroups, but %s allows %u x %u x %u; use larger "
-                        "workgroups or a smaller frame",
-                        pass_name(core, pass), x, y, z, core->device_name, most[0], most[1],
-                        most[2]);
-    return core->backend->verbs.dispatch(core, pass, x, y, z);
+    return core->skips || (check_groups(core, pass, x, y, z) &&
+                           core->backend->verbs.dispatch(core, pass, x, y, z));
 }
 
 static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
@@ -842,6 +883,8 @@ static bool check_layers(const struct dt_core *core, uint32_t pass, uint32_t lay
     const struct dt_program *program = &core->panel->programs[pass];
     if (layers == 1) /* every image has one */
         return true;
+    if (!has_limit(core, pass, DT_LIMIT_TARGET_LAYERS, layers))
+        return false;
     for (uint32_t i = 0; i < program->color_count; i++)
         if (!check_target(core, pass, &program->colors[i], layers))
             return false;
@@ -861,10 +904,7 @@ static bool check_draws(const struct dt_core *core, uint32_t pass, uint32_t argu
     uint32_t extent[3];
     extent_of(core, arguments, extent);
     uint64_t draws = (uint64_t)extent[0] * core->pipeline->resources[arguments].stride / bytes;
-    return draws <= core->limits.draws ||
-           dt_error(core, "pass %s: %llu indirect draws, but %s allows %u; use fewer",
-                    pass_name(core, pass), (unsigned long long)draws, core->device_name,
-                    core->limits.draws);
+    return has_limit(core, pass, DT_LIMIT_DRAWS, draws);
 }
 
 static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
@@ -902,16 +942,17 @@ static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers
             core->backend->verbs.draw_vertices_indirect(core, pass, layers, arguments));
 }
 
+static bool check_viewport(const struct dt_core *core, uint32_t pass, struct dt_rect rect)
+{
+    return has_limit(core, pass, DT_LIMIT_TARGET_WIDTH, rect.width) &&
+           has_limit(core, pass, DT_LIMIT_TARGET_HEIGHT, rect.height);
+}
+
 static bool viewport(void *runtime, uint32_t pass, struct dt_rect rect)
 {
     struct dt_core *core = runtime;
-    const uint32_t *most = core->limits.target_size;
-    if (rect.width > most[0] || rect.height > most[1])
-        return dt_error(core,
-                        "pass %s: a viewport of %ux%u texels, but %s allows %ux%u; choose "
-                        "a smaller one",
-                        pass_name(core, pass), rect.width, rect.height, core->device_name, most[0],
-                        most[1]);
+    if (!check_viewport(core, pass, rect))
+        return false;
     core->has_viewport = true;
     core->viewport = rect;
     return true;
@@ -997,6 +1038,103 @@ bool dt_front_record(struct dt_core *core, const void *live)
     return core->panel->record(&recording);
 }
 
+/* ---- A frame that only is measured ----------------------------------------------------------- */
+
+static bool measure_begin(void *runtime, uint32_t pass, bool runs)
+{
+    (void)runtime, (void)pass, (void)runs;
+    return true;
+}
+static bool measure_pass(void *runtime, uint32_t pass)
+{
+    (void)runtime, (void)pass;
+    return true;
+}
+static bool measure_barriers(void *runtime, uint32_t pass, const struct dt_barrier *list,
+                             uint32_t count)
+{
+    (void)runtime, (void)pass, (void)list, (void)count;
+    return true;
+}
+static bool measure_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
+{
+    return check_groups(runtime, pass, x, y, z);
+}
+static bool measure_resource(void *runtime, uint32_t pass, uint32_t resource)
+{
+    (void)runtime, (void)pass, (void)resource;
+    return true;
+}
+static bool measure_layers(void *runtime, uint32_t pass, uint32_t layers)
+{
+    return check_layers(runtime, pass, layers);
+}
+static bool measure_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
+                             uint32_t arguments)
+{
+    (void)indices;
+    return check_draws(runtime, pass, arguments, DT_DRAW_BYTES) &&
+           check_layers(runtime, pass, layers);
+}
+static bool measure_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
+                             uint32_t instances)
+{
+    (void)vertices, (void)instances;
+    return check_layers(runtime, pass, layers);
+}
+static bool measure_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
+                                      uint32_t arguments)
+{
+    return check_draws(runtime, pass, arguments, DT_VERTEX_DRAW_BYTES) &&
+           check_layers(runtime, pass, layers);
+}
+static bool measure_viewport(void *runtime, uint32_t pass, struct dt_rect rect)
+{
+    return check_viewport(runtime, pass, rect);
+}
+static bool measure_scissor(void *runtime, uint32_t pass, struct dt_rect rect)
+{
+    (void)runtime, (void)pass, (void)rect;
+    return true;
+}
+static bool measure_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
+{
+    (void)runtime, (void)pass, (void)resource, (void)mip;
+    return true;
+}
+
+static const struct dt_verbs measured = {
+    .begin = measure_begin,
+    .barriers = measure_barriers,
+    .bind = measure_pass,
+    .dispatch = measure_dispatch,
+    .dispatch_indirect = measure_resource,
+    .draw_scene = measure_layers,
+    .draw_indirect = measure_indirect,
+    .draw_fullscreen = measure_layers,
+    .draw_vertices = measure_vertices,
+    .draw_vertices_indirect = measure_vertices_indirect,
+    .viewport = measure_viewport,
+    .scissor = measure_scissor,
+    .clear_targets = measure_layers,
+    .clear_buffer = measure_resource,
+    .clear_image = measure_image,
+    .end = measure_pass,
+};
+
+/* Checks the work of a frame with the default live parameters against the limits; other parameters
+ * are checked when the frame is recorded. */
+static bool check_work(struct dt_core *core)
+{
+    const struct dt_recording recording = {.verbs = &measured,
+                                           .runtime = core,
+                                           .width = core->width,
+                                           .height = core->height,
+                                           .live = core->pipeline->live_defaults,
+                                           .panel = core->panel};
+    return core->panel->record(&recording);
+}
+
 static bool check_part(const struct dt_core *core, const char *verb, uint32_t first, uint32_t end)
 {
     if (!is_sized(core, verb) || !has_inputs(core, verb))
@@ -1063,7 +1201,7 @@ const char *dt_verb_driver(void *runtime)
 
 static bool check_scene_buffer(const struct dt_core *core, const char *name, uint64_t bytes)
 {
-    uint64_t most = core->limits.storage_bytes;
+    uint64_t most = core->limits.most[DT_LIMIT_STORAGE_BYTES];
     return bytes <= most ||
            dt_error(core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene", name,
                     (unsigned long long)bytes, core->device_name, (unsigned long long)most);
@@ -1071,7 +1209,8 @@ static bool check_scene_buffer(const struct dt_core *core, const char *name, uin
 
 static bool check_scene(const struct dt_core *core, const struct dt_scene *scene)
 {
-    uint32_t side = core->limits.image_size, layers = core->limits.image_layers;
+    uint32_t side = (uint32_t)core->limits.most[DT_LIMIT_IMAGE_SIDE];
+    uint32_t layers = (uint32_t)core->limits.most[DT_LIMIT_IMAGE_LAYERS];
     if (scene->material_count > DT_MAX_MATERIALS)
         return dt_error(core, "the scene has %u materials, but shaders see %d; merge some",
                         scene->material_count, DT_MAX_MATERIALS);

@@ -7,19 +7,10 @@
 
 #include "panel.h"
 
-/* Limits of the device; filled by open. */
+/* Limits of the device; filled by open. UINT64_MAX: it has no such limit. */
 struct dt_limits {
-    uint32_t image_size, image_layers; /* texels along a side; layers of an array */
-    uint32_t volume_size, cube_size;   /* texels along a side of a 3D image, of a cube */
-    uint32_t target_size[2];           /* width and height of a render target */
-    uint32_t color_targets;
-    uint32_t bindings
-        [5]; /* by enum dt_binding_kind: in one shader stage; OpenGL: limits the numbers, too */
-    uint64_t uniform_bytes, storage_bytes; /* bound as one block */
-    uint64_t texels;                       /* elements of a texel buffer */
-    uint32_t groups[3];                    /* of a dispatch */
-    uint32_t draws;                        /* of one indirect draw call */
-    uint32_t clip_distances;
+    uint64_t most[DT_LIMITS]; /* by enum dt_device_limit */
+    uint32_t numbers[5];      /* OpenGL: binding numbers, by enum dt_binding_kind */
     float anisotropy;
 };
 
@@ -175,6 +166,10 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
 /* Checks that the pipeline has this image or buffer, which a host chooses something for; requires
  * create. A resize must follow. `verb`: in messages. */
 bool dt_front_choose(struct dt_core *core, const char *verb, enum dt_kind kind, uint32_t resource);
+/* The first need of the panel's passes that exceeds the limits, whatever the size of the frame, as a
+ * sentence in `text`. False if there is one. */
+bool dt_front_suits(const struct dt_panel *panel, const struct dt_limits *limits,
+                    const char *device, char *text, size_t size);
 /* Whether a buffer of the scene can be a texel buffer of `elements`. */
 bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elements);
 /* Whether a host's range of a buffer can be bound as `name`, which needs `least` bytes. `alignment`: the

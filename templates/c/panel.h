@@ -9,6 +9,7 @@
 #ifndef DIPTYCH_PANEL_H
 #define DIPTYCH_PANEL_H
 
+#include "device_limits.h"
 #include "diptych.h"
 
 /* ---- How passes use resources ---------------------------------------------------------------- */
@@ -207,6 +208,14 @@ struct dt_need {
     const char *feature;
 };
 
+/* What the shaders of a pass need of a limit, if that is more than the standards promise. What a
+ * program's bindings and targets need is not listed: see device_needs.h. */
+struct dt_demand {
+    uint32_t pass;
+    enum dt_device_limit limit;
+    uint64_t amount;
+};
+
 /* ---- Recording ------------------------------------------------------------------------------- */
 
 /* Texels of a target, row 0 first. */
@@ -264,6 +273,8 @@ struct dt_panel {
     uint32_t slot_count;
     const struct dt_need *needs;
     uint32_t need_count;
+    const struct dt_demand *demands;
+    uint32_t demand_count;
     bool (*record)(const struct dt_recording *recording); /* one frame: all passes */
     const void *plan; /* private data of a plan player; NULL in generated code */
 };

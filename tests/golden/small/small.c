@@ -304,6 +304,10 @@ static const struct dt_need needs[] = {
     {SMALL_PASS_SCENE, "fullDrawIndexUint32"},
 };
 
+static const struct dt_demand demands[] = {
+    {SMALL_PASS_SHADE, DT_LIMIT_INVOCATIONS, 512},
+};
+
 /* ---- One frame. Barriers: resource; stages and writes that are waited for; stages and accesses that wait; layout ---- */
 
 static bool record_scene(const struct dt_recording *r)
@@ -441,6 +445,8 @@ const struct dt_panel small_panel = {
     .sampler_count = 1,
     .needs = needs,
     .need_count = 1,
+    .demands = demands,
+    .demand_count = 1,
     .slot_count = 5,
     .record = record,
 };

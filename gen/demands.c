@@ -1,0 +1,150 @@
+/* What the shaders of a pass need of a device's limits, from their SPIR-V. Called by lower.c. */
+#include <spirv/unified1/spirv.h>
+
+#include "lower.h"
+#include "spirv/module.h"
+
+/* What promises of Vulkan 1.3 and OpenGL 4.6 cover needs no check. */
+static const struct {
+    const char *name;
+    uint64_t least;
+} promised[DT_LIMITS] = {
+#define LEAST(a, b) ((a) < (b) ? (a) : (b))
+#define ROW(name, words, vk, gl, gl_draw, index, roadmap, vulkan, moltenvk, opengl)                \
+    [DT_LIMIT_##name] = {#name, LEAST(vulkan, opengl)},
+    DT_DEVICE_LIMITS(ROW)
+#undef ROW
+#undef LEAST
+};
+
+const char *demand_name(enum dt_device_limit limit)
+{
+    return promised[limit].name;
+}
+
+/* Of an array: its number of elements. */
+static uint64_t array_length(const struct spirv *module, const uint32_t *array)
+{
+    const uint32_t *length = spirv_definition(module, array[3]);
+    return spirv_is(length, SpvOpConstant) ? length[3] : 1;
+}
+
+/* Bytes of a type without padding: drivers may add some, none needs less. */
+static uint64_t type_bytes(const struct spirv *module, uint32_t id)
+{
+    const uint32_t *type = spirv_definition(module, id);
+    uint64_t bytes = 0;
+    switch (*type & 0xffff) {
+    case SpvOpTypeBool:
+        return 4;
+    case SpvOpTypeInt:
+    case SpvOpTypeFloat:
+        return type[2] / 8;
+    case SpvOpTypeVector:
+    case SpvOpTypeMatrix:
+        return type[3] * type_bytes(module, type[2]);
+    case SpvOpTypeArray:
+        return array_length(module, type) * type_bytes(module, type[2]);
+    case SpvOpTypeStruct:
+        for (uint32_t i = 2; i < *type >> 16; i++)
+            bytes += type_bytes(module, type[i]);
+        return bytes;
+    default:
+        return 0;
+    }
+}
+
+/* Locations that a type takes: one for up to four components. */
+static uint64_t locations_of(const struct spirv *module, uint32_t id)
+{
+    const uint32_t *type = spirv_definition(module, id);
+    uint64_t count = 0;
+    switch (*type & 0xffff) {
+    case SpvOpTypeMatrix:
+        return type[3] * locations_of(module, type[2]);
+    case SpvOpTypeArray:
+        return array_length(module, type) * locations_of(module, type[2]);
+    case SpvOpTypeStruct:
+        for (uint32_t i = 2; i < *type >> 16; i++)
+            count += locations_of(module, type[i]);
+        return count;
+    case SpvOpTypeVector:
+        return type_bytes(module, id) > 16 ? 2 : 1;
+    default:
+        return 1;
+    }
+}
+
+/* The value of a decoration of an id; UINT32_MAX: it has none. */
+static uint32_t decoration(const struct spirv *module, uint32_t id, SpvDecoration wanted)
+{
+    SPIRV_EACH (module, at, module->annotations, module->declarations) {
+        const uint32_t *instruction = module->words + at;
+        if (spirv_is(instruction, SpvOpDecorate) && instruction[1] == id &&
+            instruction[2] == (uint32_t)wanted)
+            return *instruction >> 16 > 3 ? instruction[3] : 0;
+    }
+    return UINT32_MAX;
+}
+
+/* Whether a variable is a storage buffer or a storage image. */
+static bool is_storage(const struct spirv *module, const uint32_t *variable, uint32_t pointee)
+{
+    const uint32_t *type = spirv_definition(module, pointee);
+    if (variable[3] == SpvStorageClassUniformConstant)
+        return spirv_is(type, SpvOpTypeImage) && type[7] == 2 && type[3] != SpvDimBuffer;
+    return variable[3] == SpvStorageClassStorageBuffer ||
+           (variable[3] == SpvStorageClassUniform &&
+            decoration(module, pointee, SpvDecorationBufferBlock) != UINT32_MAX);
+}
+
+static void add_variable(const struct spirv *module, enum stage stage, const uint32_t *variable,
+                         uint64_t demands[DT_LIMITS])
+{
+    uint32_t pointee = spirv_definition(module, variable[1])[3];
+    uint32_t location = decoration(module, variable[2], SpvDecorationLocation);
+    uint64_t end = location == UINT32_MAX ? 0 : 4 * (location + locations_of(module, pointee));
+    if (variable[3] == SpvStorageClassWorkgroup)
+        demands[DT_LIMIT_SHARED_BYTES] += type_bytes(module, pointee);
+    if (stage == STAGE_IS_VERTEX && variable[3] == SpvStorageClassOutput &&
+        demands[DT_LIMIT_VERTEX_OUTPUTS] < end)
+        demands[DT_LIMIT_VERTEX_OUTPUTS] = end;
+    if (stage != STAGE_IS_FRAGMENT)
+        return;
+    if (variable[3] == SpvStorageClassInput && demands[DT_LIMIT_FRAGMENT_INPUTS] < end)
+        demands[DT_LIMIT_FRAGMENT_INPUTS] = end;
+    demands[DT_LIMIT_OUTPUTS] +=
+        is_storage(module, variable, pointee) || (variable[3] == SpvStorageClassOutput && end);
+}
+
+static bool add_shader(const struct shader *shader, uint64_t demands[DT_LIMITS])
+{
+    struct spirv module;
+    if (!shader->word_count)
+        return true;
+    if (!spirv_open(&module, shader->words, shader->word_count))
+        return false;
+    SPIRV_EACH (&module, at, module.declarations, module.code)
+        if (spirv_is(module.words + at, SpvOpVariable))
+            add_variable(&module, shader->stage, module.words + at, demands);
+    spirv_free(&module);
+    return true;
+}
+
+bool find_demands(const struct pass *pass, const struct pass_shaders *shaders,
+                  uint64_t demands[DT_LIMITS])
+{
+    bool good = true;
+    for (int i = 0; i < DT_LIMITS; i++)
+        demands[i] = 0;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(shaders->stage); i++)
+        good &= add_shader(&shaders->stage[i], demands);
+    for (int axis = 0; axis < 3 && !pass_draws(pass); axis++)
+        demands[DT_LIMIT_LOCAL_X + axis] = pass->local[axis];
+    if (!pass_draws(pass))
+        demands[DT_LIMIT_INVOCATIONS] = (uint64_t)pass->local[0] * pass->local[1] * pass->local[2];
+    for (int i = 0; i < DT_LIMITS; i++)
+        if (demands[i] <= promised[i].least)
+            demands[i] = 0;
+    return good;
+}

@@ -1,0 +1,4 @@
+void main()
+{
+    codes = loose = vec4(fract(gl_FragCoord.xy * 0.37), 0.3, 0.7);
+}

@@ -1,0 +1,5 @@
+void main()
+{
+    bytes = floats = vec4(fract(gl_FragCoord.xy * 0.37), 0.3, 0.7);
+    gray = floats;
+}
