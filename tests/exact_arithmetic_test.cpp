@@ -1,0 +1,340 @@
+/* The scalar functions of templates/glsl/exact.glsl, compiled as C++ and held against the CPU: `/` and
+ * sqrt bit by bit, the others in units in the last place (ulp) of double precision, and by identities.
+ * DIPTYCH_LONG takes 10^8 pairs. TAP. */
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <initializer_list>
+
+typedef uint32_t uint;
+
+namespace
+{
+
+float uintBitsToFloat(uint bits)
+{
+    float x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+uint floatBitsToUint(float x)
+{
+    uint bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+int floatBitsToInt(float x)
+{
+    return (int)floatBitsToUint(x);
+}
+
+float roundEven(float x)
+{
+    return rintf(x);
+}
+
+int clamp(int x, int low, int high)
+{
+    return x < low ? low : x > high ? high : x;
+}
+
+using std::abs;
+
+#include "exact_scalars.h" /* made of templates/glsl/exact.glsl by the build */
+
+/* ---- Inputs ---------------------------------------------------------------------------------- */
+
+uint64_t state = 88172645463325252ull; /* xorshift, Marsaglia 2003 */
+
+uint random_bits()
+{
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return (uint)(state >> 16);
+}
+
+float random_mantissa() /* 1 to 2 */
+{
+    return uintBitsToFloat((random_bits() & 0x7fffffu) | 0x3f800000u);
+}
+
+float random_in(float low, float high)
+{
+    return low + (high - low) * (random_mantissa() - 1.0f);
+}
+
+/* As the library counts inputs and results: what is no normal number is zero. */
+float normal(float x)
+{
+    return fabsf(x) < 1.17549435e-38f ? copysignf(0.0f, x) : x;
+}
+
+bool same(float a, float b)
+{
+    return (std::isnan(a) && std::isnan(b)) || floatBitsToUint(a) == floatBitsToUint(b);
+}
+
+int number, failures;
+
+void report(bool good, const char *what)
+{
+    printf("%sok %d - %s\n", good ? "" : "not ", ++number, what);
+    failures += !good;
+}
+
+/* ---- Division and square root ---------------------------------------------------------------- */
+
+unsigned wrong;
+
+void divide(float x, float y)
+{
+    float wanted = normal(normal(x) / normal(y)), found = exact_divide(x, y);
+    if (!same(found, wanted) && wrong++ < 5)
+        printf("# %a / %a is %a, not %a\n", (double)x, (double)y, (double)wanted, (double)found);
+}
+
+void root(float x)
+{
+    float wanted = sqrtf(normal(x)), found = exact_sqrt(x);
+    if (!same(found, wanted) && wrong++ < 5)
+        printf("# sqrt(%a) is %a, not %a\n", (double)x, (double)wanted, (double)found);
+}
+
+void divide_random(long count)
+{
+    for (long i = 0; i < count; i++) {
+        uint a = random_bits(), b = random_bits();
+        if (i % 3 == 0) { /* of the same exponent */
+            a = (a & 0x807fffffu) | 0x3f800000u;
+            b = (b & 0x807fffffu) | 0x3f800000u;
+        }
+        if (i % 7 == 0) /* quotients near 1 */
+            b = a + random_bits() % 64 - 32;
+        divide(uintBitsToFloat(a), uintBitsToFloat(b));
+        root(uintBitsToFloat(a));
+    }
+}
+
+/* Quotients as close to half-way between two floats as there are, and their neighbours. */
+void divide_hard(long count)
+{
+    for (long i = 0; i < count; i++) {
+        float y = random_mantissa(), q = random_mantissa();
+        float x = (float)(((double)q + 0x1p-24) * (double)y);
+        divide(x, y);
+        divide(nextafterf(x, 0.0f), y);
+        divide(nextafterf(x, 9.0f), y);
+    }
+}
+
+void divide_ends()
+{
+    static const uint ends[] = {0,          0x80000000, 0x7f800000, 0xff800000, 0x7fc00000,
+                                0x7f800001, 0x00800000, 0x80800000, 0x7f7fffff, 0x3f800000,
+                                0x00000001, 0x007fffff, 0x3f7fffff, 0x34000000, 0x00800001};
+    for (uint a : ends) {
+        root(uintBitsToFloat(a));
+        for (uint b : ends)
+            divide(uintBitsToFloat(a), uintBitsToFloat(b));
+    }
+    for (int exponent = -126; exponent < 128; exponent++) /* around the ends of the range */
+        for (int other = -126; other < 128; other++)
+            divide(ldexpf(random_mantissa(), exponent), ldexpf(random_mantissa(), other));
+}
+
+bool whole_quotients()
+{
+    for (int n = 1; n <= 600; n++)
+        for (int k = 1; k <= 600; k++)
+            if (exact_divide((float)(k * n), (float)n) != (float)k)
+                return false;
+    return true;
+}
+
+void test_division(long count)
+{
+    divide_random(count);
+    report(!wrong, "quotients and roots of random numbers are those of the CPU");
+    divide_hard(count / 4);
+    report(!wrong, "so are quotients next to half-way between two floats");
+    divide_ends();
+    report(!wrong, "so are those of zeros, infinities, NaN and the ends of the range");
+    for (uint m = 0; m < 0x1000000u; m++)
+        root(uintBitsToFloat(0x3f800000u + m));
+    report(!wrong, "so are the roots of all mantissas");
+    report(whole_quotients(), "(k n) / n is k");
+}
+
+/* ---- Other functions ------------------------------------------------------------------------- */
+
+double ulp_of(double x)
+{
+    float f = fmaxf(fabsf((float)x), 0x1p-126f);
+    return (double)nextafterf(f, INFINITY) - (double)f;
+}
+
+struct function {
+    const char *name;
+    std::function<float(float, float)> exact;
+    std::function<double(double, double)> wanted;
+    float low, high, other_low, other_high;
+    double most; /* ulp */
+};
+
+const struct function functions[] = {
+    {"inversesqrt", [](float x, float) { return exact_inversesqrt(x); },
+     [](double x, double) { return 1 / std::sqrt(x); }, 1e-30f, 1e30f, 0, 0, 1},
+    {"exp", [](float x, float) { return exact_exp(x); },
+     [](double x, double) { return std::exp(x); }, -80, 80, 0, 0, 4},
+    {"exp2", [](float x, float) { return exact_exp2(x); },
+     [](double x, double) { return std::exp2(x); }, -120, 120, 0, 0, 4},
+    {"log", [](float x, float) { return exact_log(x); },
+     [](double x, double) { return std::log(x); }, 1e-30f, 1e6f, 0, 0, 4},
+    {"log2", [](float x, float) { return exact_log2(x); },
+     [](double x, double) { return std::log2(x); }, 1e-30f, 1e6f, 0, 0, 4},
+    {"pow", [](float x, float y) { return exact_pow(x, y); },
+     [](double x, double y) { return std::pow(x, y); }, 1e-3f, 100, -8, 8, 2},
+    {"pow(x, 2)", [](float x, float) { return exact_pow(x, 2.0f); },
+     [](double x, double) { return x * x; }, -100, 100, 0, 0, 1},
+    {"tan", [](float x, float) { return exact_tan(x); },
+     [](double x, double) { return std::tan(x); }, -1.5f, 1.5f, 0, 0, 4},
+    {"asin", [](float x, float) { return exact_asin(x); },
+     [](double x, double) { return std::asin(x); }, -1, 1, 0, 0, 4},
+    {"acos", [](float x, float) { return exact_acos(x); },
+     [](double x, double) { return std::acos(x); }, -1, 0.99f, 0, 0, 4},
+    {"atan", [](float x, float) { return exact_atan(x); },
+     [](double x, double) { return std::atan(x); }, -100, 100, 0, 0, 4},
+    {"atan(y, x)", [](float y, float x) { return exact_atan(y, x); },
+     [](double y, double x) { return std::atan2(y, x); }, -10, 10, -10, 10, 4},
+    {"sinh", [](float x, float) { return exact_sinh(x); },
+     [](double x, double) { return std::sinh(x); }, -20, 20, 0, 0, 4},
+    {"cosh", [](float x, float) { return exact_cosh(x); },
+     [](double x, double) { return std::cosh(x); }, -20, 20, 0, 0, 4},
+    {"tanh", [](float x, float) { return exact_tanh(x); },
+     [](double x, double) { return std::tanh(x); }, -10, 10, 0, 0, 4},
+    {"asinh", [](float x, float) { return exact_asinh(x); },
+     [](double x, double) { return std::asinh(x); }, -100, 100, 0, 0, 4},
+    {"acosh", [](float x, float) { return exact_acosh(x); },
+     [](double x, double) { return std::acosh(x); }, 1.01f, 100, 0, 0, 4},
+    {"atanh", [](float x, float) { return exact_atanh(x); },
+     [](double x, double) { return std::atanh(x); }, -0.99f, 0.99f, 0, 0, 4},
+};
+
+void test_accuracy(long count)
+{
+    for (const struct function &f : functions) {
+        double worst = 0;
+        float at = 0;
+        for (long i = 0; i < count; i++) {
+            float x = random_in(f.low, f.high), y = random_in(f.other_low, f.other_high);
+            if (f.low > 0 && f.high > 1e4f * f.low) /* over all exponents */
+                x = f.low * exp2f(random_in(0, log2f(f.high) - log2f(f.low)));
+            double wanted = f.wanted((double)x, (double)y);
+            double error = std::fabs((double)f.exact(x, y) - wanted) / ulp_of(wanted);
+            if (!(error <= worst)) {
+                worst = error;
+                at = x;
+            }
+        }
+        char what[128];
+        snprintf(what, sizeof what, "%s within %g ulp", f.name, f.most);
+        printf("# %s: %.2f ulp at %.9g\n", f.name, worst, (double)at);
+        report(worst <= f.most, what);
+    }
+    double sine = 0, cosine = 0; /* absolute: GLSL allows 2^-11 */
+    for (long i = 0; i < count; i++) {
+        float x = random_in(-65536, 65536);
+        sine = std::fmax(sine, std::fabs((double)exact_sin(x) - std::sin((double)x)));
+        cosine = std::fmax(cosine, std::fabs((double)exact_cos(x) - std::cos((double)x)));
+    }
+    printf("# sin: %g, cos: %g absolute\n", sine, cosine);
+    report(sine < 1e-6 && cosine < 1e-6, "sin and cos within 1e-6 up to 65536");
+}
+
+bool identities()
+{
+    for (int i = 0; i < 1000000; i++) {
+        float x = uintBitsToFloat(random_bits()), y = uintBitsToFloat(random_bits());
+        float part = exact_fract(random_in(-1e-3f, 1e-3f));
+        if (std::isnan(x) || std::isnan(y) || std::isinf(x) || std::isinf(y))
+            continue;
+        if (!(part >= 0.0f && part < 1.0f) || exact_mix(x, y, 1.0f) != y ||
+            exact_mix(x, y, 0.0f) != x || exact_divide(y, y) != (normal(y) != 0.0f ? 1.0f : NAN) ||
+            (x > 0.0f && normal(x) == x && exact_pow(x, 1.0f) != x))
+            if (normal(y) != 0.0f)
+                return false;
+    }
+    return true;
+}
+
+bool remainders()
+{
+    for (int i = 0; i < 2000000; i++) {
+        float n = (float)(1 + random_bits() % 4096), k = (float)(random_bits() % 16777216);
+        float rest = exact_mod(k, n);
+        if (rest != fmodf(k, n))
+            return false;
+    }
+    return true;
+}
+
+bool powers_of_negatives()
+{
+    return exact_pow(-2.0f, 2.0f) == 4.0f && exact_pow(-2.0f, 3.0f) == -8.0f &&
+           exact_pow(-1.0f, 17.0f) == -1.0f && std::isnan(exact_pow(-2.0f, 0.5f)) &&
+           exact_pow(-3.0f, 0.0f) == 1.0f && exact_pow(0.0f, 2.0f) == 0.0f;
+}
+
+bool monotonic(float (*f)(float), float low, float high)
+{
+    float last = f(low);
+    for (float x = low; x < high; x = nextafterf(x, high)) {
+        float value = f(x);
+        if (value < last)
+            return false;
+        last = value;
+    }
+    return true;
+}
+
+bool conversions()
+{
+    return exact_to_int(3e9f) == 2147483647 && exact_to_int(-3e9f) == -2147483647 - 1 &&
+           exact_to_int(NAN) == 0 && exact_to_int(-1.9f) == -1 && exact_to_uint(5e9f) == ~0u &&
+           exact_to_uint(-1.0f) == 0 && exact_to_uint(NAN) == 0 &&
+           exact_to_uint(4294967040.0f) == 4294967040u && exact_to_int(INFINITY) == 2147483647;
+}
+
+bool not_numbers()
+{
+    float inf = INFINITY, nan = NAN;
+    return exact_isnan(nan) && !exact_isnan(inf) && exact_isinf(-inf) && !exact_isinf(3.4e38f) &&
+           std::isnan(exact_min(nan, 1.0f)) && exact_min(1.0f, nan) == 1.0f &&
+           std::isnan(exact_max(nan, 1.0f)) && exact_max(1.0f, nan) == 1.0f &&
+           std::isnan(exact_clamp(nan, 0.0f, 1.0f));
+}
+
+} // namespace
+
+int main()
+{
+    bool all = getenv("DIPTYCH_LONG");
+    test_division(all ? 100000000 : 2000000);
+    test_accuracy(all ? 10000000 : 200000);
+    report(identities(), "x / x is 1, mix ends at its ends, fract stays below 1, pow(x, 1) is x");
+    report(remainders(), "mod of whole numbers below 2^24 is whole, and that of C");
+    report(powers_of_negatives(), "powers of negative numbers by whole exponents");
+    report(monotonic(exact_sqrt, 1.0f, 1.25f) && monotonic(exact_exp2, 0.4f, 0.6f) &&
+               monotonic(exact_log2, 1.3f, 1.5f),
+           "sqrt, exp2 and log2 never fall");
+    report(conversions(), "float to integer saturates");
+    report(not_numbers(), "NaN and infinity where they are defined");
+    printf("1..%d\n", number);
+    return failures != 0;
+}
