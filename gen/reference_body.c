@@ -252,7 +252,7 @@ static const struct body_group groups[] = {
      "then in templates and templates/glsl. A body may declare any name itself, also one of this "
      "chapter, but for names of the spec that the pass lists. Without `exactness: fast`, `/` and "
      "`sqrt` round to nearest, as `+ - *` do; the other built-in functions whose result depends on "
-     "the driver are those of templates/glsl/exact.glsl: `inversesqrt` within 1 ulp, other "
+     "the driver are those of templates/glsl/exact.glsl: `inversesqrt` within 2 ulp, other "
      "functions of one number within 4, `sin` and `cos` for |x| up to 65536, `tan` up to 8192. "
      "Inputs below 2^-126 count as zero. Float to integer saturates, NaN gives 0; shifts take the "
      "low five bits of their count; `pow` of a negative number is defined for whole exponents; "

@@ -189,7 +189,7 @@ struct function {
 
 const struct function functions[] = {
     {"inversesqrt", [](float x, float) { return exact_inversesqrt(x); },
-     [](double x, double) { return 1 / std::sqrt(x); }, 1e-30f, 1e30f, 0, 0, 1},
+     [](double x, double) { return 1 / std::sqrt(x); }, 1e-30f, 1e30f, 0, 0, 2},
     {"exp", [](float x, float) { return exact_exp(x); },
      [](double x, double) { return std::exp(x); }, -80, 80, 0, 0, 4},
     {"exp2", [](float x, float) { return exact_exp2(x); },
