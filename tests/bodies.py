@@ -9,7 +9,7 @@ import shutil
 import struct
 import subprocess
 
-TIMEOUT = 300   # seconds for one command
+TIMEOUT = 60   # seconds for one command
 HEAD = """pipeline: {name}
 params:
   one: {{value: 1.0, live: true}}
@@ -73,9 +73,19 @@ class Bodies:
         return found
 
 
-def guilty(names, attempt):
+def ends_alike(name, errors, attempt):
+    """Whether this name alone fails with the same errors."""
+    try:
+        attempt([name])
+    except Failure as failure:
+        return errors == [line for line in str(failure).splitlines() if "error" in line.lower()]
+    return False
+
+
+def guilty(names, attempt, whole=True):
     """The names that make `attempt(names)` raise Failure, each with its reason: {name: text}. Takes those that the errors name,
-    tries the others again, and halves the list where the errors name none."""
+    tries the others again, and halves the list where the errors name none.
+    Where both ends fail as the `whole` does, as without a device, blames all."""
     if not names:
         return {}
     try:
@@ -89,8 +99,10 @@ def guilty(names, attempt):
              if (lines := [line for line in errors if re.search(rf"\b(pass {name}|{name}\.glsl)\b", line)])}
     if named:
         return {**named, **guilty([name for name in names if name not in named], attempt)}
+    if whole and all(ends_alike(name, errors, attempt) for name in (names[0], names[-1])):
+        return {name: "\n".join(errors) for name in names}
     middle = len(names) // 2
-    return {**guilty(names[:middle], attempt), **guilty(names[middle:], attempt)}
+    return {**guilty(names[:middle], attempt, False), **guilty(names[middle:], attempt, False)}
 
 
 def as_float(bits):

@@ -103,8 +103,8 @@ class Corpus:
         for name, body in self.refused.items():
             spec = os.path.join(self.bodies.folder, "refused.yaml")
             with open(spec, "w", encoding="utf-8") as out:
-                out.write(bodies.HEAD.format(name="refused") + "buffers: {out: {of: float, count: 1}}\npasses:\n  - {name: make, "
-                          f"dispatch: 1, local: 1, writes: [{{name: out, as: result}}], shader: refused/{name}.glsl}}\n")
+                out.write(bodies.HEAD.format(name="refused") + "buffers: {made: {of: float, count: 1}}\npasses:\n  - {name: make, "
+                          f"dispatch: 1, local: 1, writes: [{{name: made, as: result}}], shader: refused/{name}.glsl}}\n")
             try:
                 bodies.run(os.path.join(self.bodies.build, "diptych-gen"), spec, "--check")
                 reasons = [f"{body.file}: accepted"]
