@@ -1,0 +1,2 @@
+for (int i = 0; i < weights.length(); i++)
+    sum += weights[i] * one;
