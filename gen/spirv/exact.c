@@ -27,6 +27,7 @@ struct replacement {
 static const struct replacement operations[] = {
     {SpvOpConvertFToU, "exact_to_uint"},
     {SpvOpConvertFToS, "exact_to_int"},
+    {SpvOpConvertUToF, "exact_from_uint"},
     {SpvOpFDiv, "exact_divide"},
     {SpvOpFMod, "exact_mod"},
     {SpvOpVectorTimesMatrix, "exact_product"},
