@@ -100,6 +100,17 @@ static bool add_include(struct model *model, struct body_files *files, uint32_t 
     return copy;
 }
 
+/* Blanks what stands in quotes: words of file names are no identifiers. */
+static void blank_names(char *code)
+{
+    for (char *at = code; (at = strchr(at, '#')); at++) {
+        size_t length;
+        const char *name = include_name(at + 1, &length);
+        if (name)
+            memset(code + (name - code), ' ', length);
+    }
+}
+
 const struct body_files *body_files_read(struct model *model, const struct source *body)
 {
     struct body_files *files = arena_alloc(model->arena, sizeof *files);
@@ -116,6 +127,8 @@ const struct body_files *body_files_read(struct model *model, const struct sourc
             if (name)
                 good = add_include(model, files, i, name, length);
         }
+    for (uint32_t i = 0; good && i < files->count; i++)
+        blank_names(files->list[i].code);
     return good ? files : NULL;
 }
 

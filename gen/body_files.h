@@ -12,7 +12,7 @@ struct body_file {
     const struct source *source;
     uint32_t number;  /* of #line: place in model->glsl_sources, from 1 */
     const char *name; /* the number as text: its name for glslang */
-    const char *code; /* the text without comments, line by line */
+    char *code;       /* the text without comments and names of files, line by line */
 };
 
 struct body_include { /* #include "name" of a file */

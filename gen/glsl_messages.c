@@ -6,6 +6,7 @@
 #include "plan.h"
 
 #include <ctype.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -365,6 +366,56 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
     return changed;
 }
 
+/* Words that stand before a name without declaring it. */
+static bool is_keyword(const char *word, size_t length)
+{
+    static const char *const words[] = {"return", "else", "case"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (length == strlen(words[i]) && !memcmp(word, words[i], length))
+            return true;
+    return false;
+}
+
+/* A constant that depends on the frame or on a uniform parameter is a macro: a body that declares its
+ * name gets a syntax error. The constant whose name stands behind a type in the line; NULL: none. */
+static const struct constant *redeclared_constant(const struct pipeline *pipeline,
+                                                  const struct message *message)
+{
+    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
+        const struct constant *constant = &pipeline->constants[i];
+        struct loc loc = message->loc;
+        size_t width;
+        const char *line = line_of(&loc, &width);
+        if (!line || !glsl_find_in_line(&loc, constant->name, strlen(constant->name)))
+            continue;
+        const char *before = line + loc.column - 1;
+        while (before > line && isspace((unsigned char)before[-1]))
+            before--;
+        size_t length = 0;
+        while (before - length > line && is_word(before[-1 - (ptrdiff_t)length]))
+            length++;
+        if (length && before < line + loc.column - 1 && !is_keyword(before - length, length))
+            return constant;
+    }
+    return NULL;
+}
+
+static bool report_macro(const struct pipeline *pipeline, const struct pass *pass,
+                         const struct message *message, struct diag *diag)
+{
+    const struct constant *constant =
+        says(message, "syntax error") ? redeclared_constant(pipeline, message) : NULL;
+    struct loc loc = message->loc;
+    if (!constant)
+        return false;
+    glsl_find_in_line(&loc, constant->name, strlen(constant->name));
+    diag_error(diag, loc,
+               "the body declares `%s`, which is the name of a constant in the pass `%s`; rename it",
+               constant->name, pass->name);
+    diag_note(diag, constant->loc, "`%s` is declared here", constant->name);
+    return true;
+}
+
 static bool report_redefinition(struct model *model, const struct pass *pass,
                                 const struct message *message, struct diag *diag)
 {
@@ -465,7 +516,9 @@ static bool report_author(struct model *model, const struct pass *pass,
 {
     const char *name = name_of(model, message);
     if (report_subgroups(&model->pipeline, pass, message, diag) ||
-        report_redefinition(model, pass, message, diag) || report_include(model, message, diag))
+        report_redefinition(model, pass, message, diag) ||
+        report_macro(&model->pipeline, pass, message, diag) ||
+        report_include(model, message, diag))
         return true;
     const char *tool = is_unknown(message) ? tool_of(&model->pipeline, name) : NULL;
     if (tool)

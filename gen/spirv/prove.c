@@ -161,7 +161,6 @@ static const uint16_t exact_operations[] = {
     SpvOpConvertFToU,
     SpvOpConvertFToS,
     SpvOpConvertSToF,
-    SpvOpConvertUToF,
     SpvOpImage,
     SpvOpImageTexelPointer,
     SpvOpImageFetch,
