@@ -308,21 +308,14 @@ static bool is_redefinition(struct model *model, const struct message *message, 
            says(message, "redeclaration");
 }
 
-/* The function that a line declares: the word before the first parenthesis. For messages that name a
- * qualifier alone. */
-static const char *function_in_line(struct model *model, const struct message *message)
+/* Words that stand before a name without declaring it. */
+static bool is_keyword(const char *word, size_t length)
 {
-    size_t width, begin, end = 0;
-    const char *at = message->loc.source ? line_of(&message->loc, &width) : NULL;
-    if (!at)
-        return NULL;
-    while (end < width && at[end] != '(')
-        end++;
-    while (end && isspace((unsigned char)at[end - 1]))
-        end--;
-    for (begin = end; begin && is_word(at[begin - 1]);)
-        begin--;
-    return end > begin ? arena_strndup(model->arena, at + begin, end - begin) : NULL;
+    static const char *const words[] = {"return", "else", "case"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (length == strlen(words[i]) && !memcmp(word, words[i], length))
+            return true;
+    return false;
 }
 
 static bool add_word(struct model *model, const char *const **list, uint32_t *count,
@@ -341,6 +334,37 @@ static bool add_word(struct model *model, const char *const **list, uint32_t *co
     return true;
 }
 
+/* Adds the functions that a line declares: words before a parenthesis and behind a type. For messages
+ * that name a qualifier alone. */
+static bool add_functions(struct model *model, struct shader *shader,
+                          const struct message *message)
+{
+    size_t width;
+    const char *line = line_of(&message->loc, &width);
+    bool changed = false;
+    for (size_t i = 0; line && i < width; i++) {
+        size_t end = i, begin, type;
+        if (line[i] != '(')
+            continue;
+        while (end && isspace((unsigned char)line[end - 1]))
+            end--;
+        for (begin = end; begin && is_word(line[begin - 1]);)
+            begin--;
+        for (type = begin; type && isspace((unsigned char)line[type - 1]);)
+            type--;
+        size_t length = 0;
+        while (length < type && is_word(line[type - length - 1]))
+            length++;
+        const char *name = end > begin && type < begin && length &&
+                                   !is_keyword(line + type - length, length)
+                               ? arena_strndup(model->arena, line + begin, end - begin)
+                               : NULL;
+        changed |= name && strcmp(name, "main") != 0 &&
+                   add_word(model, &shader->own_names, &shader->own_count, name);
+    }
+    return changed;
+}
+
 bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *shader,
                 const char *log)
 {
@@ -355,8 +379,7 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
             changed |= !what && *name &&
                        add_word(model, &shader->own_names, &shader->own_count, name);
         } else if (says(&message, "overloaded functions must have the same")) {
-            name = function_in_line(model, &message); /* of GLSL's own name */
-            changed |= name && add_word(model, &shader->own_names, &shader->own_count, name);
+            changed |= add_functions(model, shader, &message); /* of GLSL's own names */
         } else if (says(&message, "undeclared identifier") ||
                    says(&message, "no matching overloaded function")) {
             name = name_of(model, &message); /* made by ## */
@@ -364,16 +387,6 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
         }
     }
     return changed;
-}
-
-/* Words that stand before a name without declaring it. */
-static bool is_keyword(const char *word, size_t length)
-{
-    static const char *const words[] = {"return", "else", "case"};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
-        if (length == strlen(words[i]) && !memcmp(word, words[i], length))
-            return true;
-    return false;
 }
 
 /* A constant that depends on the frame or on a uniform parameter is a macro: a body that declares its
@@ -428,8 +441,8 @@ static bool report_redefinition(struct model *model, const struct pass *pass,
     struct loc loc = message->loc;
     glsl_find_in_line(&loc, name, strlen(name));
     diag_error(diag, loc,
-               "the body declares `%s`, which is the name of a %s in the pass `%s`; rename it%s",
-               name, what, pass->name,
+               "the body declares `%s`, which is the name of %s %s in the pass `%s`; rename it%s",
+               name, strchr("aeiou", *what) ? "an" : "a", what, pass->name,
                !strcmp(what, "image") || !strcmp(what, "buffer")
                    ? ", or give the access another name with `as`"
                    : "");
@@ -521,7 +534,14 @@ static bool report_author(struct model *model, const struct pass *pass,
         report_include(model, message, diag))
         return true;
     const char *tool = is_unknown(message) ? tool_of(&model->pipeline, name) : NULL;
-    if (tool)
+    struct loc loc = message->loc;
+    if (is_unknown(message) && !strncmp(name, "body_", 5) &&
+        glsl_find_in_line(&loc, name + 5, strlen(name + 5)))
+        diag_error(diag, loc,
+                   "the body has a function `%s` of its own, which hides GLSL's forms of it; rename "
+                   "the body's",
+                   name + 5);
+    else if (tool)
         diag_error(diag, message->loc, "the pass `%s` uses `%s` but does not list it in uses",
                    pass->name, tool);
     else if (!strcmp(name, "#version"))
