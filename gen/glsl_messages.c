@@ -417,7 +417,9 @@ static bool report_macro(const struct pipeline *pipeline, const struct pass *pas
                          const struct message *message, struct diag *diag)
 {
     const struct constant *constant =
-        says(message, "syntax error") ? redeclared_constant(pipeline, message) : NULL;
+        says(message, "syntax error") || says(message, "l-value required")
+            ? redeclared_constant(pipeline, message)
+            : NULL;
     struct loc loc = message->loc;
     if (!constant)
         return false;
