@@ -85,8 +85,7 @@ static const char *include_name(const char *at, size_t *length)
 static bool add_include(struct model *model, struct body_files *files, uint32_t from,
                         const char *name, size_t length)
 {
-    const struct source *source =
-        find_include(model, files->list[from].source, name, length);
+    const struct source *source = find_include(model, files->list[from].source, name, length);
     uint32_t file = 0;
     if (!source || files->include_count == MOST_INCLUDES)
         return true;
@@ -185,7 +184,8 @@ bool body_asks_for(const struct body_files *files, const char *macro)
     for (uint32_t i = 0; files && i < files->count; i++)
         for (const char *at = files->list[i].code; (at = find_word(at, macro)); at++) {
             const char *line = at;
-            while (line > files->list[i].code && (line[-1] != '\n' || (line - 1 > files->list[i].code && line[-2] == '\\')))
+            while (line > files->list[i].code &&
+                   (line[-1] != '\n' || (line - 1 > files->list[i].code && line[-2] == '\\')))
                 line--;
             line += strspn(line, " \t");
             if (*line == '#')

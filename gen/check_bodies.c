@@ -88,8 +88,7 @@ static void scan_file(struct checker *c, struct body *body, const char *at)
                 at++;
             const char *next = at + strspn(at, " \t\n");
             if (!isdigit(first))
-                add_token(c, body,
-                          (struct token){start, (int)(at - start), before, *next, depth});
+                add_token(c, body, (struct token){start, (int)(at - start), before, *next, depth});
             before = isdigit(first) ? '0' : 'a';
             continue;
         }
@@ -134,7 +133,6 @@ static bool minds_group(const struct body_files *files)
             return true;
     return false;
 }
-
 
 static bool reads_image(const struct pass *pass, const struct token *token)
 {

@@ -78,7 +78,8 @@ static uint64_t locations_of(const struct spirv *module, uint32_t id)
 /* The value of a decoration of an id; UINT32_MAX: it has none. */
 static uint32_t decoration(const struct spirv *module, uint32_t id, SpvDecoration wanted)
 {
-    SPIRV_EACH (module, at, module->annotations, module->declarations) {
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    {
         const uint32_t *instruction = module->words + at;
         if (spirv_is(instruction, SpvOpDecorate) && instruction[1] == id &&
             instruction[2] == (uint32_t)wanted)
@@ -124,9 +125,9 @@ static bool add_shader(const struct shader *shader, uint64_t demands[DT_LIMITS])
         return true;
     if (!spirv_open(&module, shader->words, shader->word_count))
         return false;
-    SPIRV_EACH (&module, at, module.declarations, module.code)
-        if (spirv_is(module.words + at, SpvOpVariable))
-            add_variable(&module, shader->stage, module.words + at, demands);
+    SPIRV_EACH(&module, at, module.declarations, module.code)
+    if (spirv_is(module.words + at, SpvOpVariable))
+        add_variable(&module, shader->stage, module.words + at, demands);
     spirv_free(&module);
     return true;
 }

@@ -396,10 +396,9 @@ static void add_frame_names(struct glsl *glsl)
 /* A fullscreen draw has no vertex buffer: one triangle covers the frame. */
 static void add_fullscreen_position(struct text *out)
 {
-    text_add(out,
-             "vec4 fullscreen_position()\n{\n"
-             "    vec2 corner = vec2(gl_VertexIndex << 1 & 2, gl_VertexIndex & 2);\n"
-             "    return vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n\n");
+    text_add(out, "vec4 fullscreen_position()\n{\n"
+                  "    vec2 corner = vec2(gl_VertexIndex << 1 & 2, gl_VertexIndex & 2);\n"
+                  "    return vec4(2.0 * corner - 1.0, 0.0, 1.0);\n}\n\n");
 }
 
 static void add_scene_object(struct text *out)
@@ -578,8 +577,8 @@ void glsl_defines(const struct glsl *glsl, struct text *out)
         text_add(out, "#define precise /* as all operations are; glslang (12) takes no `precise` "
                       "of global variables */\n");
     for (uint32_t i = 0; i < glsl->shader->own_count; i++)
-        text_add(out, "#define %s body_%s /* the body has its own */\n",
-                 glsl->shader->own_names[i], glsl->shader->own_names[i]);
+        text_add(out, "#define %s body_%s /* the body has its own */\n", glsl->shader->own_names[i],
+                 glsl->shader->own_names[i]);
 }
 
 static bool add_parts(struct glsl *glsl)

@@ -25,7 +25,7 @@ enum glsl_part {
     PART_FUNCTIONS, /* accessors, samplers, metrics, interleaves */
     PART_CACHES,    /* shared memory of ranges */
     PART_END,       /* diptych_end(): what runs behind the body's main */
-    PART_DEFINES, /* the pass's `defines`, and names that the body has of its own */
+    PART_DEFINES,   /* the pass's `defines`, and names that the body has of its own */
     PART_BODY,
     PART_COUNT
 };

@@ -67,7 +67,7 @@ static const char *prefix_in_line(struct loc *loc, const char *prefix, size_t *l
 
 /* ---- One message ----------------------------------------------------------------------------- */
 
-struct message { /* "ERROR: 3:12: 'name' : text" */
+struct message {          /* "ERROR: 3:12: 'name' : text" */
     unsigned long number; /* of the file */
     struct loc loc;       /* source NULL: in generated text */
     unsigned long line;
@@ -103,8 +103,8 @@ static bool read_message(const struct model *model, const char **log, struct mes
     message->text = text;
     message->length = text < stop ? (size_t)(stop - text) : 0;
     if (message->number >= 1 && message->number <= model->glsl_source_count) {
-        message->loc = (struct loc){model->glsl_sources[message->number - 1], (int)message->line,
-                                    1, 1};
+        message->loc =
+            (struct loc){model->glsl_sources[message->number - 1], (int)message->line, 1, 1};
         if (message->name)
             glsl_find_in_line(&message->loc, message->name, message->name_length);
     }
@@ -157,7 +157,7 @@ static bool is_atomic(const char *ending)
 /* A name that the body uses and that is of a resource. */
 struct use {
     const struct resource *resource;
-    const struct access *access; /* of the pass, by this word; NULL: the pass does not list it */
+    const struct access *access;  /* of the pass, by this word; NULL: the pass does not list it */
     const struct access *renamed; /* that the pass lists with another word */
     const char *ending;
 };
@@ -168,11 +168,11 @@ static bool find_use(const struct pipeline *pipeline, const struct pass *pass, c
     *use = (struct use){0};
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
-        const char *ending = access->resource
-                                 ? ending_of(word, access_word(access),
-                                             access->resource->kind == DT_IMAGE ? image_words
-                                                                                : buffer_words)
-                                 : NULL;
+        const char *ending =
+            access->resource
+                ? ending_of(word, access_word(access),
+                            access->resource->kind == DT_IMAGE ? image_words : buffer_words)
+                : NULL;
         if (ending && (!use->access || access->mode != MODE_READ))
             *use = (struct use){access->resource, access, NULL, ending};
     }
@@ -206,8 +206,8 @@ static bool report_listed(const struct pass *pass, const struct use *use, struct
         diag_error(diag, loc, "`%s` has the format %s; atomic functions need r32ui or r32i", word,
                    format_info(format)->name);
     else if (!strcmp(use->ending, "_store") && use->access->mode == MODE_READ)
-        diag_error(diag, loc, "the pass `%s` stores to `%s` but lists it only in reads",
-                   pass->name, word);
+        diag_error(diag, loc, "the pass `%s` stores to `%s` but lists it only in reads", pass->name,
+                   word);
     else
         return false;
     return true;
@@ -336,8 +336,7 @@ static bool add_word(struct model *model, const char *const **list, uint32_t *co
 
 /* Adds the functions that a line declares: words before a parenthesis and behind a type. For messages
  * that name a qualifier alone. */
-static bool add_functions(struct model *model, struct shader *shader,
-                          const struct message *message)
+static bool add_functions(struct model *model, struct shader *shader, const struct message *message)
 {
     size_t width;
     const char *line = line_of(&message->loc, &width);
@@ -355,10 +354,10 @@ static bool add_functions(struct model *model, struct shader *shader,
         size_t length = 0;
         while (length < type && is_word(line[type - length - 1]))
             length++;
-        const char *name = end > begin && type < begin && length &&
-                                   !is_keyword(line + type - length, length)
-                               ? arena_strndup(model->arena, line + begin, end - begin)
-                               : NULL;
+        const char *name =
+            end > begin && type < begin && length && !is_keyword(line + type - length, length)
+                ? arena_strndup(model->arena, line + begin, end - begin)
+                : NULL;
         changed |= name && strcmp(name, "main") != 0 &&
                    add_word(model, &shader->own_names, &shader->own_count, name);
     }
@@ -376,8 +375,8 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
             continue;
         if (is_redefinition(model, &message, &name)) {
             declared_at(&model->pipeline, pass, name, &what);
-            changed |= !what && *name &&
-                       add_word(model, &shader->own_names, &shader->own_count, name);
+            changed |=
+                !what && *name && add_word(model, &shader->own_names, &shader->own_count, name);
         } else if (says(&message, "overloaded functions must have the same")) {
             changed |= add_functions(model, shader, &message); /* of GLSL's own names */
         } else if (says(&message, "undeclared identifier") ||
@@ -424,9 +423,10 @@ static bool report_macro(const struct pipeline *pipeline, const struct pass *pas
     if (!constant)
         return false;
     glsl_find_in_line(&loc, constant->name, strlen(constant->name));
-    diag_error(diag, loc,
-               "the body declares `%s`, which is the name of a constant in the pass `%s`; rename it",
-               constant->name, pass->name);
+    diag_error(
+        diag, loc,
+        "the body declares `%s`, which is the name of a constant in the pass `%s`; rename it",
+        constant->name, pass->name);
     diag_note(diag, constant->loc, "`%s` is declared here", constant->name);
     return true;
 }
@@ -532,25 +532,24 @@ static bool report_author(struct model *model, const struct pass *pass,
     const char *name = name_of(model, message);
     if (report_subgroups(&model->pipeline, pass, message, diag) ||
         report_redefinition(model, pass, message, diag) ||
-        report_macro(&model->pipeline, pass, message, diag) ||
-        report_include(model, message, diag))
+        report_macro(&model->pipeline, pass, message, diag) || report_include(model, message, diag))
         return true;
     const char *tool = is_unknown(message) ? tool_of(&model->pipeline, name) : NULL;
     struct loc loc = message->loc;
     if (is_unknown(message) && !strncmp(name, "body_", 5) &&
         glsl_find_in_line(&loc, name + 5, strlen(name + 5)))
-        diag_error(diag, loc,
-                   "the body has a function `%s` of its own, which hides GLSL's forms of it; rename "
-                   "the body's",
-                   name + 5);
+        diag_error(
+            diag, loc,
+            "the body has a function `%s` of its own, which hides GLSL's forms of it; rename "
+            "the body's",
+            name + 5);
     else if (tool)
         diag_error(diag, message->loc, "the pass `%s` uses `%s` but does not list it in uses",
                    pass->name, tool);
     else if (!strcmp(name, "#version"))
         diag_error(diag, message->loc, "the generator writes #version: remove it");
     else
-        return is_unknown(message) &&
-               report_use(&model->pipeline, pass, name, message->loc, diag);
+        return is_unknown(message) && report_use(&model->pipeline, pass, name, message->loc, diag);
     return true;
 }
 
@@ -565,20 +564,19 @@ static void report_glsl(const struct pass *pass, const struct message *message, 
                    pass->name, message->line, named ? "'" : "", name_length, message->name,
                    named ? "' : " : "", length, message->text);
     else
-        diag_error(diag, message->loc, "%s%.*s%s%.*s", named ? "'" : "", name_length,
-                   message->name, named ? "' : " : "", length, message->text);
+        diag_error(diag, message->loc, "%s%.*s%s%.*s", named ? "'" : "", name_length, message->name,
+                   named ? "' : " : "", length, message->text);
 }
 
 /* Whether an earlier message of the log is about the same name. */
 static bool is_repeated(struct model *model, const char *log, const struct message *message)
 {
     struct message earlier;
-    while (*log && log < message->text) {
+    while (*log && log < message->text)
         if (read_message(model, &log, &earlier) && earlier.text != message->text &&
             earlier.name_length && earlier.name_length == message->name_length &&
             !memcmp(earlier.name, message->name, message->name_length))
             return true;
-    }
     return false;
 }
 
@@ -593,7 +591,8 @@ void glsl_report(struct model *model, const struct pass *pass, const char *log, 
     bool told = diag_error_count(diag) > before; /* what else does not fit may follow from it */
     struct diag *silent = diag_create();
     for (const char *at = log; silent && *at;) {
-        if (!read_message(model, &at, &message) || (told && !says(&message, "undeclared identifier")) ||
+        if (!read_message(model, &at, &message) ||
+            (told && !says(&message, "undeclared identifier")) ||
             (message.loc.source && report_author(model, pass, &message, silent)))
             continue;
         report_glsl(pass, &message, diag);

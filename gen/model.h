@@ -286,9 +286,9 @@ struct pass {
     const char *shader; /* path as written */
     const char *more;   /* a second file, which follows; NULL: none */
     struct loc shader_loc;
-    const struct source *body; /* check: the file, read once */
+    const struct source *body;      /* check: the file, read once */
     const struct body_files *files; /* check: it and what it may include */
-    const char *limit;         /* C file with the same work for the CPU, path; NULL: none */
+    const char *limit;              /* C file with the same work for the CPU, path; NULL: none */
     struct loc limit_loc;
     const struct source *limit_body; /* check */
     struct expr *when;               /* NULL: always */

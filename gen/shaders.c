@@ -187,8 +187,7 @@ static bool derive(const struct model *model, struct pass_shaders *shaders[2])
             struct shader *opengl = &shaders[BACKEND_GL][i].stage[stage];
             if (!vulkan->words || opengl->own)
                 continue;
-            if (!copy_twin(opengl, vulkan) ||
-                !spirv_make_opengl(model->pipeline.order[i], opengl))
+            if (!copy_twin(opengl, vulkan) || !spirv_make_opengl(model->pipeline.order[i], opengl))
                 return false;
         }
     return true;
@@ -214,8 +213,7 @@ static bool write_text(const struct model *model, struct pass_shaders *shaders, 
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++) {
             struct shader *shader = &shaders[i].stage[stage];
-            const struct text *same =
-                shader->word_count ? same_text(shaders, i, stage) : NULL;
+            const struct text *same = shader->word_count ? same_text(shaders, i, stage) : NULL;
             char *why = NULL;
             if (same)
                 text_add_bytes(&shader->glsl, same->data, same->length);
@@ -223,8 +221,8 @@ static bool write_text(const struct model *model, struct pass_shaders *shaders, 
                 spirv_cross(shader->words, shader->word_count, &shader->glsl, &why))
                 continue;
             const struct pass *pass = model->pipeline.order[i];
-            diag_error(diag, pass->shader_loc, "pass %s has no GLSL text for OpenGL: %s", pass->name,
-                       why ? why : "out of memory");
+            diag_error(diag, pass->shader_loc, "pass %s has no GLSL text for OpenGL: %s",
+                       pass->name, why ? why : "out of memory");
             free(why);
             good = false;
         }

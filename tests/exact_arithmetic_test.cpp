@@ -44,6 +44,7 @@ int clamp(int x, int low, int high)
 }
 
 using std::abs;
+using std::floor;
 
 #include "exact_scalars.h" /* made of templates/glsl/exact.glsl by the build */
 
@@ -294,8 +295,8 @@ bool powers_of_negatives()
 bool monotonic(float (*f)(float), float low, float high)
 {
     float last = f(low);
-    for (float x = low; x < high; x = nextafterf(x, high)) {
-        float value = f(x);
+    for (uint bits = floatBitsToUint(low); bits < floatBitsToUint(high); bits++) {
+        float value = f(uintBitsToFloat(bits));
         if (value < last)
             return false;
         last = value;

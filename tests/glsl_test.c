@@ -387,7 +387,8 @@ static void test_products_are_written_out(void **state)
 static void test_matrices_are_divided(void **state)
 {
     static const char *const bodies[] = {
-        "void main() { mat2 m = mat2(result(ivec2(0))); display = vec4((m / m)[0], (1.0 / m)[1]); }\n",
+        "void main() { mat2 m = mat2(result(ivec2(0))); display = vec4((m / m)[0], (1.0 / m)[1]); "
+        "}\n",
         "void main() { mat4x3 m = mat4x3(result(ivec2(0)).x); display = (m / 7.0)[0].xyzz; }\n",
     };
     struct fixture *f = *state;

@@ -111,8 +111,8 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
                    struct shader *shader, char **log, struct diag *diag)
 {
     char *unread = NULL;
-    bool good = compile(model, pass, false, shader, log ? log : &unread) &&
-                validate(pass, shader, diag);
+    bool good =
+        compile(model, pass, false, shader, log ? log : &unread) && validate(pass, shader, diag);
     free(unread);
     return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
 }
@@ -167,8 +167,8 @@ static void report_open(void *user, const struct open_operation *operation)
         return;
     }
     struct loc loc = {model->glsl_sources[operation->file - 1], (int)operation->line, 1, 1};
-    while (!glsl_find_in_line(&loc, operation->word, strlen(operation->word)) &&
-           operation->wrong && loc.line > 1) /* up to where the function begins */
+    while (!glsl_find_in_line(&loc, operation->word, strlen(operation->word)) && operation->wrong &&
+           loc.line > 1) /* up to where the function begins */
         loc.line--;
     if (operation->raster && proving->numbers)
         diag_warning(proving->diag, loc, "`%s` decides at edges: %s", operation->word,

@@ -31,12 +31,12 @@ static bool set_options(spvc_compiler compiler)
                SPVC_SUCCESS &&
            spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_GLSL_ES, false) ==
                SPVC_SUCCESS &&
-           spvc_compiler_options_set_bool(
-               options, SPVC_COMPILER_OPTION_GLSL_SUPPORT_NONZERO_BASE_INSTANCE, false) ==
-               SPVC_SUCCESS &&
-           spvc_compiler_options_set_bool(
-               options, SPVC_COMPILER_OPTION_FORCE_ZERO_INITIALIZED_VARIABLES, true) ==
-               SPVC_SUCCESS &&
+           spvc_compiler_options_set_bool(options,
+                                          SPVC_COMPILER_OPTION_GLSL_SUPPORT_NONZERO_BASE_INSTANCE,
+                                          false) == SPVC_SUCCESS &&
+           spvc_compiler_options_set_bool(options,
+                                          SPVC_COMPILER_OPTION_FORCE_ZERO_INITIALIZED_VARIABLES,
+                                          true) == SPVC_SUCCESS &&
            spvc_compiler_install_compiler_options(compiler, options) == SPVC_SUCCESS;
 }
 

@@ -25,7 +25,8 @@ bool spirv_end_entry(struct spirv *module)
     const uint32_t *words = module->words, *head = words + end->begin;
     uint32_t void_type = head[1], function_type = head[4], body = spirv_entry(module);
     spirv_edit_begin(&edit, module);
-    uint32_t entry = edit.bound++;
+    uint32_t entry = edit.bound++, label = edit.bound++, first = edit.bound++;
+    uint32_t second = edit.bound++;
     for (size_t at = SPIRV_HEADER; !edit.failed && at < edit.front.count;
          at += spirv_length(edit.front.data + at)) {
         uint32_t *instruction = edit.front.data + at;
@@ -36,16 +37,16 @@ bool spirv_end_entry(struct spirv *module)
         else if (spirv_is(instruction, SpvOpExecutionMode) && instruction[1] == body)
             instruction[1] = entry;
     }
-    SPIRV_EACH (module, at, module->annotations, module->declarations)
-        spirv_copy(&edit, &edit.annotations, words + at);
-    SPIRV_EACH (module, at, module->code, module->count)
-        spirv_copy(&edit, &edit.code, words + at);
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    spirv_copy(&edit, &edit.annotations, words + at);
+    SPIRV_EACH(module, at, module->code, module->count)
+    spirv_copy(&edit, &edit.code, words + at);
     spirv_put_name(&edit, body, "pass_main(");
     SPIRV_PUT(&edit, &edit.code, SpvOpFunction, void_type, entry, SpvFunctionControlMaskNone,
               function_type);
-    SPIRV_PUT(&edit, &edit.code, SpvOpLabel, edit.bound++);
-    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, edit.bound++, body);
-    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, edit.bound++, end->id);
+    SPIRV_PUT(&edit, &edit.code, SpvOpLabel, label);
+    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, first, body);
+    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, second, end->id);
     spirv_put(&edit, &edit.code, SpvOpReturn, NULL, 0);
     spirv_put(&edit, &edit.code, SpvOpFunctionEnd, NULL, 0);
     return spirv_edit_end(&edit, module);

@@ -263,9 +263,8 @@ static bool put_shift(struct exact *exact, const uint32_t *shift)
         return false;
     uint32_t type = spirv_definition(exact->from, shift[4])[1];
     const uint32_t *declared = spirv_definition(exact->from, type);
-    const uint32_t *scalar = spirv_is(declared, SpvOpTypeVector)
-                                 ? spirv_definition(exact->from, declared[2])
-                                 : declared;
+    const uint32_t *scalar =
+        spirv_is(declared, SpvOpTypeVector) ? spirv_definition(exact->from, declared[2]) : declared;
     if (!letter_of(scalar))
         return false;
     struct spirv_edit *edit = &exact->edit;
@@ -290,9 +289,8 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
         put_call(exact, instruction, first, function, instruction[1], instruction[2], -1);
         return true;
     }
-    function = spirv_is(type, SpvOpTypeVector)
-                   ? find_function(exact, instruction, name, first, true)
-                   : 0;
+    function =
+        spirv_is(type, SpvOpTypeVector) ? find_function(exact, instruction, name, first, true) : 0;
     if (function)
         put_components(exact, instruction, first, function, type);
     return function;
@@ -304,11 +302,13 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
 static void copy_annotations(struct exact *exact)
 {
     const struct spirv *from = exact->from;
-    SPIRV_EACH (from, at, from->annotations, from->declarations) {
+    SPIRV_EACH(from, at, from->annotations, from->declarations)
+    {
         const uint32_t *i = from->words + at;
-        bool precision = (spirv_is(i, SpvOpDecorate) && (i[2] == SpvDecorationNoContraction ||
-                                                         i[2] == SpvDecorationRelaxedPrecision)) ||
-                         (spirv_is(i, SpvOpMemberDecorate) && i[3] == SpvDecorationRelaxedPrecision);
+        bool precision =
+            (spirv_is(i, SpvOpDecorate) &&
+             (i[2] == SpvDecorationNoContraction || i[2] == SpvDecorationRelaxedPrecision)) ||
+            (spirv_is(i, SpvOpMemberDecorate) && i[3] == SpvDecorationRelaxedPrecision);
         if (!precision)
             spirv_copy(&exact->edit, &exact->edit.annotations, i);
     }
@@ -331,7 +331,8 @@ bool spirv_exact(struct spirv *module)
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&exact.link, edit);
     copy_annotations(&exact);
-    SPIRV_EACH (module, at, module->code, edit->failed ? module->code : module->count) {
+    SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
+    {
         const uint32_t *instruction = module->words + at;
         if (replace(&exact, instruction))
             continue;

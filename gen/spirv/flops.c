@@ -88,7 +88,8 @@ static uint64_t instruction_flops(const struct counting *c, const uint32_t *inst
     case SpvOpMatrixTimesVector:
         return (2 * floats_in(c, type_of(c, instruction[4])) - 1) * floats_in(c, instruction[1]);
     case SpvOpMatrixTimesMatrix: {
-        const uint32_t *left = c->module->words + c->module->definitions[type_of(c, instruction[3])];
+        const uint32_t *left =
+            c->module->words + c->module->definitions[type_of(c, instruction[3])];
 
         return (uint64_t)(2 * left[3] - 1) * floats_in(c, instruction[1]);
     }

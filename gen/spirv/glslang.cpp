@@ -30,8 +30,10 @@ void set_targets(glslang::TShader &shader, EShLanguage stage, const glslang_job 
 /* The author's files, as the job finds them. */
 class Files : public glslang::TShader::Includer
 {
-public:
-    explicit Files(const glslang_job &job) : job(job) {}
+  public:
+    explicit Files(const glslang_job &job) : job(job)
+    {
+    }
 
     IncludeResult *includeLocal(const char *name, const char *from, size_t depth) override
     {
@@ -49,7 +51,7 @@ public:
         delete result;
     }
 
-private:
+  private:
     enum { MOST_DEPTH = 64 };
     const glslang_job &job;
 };
@@ -57,8 +59,8 @@ private:
 const EShLanguage stages[] = {EShLangCompute, EShLangVertex, EShLangFragment};
 
 /* All functions stay, also those that only a pass over the module calls. */
-const EShMessages rules = static_cast<EShMessages>(
-    EShMsgSpvRules | EShMsgCascadingErrors | EShMsgVulkanRules | EShMsgKeepUncalled);
+const EShMessages rules = static_cast<EShMessages>(EShMsgSpvRules | EShMsgCascadingErrors |
+                                                   EShMsgVulkanRules | EShMsgKeepUncalled);
 
 void set_text(glslang::TShader &shader, const glslang_job &job)
 {

@@ -182,7 +182,8 @@ static bool load(struct evaluation *e, const uint32_t *instruction, int64_t *val
     if (spirv_is(pointer, SpvOpAccessChain))
         return read_parameter(m, pointer, value);
     return stores->count == 1 && !stores->escapes &&
-           m->spirv->words + stores->first < instruction && /* else the store may read what it stores */
+           m->spirv->words + stores->first <
+               instruction && /* else the store may read what it stores */
            evaluate(e, m->spirv->words[stores->first + 2], value);
 }
 
@@ -275,8 +276,9 @@ static const uint32_t *block_end(const struct module *m, uint32_t label)
 static bool read_loop(const struct module *m, size_t header, size_t at, struct loop *loop)
 {
     const uint32_t *merge = m->spirv->words + at, *branch = merge + (*merge >> 16);
-    *loop = (struct loop){
-        .header = header, .merge = m->spirv->definitions[merge[1]], .onward = m->spirv->definitions[merge[2]]};
+    *loop = (struct loop){.header = header,
+                          .merge = m->spirv->definitions[merge[1]],
+                          .onward = m->spirv->definitions[merge[2]]};
     if (!spirv_is(branch, SpvOpBranch))
         return false;
     loop->test = block_end(m, branch[1]);
@@ -301,7 +303,8 @@ static bool drives(const struct module *m, uint32_t variable, const struct loop 
 {
     const struct stores *stores = &m->stores[variable];
     return stores->count == 2 && !stores->escapes && stores->first < loop->header &&
-           m->spirv->definitions[stores->block] == loop->onward && !is_repeated(m, stores->first, loop);
+           m->spirv->definitions[stores->block] == loop->onward &&
+           !is_repeated(m, stores->first, loop);
 }
 
 /* The variable of the loop: the one that its condition loads. 0: none that can be followed. */
@@ -372,7 +375,8 @@ uint64_t *spirv_iterations(const struct spirv *module, const struct parameter_va
     struct loop loop;
     if (stores && iterations)
         survey(&m);
-    SPIRV_EACH (module, at, module->code, stores && iterations ? module->count : module->code) {
+    SPIRV_EACH(module, at, module->code, stores && iterations ? module->count : module->code)
+    {
         if (spirv_is(words + at, SpvOpLabel))
             label = words[at + 1];
         else if (spirv_is(words + at, SpvOpLoopMerge))

@@ -90,7 +90,8 @@ void spirv_keep_loops(struct spirv *module)
 {
     uint32_t *words = module->words;
     size_t behind = 0; /* the last outermost loop */
-    SPIRV_EACH (module, at, module->code, module->count) {
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
         if (!spirv_is(words + at, SpvOpLoopMerge) || at < behind)
             continue;
         behind = module->definitions[words[at + 1]];

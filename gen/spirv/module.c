@@ -131,7 +131,8 @@ static bool is_declaration(uint32_t opcode)
 static void find_sections(struct spirv *module)
 {
     module->annotations = module->declarations = module->code = module->count;
-    SPIRV_EACH (module, at, SPIRV_HEADER, module->count) {
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->count)
+    {
         uint32_t opcode = spirv_opcode(module->words + at);
         if (is_annotation(opcode) && at < module->annotations)
             module->annotations = at;
@@ -151,7 +152,8 @@ static void find_sections(struct spirv *module)
 static void find_functions(struct spirv *module)
 {
     struct spirv_function *function = module->functions;
-    SPIRV_EACH (module, at, module->code, module->count) {
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
         const uint32_t *instruction = module->words + at;
         if (spirv_is(instruction, SpvOpFunction))
             *function = (struct spirv_function){.id = instruction[2], .begin = at};
@@ -172,7 +174,8 @@ bool spirv_read(struct spirv *module, uint32_t *words, size_t count)
         spirv_free(module);
         return false;
     }
-    SPIRV_EACH (module, at, SPIRV_HEADER, count) {
+    SPIRV_EACH(module, at, SPIRV_HEADER, count)
+    {
         uint32_t result = spirv_result(words + at);
         if (result)
             module->definitions[result] = (uint32_t)at;
@@ -208,26 +211,26 @@ uint32_t *spirv_take(struct spirv *module, size_t *count)
 
 const char *spirv_name(const struct spirv *module, uint32_t id)
 {
-    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations)
-        if (spirv_is(module->words + at, SpvOpName) && module->words[at + 1] == id)
-            return (const char *)(module->words + at + 2);
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    if (spirv_is(module->words + at, SpvOpName) && module->words[at + 1] == id)
+        return (const char *)(module->words + at + 2);
     return NULL;
 }
 
 uint32_t spirv_glsl(const struct spirv *module)
 {
-    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations)
-        if (spirv_is(module->words + at, SpvOpExtInstImport) &&
-            !strcmp((const char *)(module->words + at + 2), "GLSL.std.450"))
-            return module->words[at + 1];
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    if (spirv_is(module->words + at, SpvOpExtInstImport) &&
+        !strcmp((const char *)(module->words + at + 2), "GLSL.std.450"))
+        return module->words[at + 1];
     return 0;
 }
 
 uint32_t spirv_entry(const struct spirv *module)
 {
-    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations)
-        if (spirv_is(module->words + at, SpvOpEntryPoint))
-            return module->words[at + 2];
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    if (spirv_is(module->words + at, SpvOpEntryPoint))
+        return module->words[at + 2];
     return 0;
 }
 
@@ -344,7 +347,7 @@ void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from)
     *edit = (struct spirv_edit){.from = from, .bound = from->words[3]};
     spirv_append(edit, &edit->front, from->words, from->annotations);
     spirv_append(edit, &edit->declarations, from->words + from->declarations,
-           from->code - from->declarations);
+                 from->code - from->declarations);
     if (!edit->failed)
         fill_slots(edit, 1024);
 }
@@ -353,7 +356,7 @@ uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,
                        const uint32_t *operands, size_t count)
 {
     enum { MOST_WORDS = 64 };
-    uint32_t instruction[MOST_WORDS], length = 0;
+    uint32_t instruction[MOST_WORDS] = {0}, length = 0;
     if (edit->failed || count + 3 > MOST_WORDS) {
         edit->failed = true;
         return 0;
@@ -387,10 +390,9 @@ bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)
     for (int i = 0; i < 4; i++)
         count += parts[i]->count;
     uint32_t *words = edit->failed ? NULL : malloc(count * sizeof *words);
-    for (size_t i = 0, at = 0; i < 4; at += parts[i]->count, i++) {
+    for (size_t i = 0, at = 0; i < 4; at += parts[i]->count, i++)
         if (words && parts[i]->count)
             memcpy(words + at, parts[i]->data, parts[i]->count * sizeof *words);
-    }
     for (int i = 0; i < 4; i++)
         free(parts[i]->data);
     free(edit->slots);

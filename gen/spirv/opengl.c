@@ -8,7 +8,8 @@
 /* The variable with a built-in; 0: there is none. */
 static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
 {
-    SPIRV_EACH (module, at, module->annotations, module->declarations) {
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    {
         const uint32_t *i = module->words + at;
         if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn && i[3] == builtin)
             return i[1];
@@ -19,7 +20,8 @@ static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
 static void copy_annotations(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
-    SPIRV_EACH (from, at, from->annotations, from->declarations) {
+    SPIRV_EACH(from, at, from->annotations, from->declarations)
+    {
         const uint32_t *i = from->words + at;
         bool decorates = spirv_is(i, SpvOpDecorate);
         if (decorates && i[2] == SpvDecorationDescriptorSet)
@@ -42,7 +44,8 @@ static void copy_front(struct spirv_edit *edit, uint32_t base)
     edit->front.count = SPIRV_HEADER;
     if (base)
         SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityDrawParameters);
-    SPIRV_EACH (from, at, SPIRV_HEADER, from->annotations) {
+    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
+    {
         const uint32_t *i = from->words + at;
         if (base && spirv_is(i, SpvOpExtInstImport)) {
             uint32_t name[sizeof extension / 4 + 1] = {0};
@@ -85,7 +88,8 @@ bool spirv_for_opengl(struct spirv *module, bool indirect)
                   SpvBuiltInBaseInstance);
     }
     copy_front(&edit, base);
-    SPIRV_EACH (module, at, module->code, module->count) {
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
         const uint32_t *instruction = module->words + at;
         if (base && spirv_is(instruction, SpvOpLoad) && instruction[3] == instance)
             put_instance(&edit, instruction, base);

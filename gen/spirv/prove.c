@@ -375,8 +375,8 @@ static bool all_uses(const struct proof *proof, uint32_t id, int depth, allows_f
         if (!use.function || at == proof->module->definitions[id])
             continue;
         for (use.operand = 1; use.operand < *use.instruction >> 16; use.operand++)
-            if (use.instruction[use.operand] == id && !spirv_is_literal(use.instruction, use.operand) &&
-                !allows(proof, &use))
+            if (use.instruction[use.operand] == id &&
+                !spirv_is_literal(use.instruction, use.operand) && !allows(proof, &use))
                 return false;
     }
     return depth < MOST_DEPTH;
@@ -411,7 +411,8 @@ static bool drops_reads(const struct proof *proof, const struct use *use)
 /* A value goes nowhere but through variables and out of functions whose results are dropped. */
 static bool drops(const struct proof *proof, const struct use *use)
 {
-    const uint32_t *variable = proof->module->words + proof->module->definitions[use->instruction[1]];
+    const uint32_t *variable =
+        proof->module->words + proof->module->definitions[use->instruction[1]];
     if (spirv_is(use->instruction, SpvOpReturnValue))
         return all_uses(proof, use->function, use->depth + 1, drops_reads);
     return spirv_is(use->instruction, SpvOpStore) && use->operand == 2 &&
@@ -473,8 +474,7 @@ static bool returns(const struct proof *proof, const struct use *use)
 static bool check_end(struct proof *proof, const uint32_t *instruction)
 {
     const char *name = spirv_name(proof->module, proof->function);
-    if (!spirv_is(instruction, SpvOpUndef) || !name ||
-        !all_uses(proof, instruction[2], 0, returns))
+    if (!spirv_is(instruction, SpvOpUndef) || !name || !all_uses(proof, instruction[2], 0, returns))
         return false;
     snprintf(proof->name, sizeof proof->name, "%.*s", (int)strcspn(name, "("), name);
     tell(proof, proof->name, "it may end without `return`, and its value is then undefined", WRONG);
@@ -524,7 +524,8 @@ bool prove_module(const struct spirv *module,
                           .glsl = spirv_glsl(module),
                           .found = found,
                           .user = user};
-    SPIRV_EACH (module, at, SPIRV_HEADER, proof.ids ? module->count : SPIRV_HEADER) {
+    SPIRV_EACH(module, at, SPIRV_HEADER, proof.ids ? module->count : SPIRV_HEADER)
+    {
         const uint32_t *instruction = module->words + at;
         uint32_t opcode = spirv_opcode(instruction);
         if (opcode == SpvOpDecorate)

@@ -48,18 +48,19 @@ static void mark_function(struct reach *reach, size_t at)
 static void mark_all(struct reach *reach)
 {
     const struct spirv *module = reach->module;
-    SPIRV_EACH (module, at, SPIRV_HEADER, module->annotations) {
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    {
         const uint32_t *instruction = module->words + at;
         if (spirv_is(instruction, SpvOpEntryPoint))
             mark_entry(reach, instruction);
         else if (spirv_is(instruction, SpvOpExtInstImport) || spirv_is(instruction, SpvOpString))
             mark(reach, instruction[1]);
     }
-    SPIRV_EACH (module, at, module->annotations, module->declarations)
-        if (spirv_is(module->words + at, SpvOpDecorate) &&
-            module->words[at + 2] == SpvDecorationBuiltIn &&
-            module->words[at + 3] == SpvBuiltInWorkgroupSize)
-            mark(reach, module->words[at + 1]);
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    if (spirv_is(module->words + at, SpvOpDecorate) &&
+        module->words[at + 2] == SpvDecorationBuiltIn &&
+        module->words[at + 3] == SpvBuiltInWorkgroupSize)
+        mark(reach, module->words[at + 1]);
     while (reach->count) {
         size_t at = module->definitions[reach->queue[--reach->count]];
         if (at >= module->code && spirv_is(module->words + at, SpvOpFunction))
@@ -82,19 +83,20 @@ static void copy_live(const struct reach *reach, struct spirv_edit *edit)
     const struct spirv *module = reach->module;
     edit->front.count = SPIRV_HEADER;
     edit->declarations.count = 0;
-    SPIRV_EACH (module, at, SPIRV_HEADER, module->declarations)
-        if (is_target_live(reach, module->words + at))
-            spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
-                       module->words + at);
-    SPIRV_EACH (module, at, module->declarations, module->code) {
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->declarations)
+    if (is_target_live(reach, module->words + at))
+        spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
+                   module->words + at);
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
         uint32_t result = spirv_result(module->words + at);
         if (!result || reach->live[result])
             spirv_copy(edit, &edit->declarations, module->words + at);
     }
     for (uint32_t i = 0; i < module->function_count; i++)
         if (reach->live[module->functions[i].id])
-            SPIRV_EACH (module, at, module->functions[i].begin, module->functions[i].end)
-                spirv_copy(edit, &edit->code, module->words + at);
+            SPIRV_EACH(module, at, module->functions[i].begin, module->functions[i].end)
+    spirv_copy(edit, &edit->code, module->words + at);
 }
 
 bool spirv_reach(struct spirv *module)

@@ -33,7 +33,8 @@ static uint32_t find_buffer(const struct spirv *module, const char *name)
 {
     char block[96];
     snprintf(block, sizeof block, "%s_block", name);
-    SPIRV_EACH (module, at, module->declarations, module->code) {
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
         const uint32_t *variable = module->words + at;
         if (!spirv_is(variable, SpvOpVariable))
             continue;
@@ -80,8 +81,7 @@ static void put_read(struct texels *texels, const uint32_t *load, const uint32_t
     uint32_t element = result_type(texels, texels->at), index = chain[5], call = edit->bound++;
     const uint32_t *type = spirv_type(module, index);
     if (type[3]) { /* signed */
-        uint32_t uint_type =
-            spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
+        uint32_t uint_type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
         uint32_t bits = edit->bound++;
         SPIRV_PUT(edit, &edit->code, SpvOpBitcast, uint_type, bits, index);
         index = bits;
@@ -131,9 +131,9 @@ bool spirv_texels(struct spirv *module, const char *name)
     if (!texels.variable || !texels.at || !texels.length)
         return true;
     spirv_edit_begin(&texels.edit, module);
-    SPIRV_EACH (module, at, module->annotations, module->declarations)
-        spirv_copy(&texels.edit, &texels.edit.annotations, module->words + at);
-    SPIRV_EACH (module, at, module->code, module->count)
-        put_instruction(&texels, module->words + at);
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    spirv_copy(&texels.edit, &texels.edit.annotations, module->words + at);
+    SPIRV_EACH(module, at, module->code, module->count)
+    put_instruction(&texels, module->words + at);
     return spirv_edit_end(&texels.edit, module);
 }
