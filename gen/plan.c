@@ -309,14 +309,14 @@ static void check_shared(const struct pass *pass, struct diag *diag)
 }
 
 /* On a CPU, copying the ranges costs a workgroup of 64 as much as shading its pixels. So groups of
- * 512 are the default. */
+ * 256 are the default, which profiles promise and CPU drivers have. */
 static void plan_local(struct pass *pass, const struct pipeline *pipeline)
 {
     bool flat = pass->local[1] == 1;
 
     if (!pipeline->gpu && pass->range_count && !pass->local_size[0] && pass->size != SIZE_GROUPS) {
-        pass->local[0] = flat ? 512 : 32;
-        pass->local[1] = flat ? 1 : 16;
+        pass->local[0] = flat ? 256 : 32;
+        pass->local[1] = flat ? 1 : 8;
     }
 }
 

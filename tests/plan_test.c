@@ -393,7 +393,7 @@ static void test_ranges_make_workgroups_large(void **state)
     assert_int_equal(p->local[0], 8);
     p->local_size[0] = NULL;
     assert_true(plan(f));
-    assert_int_equal(p->local[0] * p->local[1], 512);
+    assert_int_equal(p->local[0] * p->local[1], 256);
     assert_int_equal(range.access->kind, ACCESS_UNIFORM);
     range.storage = STORAGE_BUFFER;
     assert_true(plan(f));
