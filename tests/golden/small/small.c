@@ -305,7 +305,7 @@ static const struct dt_need needs[] = {
 };
 
 static const struct dt_demand demands[] = {
-    {SMALL_PASS_SHADE, DT_LIMIT_INVOCATIONS, 512},
+    {SMALL_PASS_SHADE, DT_LIMIT_INVOCATIONS, 256},
 };
 
 /* ---- One frame. Barriers: resource; stages and writes that are waited for; stages and accesses that wait; layout ---- */
@@ -358,8 +358,7 @@ static bool record_shade(const struct dt_recording *r)
     ok = ok && v->barriers(r->runtime, SMALL_PASS_SHADE, barriers, 4);
     ok = ok && v->bind(r->runtime, SMALL_PASS_SHADE);
     ok = ok &&
-        v->dispatch(r->runtime, SMALL_PASS_SHADE, dt_groups(size[0], 32), dt_groups(size[1], 16),
-        1);
+        v->dispatch(r->runtime, SMALL_PASS_SHADE, dt_groups(size[0], 32), dt_groups(size[1], 8), 1);
     return ok && v->end(r->runtime, SMALL_PASS_SHADE);
 }
 
