@@ -536,7 +536,7 @@ const struct key table_keys[] = {
      "a draw of vertices of such, one per element.",
      "draw_arguments"},
     {SECTION_PASS, "local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL,
-     "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges and `target: software` 512 "
+     "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges and `target: software` 256 "
      "invocations",
      "Size of a workgroup; at most 1024 invocations.", "[8, 8, 1]"},
     {SECTION_PASS, "view", KEY_CHOICE, SECTION_NONE, "camera|light", OPTIONAL, "camera",

@@ -546,6 +546,12 @@ static void vulkan_tells_wrong_calls(void **state)
     panel.needs = &future;
     panel.need_count = 1;
     REFUSED(dt_vk_create(rt, &needy), "pass slice: needs rayTracing, which ");
+    const struct dt_demand much = {FEATURES_PASS_SLICE, DT_LIMIT_SHARED_BYTES, 1 << 30};
+    panel = features_panel;
+    panel.demands = &much;
+    panel.demand_count = 1;
+    REFUSED(dt_vk_create(rt, &needy),
+            "pass slice needs 1,073,741,824 bytes of shared memory; the device ");
     scene.index_count = 4;
     REFUSED(dt_vk_import_scene(rt, &scene), "4 indices");
     scene = vk.scene;
@@ -1930,6 +1936,12 @@ static void opengl_tells_wrong_calls(void **state)
             "the pipeline is from diptych-gen 0.2.2, this library is 0.1");
     newer.version = DT_MAKE_VERSION(DT_VERSION_MAJOR + 1, DT_VERSION_MINOR, 0);
     REFUSED(dt_gl_create(rt, &other), "generate the pipeline again");
+    const struct dt_demand much = {FEATURES_PASS_SLICE, DT_LIMIT_SHARED_BYTES, 1 << 30};
+    newer = features_panel;
+    newer.demands = &much;
+    newer.demand_count = 1;
+    REFUSED(dt_gl_create(rt, &other),
+            "pass slice needs 1,073,741,824 bytes of shared memory; the device ");
     scene.index_count = 4;
     REFUSED(dt_gl_import_scene(rt, &scene), "4 indices");
     scene = right;

@@ -398,6 +398,31 @@ static void contexts_tell_when_they_are_lost(void **state)
     assert_int_equal(heard.errors, 0);
 }
 
+/* Shaders compute length() from the bytes that are bound. */
+static void of_a_range_only_the_indices_are_bound(void **state)
+{
+    (void)state;
+    struct gl_runtime *rt = open_context("egl", true);
+    struct gl_buffer whole = {.name = "whole", .size = 1 << 20};
+    assert_true(gl_buffer_create(rt, &whole, NULL));
+    const struct dt_gl_scene scene = {
+        .vertices = {whole.handle, 0, 4 * sizeof(struct dt_vertex)},
+        .indices = {whole.handle, 0, 1 << 20},
+        .index_count = 3,
+        .materials = {whole.handle, 4096, DT_MAX_MATERIALS * sizeof(struct dt_material)},
+    };
+    assert_true(dt_gl_import_scene(rt, &scene));
+    assert_int_equal(rt->builtin.indices.size, 3 * sizeof(uint32_t));
+    assert_int_equal(rt->builtin.vertices.size, 4 * sizeof(struct dt_vertex));
+    struct gl_buffer small = {.name = "small", .size = 4};
+    assert_true(gl_buffer_create(rt, &small, NULL));
+    assert_int_equal(small.size, 4);
+    gl_buffer_destroy(rt, &small);
+    gl_buffer_destroy(rt, &whole);
+    runtime_gl.close(rt);
+    assert_int_equal(heard.errors, 0);
+}
+
 int main(int count, char **arguments)
 {
     const struct CMUnitTest zink[] = {cmocka_unit_test(zink_itself)};
@@ -415,6 +440,7 @@ int main(int count, char **arguments)
         cmocka_unit_test(images_share_a_texture),
         cmocka_unit_test(a_lost_device_is_told_with_the_pass),
         cmocka_unit_test(contexts_tell_when_they_are_lost),
+        cmocka_unit_test(of_a_range_only_the_indices_are_bound),
     };
     if (count > 1 && strcmp(arguments[1], "zink") == 0)
         return cmocka_run_group_tests_name("runtime_gl, zink", zink, NULL, NULL);

@@ -318,6 +318,34 @@ static void a_resize_without_memory_can_be_tried_again(void **state)
     assert_int_equal(heard.errors, 0);
 }
 
+/* Shaders compute length() from the bytes that are bound. */
+static void of_a_range_only_the_indices_are_bound(void **state)
+{
+    (void)state;
+    heard.errors = 0;
+    struct vk_runtime *rt = runtime_vk.open(
+        &(struct dt_runtime_options){.log = {.message = on_message}, .debug = true});
+    const struct vk_buffer_info info = {.name = "whole",
+                                        .size = 1 << 20,
+                                        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                                                 VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                                                 VK_BUFFER_USAGE_INDEX_BUFFER_BIT};
+    struct vk_buffer whole = {0};
+    assert_true(rt && vk_buffer_create_own(rt, &whole, &info, false));
+    const struct dt_vk_scene scene = {
+        .vertices = {whole.handle, 0, 4 * sizeof(struct dt_vertex)},
+        .indices = {whole.handle, 0, 1 << 20},
+        .index_count = 3,
+        .materials = {whole.handle, 4096, DT_MAX_MATERIALS * sizeof(struct dt_material)},
+    };
+    assert_true(dt_vk_import_scene(rt, &scene));
+    assert_int_equal(rt->builtin.indices.size, 3 * sizeof(uint32_t));
+    assert_int_equal(rt->builtin.vertices.size, 4 * sizeof(struct dt_vertex));
+    vk_buffer_destroy(rt, &whole);
+    runtime_vk.close(rt);
+    assert_int_equal(heard.errors, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -329,6 +357,7 @@ int main(void)
         cmocka_unit_test(a_feature_is_asked_for_by_the_pass_that_needs_it),
         cmocka_unit_test(out_of_memory_is_one_error_and_a_clean_end),
         cmocka_unit_test(a_resize_without_memory_can_be_tried_again),
+        cmocka_unit_test(of_a_range_only_the_indices_are_bound),
     };
     return cmocka_run_group_tests_name("runtime_vk", tests, NULL, NULL);
 }
