@@ -94,8 +94,11 @@ bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
         .size = whole < LEAST_BYTES ? LEAST_BYTES : whole,
         .usage = info->usage | VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT,
     };
-    *buffer = (struct vk_buffer){
-        .name = info->name, .size = info->size, .block = block, .usage = create.usage};
+    *buffer = (struct vk_buffer){.name = info->name,
+                                 .size = info->size ? info->size
+                                                    : LEAST_BYTES, /* no binding has 0 bytes */
+                                 .block = block,
+                                 .usage = create.usage};
     if (!VK(rt, rt->vk.CreateBuffer(rt->device, &create, rt->callbacks, &buffer->handle),
             info->name))
         return false;
