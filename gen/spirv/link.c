@@ -27,10 +27,7 @@ static int by_name(const void *a, const void *b)
 static void read_library(void)
 {
     struct spirv *module = &library.module;
-    uint32_t *words = malloc(sizeof exact_library);
-    if (words)
-        memcpy(words, exact_library, sizeof exact_library);
-    if (!spirv_read(module, words, sizeof exact_library / sizeof *words))
+    if (!spirv_open(module, exact_library, sizeof exact_library / sizeof *exact_library))
         return;
     library.entries = calloc(module->function_count + 1, sizeof *library.entries);
     for (uint32_t i = 0; library.entries && i < module->function_count; i++) {
