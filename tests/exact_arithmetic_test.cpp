@@ -8,6 +8,7 @@
 #include <cstring>
 #include <functional>
 #include <initializer_list>
+#include <type_traits>
 
 typedef uint32_t uint;
 
@@ -41,6 +42,89 @@ float roundEven(float x)
 int clamp(int x, int low, int high)
 {
     return x < low ? low : x > high ? high : x;
+}
+
+/* Of floats a float, although a literal is a double here. */
+template <typename A, typename B> auto mix(A x, B y, bool second)
+{
+    using common = std::common_type_t<A, B>;
+    using type = std::conditional_t<std::is_floating_point_v<common>, float, common>;
+    return second ? (type)y : (type)x;
+}
+
+/* As many components as the library's scalars need. */
+struct vec2 {
+    float x, y;
+    explicit vec2(float a) : x(a), y(a)
+    {
+    }
+    vec2(double a, double b) : x((float)a), y((float)b)
+    {
+    }
+};
+
+struct uvec2 {
+    uint x, y;
+    explicit uvec2(uint a) : x(a), y(a)
+    {
+    }
+    uvec2(uint a, uint b) : x(a), y(b)
+    {
+    }
+};
+
+struct bvec2 {
+    bool x, y;
+    bvec2(bool a, bool b) : x(a), y(b)
+    {
+    }
+};
+
+struct bvec3 {
+    bool x, y, z;
+    bvec3(bool a, bool b, bool c) : x(a), y(b), z(c)
+    {
+    }
+};
+
+uvec2 operator-(uvec2 a, uint b)
+{
+    return uvec2(a.x - b, a.y - b);
+}
+
+bvec2 equal(vec2 a, vec2 b)
+{
+    return bvec2(a.x == b.x, a.y == b.y);
+}
+
+bvec2 equal(uvec2 a, uvec2 b)
+{
+    return bvec2(a.x == b.x, a.y == b.y);
+}
+
+bvec2 greaterThan(uvec2 a, uvec2 b)
+{
+    return bvec2(a.x > b.x, a.y > b.y);
+}
+
+bvec2 greaterThanEqual(uvec2 a, uvec2 b)
+{
+    return bvec2(a.x >= b.x, a.y >= b.y);
+}
+
+bool any(bvec2 b)
+{
+    return b.x || b.y;
+}
+
+bool any(bvec3 b)
+{
+    return b.x || b.y || b.z;
+}
+
+bool all(bvec2 b)
+{
+    return b.x && b.y;
 }
 
 using std::abs;

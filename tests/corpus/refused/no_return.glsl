@@ -1,6 +1,6 @@
 // A function that returns nothing on one path.
 // refused: `f`
-// refused: returns
+// refused: return
 float f(float p)
 {
     if (p < 0.5)
