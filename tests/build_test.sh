@@ -9,7 +9,8 @@ mkdir "$tree"
 (cd "$root" && for entry in *; do [ "$entry" = build ] || cp -a "$entry" "$tree/" || exit; done &&
     mkdir "$tree/build" && for entry in build/.ninja_* build/*; do
         case $entry in
-        build/asan | build/barrier-audit | build/bundle | build/cache | build/check | build/demo | build/swiftshader | build/tests) ;;
+        build/asan | build/barrier-audit | build/bundle | build/cache | build/check | build/demo | build/equal-inputs) ;;
+        build/swiftshader | build/tests) ;;
         *) cp -a "$entry" "$tree/build/" || exit ;;
         esac
     done) || exit
