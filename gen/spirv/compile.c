@@ -189,7 +189,8 @@ static void add_lines(const char *code, struct text *out)
         else
             text_add_bytes(out, code, (size_t)(end - code));
         if (!strncmp(code, "#version", 8))
-            text_add(out, "#extension GL_GOOGLE_cpp_style_line_directive : enable\n");
+            text_add(out, "#extension GL_GOOGLE_cpp_style_line_directive : enable\n"
+                          "#line 2 \"0\"\n"); /* generated text is of no file */
     }
 }
 
