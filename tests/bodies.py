@@ -9,7 +9,7 @@ import shutil
 import struct
 import subprocess
 
-TIMEOUT = 60   # seconds for one command
+TIMEOUT = 240  # seconds for one command
 HEAD = """pipeline: {name}
 params:
   one: {{value: 1.0, live: true}}
