@@ -361,9 +361,13 @@ bool identities()
 bool remainders()
 {
     for (int i = 0; i < 2000000; i++) {
-        float n = (float)(1 + random_bits() % 4096), k = (float)(random_bits() % 16777216);
+        float n = (float)(1 + random_bits() % (i % 2 ? 4096 : 8388608)),
+              k = (float)(random_bits() % 16777216);
         float rest = exact_mod(k, n);
         if (rest != fmodf(k, n))
+            return false;
+        float below = exact_mod(-k, n), wanted = fmodf(k, n);
+        if (below != (wanted == 0.0f ? 0.0f : n - wanted))
             return false;
     }
     return true;
