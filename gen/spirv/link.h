@@ -16,7 +16,7 @@ struct spirv_link {
 /* Reads the library, once per process, from any thread. False when out of memory. */
 bool spirv_library_start(void);
 
-/* A hash of the library: part of what a cached shader is made from. */
+/* A hash of the library's words. Cached shaders of another library are not used. */
 uint32_t spirv_library_hash(void);
 
 bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit);
