@@ -29,7 +29,7 @@ void main()
         ivec2 within = clamp(ivec2(at), ivec2(0), ivec2(rsm_size - 1)); /* against rounding */
         vec3 d = x - rsm_position(within).xyz;
         float square = max(dot(d, d), closest);
-        float cosines = max(dot(rsm_normal(within).xyz, d), 0.0) * max(-dot(n, d), 0.0);
+        float cosines = max(dot(rsm_normal(within).xyz, d), 0.0) * max(0.0, -dot(n, d));
         float below = reciprocal_estimate(square * (square + bound));
         sum += rsm_flux(within).rgb * (tap.weight * cosines * below);
     }

@@ -39,7 +39,7 @@ vec3 sample_flux(vec3 x, float count)
     float share = frame.light.area / count;
     if (frame.light.kind == 0)
         return frame.light.color * share;
-    float cosine = max(-dot(to_light(x), frame.light.direction), 0.0);
+    float cosine = max(0.0, -dot(to_light(x), frame.light.direction));
     return frame.light.color * (spot_falloff(cosine) * share * cosine * cosine * cosine);
 }
 
@@ -53,6 +53,6 @@ float sample_area(vec3 x, vec3 n, float count)
     if (frame.light.kind == 0)
         return share / slope;
     vec3 d = frame.light.position - x;
-    float cosine = max(-dot(l, frame.light.direction), 0.0);
+    float cosine = max(0.0, -dot(l, frame.light.direction));
     return share * cosine * cosine * cosine * dot(d, d) / slope;
 }

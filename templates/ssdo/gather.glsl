@@ -32,7 +32,7 @@ void main()
         float square = max(dot(across, across), closest);
         /* Hidden by a surface in reach: that is the occluder. */
         bool hidden = inside && y.w > 0.0 && y.w < clip.w && square < most * most;
-        float leaving = max(-dot(gbuffer_normal(texel).xyz, across), 0.0);
+        float leaving = max(0.0, -dot(gbuffer_normal(texel).xyz, across));
         float arriving = max(dot(n, across), 0.0);
         /* The occluder stands for a disk, an equal part of a disk of the radius. A disk, unlike a
          * point, bounds the light nearby. */

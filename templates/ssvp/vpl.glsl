@@ -15,7 +15,7 @@ float geometry_term(vec3 d, vec3 normal, float disk, vec3 n, float closest)
 {
     float square = max(dot(d, d), closest);
     float leaving = max(dot(normal, d), 0.0);
-    float arriving = max(-dot(n, d), 0.0);
+    float arriving = max(0.0, -dot(n, d));
     float below = square * square + disk * leaving * sqrt_estimate(square);
     return leaving * arriving * reciprocal_estimate(below);
 }
