@@ -590,6 +590,7 @@ static bool add_parts(struct glsl *glsl)
         if (!glsl_body(glsl))
             return false;
         glsl_end(glsl);
+        glsl_zero(glsl);
         glsl_texels(glsl);
         if (glsl->expanded) /* with its macros */
             glsl->files = NULL;

@@ -81,6 +81,8 @@ bool glsl_body(struct glsl *glsl);
 /* glsl_body.c: into PART_END: colour targets are rounded; Vulkan's vertex stage of a layered draw
  * drops vertices of layers that are not drawn. */
 void glsl_end(struct glsl *glsl);
+/* glsl_body.c: diptych_zero(), into PART_END. */
+void glsl_zero(struct glsl *glsl);
 /* emit_glsl.c: the generator's macros of the stage, and those of the pass's `defines`. */
 void glsl_macros(const struct glsl *glsl, struct text *out);
 void glsl_defines(const struct glsl *glsl, struct text *out);

@@ -123,6 +123,19 @@ void glsl_end(struct glsl *glsl)
     text_free(&statements);
 }
 
+/* For the library of exact arithmetic, templates/glsl/exact.glsl. */
+void glsl_zero(struct glsl *glsl)
+{
+    static const char *const zero[] = {[STAGE_IS_COMPUTE] = "gl_WorkGroupID.x >> 31",
+                                       [STAGE_IS_VERTEX] = "uint(gl_VertexIndex) >> 31",
+                                       [STAGE_IS_FRAGMENT] = "uint(gl_FrontFacing) >> 1"};
+    if (!glsl->pipeline->fast)
+        text_add(
+            &glsl->parts[PART_END],
+            "/* Zero, which no compiler knows. */\nuint diptych_zero()\n{\n    return %s;\n}\n",
+            zero[glsl->stage]);
+}
+
 /* ---- Places ---------------------------------------------------------------------------------- */
 
 /* The line and file of a #line directive; false: another line. */

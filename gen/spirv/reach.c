@@ -1,5 +1,6 @@
 /* Leaves out what the entry point does not reach: functions, variables, types, constants, and their
- * names and decorations. Inputs and outputs stay, since stages agree on them. */
+ * names and decorations. Inputs and outputs stay, since stages agree on them; but inputs that are
+ * built in go, too. */
 #include <spirv/unified1/spirv.h>
 #include <stdlib.h>
 
@@ -27,15 +28,32 @@ static void mark_operands(struct reach *reach, const uint32_t *instruction)
             mark(reach, instruction[word]);
 }
 
-/* Operands behind the name of an entry point are its inputs and outputs. */
-static void mark_entry(struct reach *reach, const uint32_t *entry)
+static bool is_built_in_input(const struct spirv *module, uint32_t variable)
+{
+    if (spirv_definition(module, variable)[3] != SpvStorageClassInput)
+        return false;
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    if (spirv_is(module->words + at, SpvOpDecorate) && module->words[at + 1] == variable &&
+        module->words[at + 2] == SpvDecorationBuiltIn)
+        return true;
+    return false;
+}
+
+/* The word of the first input or output of an entry point, behind its name. */
+static uint32_t first_variable(const uint32_t *entry)
 {
     uint32_t word = 3;
     while (word < spirv_length(entry) && entry[word] >> 24)
         word++; /* the last word of a text ends with zero */
+    return word + 1;
+}
+
+static void mark_entry(struct reach *reach, const uint32_t *entry)
+{
     mark(reach, entry[2]);
-    for (word++; word < spirv_length(entry); word++)
-        mark(reach, entry[word]);
+    for (uint32_t word = first_variable(entry); word < spirv_length(entry); word++)
+        if (!is_built_in_input(reach->module, entry[word]))
+            mark(reach, entry[word]);
 }
 
 static void mark_function(struct reach *reach, size_t at)
@@ -78,13 +96,30 @@ static bool is_target_live(const struct reach *reach, const uint32_t *instructio
     return !has_target || reach->live[instruction[1]];
 }
 
+/* Without the inputs that go. */
+static void copy_entry(const struct reach *reach, struct spirv_edit *edit, const uint32_t *entry)
+{
+    size_t start = edit->front.count;
+    uint32_t kept = first_variable(entry);
+    spirv_copy(edit, &edit->front, entry);
+    if (edit->failed)
+        return;
+    for (uint32_t word = kept; word < spirv_length(entry); word++)
+        if (reach->live[entry[word]])
+            edit->front.data[start + kept++] = entry[word];
+    edit->front.data[start] = kept << 16 | SpvOpEntryPoint;
+    edit->front.count = start + kept;
+}
+
 static void copy_live(const struct reach *reach, struct spirv_edit *edit)
 {
     const struct spirv *module = reach->module;
     edit->front.count = SPIRV_HEADER;
     edit->declarations.count = 0;
     SPIRV_EACH(module, at, SPIRV_HEADER, module->declarations)
-    if (is_target_live(reach, module->words + at))
+    if (spirv_is(module->words + at, SpvOpEntryPoint))
+        copy_entry(reach, edit, module->words + at);
+    else if (is_target_live(reach, module->words + at))
         spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
                    module->words + at);
     SPIRV_EACH(module, at, module->declarations, module->code)
