@@ -89,6 +89,11 @@ void diptych_end()
 {
     color = store_half(color);
 }
+/* Zero, which no compiler knows. */
+uint diptych_zero()
+{
+    return uint(gl_FrontFacing) >> 1;
+}
 
 #line 1 1
 #ifdef VERTEX

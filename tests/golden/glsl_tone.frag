@@ -90,6 +90,12 @@ float depth_sample(vec2 uv)
     return filter_level_depth(depth_texture, vec3(uv, 0.0), 0, vec4(0, 0, 0, 1)).x;
 }
 
+/* Zero, which no compiler knows. */
+uint diptych_zero()
+{
+    return uint(gl_FrontFacing) >> 1;
+}
+
 #line 1 1
 void main()
 {
