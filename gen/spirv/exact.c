@@ -274,11 +274,37 @@ static bool put_shift(struct exact *exact, const uint32_t *shift)
     return true;
 }
 
+/* Whether a product of matrix and scalar is `matrix / -(-s)`, which glslang.cpp made of the author's
+ * `matrix / s`; it is written as an instruction with the operands matrix and s. */
+static bool is_quotient(const struct exact *exact, const uint32_t *product, uint32_t quotient[5])
+{
+    const struct spirv *from = exact->from;
+    uint32_t one;
+    if (!spirv_is(product, SpvOpMatrixTimesScalar))
+        return false;
+    const uint32_t *inverse = spirv_definition(from, product[4]);
+    if (!spirv_is(inverse, SpvOpFDiv) || !constant_bits(exact, inverse[3], &one) ||
+        one != 0x3f800000)
+        return false;
+    const uint32_t *outer = spirv_definition(from, inverse[4]);
+    const uint32_t *inner =
+        spirv_is(outer, SpvOpFNegate) ? spirv_definition(from, outer[3]) : outer;
+    if (inner == outer || !spirv_is(inner, SpvOpFNegate))
+        return false;
+    memcpy(quotient, product, 4 * sizeof *quotient);
+    quotient[4] = inner[3];
+    return true;
+}
+
 /* Writes calls instead of an open operation; false: it stays. */
 static bool replace(struct exact *exact, const uint32_t *instruction)
 {
-    uint32_t first;
+    uint32_t first, quotient[5];
     const char *name = replacement_of(exact, instruction, &first);
+    if (is_quotient(exact, instruction, quotient)) {
+        instruction = quotient;
+        name = "exact_quotient";
+    }
     if (!name)
         return put_shift(exact, instruction);
     if (put_product(exact, instruction))

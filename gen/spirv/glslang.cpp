@@ -9,6 +9,7 @@ extern "C" {
 #include <string>
 #include <vector>
 
+#include <glslang/Include/intermediate.h>
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
@@ -69,6 +70,30 @@ void set_text(glslang::TShader &shader, const glslang_job &job)
     set_targets(shader, stages[job.stage], job);
 }
 
+/* glslang writes `matrix / s` as matrix * (1.0 / s), which rounds twice. As `matrix / -(-s)` the pass
+ * `exact` knows it from a product that the author wrote. */
+class MatrixQuotients : public glslang::TIntermTraverser
+{
+  public:
+    bool visitBinary(glslang::TVisit, glslang::TIntermBinary *node) override
+    {
+        bool divides = node->getOp() == glslang::EOpDiv || node->getOp() == glslang::EOpDivAssign;
+        if (divides && node->getLeft()->isMatrix() && node->getRight()->isScalar())
+            node->setRight(negative(negative(node->getRight())));
+        return true;
+    }
+
+  private:
+    static glslang::TIntermTyped *negative(glslang::TIntermTyped *operand)
+    {
+        glslang::TType type(operand->getBasicType(), glslang::EvqTemporary);
+        auto *node = new glslang::TIntermUnary(glslang::EOpNegative, type);
+        node->setOperand(operand);
+        node->setLoc(operand->getLoc());
+        return node;
+    }
+};
+
 } // namespace
 
 extern "C" bool glslang_start(void)
@@ -98,6 +123,8 @@ try {
     glslang::SpvOptions options;
     options.generateDebugInfo = job->lines;
     options.disableOptimizer = true;
+    MatrixQuotients quotients;
+    program.getIntermediate(stage)->getTreeRoot()->traverse(&quotients);
     glslang::GlslangToSpv(*program.getIntermediate(stage), words, &options);
     *count = words.size();
     void *copy = std::malloc(words.size() * sizeof words[0]);
