@@ -100,6 +100,7 @@ static bool compile(const struct model *model, const struct pass *pass, bool lin
                                     .stage = shader->stage,
                                     .minor = minor_version(shader),
                                     .lines = lines,
+                                    .marked = !model->pipeline.fast,
                                     .include = body_include,
                                     .user = shader->files};
     size_t count;

@@ -186,6 +186,17 @@ static uint32_t declare_constant(struct exact *exact, uint32_t type, uint32_t bi
                          (uint32_t[]){part, part, part, part}, declared[3]);
 }
 
+/* Whether the author wrote the operation. */
+static bool is_marked(const struct exact *exact, uint32_t id)
+{
+    const struct spirv *from = exact->from;
+    SPIRV_EACH(from, at, from->annotations, from->declarations)
+    if (spirv_is(from->words + at, SpvOpDecorate) && from->words[at + 1] == id &&
+        from->words[at + 2] == SpvDecorationRelaxedPrecision)
+        return true;
+    return false;
+}
+
 /* ---- Instructions ---------------------------------------------------------------------------- */
 
 static void mark(struct exact *exact, uint32_t id)
@@ -274,25 +285,20 @@ static bool put_shift(struct exact *exact, const uint32_t *shift)
     return true;
 }
 
-/* Whether a product of matrix and scalar is `matrix / -(-s)`, which glslang.cpp made of the author's
- * `matrix / s`; it is written as an instruction with the operands matrix and s. */
+/* Whether a product of matrix and scalar is what glslang makes of `matrix / s`: matrix * (1.0 / s),
+ * which rounds twice, with a division that is not the author's (glslang.h). It is written as an
+ * instruction with the operands matrix and s. */
 static bool is_quotient(const struct exact *exact, const uint32_t *product, uint32_t quotient[5])
 {
-    const struct spirv *from = exact->from;
     uint32_t one;
     if (!spirv_is(product, SpvOpMatrixTimesScalar))
         return false;
-    const uint32_t *inverse = spirv_definition(from, product[4]);
+    const uint32_t *inverse = spirv_definition(exact->from, product[4]);
     if (!spirv_is(inverse, SpvOpFDiv) || !constant_bits(exact, inverse[3], &one) ||
-        one != 0x3f800000)
-        return false;
-    const uint32_t *outer = spirv_definition(from, inverse[4]);
-    const uint32_t *inner =
-        spirv_is(outer, SpvOpFNegate) ? spirv_definition(from, outer[3]) : outer;
-    if (inner == outer || !spirv_is(inner, SpvOpFNegate))
+        one != 0x3f800000 || is_marked(exact, inverse[2]))
         return false;
     memcpy(quotient, product, 4 * sizeof *quotient);
-    quotient[4] = inner[3];
+    quotient[4] = inverse[4];
     return true;
 }
 

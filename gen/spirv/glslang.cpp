@@ -9,7 +9,6 @@ extern "C" {
 #include <string>
 #include <vector>
 
-#include <glslang/Include/intermediate.h>
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
@@ -63,36 +62,26 @@ const EShLanguage stages[] = {EShLangCompute, EShLangVertex, EShLangFragment};
 const EShMessages rules = static_cast<EShMessages>(EShMsgSpvRules | EShMsgCascadingErrors |
                                                    EShMsgVulkanRules | EShMsgKeepUncalled);
 
-void set_text(glslang::TShader &shader, const glslang_job &job)
+/* Behind #version: default precisions, by which the pass `exact` knows the author's operations. They
+ * mean nothing else to it. */
+const char *const precisions = "precision mediump float;\nprecision mediump int;\n#line 2 0\n";
+
+struct Text { /* its pieces must stay until the shader is parsed */
+    const char *pieces[3];
+    int lengths[3];
+};
+
+void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
 {
-    shader.setStrings(&job.code, 1);
+    const char *behind = std::strchr(job.code, '\n') + 1; /* #version */
+    text = {{job.code, precisions, behind}, {static_cast<int>(behind - job.code), -1, -1}};
+    if (job.marked)
+        shader.setStringsWithLengths(text.pieces, text.lengths, 3);
+    else
+        shader.setStrings(&job.code, 1);
     shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
     set_targets(shader, stages[job.stage], job);
 }
-
-/* glslang writes `matrix / s` as matrix * (1.0 / s), which rounds twice. As `matrix / -(-s)` the pass
- * `exact` knows it from a product that the author wrote. */
-class MatrixQuotients : public glslang::TIntermTraverser
-{
-  public:
-    bool visitBinary(glslang::TVisit, glslang::TIntermBinary *node) override
-    {
-        bool divides = node->getOp() == glslang::EOpDiv || node->getOp() == glslang::EOpDivAssign;
-        if (divides && node->getLeft()->isMatrix() && node->getRight()->isScalar())
-            node->setRight(negative(negative(node->getRight())));
-        return true;
-    }
-
-  private:
-    static glslang::TIntermTyped *negative(glslang::TIntermTyped *operand)
-    {
-        glslang::TType type(operand->getBasicType(), glslang::EvqTemporary);
-        auto *node = new glslang::TIntermUnary(glslang::EOpNegative, type);
-        node->setOperand(operand);
-        node->setLoc(operand->getLoc());
-        return node;
-    }
-};
 
 } // namespace
 
@@ -107,8 +96,9 @@ try {
     glslang::TShader shader(stage);
     glslang::TProgram program;
     Files files(*job);
+    Text text;
     *log = nullptr;
-    set_text(shader, *job);
+    set_text(shader, *job, text);
     if (!shader.parse(GetDefaultResources(), VERSION_GLSL, ECoreProfile, false, false, rules,
                       files)) {
         *log = strdup(shader.getInfoLog());
@@ -123,8 +113,6 @@ try {
     glslang::SpvOptions options;
     options.generateDebugInfo = job->lines;
     options.disableOptimizer = true;
-    MatrixQuotients quotients;
-    program.getIntermediate(stage)->getTreeRoot()->traverse(&quotients);
     glslang::GlslangToSpv(*program.getIntermediate(stage), words, &options);
     *count = words.size();
     void *copy = std::malloc(words.size() * sizeof words[0]);
@@ -140,15 +128,16 @@ extern "C" char *glslang_preprocess(const glslang_job *job, char **log)
 try {
     glslang::TShader shader(stages[job->stage]);
     Files files(*job);
-    std::string text;
+    Text text;
+    std::string out;
     *log = nullptr;
-    set_text(shader, *job);
+    set_text(shader, *job, text);
     if (!shader.preprocess(GetDefaultResources(), VERSION_GLSL, ECoreProfile, false, false, rules,
-                           &text, files)) {
+                           &out, files)) {
         *log = strdup(shader.getInfoLog());
         return nullptr;
     }
-    return strdup(text.c_str());
+    return strdup(out.c_str());
 } catch (const std::exception &exception) {
     *log = strdup(exception.what());
     return nullptr;

@@ -17,10 +17,12 @@ struct glslang_file {
 };
 
 struct glslang_job {
-    const char *code; /* Vulkan's GLSL */
+    const char *code; /* Vulkan's GLSL; its first line is #version */
     int stage;        /* enum stage */
     int minor;        /* of the version of SPIR-V: 1.0, 1.3 or 1.5 */
     bool lines;       /* with OpLine */
+    bool marked;      /* the author's operations have RelaxedPrecision, those that glslang adds have
+                         not */
     /* #include "name" in the file of that number; "": in `code`. False: there is none. */
     bool (*include)(const void *user, const char *from, const char *name,
                     struct glslang_file *file);
