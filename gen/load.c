@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "shader_cache.h"
-#include "watchdog.h"
 
 static bool read(struct spec *spec, const struct spec_request *request, struct diag *diag)
 {
@@ -45,13 +44,8 @@ static bool load(struct spec *spec, const struct spec_request *request, bool tab
 bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
                struct diag *diag)
 {
-    if (!watchdog_start(request->seconds ? request->seconds : SPEC_SECONDS)) {
-        diag_error(diag, (struct loc){0}, "no timer: %s", strerror(errno));
-        return false;
-    }
     memory_forget();
     bool good = load(spec, request, tables, diag);
-    watchdog_stop();
     if (memory_was_lost() || (!good && !diag_error_count(diag))) { /* all else is reported */
         diag_error(diag, (struct loc){0}, "out of memory");
         return false;

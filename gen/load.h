@@ -5,8 +5,6 @@
 
 #include "lower.h"
 
-enum { SPEC_SECONDS = 60 }; /* of processor time, which is enough for a hundred of ssvp's size */
-
 struct spec_request {
     const char *path;
     const char *const *sets; /* "PATH=VALUE" */
@@ -16,7 +14,6 @@ struct spec_request {
     const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
     bool prove;            /* --prove */
     bool text;             /* also OpenGL's GLSL */
-    unsigned seconds;      /* limit of processor time (watchdog.h); 0: SPEC_SECONDS */
 };
 
 /* The results for one spec. Zero before spec_load; call spec_free also after an error. */

@@ -11,6 +11,7 @@
 
 #include "command.h"
 #include "load.h"
+#include "watchdog.h"
 
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
 enum { GENERATED_COLUMNS = 100 };
@@ -332,9 +333,14 @@ static enum status generate(struct generation *g)
                                    .templates = g->templates,
                                    .prove = options->prove,
                                    .text = options->out != NULL,
-                                   .seconds = (unsigned)seconds,
                                    .cache = options->cache};
-    if (!spec_load(&g->spec, &request, options->out || options->needs, g->diag))
+    if (!watchdog_start((unsigned)seconds)) {
+        fprintf(stderr, "diptych-gen: error: no timer: %s\n", strerror(errno));
+        return STATUS_FAILED;
+    }
+    bool good = spec_load(&g->spec, &request, options->out || options->needs, g->diag);
+    watchdog_stop();
+    if (!good)
         return STATUS_WRONG_SPEC;
     if (options->needs) {
         struct text text = {0};

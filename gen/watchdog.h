@@ -1,9 +1,12 @@
-/* Ends the process when a spec takes too much processor time or memory, with a message: glslang can
- * neither be interrupted nor be told a limit. Called by load.c and shaders.c. */
+/* Ends a command when a spec takes too much processor time or memory, with a message: glslang can
+ * neither be interrupted nor be told a limit. Commands start it around spec_load; a library does
+ * not, since it never ends its host. shaders.c tells it the passes. */
 #ifndef DIPTYCH_GEN_WATCHDOG_H
 #define DIPTYCH_GEN_WATCHDOG_H
 
 #include <stdbool.h>
+
+enum { SPEC_SECONDS = 60 }; /* of processor time, which is enough for a hundred of ssvp's size */
 
 /* From here on, the process ends with status 1 after so many seconds of processor time of all its
  * threads, and when C++ code runs out of memory. False: errno. */

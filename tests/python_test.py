@@ -295,6 +295,29 @@ def test_several_at_once_keep_apart(negative):
     assert (opened[2].render("picture")["picture"] == pictures[2]).all()
 
 
+LITTLE_MEMORY = """import resource, sys, diptych
+used = int(open("/proc/self/statm", encoding="ascii").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + (int(sys.argv[2]) << 20), resource.RLIM_INFINITY))
+try:
+    diptych.open(sys.argv[1], size=(16, 8))
+except diptych.Error as error:
+    print("told:", error)
+"""
+
+
+@pytest.mark.parametrize("megabytes", [8, 16, 24])
+def test_little_memory_ends_no_host(tmp_path, megabytes):
+    spec = tmp_path / "little.yaml"
+    spec.write_text("pipeline: little\nimages:\n  grey: {format: r32f, size: [8, 8]}\npasses:\n"
+                    "  - {name: fill, dispatch: 1, writes: [grey], shader: fill.glsl}\n", encoding="utf-8")
+    body = "".join(f"float f{i}(float x) {{ return sin(x + {megabytes}.{i}); }}\n" for i in range(3000))  # in no cache
+    (tmp_path / "fill.glsl").write_text(body + "void main() { grey_store(ivec2(0), vec4(f7(2.0))); }\n", encoding="utf-8")
+    done = subprocess.run([sys.executable, "-c", LITTLE_MEMORY, spec, str(megabytes)], capture_output=True, text=True,
+                          check=False, env={**os.environ, "PYTHONPATH": os.path.dirname(diptych.__file__)})
+    assert done.returncode == 0, done.stderr
+    assert "out of memory" in done.stdout
+
+
 def test_python_keeps_its_signals(negative):
     with open_negative(negative), pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)

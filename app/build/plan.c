@@ -13,6 +13,7 @@
 #include "gen/body_files.h"
 #include "gen/load.h"
 #include "gen/spirv/cross.h"
+#include "gen/watchdog.h"
 
 struct plan {
     struct spec spec;
@@ -50,7 +51,11 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
     struct diag *diag = diag_create();
     bool good = plan && diag;
     if (good) {
+        /* the library has no limits: they would end its host */
+        bool limited = !console->attached && watchdog_start(SPEC_SECONDS);
         good = spec_load(&plan->spec, &wanted, true, diag);
+        if (limited)
+            watchdog_stop();
         tell(diag, !good, console);
     } else {
         report_error(&console->log, "out of memory");

@@ -60,25 +60,14 @@ static bool pass_words(const struct model *model, const struct pass *pass, uint3
     return good;
 }
 
-/* By SPIR-V's rules: those of Vulkan take half as long again, and tests/golden_test.sh holds the
- * modules to both APIs. Names for messages take most of the time, so only an invalid module gets
- * them. */
 static bool validate(const struct pass *pass, const struct shader *shader, struct diag *diag)
 {
-    spv_context context = spvContextCreate(SPV_ENV_UNIVERSAL_1_6);
-    spv_validator_options options = spvValidatorOptionsCreate();
-    spvValidatorOptionsSetFriendlyNames(options, false);
-    spv_const_binary_t binary = {shader->words, shader->word_count};
-    bool valid = spvValidateWithOptions(context, options, &binary, NULL) == SPV_SUCCESS;
-    if (!valid && diag) {
-        spv_diagnostic diagnostic = NULL;
-        spvValidateBinary(context, shader->words, shader->word_count, &diagnostic);
+    char *why = NULL;
+    bool valid = glslang_valid(shader->words, shader->word_count, diag ? &why : NULL);
+    if (!valid && diag)
         diag_error(diag, pass->shader_loc, "pass %s: spirv-val says: %s", pass->name,
-                   diagnostic && diagnostic->error ? diagnostic->error : "invalid module");
-        spvDiagnosticDestroy(diagnostic);
-    }
-    spvValidatorOptionsDestroy(options);
-    spvContextDestroy(context);
+                   why ? why : "invalid module");
+    free(why);
     return valid;
 }
 

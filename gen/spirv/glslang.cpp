@@ -12,6 +12,7 @@ extern "C" {
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
+#include <spirv-tools/libspirv.hpp>
 
 namespace
 {
@@ -119,6 +120,8 @@ try {
     if (copy)
         std::memcpy(copy, words.data(), words.size() * sizeof words[0]);
     return static_cast<uint32_t *>(copy);
+} catch (const std::bad_alloc &) {
+    return nullptr;
 } catch (const std::exception &exception) {
     *log = strdup(exception.what());
     return nullptr;
@@ -138,7 +141,27 @@ try {
         return nullptr;
     }
     return strdup(out.c_str());
+} catch (const std::bad_alloc &) {
+    return nullptr;
 } catch (const std::exception &exception) {
     *log = strdup(exception.what());
     return nullptr;
+}
+
+extern "C" bool glslang_valid(const uint32_t *words, size_t count, char **why)
+try {
+    spvtools::SpirvTools tools(SPV_ENV_UNIVERSAL_1_6);
+    spvtools::ValidatorOptions options;
+    options.SetFriendlyNames(why != nullptr);
+    std::string said;
+    tools.SetMessageConsumer([&said](spv_message_level_t, const char *, const spv_position_t &,
+                                     const char *message) { said = message; });
+    bool valid = tools.Validate(words, count, options);
+    if (why && !valid)
+        *why = strdup(said.c_str());
+    return valid;
+} catch (const std::exception &exception) {
+    if (why)
+        *why = strdup(exception.what());
+    return false;
 }
