@@ -29,9 +29,7 @@ struct gl_context_kind {
     bool (*make)(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why);
     bool (*current)(struct gl_context *ctx);
     GLADapiproc (*load)(void *ctx, const char *name);
-    /* `unload` also unloads the driver, so that the driver reads the environment again when it is
-     * loaded next. */
-    void (*destroy)(struct gl_context *ctx, bool unload);
+    void (*destroy)(struct gl_context *ctx);
     const char *driver; /* required in GL_RENDERER; NULL: any driver */
 };
 
@@ -115,9 +113,8 @@ static GLADapiproc egl_load(void *ctx, const char *name)
     return (GLADapiproc)eglGetProcAddress(name);
 }
 
-/* A process has one display; terminating it would break every other runtime. Only make_overridden
- * terminates it, before the first context. */
-static void egl_destroy(struct gl_context *ctx, bool unload)
+/* A process has one display; terminating it would break every other runtime. */
+static void egl_destroy(struct gl_context *ctx)
 {
     if (!ctx->display)
         return;
@@ -125,8 +122,6 @@ static void egl_destroy(struct gl_context *ctx, bool unload)
     if (ctx->context)
         eglDestroyContext(ctx->display, ctx->context);
     eglReleaseThread();
-    if (unload)
-        eglTerminate(ctx->display);
 }
 
 /* ---- zink: EGL without a surface, OpenGL by way of Vulkan ------------------------------------ */
@@ -186,9 +181,8 @@ static GLADapiproc osmesa_load(void *ctx, const char *name)
     return (GLADapiproc)OSMESA((struct gl_context *)ctx, OSMesaGetProcAddress)(name);
 }
 
-static void osmesa_destroy(struct gl_context *ctx, bool unload)
+static void osmesa_destroy(struct gl_context *ctx)
 {
-    (void)unload; /* dlclose counts references */
     if (ctx->context) {
         OSMESA(ctx, OSMesaMakeCurrent)(NULL, NULL, 0, 0, 0);
         OSMESA(ctx, OSMesaDestroyContext)(ctx->context);
@@ -251,9 +245,8 @@ static GLADapiproc window_load(void *ctx, const char *name)
     return (GLADapiproc)glfwGetProcAddress(name);
 }
 
-static void window_destroy(struct gl_context *ctx, bool unload)
+static void window_destroy(struct gl_context *ctx)
 {
-    (void)unload;
     if (ctx->window)
         glfwDestroyWindow(ctx->window);
     if (ctx->owns_glfw)
@@ -269,10 +262,10 @@ static const struct gl_context_kind kinds[] = {
 
 /* ---- The version ----------------------------------------------------------------------------- */
 
-static void destroy(struct gl_context *ctx, bool unload)
+static void destroy(struct gl_context *ctx)
 {
     if (ctx->kind)
-        ctx->kind->destroy(ctx, unload);
+        ctx->kind->destroy(ctx);
     *ctx = (struct gl_context){0};
 }
 
@@ -299,65 +292,17 @@ static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int 
         snprintf(why->text, sizeof why->text, "the driver does not give %s", ctx->missing);
     else if (made)
         snprintf(why->text, sizeof why->text, "the context cannot be made current");
-    destroy(ctx, false);
+    destroy(ctx);
     return false;
 }
 
-static const char *const core_4_6[] = {
-    /* what 4.6 added to 4.5 */
-    "GL_ARB_gl_spirv",
-    "GL_ARB_indirect_parameters",
-    "GL_ARB_pipeline_statistics_query",
-    "GL_ARB_polygon_offset_clamp",
-    "GL_ARB_shader_atomic_counter_ops",
-    "GL_ARB_shader_draw_parameters",
-    "GL_ARB_shader_group_vote",
-    "GL_ARB_spirv_extensions",
-    "GL_ARB_texture_filter_anisotropic",
-    "GL_ARB_transform_feedback_overflow_query",
-    "GL_KHR_no_error",
-};
-
-/* Called when the driver refused 4.6. Mesa's software drivers support all of 4.6 but report 4.5,
- * unless the environment overrides the version. A driver reads the environment once, when it is
- * loaded. So the trial context is destroyed and the driver unloaded first. */
-static bool make_overridden(struct gl_runtime *rt, const struct gl_context_kind *kind,
-                            struct reason *why)
+/* Mesa's software drivers have all of 4.6, but report 4.5. */
+static bool make_any(struct gl_runtime *rt, const struct gl_context_kind *kind)
 {
-    if (!make(rt, kind, 3, 3, why)) {
-        dt_error(&rt->core, "context %s: OpenGL 4.6 core is needed, and there is none: %s",
-                 kind->name, why->text);
-        return false;
-    }
-    const char *version = (const char *)rt->gl.GetString(GL_VERSION);
-    const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
-    bool mesa = version && strstr(version, "Mesa") && rt->gl.VERSION_4_5;
-    char missing[512];
-    bool complete = gl_has_all(rt, core_4_6, DT_ARRAY_COUNT(core_4_6), missing, sizeof missing);
-    if (mesa && complete && !getenv("MESA_GL_VERSION_OVERRIDE")) {
-        dt_log(&rt->core, DT_INFO,
-               "%s has every extension of OpenGL 4.6 but reports 4.5: setting "
-               "MESA_GL_VERSION_OVERRIDE=4.6 "
-               "MESA_GLSL_VERSION_OVERRIDE=460",
-               renderer);
-        destroy(&rt->context, true);
-        setenv("MESA_GL_VERSION_OVERRIDE", "4.6", 1);
-        setenv("MESA_GLSL_VERSION_OVERRIDE", "460", 1);
-        if (make(rt, kind, 4, 6, why))
-            return true;
-        dt_error(
-            &rt->core,
-            "context %s: %s, also with the version override: set MESA_GL_VERSION_OVERRIDE=4.6 and "
-            "MESA_GLSL_VERSION_OVERRIDE=460 before the program starts",
-            kind->name, why->text);
-        return false;
-    }
-    dt_error(&rt->core, "context %s: OpenGL 4.6 core is needed; %s gives only %s%s%s: %s",
-             kind->name, renderer, version, complete ? "" : ", without ", missing,
-             getenv("MESA_GL_VERSION_OVERRIDE") ? "unset MESA_GL_VERSION_OVERRIDE"
-                                                : "use a newer driver");
-    destroy(&rt->context, false);
-    return false;
+    struct reason why = {""};
+    return make(rt, kind, 4, 6, &why) || make(rt, kind, 4, 5, &why) ||
+           dt_error(&rt->core, "context %s: OpenGL 4.6 core is needed, and there is none: %s",
+                    kind->name, why.text);
 }
 
 /* ---- Messages -------------------------------------------------------------------------------- */
@@ -405,8 +350,7 @@ bool gl_context_open(struct gl_runtime *rt, const char *name)
     if (!kind)
         return dt_error(
             &rt->core, "there is no OpenGL context '%s': choose egl, zink, osmesa or window", name);
-    struct reason why = {""};
-    if (!make(rt, kind, 4, 6, &why) && !make_overridden(rt, kind, &why))
+    if (!make_any(rt, kind))
         return false;
 
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
@@ -418,7 +362,7 @@ bool gl_context_open(struct gl_runtime *rt, const char *name)
             name, renderer, kind->driver);
     if (rt->debug)
         hear_messages(rt);
-    return gl_context_suits(rt) && gl_state_fix(rt);
+    return gl_context_suits(rt, load, &rt->context) && gl_state_fix(rt);
 }
 
 void gl_context_wait_for_screen(void)
@@ -438,5 +382,5 @@ void gl_context_window_size(struct gl_runtime *rt, int *width, int *height)
 
 void gl_context_close(struct gl_runtime *rt)
 {
-    destroy(&rt->context, false);
+    destroy(&rt->context);
 }

@@ -18,8 +18,8 @@
  * diptych-gen generates `ssvp_gl` (a struct dt_shaders), SSVP_RESOURCE_DISPLAY and struct
  * ssvp_live: compile NAME.c and NAME_gl_shaders.c into the host, and include NAME.h.
  *
- * Context. OpenGL 4.6 core with GL_ARB_shader_viewport_layer_array, with error checks not turned
- * off. The same context must be current in every call, because contexts that share objects do not
+ * Context. OpenGL 4.6 core, or 4.5 with the extensions that became 4.6 (Mesa's software drivers report
+ * 4.5), and GL_ARB_shader_viewport_layer_array; error checks not turned off. The same context must be current in every call, because contexts that share objects do not
  * share vertex arrays and framebuffers. diptych makes no context current and swaps no buffers. This
  * header uses no OpenGL types and needs no loader header: texture and buffer names are unsigned
  * ints, like GLuint.

@@ -11,12 +11,18 @@ static bool leave(struct gl_runtime *rt, bool good)
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
+static GLADapiproc load(void *user, const char *name)
+{
+    const struct dt_gl_host *host = user;
+    return host->get_proc_address(name);
+}
+
 static bool open_in(struct gl_runtime *rt, const struct dt_gl_host *host)
 {
     if (!host->get_proc_address || !gladLoadGLContext(&rt->gl, host->get_proc_address))
         return dt_error(&rt->core, "OpenGL: no functions; make a context current, and give its "
                                    "get_proc_address");
-    return gl_context_suits(rt);
+    return gl_context_suits(rt, load, (void *)host);
 }
 
 struct gl_runtime *dt_gl_open(const struct dt_gl_host *host)

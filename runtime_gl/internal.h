@@ -131,8 +131,9 @@ void gl_context_close(struct gl_runtime *rt);
  * by blanks. */
 bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
                 size_t size);
-/* Checks that the current context has all required features, and reads its limits. */
-bool gl_context_suits(struct gl_runtime *rt);
+/* Checks that the current context has all required features, takes those functions that glad leaves
+ * out, and reads its limits. */
+bool gl_context_suits(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user);
 bool gl_is_software(const struct gl_runtime *rt); /* the driver draws on the CPU */
 /* Sets the state that passes rely on but do not set. */
 bool gl_state_fix(struct gl_runtime *rt);

@@ -8,7 +8,7 @@
 
 /* Vertices come from a storage buffer, already in clip space. */
 static const char vertex_text[] =
-    "#version 460 core\n"
+    "#version 450 core\n"
     "struct Vertex { float x, y, u, v; uint color; };\n"
     "layout(std430, binding = 0) readonly buffer Vertices { Vertex vertices[]; };\n"
     "layout(location = 0) out vec2 uv;\n"
@@ -22,7 +22,7 @@ static const char vertex_text[] =
     "    gl_Position = vec4(v.x, v.y, 0.0, 1.0);\n"
     "}\n";
 
-static const char fragment_text[] = "#version 460 core\n"
+static const char fragment_text[] = "#version 450 core\n"
                                     "layout(binding = 0) uniform sampler2D picture;\n"
                                     "layout(location = 0) in vec2 uv;\n"
                                     "layout(location = 1) in vec4 color;\n"

@@ -106,7 +106,23 @@ bool gl_is_software(const struct gl_runtime *rt)
     return false;
 }
 
-bool gl_context_suits(struct gl_runtime *rt)
+/* What this runtime takes of 4.6. A context of 4.5 that has them will do: Mesa's software drivers report
+ * 4.5, though they have every extension. */
+static const char *const core_4_6[] = {
+    "GL_ARB_gl_spirv",         "GL_ARB_polygon_offset_clamp",       "GL_ARB_shader_draw_parameters",
+    "GL_ARB_spirv_extensions", "GL_ARB_texture_filter_anisotropic",
+};
+
+/* glad leaves out the functions of a version that the context does not report. */
+static void take_4_6(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user)
+{
+    if (rt->gl.VERSION_4_6)
+        return;
+    rt->gl.SpecializeShader = (PFNGLSPECIALIZESHADERPROC)load(user, "glSpecializeShaderARB");
+    rt->gl.PolygonOffsetClamp = (PFNGLPOLYGONOFFSETCLAMPPROC)load(user, "glPolygonOffsetClamp");
+}
+
+bool gl_context_suits(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user)
 {
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
     const char *version = (const char *)rt->gl.GetString(GL_VERSION);
@@ -116,10 +132,15 @@ bool gl_context_suits(struct gl_runtime *rt)
     if (integer(rt, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_NO_ERROR_BIT)
         return dt_error(&rt->core, "%s: the context reports no errors; unset MESA_NO_ERROR",
                         device);
-    if (!rt->gl.VERSION_4_6 ||
+    if (!rt->gl.VERSION_4_5)
+        return dt_error(&rt->core, "%s lacks OpenGL 4.6: use a newer driver", device);
+    if ((!rt->gl.VERSION_4_6 &&
+         !gl_has_all(rt, core_4_6, DT_ARRAY_COUNT(core_4_6), missing, sizeof missing)) ||
         !gl_has_all(rt, needed, DT_ARRAY_COUNT(needed), missing, sizeof missing))
-        return dt_error(&rt->core, "%s lacks %s: use a newer driver", device,
-                        rt->gl.VERSION_4_6 ? missing : "OpenGL 4.6");
+        return dt_error(&rt->core, "%s lacks %s: use a newer driver", device, missing);
+    take_4_6(rt, load, user);
+    if (!rt->gl.SpecializeShader || !rt->gl.PolygonOffsetClamp)
+        return dt_error(&rt->core, "%s does not give the functions of OpenGL 4.6", device);
     read_limits(rt);
     return true;
 }

@@ -17,9 +17,6 @@
  * other output and no exit. With `debug`, each message of the validation layers or of KHR_debug is a
  * DT_ERROR, too, and fails the render.
  *
- * OpenGL. Where Mesa has every extension of 4.6 but reports 4.5, open sets MESA_GL_VERSION_OVERRIDE and
- * MESA_GLSL_VERSION_OVERRIDE in the environment of the process.
- *
  * Threads. The thread that opened a player uses it; dt_play_open itself is for one thread at a time. A
  * pipeline of `file` pictures, or a scene with textures, is read by a child process of fork(). */
 #ifndef DIPTYCH_PLAYER_H

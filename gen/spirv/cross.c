@@ -27,7 +27,7 @@ static bool set_options(spvc_compiler compiler)
 {
     spvc_compiler_options options = NULL;
     return spvc_compiler_create_compiler_options(compiler, &options) == SPVC_SUCCESS &&
-           spvc_compiler_options_set_uint(options, SPVC_COMPILER_OPTION_GLSL_VERSION, 460) ==
+           spvc_compiler_options_set_uint(options, SPVC_COMPILER_OPTION_GLSL_VERSION, 450) ==
                SPVC_SUCCESS &&
            spvc_compiler_options_set_bool(options, SPVC_COMPILER_OPTION_GLSL_ES, false) ==
                SPVC_SUCCESS &&

@@ -40,20 +40,17 @@ void renderer_open(void)
     const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
                                  4,
                                  EGL_CONTEXT_MINOR_VERSION,
-                                 6,
+                                 5,
                                  EGL_CONTEXT_OPENGL_PROFILE_MASK,
                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                  EGL_CONTEXT_OPENGL_DEBUG,
                                  getenv("HOST_DEBUG") != NULL,
                                  EGL_NONE};
-    /* Mesa's software driver has all of 4.6, and says so when asked. */
-    setenv("MESA_GL_VERSION_OVERRIDE", "4.6", 0);
-    setenv("MESA_GLSL_VERSION_OVERRIDE", "460", 0);
     EGLDisplay display =
         eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
     check(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API), "EGL");
     EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    check(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "OpenGL 4.6");
+    check(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context), "OpenGL 4.5");
     if (getenv("HOST_DEBUG")) {
         glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
         glDebugMessageCallback(on_message, NULL);
