@@ -230,6 +230,38 @@ bool command_parse(const struct command_line *command, void *options, int argc, 
     return true;
 }
 
+/* Whether an overlay may set this: parameters, and what `tune` chooses. An overlay may come from anyone,
+ * and names no file. */
+static bool is_tunable(const char *set)
+{
+    static const char *const keys[] = {"local", "storage", "loop"};
+    size_t length = strcspn(set, "=");
+    const char *last = memrchr(set, '.', length);
+    if (!last)
+        return length != strlen("include") || strncmp(set, "include", length) != 0;
+    if (strncmp(set, "params.", strlen("params.")) == 0)
+        return true;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys && strncmp(set, "passes.", 7) == 0; i++)
+        if (strlen(keys[i]) == (size_t)(set + length - last - 1) &&
+            strncmp(last + 1, keys[i], strlen(keys[i])) == 0)
+            return true;
+    return false;
+}
+
+/* A line `- PATH=VALUE`. */
+static bool take_line(struct text_list *all, const char *path, unsigned number, const char *line,
+                      const struct dt_log *log)
+{
+    if (strncmp(line, "- ", 2) != 0 || !strchr(line, '='))
+        return fail(log, "%s:%u:1: error: this is no line `- PATH=VALUE`", path, number);
+    if (!is_tunable(line + 2))
+        return fail(log,
+                    "%s:%u:3: error: an overlay sets parameters, `local`, `storage` and `loop` "
+                    "alone; use --set for `%.*s`",
+                    path, number, (int)strcspn(line + 2, "="), line + 2);
+    return append(all, line + 2, log);
+}
+
 bool command_overlay(struct text_list *sets, const char *path, char **text,
                      const struct dt_log *log)
 {
@@ -242,9 +274,7 @@ bool command_overlay(struct text_list *sets, const char *path, char **text,
     for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
         if (!*line || *line == '#')
             continue;
-        good = strncmp(line, "- ", 2) == 0 && strchr(line, '=')
-                   ? append(&all, line + 2, log)
-                   : fail(log, "%s:%u:1: error: this is no line `- PATH=VALUE`", path, number);
+        good = take_line(&all, path, number, line, log);
     }
     for (uint32_t i = 0; i < sets->count && good; i++)
         good = append(&all, sets->items[i], log);

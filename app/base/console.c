@@ -15,6 +15,7 @@
 
 #include "base/files.h"
 #include "base/place.h"
+#include "base/printable.h"
 
 enum { TICK_NS = 200000000, PROGRESS_AFTER_S = 2 };
 
@@ -36,10 +37,9 @@ static void keep(struct console *console, enum dt_level level, const char *text)
     console->kept_count += grown[console->kept_count].text != NULL;
 }
 
-static void print_message(void *user, enum dt_level level, const char *message)
+static void take_message(struct console *console, enum dt_level level, const char *message)
 {
     static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
-    struct console *console = user;
     struct place place;
     if (level == DT_ERROR)
         atomic_fetch_add(&console->errors, 1);
@@ -65,6 +65,13 @@ static void print_message(void *user, enum dt_level level, const char *message)
     if (console->keeps && level >= DT_WARNING)
         keep(console, level, message);
     pthread_mutex_unlock(&console->lock);
+}
+
+static void print_message(void *user, enum dt_level level, const char *message)
+{
+    char *text = text_is_printable(message) ? NULL : text_printable(message);
+    take_message(user, level, text ? text : message);
+    free(text);
 }
 
 void console_keep(struct console *console, enum dt_level level, const char *text)
@@ -265,7 +272,7 @@ void report_message(const struct dt_log *log, enum dt_level level, const char *f
     va_start(arguments, format);
     int length = vasprintf(&text, format, arguments);
     va_end(arguments);
-    log->message(log->user, level, length < 0 ? format : text);
+    log->message(log->user, level, length < 0 ? "out of memory" : text);
     if (length >= 0)
         free(text);
 }

@@ -15,6 +15,7 @@
 #include <xxhash.h>
 
 #include "base/console.h"
+#include "base/printable.h"
 #include "scenes/input.h"
 #include "scenes/scene.h"
 #include "scenes/temporary.h"
@@ -103,11 +104,13 @@ bool file_write(const char *path, const void *data, size_t size, const struct dt
 
 bool file_write_json(const char *path, const struct cJSON *value, const struct dt_log *log)
 {
-    char *text = cJSON_Print(value);
+    char *printed = cJSON_Print(value); /* paths and devices may hold bytes that are no UTF-8 */
+    char *text = printed ? text_replaced(printed) : NULL;
     if (!text)
         report_error(log, "%s: out of memory", path);
     bool good = text && file_write(path, text, strlen(text), log);
-    cJSON_free(text);
+    cJSON_free(printed);
+    free(text);
     return good;
 }
 

@@ -3,6 +3,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -138,12 +139,30 @@ bool folder_write_json(const struct folder *folder, const char *name, const stru
     return good;
 }
 
+/* The old and the new folder change places in one step, so that one of them stands there whenever this
+ * process is ended; folder_end removes the old one. File systems that cannot do that have none for a
+ * moment, and the old one beside it. */
+static bool exchange(const struct folder *folder)
+{
+    struct stat info;
+    if (lstat(folder->place, &info) != 0)
+        return errno == ENOENT && rename(folder->temporary, folder->place) == 0;
+    if (renameat2(AT_FDCWD, folder->temporary, AT_FDCWD, folder->place, RENAME_EXCHANGE) == 0)
+        return true;
+    if (errno != EINVAL && errno != ENOSYS)
+        return false;
+    char *aside = format_string("%s.old", folder->temporary);
+    bool good = aside && rename(folder->place, aside) == 0 &&
+                rename(folder->temporary, folder->place) == 0 && file_remove_tree(aside);
+    free(aside);
+    return good;
+}
+
 static bool put_in_place(struct folder *folder)
 {
     console_hold(folder->console);
     bool good = may_replace(folder);
-    if (good &&
-        (!file_remove_tree(folder->place) || rename(folder->temporary, folder->place) != 0)) {
+    if (good && !exchange(folder)) {
         report_error(&folder->console->log, "%s %s: cannot be put in its place: %s", folder->option,
                      folder->place, strerror(errno));
         good = false;
@@ -156,7 +175,7 @@ bool folder_end(struct folder *folder, bool keep)
 {
     bool good = !keep || (folder->temporary && put_in_place(folder));
     if (folder->temporary) {
-        file_remove_tree(folder->temporary); /* nothing is there when it was put in its place */
+        file_remove_tree(folder->temporary); /* the old one, when it was put in its place */
         console_forget(folder->console, folder->temporary);
     }
     free(folder->temporary);

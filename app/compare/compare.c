@@ -454,7 +454,7 @@ static bool load(struct compare *compare)
         return false;
     if (options->bisect && !evidence_can_write(console, options->bisect))
         return false;
-    if (!pipeline_load(&compare->pipeline, console, options) ||
+    if (!pipeline_load(&compare->pipeline, console, options) || !golden_suits(compare) ||
         !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||

@@ -86,6 +86,7 @@ const struct row *broken_row(const struct compare *compare, const struct pair *p
 /* Takes size and frames from the folder, or begins to write it; before the pipeline is loaded. These
  * three log their errors. */
 bool golden_open(struct compare *compare);
+bool golden_suits(const struct compare *compare); /* logged: it was made of another pipeline */
 /* Takes what the first side left in a row of rows.outputs, by its fingerprint; at the stop after its pass. */
 bool golden_add(struct compare *compare, uint32_t output, uint32_t frame, uint64_t hash);
 /* Finds what differs; --update: puts the new folder in its place, if the sides agree. */

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "base/foreign.h"
 #include "compare/compare.h"
 #include "result/picture.h"
 #include "scenes/image.h"
@@ -48,21 +49,29 @@ static bool is_whole(const cJSON *manifest)
 
 static bool read_manifest(struct compare *compare)
 {
-    const struct options *options = &compare->options;
+    const char *folder = compare->options.golden;
     const struct dt_log *log = &compare->console->log;
-    char *path = format_string("%s/manifest.json", options->golden);
-    size_t size;
-    if (path && !file_exists(path))
-        report_error(log, "--golden %s: nothing is kept there; make it with --update",
-                     options->golden);
-    char *text = path && file_exists(path) ? file_read(path, &size, log) : NULL;
-    compare->golden.kept = text ? cJSON_Parse(text) : NULL;
+    if (!foreign_has(folder, "manifest.json")) {
+        report_error(log, "--golden %s: nothing is kept there; make it with --update", folder);
+        return false;
+    }
+    compare->golden.kept = foreign_json(folder, "manifest.json", log);
     bool good = is_whole(compare->golden.kept);
-    if (text && !good)
-        report_error(log, "%s: was not written by --golden", path);
-    free(text);
-    free(path);
+    if (compare->golden.kept && !good)
+        report_error(log, "%s/manifest.json: was not written by --golden", folder);
     return good;
+}
+
+/* The pipeline's name is known when it is planned. */
+bool golden_suits(const struct compare *compare)
+{
+    const cJSON *kept = cJSON_GetObjectItem(compare->golden.kept, "pipeline");
+    const char *name = cJSON_GetStringValue(kept), *own = compare->pipeline.info->name;
+    if (!compare->golden.kept || (name && strcmp(name, own) == 0))
+        return true;
+    report_error(&compare->console->log, "--golden %s: is of the pipeline %s, this is %s",
+                 compare->options.golden, name ? name : "?", own);
+    return false;
 }
 
 bool golden_open(struct compare *compare)

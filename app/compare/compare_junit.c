@@ -4,16 +4,19 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "base/printable.h"
 #include "compare/compare.h"
 
 /* Control characters have no place in XML. */
-static void put_escaped(FILE *out, const char *text)
+static void put_escaped(FILE *out, const char *of)
 {
-    for (; *text; text++)
+    char *copy = text_printable(of);
+    for (const char *text = copy ? copy : ""; *text; text++)
         if (strchr("&<>\"", *text))
             fprintf(out, "&#%d;", *text);
         else
             fputc((unsigned char)*text < ' ' ? ' ' : *text, out);
+    free(copy);
 }
 
 static void put_attribute(FILE *out, const char *name, const char *text)

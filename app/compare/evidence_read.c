@@ -7,6 +7,7 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
+#include "base/foreign.h"
 #include "base/texels.h"
 #include "compare/evidence.h"
 
@@ -53,24 +54,21 @@ static bool read_number(const struct evidence_case *evidence, const cJSON *objec
 
 static bool read_manifest(struct evidence_case *evidence)
 {
-    char *path = format_string("%s/manifest.json", evidence->folder);
-    size_t size;
     uint32_t version;
-    char *text = path ? file_read(path, &size, log_of(evidence)) : NULL;
-    bool good = text;
-    evidence->manifest = text ? cJSON_Parse(text) : NULL;
-    if (text && !cJSON_HasObjectItem(evidence->manifest, EVIDENCE_MARK)) {
-        report_error(log_of(evidence), "%s: is no folder of compare --bisect", path);
+    evidence->manifest = foreign_json(evidence->folder, "manifest.json", log_of(evidence));
+    bool good = evidence->manifest;
+    if (good && !cJSON_HasObjectItem(evidence->manifest, EVIDENCE_MARK)) {
+        report_error(log_of(evidence), "%s/manifest.json: is no folder of compare --bisect",
+                     evidence->folder);
         good = false;
     }
     good = good && read_number(evidence, evidence->manifest, EVIDENCE_MARK, &version);
     if (good && version != EVIDENCE_VERSION) {
-        report_error(log_of(evidence), "%s: has version %u, and this diptych reads version %d",
-                     path, version, EVIDENCE_VERSION);
+        report_error(log_of(evidence),
+                     "%s/manifest.json: has version %u, and this diptych reads version %d",
+                     evidence->folder, version, EVIDENCE_VERSION);
         good = false;
     }
-    free(text);
-    free(path);
     return good;
 }
 
@@ -140,17 +138,7 @@ static bool find_pass(struct evidence_case *evidence)
 /* A file of exactly that size. */
 static void *read_exactly(const struct evidence_case *evidence, const char *name, size_t size)
 {
-    size_t found;
-    char *path = path_within(evidence, name);
-    void *data = path ? file_read(path, &found, log_of(evidence)) : NULL;
-    if (data && found != size) {
-        report_error(log_of(evidence), "%s: has %zu bytes instead of %zu: the folder is damaged",
-                     path, found, size);
-        free(data);
-        data = NULL;
-    }
-    free(path);
-    return data;
+    return foreign_read_exactly(evidence->folder, name, size, log_of(evidence));
 }
 
 static bool read_block(const struct evidence_case *evidence, const char *key, void *block,

@@ -5,37 +5,48 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/files.h"
 #include "base/fill.h"
+#include "base/foreign.h"
+#include "base/printable.h"
 #include "report/report.h"
 
 #define BENCH_ENDING ".bench.json"
 
-/* The folder's file NAME + ENDING; "" where it is not there; free(). */
-static char *read_text(const char *folder, const char *name, const char *ending,
-                       const struct dt_log *log)
+/* The folder's file NAME.txt; "" where it is not there; free(). */
+static char *read_text(const char *folder, const char *name, const struct dt_log *log)
 {
     size_t size;
-    char *path = format_string("%s/%s%s", folder, name, ending);
-    char *text = path && file_exists(path) ? file_read(path, &size, log) : strdup("");
-    free(path);
-    return text;
+    char *file = format_string("%s.txt", name);
+    char *text = file && foreign_has(folder, file)
+                     ? foreign_read(folder, file, FOREIGN_TEXT_BYTES, &size, log)
+                     : strdup("");
+    char *shown = text ? text_printable(text) : NULL;
+    free(file);
+    free(text);
+    return shown;
 }
 
+/* NULL where it is not there, and, logged, where it is wrong. */
 static cJSON *read_result(const char *folder, const char *name, const char *ending,
                           const struct dt_log *log)
 {
-    char *text = read_text(folder, name, ending, log);
-    cJSON *result = text ? cJSON_Parse(text) : NULL;
-    free(text);
+    char *file = format_string("%s%s", name, ending);
+    cJSON *result = file && foreign_has(folder, file) ? foreign_json(folder, file, log) : NULL;
+    free(file);
     return result;
 }
 
+/* As run names its files: links to them are no scripts. */
 static int is_bench(const struct dirent *entry)
 {
     size_t length = strlen(entry->d_name), ending = strlen(BENCH_ENDING);
-    return length > ending && strcmp(entry->d_name + length - ending, BENCH_ENDING) == 0;
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+    return length > ending && entry->d_name[0] != '.' &&
+           entry->d_name[strspn(entry->d_name, plain)] == 0 &&
+           strcmp(entry->d_name + length - ending, BENCH_ENDING) == 0;
 }
 
 /* The first error that a verb told; "" where there is none. */
@@ -127,6 +138,19 @@ static void add_run(cJSON *page, const char *folder, const char *run, const stru
     cJSON_Delete(bench);
 }
 
+static bool is_link(const char *path)
+{
+    struct stat info;
+    return lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+}
+
+static void free_runs(struct dirent **runs, int count)
+{
+    for (int i = 0; i < count; i++)
+        free(runs[i]);
+    free(runs);
+}
+
 int report_collect(struct console *console, const char *folder)
 {
     static const char *const texts[] = {"version", "machine", "refused"};
@@ -140,9 +164,18 @@ int report_collect(struct console *console, const char *folder)
         return EXIT_USAGE;
     }
     char *path = format_string("%s/index.html", folder);
+    if (!path || is_link(path)) {
+        report_error(log,
+                     path ? "%s: is a symbolic link, which a folder of others may not have"
+                          : "out of memory",
+                     path);
+        free(path);
+        free_runs(runs, count);
+        return EXIT_FAILED;
+    }
     cJSON *page = cJSON_CreateObject();
     for (size_t i = 0; i < DT_ARRAY_COUNT(texts); i++) {
-        char *text = read_text(folder, texts[i], ".txt", log);
+        char *text = read_text(folder, texts[i], log);
         cJSON_AddStringToObject(page, texts[i], text ? text : "");
         free(text);
     }
@@ -152,13 +185,12 @@ int report_collect(struct console *console, const char *folder)
     for (int i = 0; i < count; i++) {
         runs[i]->d_name[strlen(runs[i]->d_name) - strlen(BENCH_ENDING)] = 0;
         add_run(page, folder, runs[i]->d_name, log);
-        free(runs[i]);
     }
-    bool good = fill_page(console, "collect.html", path, page);
+    bool good = !atomic_load(&console->errors) && fill_page(console, "collect.html", path, page);
     if (good)
         printf("%s\n", path);
     cJSON_Delete(page);
-    free(runs);
+    free_runs(runs, count);
     free(path);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

@@ -7,6 +7,7 @@
 
 #include "base/console.h"
 #include "base/files.h"
+#include "base/foreign.h"
 #include "base/texels.h"
 #include "result/dump.h"
 
@@ -17,17 +18,13 @@ static const char *text_of(const cJSON *object, const char *key)
 
 static cJSON *read_manifest(const char *folder, const struct dt_log *log)
 {
-    size_t size;
-    char *path = format_string("%s/manifest.json", folder);
-    char *text = path ? file_read(path, &size, log) : NULL;
-    cJSON *manifest = text ? cJSON_ParseWithLength(text, size) : NULL;
-    if (text && !cJSON_IsArray(cJSON_GetObjectItem(manifest, "entries"))) {
-        report_error(log, "%s: is no manifest of a dump; render --dump makes one", path);
+    cJSON *manifest = foreign_json(folder, "manifest.json", log);
+    if (manifest && !cJSON_IsArray(cJSON_GetObjectItem(manifest, "entries"))) {
+        report_error(log, "%s/manifest.json: is no manifest of a dump; render --dump makes one",
+                     folder);
         cJSON_Delete(manifest);
         manifest = NULL;
     }
-    free(text);
-    free(path);
     return manifest;
 }
 
@@ -122,17 +119,10 @@ static bool check_entry(const struct dump_reader *reader, const cJSON *entry, co
 
 static bool read_file(struct dump_reader *reader, const char *name, struct dt_bytes *bytes)
 {
-    size_t size = 0;
-    char *path = format_string("%s/%s", reader->folder, name);
     free(reader->data);
-    reader->data = path ? (uint8_t *)file_read(path, &size, reader->log) : NULL;
-    bool good = reader->data && size == bytes->size;
-    if (reader->data && !good)
-        report_error(reader->log, "%s: has %zu bytes instead of %zu: the dump is damaged", path,
-                     size, bytes->size);
-    free(path);
+    reader->data = foreign_read_exactly(reader->folder, name, bytes->size, reader->log);
     bytes->data = reader->data;
-    return good;
+    return reader->data;
 }
 
 bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
@@ -144,7 +134,7 @@ bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool be
     *bytes = (struct dt_bytes){0};
     resource_extent(reader->pipeline, row->resource, reader->size, row->mip, bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
-    if (!name || strchr(name, '/')) {
+    if (!name) {
         report_error(reader->log, "%s/manifest.json: names no file for %s %s pass %s",
                      reader->folder, row->name, before ? "before" : "after",
                      reader->pipeline->passes[row->pass].name);

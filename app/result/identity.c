@@ -12,7 +12,7 @@
 #include "base/texels.h"
 #include "scenes/motion.h"
 
-enum { HASH_TEXT = 17 };
+enum { HASH_TEXT = 17, MOST_UNASKED_FRAMES = 1000 };
 
 /* ---- Hashes ---------------------------------------------------------------------------------- */
 
@@ -258,6 +258,11 @@ bool identity_take_frame(const cJSON *manifest, const char *folder, struct optio
     if (options->frames && options->frames != frame + 1) {
         report_error(log, "--frames %u: %s holds the last of %u frames", options->frames, folder,
                      frame + 1);
+        return false;
+    }
+    if (!options->frames && frame >= MOST_UNASKED_FRAMES) {
+        report_error(log, "%s: holds the last of %u frames; ask for as many: --frames %u", folder,
+                     frame + 1, frame + 1);
         return false;
     }
     options->size[0] = width;
