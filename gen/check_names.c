@@ -130,7 +130,11 @@ static bool is_windows_macro(const char *name)
 
 static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
 {
-    if (!strncmp(name, "gl_", 3))
+    enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
+    if (strlen(name) > MOST_NAME)
+        diag_error(c->diag, loc, "the name `%.20s...` has %zu characters; at most %d", name,
+                   strlen(name), MOST_NAME);
+    else if (!strncmp(name, "gl_", 3))
         diag_error(c->diag, loc, "`%s`: names that start with gl_ belong to GLSL", name);
     else if (strstr(name, "__"))
         diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL",

@@ -490,6 +490,8 @@ static bool is_early(struct reader *reader, const struct setting *setting)
             root_with(reader, "constants", setting->path, ends) && ends[2] && !ends[0]);
 }
 
+enum { MOST_LEVELS = 16 };
+
 static void apply_set(struct reader *reader, const char *text, bool early)
 {
     struct source *source = reader_alloc(reader, 1, sizeof *source);
@@ -499,8 +501,11 @@ static void apply_set(struct reader *reader, const char *text, bool early)
     struct setting setting = {.source = source, .path = text, .column = 1};
     const char *equals = strchr(text, '=');
     bool well_formed = equals && equals > text && equals[1] && equals[-1] != '.' && *text != '.';
-    for (const char *at = text; well_formed && at < equals - 1; at++)
+    unsigned levels = 0;
+    for (const char *at = text; well_formed && at < equals - 1; at++) {
         well_formed = at[0] != '.' || at[1] != '.';
+        levels += *at == '.';
+    }
     if (!well_formed) {
         if (early)
             diag_error(reader->diag, setting_loc(&setting, 1, strlen(text)),
@@ -508,7 +513,7 @@ static void apply_set(struct reader *reader, const char *text, bool early)
         return;
     }
     setting.value = equals + 1;
-    bool fits = next_segment(&setting);
+    bool fits = levels < MOST_LEVELS && next_segment(&setting);
     if ((!fits || is_early(reader, &setting)) != early)
         return;
     if (!fits)

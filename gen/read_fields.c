@@ -168,6 +168,23 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
     return false;
 }
 
+/* The first element of a list that is no number; NULL: none, or the key takes no list of numbers. */
+static struct fy_node *wrong_number(struct reader *reader, const struct key *key,
+                                    struct fy_node *node)
+{
+    bool listed = (key->type == KEY_VALUE || key->type == KEY_NUMBERS) && node &&
+                  fy_node_get_type(node) == FYNT_SEQUENCE;
+    void *iterator = NULL;
+    double number;
+    struct fy_node *item;
+    while (listed && (item = fy_node_sequence_iterate(node, &iterator))) {
+        const char *text = node_text(reader, item);
+        if (!text || !text_number(text, &number))
+            return item;
+    }
+    return NULL;
+}
+
 /* Whether the value is one that the key allows; reports an error if not. */
 static bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
                         struct loc loc)
@@ -181,8 +198,14 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
                             : key->child           ? table_sections[key->child].title
                                                    : "a value";
         bool quote = label == key->name;
-        diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
-                   quote ? "`" : "", table_type_text(key->type), describe(reader, node));
+        struct fy_node *item = wrong_number(reader, key, node);
+        if (item)
+            diag_error(reader->diag, node_loc(reader, item),
+                       "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "", label,
+                       quote ? "`" : "", describe(reader, item));
+        else
+            diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
+                       quote ? "`" : "", table_type_text(key->type), describe(reader, node));
         return false;
     }
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
