@@ -25,7 +25,7 @@ refuses_path() {
 check "5,000 parameters" ends parameters 0 "4000 more of them are not shown"
 check "5,000 equal keys" ends duplicates 1 "the key \`a\` stands twice"
 check "10,000 errors" ends errors 1 "error: 9000 more of them are not shown"
-check "a name of 1 MB" ends name 1 "name too long"
+check "a name of 1 MB" ends name 1 "has 1000000 characters; at most 100"
 check "a text of 10 MB" ends doc 0 "1 passes"
 check "1,000 passes" ends passes 0 "1000 passes"
 check "an expression of 100,000 terms" ends terms 1 "error: more than 1000 terms in the expression \`1+1+"
