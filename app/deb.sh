@@ -21,7 +21,7 @@ Architecture: $architecture
 Maintainer: diptych contributors <diptych@localhost>
 Installed-Size: $(du -ks $folder/root | cut -f1)
 Depends: $needs, libvulkan-dev
-Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc, python3-numpy
+Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc, python3-numpy, bubblewrap
 Provides: python3-diptych (= $version)
 Section: graphics
 Priority: optional

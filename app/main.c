@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "base/options.h"
 #include "base/outcome.h"
+#include "compare/confine.h"
 #include "scenes/nearest.h"
 
 static int verb_help(struct console *console, const struct options *options);
@@ -164,7 +165,10 @@ static int run_and_tell(struct console *console, const struct verb *verb,
 {
     if (options->json && !file_can_write(options->json, &console->log))
         return verb->failed;
-    int status = verb->run(console, options);
+    int status;
+    if (verb->id == VERB_REPLAY && confine_replay(console, options, &status))
+        return status;
+    status = verb->run(console, options);
     if (options->json && !outcome_write(console, verb->name, options->json, status))
         status = verb->failed;
     return status;

@@ -157,6 +157,54 @@ for file in glob.glob("templates/report/*.html"):
 }
 check "pages run their own scripts alone" policy_holds
 
+# ---- Replays --------------------------------------------------------------------------------------------------------
+
+# A Vulkan driver tells what the process that loads it may do; a shader could do no more.
+"$diptych" compare "${grey[@]}" --fault vk:paint:bit --bisect "$work/case" >/dev/null 2>&1
+mkdir "$work/driver" "$work/home"
+echo secret >"$work/home/secret"
+cat >"$work/driver/spy.c" <<'END'
+#include <net/if.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+__attribute__((constructor)) static void spy(void)
+{
+    struct if_nameindex *names = if_nameindex();
+    int count = 0;
+    while (names && names[count].if_index)
+        count++;
+    fprintf(stderr, "spy: file %s, variable %s, written %s, networks %d\n", access(SECRET, R_OK) ? "no" : "yes",
+            getenv("SPY_SECRET") ? "yes" : "no", access(FOLDER, W_OK) ? "no" : "yes", count);
+}
+END
+cc -shared -fPIC -DSECRET="\"$work/home/secret\"" -DFOLDER="\"$work/case\"" -o "$work/driver/spy.so" "$work/driver/spy.c" || exit 1
+echo '{"file_format_version": "1.0.0", "ICD": {"library_path": "'"$work"'/driver/spy.so", "api_version": "1.3.0"}}' \
+    >"$work/driver/spy.json"
+spied() { # text option...: replays with that driver
+    local text=$1
+    shift
+    env -u VK_ICD_FILENAMES VK_DRIVER_FILES="$work/driver/spy.json" SPY_SECRET=1 "$diptych" replay "$work/case" --backend vk "$@" \
+        >"$work/said" 2>&1
+    cat "$work/said"
+    grep -q "spy: $text" "$work/said"
+}
+if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
+    check "a replay sees no files, no variables, no network, and writes nothing" \
+        spied "file no, variable no, written no, networks [01]$"
+    check "... but as JSON what it found" \
+        bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"
+else
+    skip "a replay is confined" "bubblewrap makes no sandbox here"
+fi
+check "--trust lets it" spied "file yes, variable yes, written yes" --trust
+# shellcheck disable=SC2317
+warns_without() { # without bwrap in PATH
+    mkdir -p "$work/bin" && ln -sf "$(command -v env)" "$work/bin/env"
+    PATH=$work/bin "$diptych" replay "$work/case" --backend vk 2>&1 | grep "run without a sandbox: bubblewrap is not installed"
+}
+check "without bubblewrap it warns" warns_without
+
 # ---- Overlays -------------------------------------------------------------------------------------------------------
 
 overlay=("$diptych" list "${grey[@]:0:2}" --with "$work/tuned.yaml")

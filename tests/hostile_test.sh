@@ -162,7 +162,7 @@ damaged() { # text sed-script-for-the-manifest
     rm -rf "$work/evil" # as long as `good`: the check must not compare only as many first bytes of the path
     cp -r "$work/good" "$work/evil"
     sed -i "$2" "$work/evil/manifest.json"
-    refuses "$1" "$diptych" replay "$work/evil" --backend vk
+    refuses "$1" "$diptych" replay "$work/evil" --backend vk --trust
 }
 check "a replay of a block outside the folder" damaged "outside the folder" 's#"frame_block":\s*"[^"]*"#"frame_block": "../good/frame.raw"#'
 check "... of a device" damaged "outside the folder" 's#"frame_block":\s*"[^"]*"#"frame_block": "../../../../../../dev/zero"#'
@@ -171,7 +171,7 @@ rm -rf "$work/evil"
 cp -r "$work/good" "$work/evil"
 cp "$work/evil/spec/features_count.glsl" "$work/elsewhere.glsl"
 ln -sf "$work/elsewhere.glsl" "$work/evil/spec/features_count.glsl"
-check "... of a body outside" refuses "outside the folder that may be read" "$diptych" replay "$work/evil" --backend vk
+check "... of a body outside" refuses "outside the folder that may be read" "$diptych" replay "$work/evil" --backend vk --trust
 
 # ---- Streams --------------------------------------------------------------------------------------------------------
 

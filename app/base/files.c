@@ -61,7 +61,8 @@ static bool write_and_close(int descriptor, const char *data, size_t size)
  * replaced. */
 static bool is_stream(const struct stat *status)
 {
-    return !S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode);
+    bool nameless = S_ISREG(status->st_mode) && !status->st_nlink; /* memory of another process */
+    return nameless || (!S_ISREG(status->st_mode) && !S_ISDIR(status->st_mode));
 }
 
 /* In the folder of the final file, with its permissions; links are followed. */

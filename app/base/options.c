@@ -122,6 +122,8 @@ static const struct option_row rows[] = {
      "egl|zink|osmesa|window", "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(glsl), SPEC | VERB_REPLAY, 0, NULL,
      "give OpenGL the GLSL text instead of SPIR-V"},
+    {"--trust", OPTION_FLAG, AT(trust), VERB_REPLAY, 0, NULL,
+     "without a sandbox: the folder's shaders are yours"},
     {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation layers and KHR_debug; any message fails the run"},
     {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER, 0, "N",

@@ -97,6 +97,7 @@ struct options {
     bool slurm, collect;
     const char *screenshot; /* view */
     const char *outline;    /* report: NULL: the one beside the spec */
+    bool trust; /* replay: without a sandbox */
     bool glsl;
     bool debug;
     bool help;

@@ -179,6 +179,39 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
                console);
 }
 
+bool tool_quiet(char *const argv[], struct console *console)
+{
+    int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    const struct streams streams = {-1, -1, nowhere};
+    pid_t child;
+    bool good = nowhere >= 0 && start(&child, argv, &streams) == 0;
+    if (good) {
+        console_adopt(console, child);
+        good = console_wait(console, child) == 0;
+    }
+    if (nowhere >= 0)
+        close(nowhere);
+    return good;
+}
+
+int tool_status(char *const argv[], struct console *console)
+{
+    const struct streams streams = {-1, STDOUT_FILENO, -1};
+    pid_t child;
+    int error = start(&child, argv, &streams), status = -1;
+    if (!error) {
+        console_adopt(console, child);
+        status = console_wait(console, child);
+    }
+    if (!error && status >= 0 && WIFEXITED(status))
+        return WEXITSTATUS(status);
+    if (!error && status >= 0)
+        report_error(&console->log, "%s was ended by signal %d", argv[0], WTERMSIG(status));
+    else
+        report_error(&console->log, "%s: cannot be started: %s", argv[0], strerror(error));
+    return -1;
+}
+
 /* Read end of a pipe, and the callback for its lines. */
 struct line_reader {
     FILE *in;

@@ -18,6 +18,11 @@ struct tool {
  * dropped, to keep our own output clean. Logs an error unless tool->explains. */
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console);
 
+/* The same without any message, and with the program's streams dropped. */
+bool tool_quiet(char *const argv[], struct console *console);
+/* Runs argv[0] with our streams; its exit status, or -1, logged. */
+int tool_status(char *const argv[], struct console *console);
+
 /* Prints messages of another program, or of gen/, from a file: to stderr, or to the capture; and
  * keeps them for --json: one per place that they name, or all as the reason where it `failed`
  * without naming one. Closes the file. */
