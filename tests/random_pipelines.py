@@ -610,7 +610,7 @@ def main():
         except bodies.Failure as failure:
             found = [str(failure)]
         reasons += [f"{pipeline.path} at {pipeline.size[0]}x{pipeline.size[1]}: {reason}" for reason in found[:3]]
-    tap.result(f"{arguments.pipelines} random pipelines have the same bits on {' '.join(arguments.sides)}", reasons)
+    tap.result(f"{arguments.pipelines} random pipelines have the same bits on {' '.join(arguments.sides)}", reasons[:20])
     tap.finish()
 
 
