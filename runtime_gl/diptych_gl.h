@@ -90,8 +90,11 @@ struct dt_gl_attribute {
     uint32_t stride;
 };
 
-/* The scene that passes draw and read. The host owns the buffers; they must live until the next
- * import or close. The host may write them between frames; the next frame uses the new content. */
+/* The scene that passes draw and read. Where NAME.h says that a pass reads vertex_triangle, each
+ * triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+ * dt_number_triangles makes such arrays. Other arrays give a wrong picture and no error, since the
+ * runtime does not read them. The host owns the buffers; they must live until the next import or
+ * close. The host may write them between frames; the next frame uses the new content. */
 struct dt_gl_scene {
     /* struct dt_vertex[]; buffer 0: no pass reads scene_vertices, and `attributes` has all that
      * draws read */
