@@ -525,6 +525,8 @@ static void vulkan_checks_enabled_features(void **state)
     dt_vk_close(rt);
 }
 
+static const struct dt_frame empty;
+
 static void vulkan_tells_wrong_calls(void **state)
 {
     (void)state;
@@ -587,6 +589,8 @@ static void vulkan_tells_wrong_calls(void **state)
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_vk_timings(rt, 0, ms), "timing");
+    REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &empty, NULL),
+            "`camera` of the struct dt_frame is zero");
     uint8_t trail[TRAIL_BYTES];
     run_frames(rt, trail);
     dt_vk_close(rt);
@@ -1499,6 +1503,62 @@ static void paint_between(bool clears, VkDeviceSize offset)
                            &region);
 }
 
+/* Imports made as described fit, and have the stages of the passes that write them. */
+static void vulkan_describes_imports(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t resource;
+        VkPipelineStageFlags2 stages;
+        VkAccessFlags2 accesses;
+    } cases[] = {
+        {FEATURES_RESOURCE_SHOWN, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+         VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
+        {FEATURES_RESOURCE_BLURRED, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+         VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT},
+        {FEATURES_RESOURCE_SLICE_DEPTH,
+         VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+         VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT},
+    };
+    struct own_image images[DT_ARRAY_COUNT(cases)];
+    struct dt_frame frame = frame_of(0);
+    struct dt_vk_resource found;
+    VkImageCreateInfo info;
+    VkBufferCreateInfo buffer;
+    struct vk_runtime *rt = open_features();
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        assert_true(dt_vk_describe(&features_vk, cases[i].resource, WIDTH, HEIGHT, &info));
+        images[i] = create_image(&info);
+        assert_true(dt_vk_import_image(
+            rt, cases[i].resource,
+            &(struct dt_vk_image){images[i].image, info.format, info.usage, info.extent.width,
+                                  info.extent.height, info.arrayLayers * info.extent.depth,
+                                  info.mipLevels, 0, 0}));
+    }
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        assert_true(dt_vk_get_resource(rt, cases[i].resource, &found));
+        assert_int_equal(found.stages, cases[i].stages);
+        assert_int_equal(found.accesses, cases[i].accesses);
+    }
+    struct features_live live = *(const struct features_live *)features_pipeline.live_defaults;
+    live.blur = 0;
+    assert_true(dt_vk_record(rt, begin(), &frame, &live));
+    assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_BLURRED, &found));
+    assert_int_equal(found.stages, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT);
+    assert_int_equal(found.accesses, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_MEMORY, &found));
+    assert_true(dt_vk_describe_buffer(&features_vk, FEATURES_RESOURCE_MEMORY, 1, 1, &buffer));
+    assert_true(buffer.size == found.size && (buffer.usage & ~found.buffer_usage) == 0);
+    assert_false(dt_vk_describe(&features_vk, FEATURES_RESOURCE_MEMORY, 1, 1, &info));
+    assert_false(dt_vk_describe_buffer(&features_vk, FEATURES_RESOURCE_SHOWN, 1, 1, &buffer));
+    assert_false(dt_vk_describe(&features_vk, FEATURES_RESOURCES, 1, 1, &info));
+    dt_vk_close(rt);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++)
+        destroy_image(&images[i]);
+    assert_int_equal(heard.validation, 0);
+}
+
 static void vulkan_draws_the_same_in_parts(void **state)
 {
     (void)state;
@@ -1972,6 +2032,7 @@ static void opengl_tells_wrong_calls(void **state)
     assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, trail));
     assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_gl_timings(rt, 0, ms), "timing");
+    REFUSED(dt_gl_record(rt, &empty, NULL), "`camera` of the struct dt_frame is zero");
     assert_true(dt_gl_record(rt, &frame, NULL));
     assert_true(dt_gl_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.texture, trail);
@@ -2321,6 +2382,7 @@ int main(void)
         cmocka_unit_test(vulkan_draws_vertices_of_another_layout),
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
         cmocka_unit_test(vulkan_takes_times),
+        cmocka_unit_test(vulkan_describes_imports),
         cmocka_unit_test(vulkan_draws_the_same_in_parts),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
