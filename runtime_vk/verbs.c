@@ -117,14 +117,17 @@ static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
     };
 }
 
+/* A first use of shared memory waits for nobody in this frame, and the frame's own barrier has shown what
+ * the frame before wrote. Validation layers 1.3.239 want to be told again. */
 static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, struct vk_image *image)
 {
+    bool first = barrier->discard && barrier->from_stages && !barrier->from;
     VkImageLayout old = barrier->discard ? VK_IMAGE_LAYOUT_UNDEFINED : image->layout;
     image->layout = vk_layout(barrier->layout);
     return (VkImageMemoryBarrier2){
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
         .srcStageMask = vk_stages(barrier->from_stages),
-        .srcAccessMask = vk_accesses(barrier->from),
+        .srcAccessMask = first ? VK_ACCESS_2_MEMORY_WRITE_BIT : vk_accesses(barrier->from),
         .dstStageMask = vk_stages(barrier->to_stages),
         .dstAccessMask = vk_accesses(barrier->to),
         .oldLayout = old,

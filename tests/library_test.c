@@ -1559,6 +1559,30 @@ static void vulkan_describes_imports(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+extern const struct dt_shaders atomics_vk, bloom_vk, groups_vk, mips_vk;
+
+/* The last resource of a frame may share memory with the first of the next. */
+static void vulkan_records_two_frames_at_once(void **state)
+{
+    (void)state;
+    static const struct dt_shaders *const pipelines[] = {&atomics_vk, &bloom_vk, &groups_vk,
+                                                         &mips_vk, &shapes_vk};
+    struct dt_frame frame = frame_of(0);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(pipelines); i++) {
+        struct dt_vk_host host = vk_host();
+        struct vk_runtime *rt = dt_vk_open(&host);
+        assert_true(rt && dt_vk_create(rt, pipelines[i]) && dt_vk_resize(rt, WIDTH, HEIGHT));
+        VkCommandBuffer commands = begin();
+        for (int k = 0; k < 2; k++)
+            assert_true(dt_vk_record(rt, commands, &frame, NULL));
+        submit(commands);
+        assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+        dt_vk_close(rt);
+        if (heard.validation)
+            fail_msg("%s: %s", pipelines[i]->panel->pipeline->name, heard.text);
+    }
+}
+
 static void vulkan_draws_the_same_in_parts(void **state)
 {
     (void)state;
@@ -2383,6 +2407,7 @@ int main(void)
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
         cmocka_unit_test(vulkan_takes_times),
         cmocka_unit_test(vulkan_describes_imports),
+        cmocka_unit_test(vulkan_records_two_frames_at_once),
         cmocka_unit_test(vulkan_draws_the_same_in_parts),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
