@@ -19,6 +19,7 @@ import operator
 import os
 import re
 import struct
+import sysconfig
 import threading
 import warnings
 import zlib
@@ -66,9 +67,10 @@ class _Bytes(ctypes.Structure):
 
 
 def _load():
-    """The library: installed two folders above this file, or in the project's build folder."""
+    """The library: installed two folders above this file, or in TRIPLET there, or in the project's build folder."""
     above = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
-    paths = [os.path.join(above, folder, "libdiptych_play.so") for folder in ("", "build")]
+    triplet = sysconfig.get_config_var("MULTIARCH") or ""
+    paths = [os.path.join(above, folder, "libdiptych_play.so") for folder in ("", triplet, "build")]
     library = ctypes.CDLL(next(filter(os.path.exists, paths), "libdiptych_play.so"))
     text, player, u32, real = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_float
     for name, result, *arguments in (
