@@ -2250,6 +2250,60 @@ static void opengl_takes_text(void **state)
     take_inputs(true);
 }
 
+static int links; /* programs that the runtime links itself */
+
+static void APIENTRY count_link(GLuint program)
+{
+    links++;
+    ((PFNGLLINKPROGRAMPROC)eglGetProcAddress("glLinkProgram"))(program);
+}
+
+static void (*address_of(const char *name))(void)
+{
+    return strcmp(name, "glLinkProgram") == 0 ? (void (*)(void))count_link
+                                              : eglGetProcAddress(name);
+}
+
+/* Renders a frame with a cache. Returns how many programs were linked. */
+static int links_with(struct dt_bytes cache)
+{
+    outside_gl_runtime = dt_gl_open(&(struct dt_gl_host){
+        .log = test_log, .get_proc_address = address_of, .glsl = true, .cache = cache});
+    links = 0;
+    assert_true(outside_gl_runtime && dt_gl_create(outside_gl_runtime, &outside_gl) &&
+                dt_gl_resize(outside_gl_runtime, WIDTH, HEIGHT));
+    hand_in(opengl_writes, opengl_records, first_color);
+    opengl_paints(first_color);
+    dt_gl_close(outside_gl_runtime);
+    return links;
+}
+
+static void opengl_takes_and_gives_a_cache(void **state)
+{
+    (void)state;
+    struct dt_bytes cache;
+    for (int text = 0; text < 2; text++) {
+        struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+            .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = text});
+        REFUSED(dt_gl_get_cache(rt, &cache), "get_cache: no pipeline yet");
+        assert_true(dt_gl_create(rt, &outside_gl) && dt_gl_get_cache(rt, &cache));
+        dt_gl_close(rt);
+        if (!text)
+            free(cache.data);
+    }
+    assert_int_equal(links_with((struct dt_bytes){0}), OUTSIDE_PASSES);
+    assert_int_equal(links_with(cache), 0);
+    cache.data[cache.size / 2] ^= 1; /* each damage costs what it hits */
+    assert_int_equal(links_with(cache), 1);
+    assert_in_range(links_with((struct dt_bytes){cache.data, cache.size / 3, {0}}), 1,
+                    OUTSIDE_PASSES);
+    assert_int_equal(links_with((struct dt_bytes){cache.data, 7, {0}}), OUTSIDE_PASSES);
+    cache.data[8] ^= 1; /* of another driver */
+    assert_int_equal(links_with(cache), OUTSIDE_PASSES);
+    free(cache.data);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
 static void opengl_takes_buffers_and_describes_all(void **state)
 {
     (void)state;
@@ -2422,6 +2476,7 @@ int main(void)
         cmocka_unit_test(opengl_draws_vertices_of_another_layout),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_shares_programs),
+        cmocka_unit_test(opengl_takes_and_gives_a_cache),
         cmocka_unit_test(opengl_takes_inputs),
         cmocka_unit_test(opengl_takes_text),
         cmocka_unit_test(opengl_takes_buffers_and_describes_all),
