@@ -362,6 +362,8 @@ def test_errors_name_the_thing(negative):
             "size 0x4: must be from 1x1": lambda: pipeline.resize(0, 4),
             "size 1.5: must be an integer": lambda: pipeline.resize(1.5, 4),
             "camera: the target is away": lambda: pipeline.camera((0, 0, 0), (0, 1, 0)),
+            "camera: eye, target and up have three": lambda: pipeline.camera((0, 0), (0, 0, 1)),
+            "has a NUL": lambda: pipeline.read("photo\0s"),
             "timings": lambda: pipeline.timings,
             "baked=2.5": lambda: pipeline.set(baked=2.5),
             "write photo: Cannot cast": lambda: pipeline.write("photo", photo() / 255),

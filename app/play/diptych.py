@@ -186,6 +186,14 @@ def _u32(what, value):
     return value
 
 
+def _text(text):
+    """Bytes of a name or path for C, where a NUL would end it."""
+    text = os.fsencode(text)
+    if b"\0" in text:
+        raise Error(f"{text!r}: has a NUL")
+    return text
+
+
 def _png(array):
     """PNG of bytes of (height, width) or (height, width, channels); row 0 is the bottom."""
     height, width, *channels = array.shape
@@ -211,13 +219,13 @@ class Pipeline:
         self._sets, self._size = dict(sets), size
         self._log = _LOG(lambda user, level, text: self._messages.append((level, text.decode(errors="replace"))))
         files = {name: value for name, value in inputs.items() if isinstance(value, (str, os.PathLike))}
-        self._paths = [os.fsencode(f"{name}={os.fspath(path)}") for name, path in files.items()]
+        self._paths = [_text(f"{name}={os.fspath(path)}") for name, path in files.items()]
         self._options = {
             "log": _Log(self._log, None),
-            "spec": os.fsencode(spec),
-            "backend": backend.encode(),
-            "scene": os.fsencode(scene) if scene else None,
-            "meshes": os.fsencode(meshes) if meshes else None,
+            "spec": _text(spec),
+            "backend": _text(backend),
+            "scene": _text(scene) if scene else None,
+            "meshes": _text(meshes) if meshes else None,
             "input_count": len(files),
             "debug": debug,
             "timing": timing,
@@ -229,7 +237,7 @@ class Pipeline:
 
     def _start(self, sets):
         """Another player, with these values of parameters."""
-        texts = [f"{name}={_value(value)}".encode() for name, value in sets.items()]
+        texts = [_text(f"{name}={_value(value)}") for name, value in sets.items()]
         options = _Options(
             sets=(ctypes.c_char_p * len(texts))(*texts),
             set_count=len(texts),
@@ -278,7 +286,7 @@ class Pipeline:
             self._replace({**self._sets, **params})
             return
         for name, value in params.items():
-            self._check(_library.dt_play_set(self._handle(), name.encode(), _value(value).encode()))
+            self._check(_library.dt_play_set(self._handle(), _text(name), _text(_value(value))))
             self._sets[name] = value
 
     def _replace(self, sets):
@@ -311,8 +319,11 @@ class Pipeline:
 
     def camera(self, eye, target, up=(0, 1, 0), fov_y=40):
         """Moves the camera from the next frame on, in the scene's units; fov_y in degrees."""
-        three = ctypes.c_float * 3
-        self._check(_library.dt_play_camera(self._handle(), three(*eye), three(*target), three(*up), fov_y))
+        places = [numpy.asarray(place, "f4") for place in (eye, target, up)]
+        if any(place.shape != (3,) for place in places):
+            raise Error("camera: eye, target and up have three numbers each")
+        three = [(ctypes.c_float * 3)(*place) for place in places]
+        self._check(_library.dt_play_camera(self._handle(), *three, fov_y))
         self._view = (tuple(eye), tuple(target), tuple(up), fov_y)
 
     def write(self, name, array, mip=0):
@@ -334,14 +345,14 @@ class Pipeline:
             except TypeError as error:
                 raise Error(f"write {name}: {error}") from None
             data = data.tobytes()
-        self._check(_library.dt_play_write(self._handle(), name.encode(), _u32("mip", mip), data, len(data)))
+        self._check(_library.dt_play_write(self._handle(), _text(name), _u32("mip", mip), data, len(data)))
         self._given[name, mip] = numpy.array(array)
 
     def read(self, name, mip=0):
         """The content of a resource: after a frame, of outputs, inputs and resources with `keep` or
         `history`; within after_pass, also of what the pass wrote."""
         content = _Bytes()
-        self._check(_library.dt_play_read(self._handle(), name.encode(), _u32("mip", mip), ctypes.byref(content)))
+        self._check(_library.dt_play_read(self._handle(), _text(name), _u32("mip", mip), ctypes.byref(content)))
         resource = self._resource(name)
         dtype, shape = _layout(resource, content.extent)
         try:
