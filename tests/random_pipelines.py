@@ -123,8 +123,18 @@ class Maker:
             self.spec["buffers"][f"b{i}"] = {"of": kind, "count": self.number(1, 80)} | self.lasting()
         for i in range(self.source.randint(2, 5)):
             self.spec["images"][f"i{i}"] = self.image()
+        if self.chance(0.4):
+            like = self.pick([image for image in self.spec["images"].values() if not layers_of(image)] or [{"size": "frame"}])
+            self.spec["images"]["depth"] = {"format": "d32f", "size": like["size"]} | self.lasting()
         self.spec["samplers"]["soft"] = {"kind": "filter", "filter": self.pick(["nearest", "linear"]),
-                                         "wrap": self.pick(["clamp", "repeat", "mirror"])}
+                                         "mip_filter": self.pick(["nearest", "linear"]),
+                                         "wrap": self.pick(["clamp", "repeat", "mirror", "border"])}
+        if self.chance(0.3):
+            self.spec["structs"]["Groups"] = {"x": "uint", "y": "uint", "z": "uint"}
+            self.spec["buffers"]["groups"] = {"of": "Groups", "count": 1}
+            made = {"name": "prepare", "dispatch": 1, "writes": ["groups"], "shader": "prepare.glsl"}
+            self.put(made, "void main()\n{\n    if (invocation().x == 0)\n        groups[0] = Groups(3u, 1u, 2u);\n}\n")
+            self.stores([("groups", 0)])
 
     def lasting(self):
         return self.pick([{}, {}, {}, {"history": True}, {"keep": True}])
@@ -148,7 +158,7 @@ class Maker:
     # Bodies.
     def texel(self, name, image, word):
         """Statements that mix a texel into h."""
-        kind = f"{prefix(image)}vec4"
+        kind = "float" if image["format"] == "d32f" else f"{prefix(image)}vec4"
         where = "ivec2(h >> 3 & 31u, h >> 9 & 15u)"
         if image.get("layer") is None and (layers := layers_of(image)):
             size = f"{word}_size()"
@@ -203,9 +213,16 @@ class Maker:
                 word = f"m_{name}"
             if isinstance(layers := layers_of(image), int) and layers and len(image["size"]) != 3 and self.chance(0.3):
                 access["layer"] = image["layer"] = self.source.randrange(layers)
-            if not prefix(image) and not layers_of(image) and self.chance(0.3):
+            layered = image.get("layer") is None and layers_of(image)
+            flat = not image.get("cube") and (image["size"] == "frame" or len(image["size"]) == 2)
+            if not prefix(image) and image["format"] != "d32f" and (flat or not layered) and self.chance(0.3):
                 access["sampler"] = "soft"
-                text += f"    {{ vec4 v = {word}_sample(vec2(near_one(h), near_one(h >> 3))); {hash_value('vec4', 'v')}}}\n"
+                where = "vec3(near_one(h), near_one(h >> 3), float(h >> 9 & 1u))" if layered else "vec2(near_one(h), near_one(h >> 3))"
+                call = f"{word}_sample({where})"
+                if "mip" in access and len(found[name]) == image["mips"] and "layer" not in access:
+                    del access["mip"]
+                    call = f"{word}_sample_lod({where}, 2.0 * near_one(h >> 5) - 0.25)"
+                text += f"    {{ vec4 v = {call}; {hash_value('vec4', 'v')}}}\n"
             else:
                 text += self.texel(name, image, word)
             keys.append(access if len(access) > 1 or self.chance(0.3) else name)
@@ -236,7 +253,7 @@ class Maker:
 
     def targets(self, count):
         """Resources to write, with a mip: {name: mip}."""
-        names = self.source.sample([*self.spec["buffers"], *self.spec["images"]], count)
+        names = self.source.sample(sorted({*self.spec["buffers"], *self.spec["images"]} - {"depth", "groups"}), count)
         return {name: self.source.randrange(self.spec["images"].get(name, {}).get("mips", 1)) for name in names}
 
     def put(self, made, text, passes=()):
@@ -262,12 +279,16 @@ class Maker:
         targets = self.targets(self.source.randint(1, 3))
         updates = {name: self.chance(0.5) for name, mip in targets.items() if (name, mip) in self.written}
         reads, text = self.reads(targets)
-        made = self.new_pass(**self.extent(targets), reads=reads,
+        extent = self.extent(targets)
+        made = self.new_pass(**extent, reads=reads + (["groups"] if "indirect" in extent and "groups" not in reads else []),
                              writes=[self.access(name, mip) for name, mip in targets.items() if name not in updates],
                              updates=[self.access(name, mip) for name, mip in targets.items() if name in updates])
         text = self.values() + "    ivec3 size = dispatch_size(), me = invocation();\n" \
             "    int first = me.x + size.x * (me.y + size.y * me.z), step = size.x * size.y * size.z;\n" \
             "    bool inside = all(lessThan(me, size));\n    h = mixed(h, uint(first));\n" + text
+        if self.chance(0.2):
+            made["defines"] = {"SHIFT": self.pick([self.source.randint(1, 9), "n0", "2 * n0 - 1"])}
+            text += "    h = mixed(h, uint(SHIFT));\n#if SHIFT > 4\n    h += 3u;\n#endif\n"
         text += self.add_ranges(made)
         for name, mip in targets.items():
             self.stores([(name, mip)])
@@ -280,6 +301,8 @@ class Maker:
         roll = self.source.random()
         if roll < 0.6 and name in self.spec["images"]:
             return {"dispatch": name} | self.pick([{}, {"local": [4, 4]}, {"local": [16, 2, 1]}])
+        if "groups" in self.spec["buffers"] and roll < 0.65:
+            return {"indirect": "groups", "local": self.pick([8, [4, 2, 1]])}
         if roll < 0.7:
             return {"dispatch": self.number(1, 100)} | self.pick([{}, {"local": 32}, {"local": [8, 2, 2]}])
         if roll < 0.9:
@@ -293,7 +316,7 @@ class Maker:
         if free and self.chance(0.3):
             made["reads"].append(self.pick(sorted(free)))
         for name in made["reads"]:
-            if not isinstance(name, str) or name not in self.spec["buffers"] or not self.chance(0.6):
+            if not isinstance(name, str) or name not in self.spec["buffers"] or name == "groups" or not self.chance(0.6):
                 continue
             kind = self.spec["buffers"][name]["of"]
             count = self.pick([1, 2, 5, 40 if self.chance(0.2) else 9, "n0"])
@@ -332,13 +355,16 @@ class Maker:
             f"{name}_store({place}, {make_value(kind, 'g')}); }}\n"
 
     def add_draw(self, fullscreen):
-        names = [name for name, image in self.spec["images"].items() if not layers_of(image)]
+        names = [name for name, image in self.spec["images"].items() if not layers_of(image) and name != "depth"]
         if not names:
             return
         image = self.spec["images"][first := self.pick(names)]
         mip = self.source.randrange(image.get("mips", 1))
         names = [name for name in names if name == first or (mip == 0 and self.spec["images"][name]["size"] == image["size"])]
         names = self.source.sample(names, self.source.randint(1, min(4, len(names))))
+        color = list(names)
+        if mip == 0 and self.spec["images"].get("depth", {}).get("size") == image["size"] and self.chance(0.6):
+            names.append("depth")
         targets = {name: mip for name in names}
         updates = [name for name in names if (name, mip) in self.written]
         reads, text = self.reads(targets)
@@ -349,14 +375,14 @@ class Maker:
             ("" if fullscreen else "    h = mixed(h, number);\n") + text
         self.stores(targets.items())
         text += "".join(f"    {name} = {make_value(prefix(self.spec['images'][name]) + 'vec4', f'mixed(h, {i}u)')};\n"
-                        for i, name in enumerate(names))
+                        for i, name in enumerate(color))
         if fullscreen:
             if self.chance(0.2):
                 made["scissor"] = [1, 0, self.source.randint(1, 9), 4]
             self.put(made, HEAD + f"void main()\n{{\n{text}}}\n")
             return
-        if self.chance(0.4) and all(self.spec["images"][name]["format"].endswith(("32f", "i")) for name in names):
-            made["blend"] = "max" if not any(prefix(self.spec["images"][name]) for name in names) else "off"
+        if self.chance(0.4) and all(self.spec["images"][name]["format"].endswith(("32f", "i")) for name in color):
+            made["blend"] = "max" if not any(prefix(self.spec["images"][name]) for name in color) else "off"
         self.put(made, HEAD + self.rectangles(image, mip).replace("@", text))
 
     def rectangles(self, image, mip):
@@ -368,7 +394,7 @@ class Maker:
             "    const ivec2 corners[6] = ivec2[](ivec2(0), ivec2(1, 0), ivec2(0, 1), ivec2(0, 1), ivec2(1, 0), ivec2(1));\n" \
             "    number = uint(gl_InstanceIndex);\n" \
             "    vec2 texel = vec2(ivec2(gl_InstanceIndex * 3, gl_InstanceIndex * 5) % 13 + corners[gl_VertexIndex] * 7);\n" \
-            f"    gl_Position = vec4(texel / vec2(w{self.count}, h{self.count}) * 2.0 - 1.0, 0.5, 1.0);\n}}\n#else\n" \
+            f"    gl_Position = vec4(texel / vec2(w{self.count}, h{self.count}) * 2.0 - 1.0, 0.25 * float(gl_InstanceIndex % 4), 1.0);\n}}\n#else\n" \
             "layout(location = 0) flat in uint number;\nvoid main()\n{\n@}\n#endif\n"
 
     def add_group(self):
@@ -511,7 +537,7 @@ class Pipeline:
         self.source = random.Random(f"{arguments.seed}/{number}")
         self.number = number
         self.build, self.sides = os.path.abspath(arguments.build), arguments.sides
-        self.folder = os.path.join(self.build, "tests/random_pipelines", str(number))
+        self.folder = os.path.join(self.build, f"tests/random_pipelines/{arguments.seed}", str(number))
         self.path = os.path.join(self.folder, "spec.yaml")
         maker = Maker(self.source)
         self.spec, texts = maker.make()
@@ -601,7 +627,7 @@ def main():
     import diptych  # pylint: disable=import-outside-toplevel
     tap = bodies.Tap()
     print(f"# seed {arguments.seed}, {arguments.pipelines} pipelines", flush=True)
-    shutil.rmtree(os.path.join(os.path.abspath(arguments.build), "tests/random_pipelines"), ignore_errors=True)
+    shutil.rmtree(os.path.join(os.path.abspath(arguments.build), f"tests/random_pipelines/{arguments.seed}"), ignore_errors=True)
     reasons = []
     for number in range(arguments.pipelines) if arguments.only is None else [arguments.only]:
         pipeline = Pipeline(arguments, number)
