@@ -2292,11 +2292,13 @@ static void opengl_takes_and_gives_a_cache(void **state)
             free(cache.data);
     }
     assert_int_equal(links_with((struct dt_bytes){0}), OUTSIDE_PASSES);
-    assert_int_equal(links_with(cache), 0);
-    cache.data[cache.size / 2] ^= 1; /* each damage costs what it hits */
-    assert_int_equal(links_with(cache), 1);
-    assert_in_range(links_with((struct dt_bytes){cache.data, cache.size / 3, {0}}), 1,
-                    OUTSIDE_PASSES);
+    if (cache.size > 64) { /* the driver gives binaries */
+        assert_int_equal(links_with(cache), 0);
+        cache.data[cache.size / 2] ^= 1; /* each damage costs what it hits */
+        assert_int_equal(links_with(cache), 1);
+        assert_in_range(links_with((struct dt_bytes){cache.data, cache.size / 3, {0}}), 1,
+                        OUTSIDE_PASSES);
+    }
     assert_int_equal(links_with((struct dt_bytes){cache.data, 7, {0}}), OUTSIDE_PASSES);
     cache.data[8] ^= 1; /* of another driver */
     assert_int_equal(links_with(cache), OUTSIDE_PASSES);
