@@ -191,7 +191,7 @@ class Maker:
         return text
 
     def readable(self, without):
-        """Accesses to what was written or has history, of each resource one."""
+        """{NAME: [mip]} of what was written or has history."""
         found = {}
         for name, mip in sorted(self.written):
             if name not in without:
@@ -204,7 +204,8 @@ class Maker:
         for name in self.source.sample(sorted(found), min(len(found), self.source.randint(0, 3))):
             if name in self.spec["buffers"]:
                 keys.append(name)
-                text += f"    {{ int at = min(int(h >> 4 & 63u), {name}_count - 1); {self.element(self.spec['buffers'][name]['of'], f'{name}[at]')}}}\n"
+                mix = self.element(self.spec["buffers"][name]["of"], f"{name}[at]")
+                text += f"    {{ int at = min(int(h >> 4 & 63u), {name}_count - 1); {mix}}}\n"
                 continue
             image, mip = dict(self.spec["images"][name]), self.pick(found[name])
             access, word = {"name": name}, name
@@ -240,7 +241,8 @@ class Maker:
         for name in self.spec["constants"]:
             text += f"    h = mixed(h, uint({name}));\n" if self.chance(0.3) else ""
         if self.chance(0.2):
-            text += f"    {hash_value('float', self.pick(['sqrt(near_one(h))', 'near_one(h) / near_one(h >> 3)', 'dot(vec2(near_one(h)), vec2(3.0, 0.7))']))}\n"
+            exact = ("sqrt(near_one(h))", "near_one(h) / near_one(h >> 3)", "dot(vec2(near_one(h)), vec2(3.0, 0.7))")
+            text += f"    {hash_value('float', self.pick(exact))}\n"
         return text + ("    h = mixed(h, frame.index);\n" if self.chance(0.3) else "")
 
     def new_pass(self, **keys):
