@@ -468,7 +468,7 @@ class Maker:
         steps = [self.add_dispatch] * 4 + [lambda: self.add_draw(True), lambda: self.add_draw(False), self.add_group, self.add_repeat,
                                            self.add_atomics]
         self.add_dispatch()
-        for _ in range(self.source.randint(1, 5)):
+        for _ in range(self.source.randint(1, 4)):
             self.pick(steps)()
         return {key: value for key, value in self.spec.items() if value or key == "passes"}, self.bodies
 
@@ -587,7 +587,7 @@ class Pipeline:
         if refused and not self.mutated:
             return [f"is refused\n{refused}"]
         keep = {f"{kind}.{name}.keep": True for kind in ("buffers", "images") for name in self.spec.get(kind, {})}
-        for side, sets in [(side, {}) for side in self.sides] + ([] if refused else [(self.sides[-1], keep)]):
+        for side, sets in [(side, {}) for side in self.sides] + ([] if refused or self.number % 2 else [(self.sides[-1], keep)]):
             label = side + (" with keep" if sets else "")
             few = self.mutated and side != self.sides[self.number % len(self.sides)]
             try:
