@@ -6,13 +6,24 @@ folder=build/deb
 architecture=$(dpkg --print-architecture)
 rm -rf $folder
 mkdir -p $folder/root/DEBIAN $folder/debian
-DESTDIR=$PWD/$folder/root PREFIX=/usr sh app/install.sh "$version"
+lib=lib/$(dpkg-architecture -qDEB_HOST_MULTIARCH)
+DESTDIR=$PWD/$folder/root PREFIX=/usr LIBDIR=$lib sh app/install.sh "$version"
+# The file that Debian's policy asks for, in place of the licence alone.
+doc=$folder/root/usr/share/doc/diptych
+{
+    echo 'Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/'
+    printf 'Upstream-Name: diptych\n\nFiles: *\n'
+    sed -n 's/^Copyright (c) /Copyright: /p' LICENSE
+    echo 'License: Expat'
+    sed '1,/^Copyright/d' LICENSE | sed '1d; s/^$/./; s/^/ /'
+} >$doc/copyright
+rm $doc/LICENSE
 
 printf 'Source: diptych\n\nPackage: diptych\nArchitecture: any\n' >$folder/debian/control
-needs=$(cd $folder && dpkg-shlibdeps -O -xdiptych -lroot/usr/lib \
+needs=$(cd $folder && dpkg-shlibdeps -O -xdiptych "-lroot/usr/$lib" \
     -eroot/usr/bin/diptych -eroot/usr/bin/diptych-gen -eroot/usr/lib/diptych/libdiptych_image.so \
-    -eroot/usr/lib/libdiptych_gl.so -eroot/usr/lib/libdiptych_vk.so -eroot/usr/lib/libdiptych_scene.so \
-    -eroot/usr/lib/libdiptych_play.so |
+    "-eroot/usr/$lib/libdiptych_gl.so" "-eroot/usr/$lib/libdiptych_vk.so" "-eroot/usr/$lib/libdiptych_scene.so" \
+    "-eroot/usr/$lib/libdiptych_play.so" |
     sed -n 's/^shlibs:Depends=//p')
 cat >$folder/root/DEBIAN/control <<END
 Package: diptych

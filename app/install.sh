@@ -2,9 +2,11 @@
 # Puts what is built under DESTDIR/PREFIX: `PREFIX=/opt/diptych ninja install`. Called by that, with the version. PREFIX is
 # /usr/local where it is not given; DESTDIR is for packagers, and no file names it. The tree that is installed can be moved:
 # programs find their files from where they are, and so do the files of pkg-config and CMake. With `uninstall` after the
-# version, removes what it has put there.
+# version, removes what it has put there. LIBDIR (default: lib) is the libraries' folder below PREFIX; lib/TRIPLET in Debian's packages.
 set -eu
 version=$1
+lib=${LIBDIR:-lib}
+up=$(printf '%s' "$lib" | sed 's|[^/]*|..|g') # from there to PREFIX
 case $version in # of the sonames, see DT_VERSION in diptych.h
 0.*) soversion=${version%.*} ;;
 *) soversion=${version%%.*} ;;
@@ -23,7 +25,7 @@ if [ "${2:-}" = uninstall ]; then
     [ -e "$list" ] || { echo "uninstall: $list is missing: nothing was installed there" >&2 && exit 1; }
     while read -r file; do rm -f "$root/$file"; done <"$list"
     rm -f "$list"
-    find "$root/share/diptych" "$root/include/diptych" "$root/lib/diptych" "$root/lib/cmake/diptych" \
+    find "$root/share/diptych" "$root/include/diptych" "$root/lib/diptych" "$root/$lib/cmake/diptych" \
         "$root/share/doc/diptych" -depth -type d -empty -delete
     exit
 fi
@@ -50,9 +52,9 @@ put_output() { # target command...
 
 package() { # name description cflags libs private-libs
     cat <<END
-prefix=\${pcfiledir}/../..
+prefix=\${pcfiledir}/../$up
 includedir=\${prefix}/include/diptych
-libdir=\${prefix}/lib
+libdir=\${prefix}/$lib
 templates=\${prefix}/share/diptych/templates
 generator=\${prefix}/bin/diptych-gen
 
@@ -76,23 +78,23 @@ put 755 build/diptych-gen bin/diptych-gen
 put 644 build/libdiptych_image.so lib/diptych/libdiptych_image.so
 
 for name in gl vk scene; do
-    put 644 build/library/libdiptych_$name.a lib/libdiptych_$name.a
-    put 644 "build/library/libdiptych_$name.so.$version" "lib/libdiptych_$name.so.$version"
+    put 644 build/library/libdiptych_$name.a "$lib/libdiptych_$name.a"
+    put 644 "build/library/libdiptych_$name.so.$version" "$lib/libdiptych_$name.so.$version"
 done
-put 644 build/libdiptych_play.so "lib/libdiptych_play.so.$version"
+put 644 build/libdiptych_play.so "$lib/libdiptych_play.so.$version"
 for name in gl vk scene play; do
-    ln -sfn "libdiptych_$name.so.$version" "$root/lib/libdiptych_$name.so.$soversion"
-    ln -sfn "libdiptych_$name.so.$soversion" "$root/lib/libdiptych_$name.so"
-    printf 'lib/libdiptych_%s\n' "$name.so" "$name.so.$soversion" >>"$list"
+    ln -sfn "libdiptych_$name.so.$version" "$root/$lib/libdiptych_$name.so.$soversion"
+    ln -sfn "libdiptych_$name.so.$soversion" "$root/$lib/libdiptych_$name.so"
+    printf "$lib/libdiptych_%s\n" "$name.so" "$name.so.$soversion" >>"$list"
 done
-put_output lib/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
-put_output lib/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
-put_output lib/pkgconfig/diptych-play.pc package diptych-play "plays pipelines of diptych" "-ldiptych_play" ""
-put_output lib/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
-    "-lpng -lassimp -lfyaml -ldl -lm -Wl,-rpath,\${libdir}/diptych"
+put_output "$lib"/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of diptych in an OpenGL renderer" "-ldiptych_gl" ""
+put_output "$lib"/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
+put_output "$lib"/pkgconfig/diptych-play.pc package diptych-play "plays pipelines of diptych" "-ldiptych_play" ""
+put_output "$lib"/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
+    "-lpng -lassimp -lfyaml -ldl -lm -Wl,-rpath,\${prefix}/lib/diptych"
 
-put 644 app/diptych-config.cmake lib/cmake/diptych/diptych-config.cmake
-put_output lib/cmake/diptych/diptych-config-version.cmake cat <<END
+put 644 app/diptych-config.cmake "$lib"/cmake/diptych/diptych-config.cmake
+put_output "$lib"/cmake/diptych/diptych-config-version.cmake cat <<END
 # Versions with the same first two numbers go together.
 set(PACKAGE_VERSION $version)
 set(wanted "\${PACKAGE_FIND_VERSION_MAJOR}.\${PACKAGE_FIND_VERSION_MINOR}")
@@ -102,6 +104,12 @@ if(NOT PACKAGE_FIND_VERSION OR
 endif()
 END
 put 644 LICENSE share/doc/diptych/LICENSE
+examples=share/doc/diptych/examples
+for file in tests/hosts/*.* tests/hosts/project/*; do
+    put 644 "$file" "$examples/${file#tests/}"
+done
+# shellcheck disable=SC2016 # the pattern of a fence
+put_output $examples/play.py sed -n '/^```python/,/^```$/ { /^```/d; p }' templates/README.md
 put_output share/doc/diptych/reference.md build/diptych-gen --reference
 
 for header in templates/c/diptych.h templates/c/panel.h templates/c/device_limits.h templates/c/limit.h runtime_gl/diptych_gl.h \

@@ -89,25 +89,40 @@ bool pass_writes(const struct pass *pass, const struct resource *resource)
     return false;
 }
 
-/* Whether a kept pass needs the clear values of this pass: it reads a resource that this pass
- * writes and that no other kept pass writes. */
+/* Whether `user` is of a mip that `writer` writes. */
+static bool sees(const struct access *user, const struct access *writer)
+{
+    bool all_mips = user->filter && !user->mip;
+    return user->resource == writer->resource && (all_mips || user->mip_value == writer->mip_value);
+}
+
+/* Whether a kept pass needs what `writer` clears if its pass is skipped: it reads or updates that,
+ * and no kept pass writes it anew. */
+static bool is_needed(const struct pipeline *pipeline, const bool *kept,
+                      const struct access *writer)
+{
+    bool read = false, written = false;
+    for (uint32_t k = 0; k < pipeline->pass_count; k++) {
+        const struct pass *other = &pipeline->passes[k];
+        if (!kept[k])
+            continue;
+        read |= other->indirect_resource == writer->resource ||
+                other->index_resource == writer->resource;
+        for (uint32_t i = 0; i < other->access_count; i++) {
+            bool anew = other->accesses[i].mode == MODE_WRITE;
+            written |= anew && sees(&other->accesses[i], writer);
+            read |= !anew && sees(&other->accesses[i], writer);
+        }
+    }
+    return read && !written;
+}
+
 static bool is_missed(const struct pipeline *pipeline, const bool *kept, const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct resource *resource = pass->accesses[i].resource;
-        bool read = false, written = !resource || pass->accesses[i].mode != MODE_WRITE;
-        for (uint32_t k = 0; k < pipeline->pass_count; k++) {
-            const struct pass *other = &pipeline->passes[k];
-            if (!kept[k] || other == pass)
-                continue;
-            written |= resource && pass_writes(other, resource);
-            read |= other->indirect_resource == resource || other->index_resource == resource;
-            for (uint32_t j = 0; j < other->access_count; j++)
-                read |= other->accesses[j].resource == resource;
-        }
-        if (read && !written)
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].resource && pass->accesses[i].mode == MODE_WRITE &&
+            is_needed(pipeline, kept, &pass->accesses[i]))
             return true;
-    }
     return false;
 }
 

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "body_files.h"
 #include "emit_c.h"
 
 /* A member of a struct; padding may stand before and after it. */
@@ -251,7 +252,10 @@ static void emit_indices(const struct c_output *c)
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         text_add(c->out, "    ");
         c_enumerator(c, "PASS", pipeline->order[i]->name);
-        text_add(c->out, ",\n");
+        text_add(c->out, ",%s\n",
+                 body_mentions(pipeline->order[i]->files, "vertex_triangle")
+                     ? " /* reads vertex_triangle: see dt_number_triangles */"
+                     : "");
     }
     text_add(c->out, "    ");
     c_upper(c->out, pipeline->name);

@@ -21,11 +21,24 @@ static struct format_names format_names(enum dt_format format)
     return (struct format_names){info->storage ? layout : NULL, prefix};
 }
 
+/* The call of templates/glsl/store.glsl that makes the integers codes of 8 or 16 bits. */
+static const char *clamping(const char *name, const char **tail)
+{
+    bool bytes = strstr(name, "8"), is_unsigned = strstr(name, "ui");
+    *tail = is_unsigned ? (bytes ? ", uvec4(255u))" : ", uvec4(65535u))")
+                        : (bytes ? ", ivec4(127))" : ", ivec4(32767))");
+    return is_unsigned ? "store_unsigned(" : "store_signed(";
+}
+
 /* The call of templates/glsl/store.glsl that rounds for the format, up to the value, and what follows
- * it. NULL: 32 bits, integers, and conversions that only drivers have. */
+ * it. NULL: 32 bits, and conversions that only drivers have. */
 static const char *rounding(enum dt_format format, const char **tail)
 {
     const char *name = format_info(format)->name;
+    if (strstr(name, "32") || strstr(name, "srgb"))
+        return NULL;
+    if (format_info(format)->integer)
+        return clamping(name, tail);
     *tail = strstr(name, "_snorm") ? ", vec4(32767.0), vec4(1.0 / 32767.0))"
             : format == DT_FORMAT_RGB10A2
                 ? ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
@@ -33,8 +46,6 @@ static const char *rounding(enum dt_format format, const char **tail)
             : strstr(name, "16f") || format == DT_FORMAT_R11G11B10F ? ")"
             : strstr(name, "16") ? ", vec4(65535.0), vec4(1.0 / 65535.0))"
                                  : ", vec4(255.0), vec4(1.0 / 255.0))";
-    if (format_info(format)->integer || strstr(name, "32f") || strstr(name, "srgb"))
-        return NULL;
     return strstr(name, "_snorm")           ? "store_snorm("
            : strstr(name, "16f")            ? "store_half("
            : format == DT_FORMAT_R11G11B10F ? "store_r11g11b10("

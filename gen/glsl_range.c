@@ -20,6 +20,7 @@ struct loop {          /* one `for` of the body */
     const struct range *range;
     uint64_t fields; /* mask of those that the body uses */
     bool copied;     /* at the start of main(), for all loops */
+    bool words;      /* see by_words() */
     struct loc open_loc, close_loc;
     uint32_t line_number, close_number; /* of the sources, for #line */
 };
@@ -133,6 +134,34 @@ static uint32_t source_number(const struct glsl *glsl, const struct source *sour
     return 0;
 }
 
+static bool is_shared(const struct range *range)
+{
+    return range->storage == STORAGE_SHARED;
+}
+
+/* Whether the stage reads elements of the buffer, outside of shared ranges. */
+static bool is_indexed(const struct glsl *glsl, const struct access *access)
+{
+    const struct pass *pass = glsl->pass;
+    bool indexed = find_word(glsl->parts[PART_BODY].data, access_word(access));
+    for (uint32_t i = 0; i < pass->range_count && !indexed; i++) {
+        const struct range *range = &pass->ranges[i];
+        indexed = (range->access == access && !is_shared(range)) ||
+                  (range->first && find_word(range->first, access_word(access)));
+    }
+    return indexed;
+}
+
+/* Whether the range is copied from a uniform block word by word, not field by field. A CPU runs the
+ * copy for all invocations, even those with nothing to copy, and pays for each component that one
+ * invocation copies. The block then has words in place of elements, and OpenGL takes one block for a
+ * binding. */
+static bool by_words(const struct glsl *glsl, const struct range *range)
+{
+    return is_shared(range) && range->access->kind & ACCESS_UNIFORM &&
+           !is_indexed(glsl, range->access);
+}
+
 static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
 {
     const char *body = glsl->parts[PART_BODY].data;
@@ -160,6 +189,7 @@ static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
         return false;
     }
     loop->fields = used_fields(loop);
+    loop->words = by_words(glsl, loop->range);
     loop->open_loc = glsl_body_loc(glsl, body, (size_t)(loop->open - body), 1);
     loop->close_loc = glsl_body_loc(glsl, body, (size_t)(loop->close - body), 1);
     loop->line_number = source_number(glsl, loop->open_loc.source);
@@ -168,19 +198,6 @@ static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
 }
 
 /* ---- Writing --------------------------------------------------------------------------------- */
-
-static bool is_shared(const struct range *range)
-{
-    return range->storage == STORAGE_SHARED;
-}
-
-/* Whether the range is copied from a uniform block word by word, not field by field. A CPU runs the
- * copy for all invocations, even those with nothing to copy, and pays for each component that one
- * invocation copies. */
-static bool by_words(const struct range *range)
-{
-    return is_shared(range) && range->access->kind & ACCESS_UNIFORM;
-}
 
 static uint32_t chunk_of(const struct range *range)
 {
@@ -216,7 +233,7 @@ static void add_field(const struct loop *loop, const struct field *field, const 
     const struct range *range = loop->range;
     int length = (int)loop->variable.length;
     uint32_t count = field->array_count ? field->array_count : 1;
-    if (!by_words(range)) {
+    if (!loop->words) {
         text_add(out, "        %.*s.%s = %s_%s[%s];\n", length, loop->variable.text, field->name,
                  range->name, field->name, index);
         return;
@@ -244,11 +261,11 @@ static void add_element(const struct loop *loop, const char *index, struct text 
     if (!is_shared(range)) {
         text_add(out, "        %s %.*s = %s[%s_first + %s];\n", type, length, variable,
                  access_word(range->access), range->name, index);
-    } else if (by_words(range) && !structure) {
+    } else if (loop->words && !structure) {
         text_add(out, "        %s %.*s = ", type, length, variable);
         add_words(range, buffer->type, index, 0, out);
         text_add(out, ";\n");
-    } else if (loop->fields == WHOLE && !by_words(range)) {
+    } else if (loop->fields == WHOLE && !loop->words) {
         text_add(out, "        %s %.*s = %s_cache[%s];\n", type, length, variable, range->name,
                  index);
     } else {
@@ -277,7 +294,7 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     const struct structure *structure = buffer->structure;
     const uint32_t *local = glsl->pass->local;
     const char *name = access_word(range->access);
-    uint32_t words = by_words(range) ? buffer->stride / 4 : 1;
+    uint32_t words = loop->words ? buffer->stride / 4 : 1;
     uint32_t copied = count * words, invocations = local[0] * local[1] * local[2];
     if (copied <= invocations) /* a loop costs a CPU more checks for each vector */
         text_add(out,
@@ -287,13 +304,13 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
     else
         text_add(out, "    for (int i = int(gl_LocalInvocationIndex); i < %u; i += %u) {\n", copied,
                  invocations);
-    if (by_words(range))
+    if (loop->words)
         text_add(out, "        %s_words[i] = %s_quads[(%s_first%s) * %u + (i >> 2)][i & 3];\n",
                  range->name, name, range->name, chunk, words / 4);
     else if (loop->fields == WHOLE)
         text_add(out, "        %s_cache[i] = %s[%s_first%s + i];\n", range->name, name, range->name,
                  chunk);
-    for (uint32_t i = 0; !by_words(range) && structure && i < structure->field_count; i++)
+    for (uint32_t i = 0; !loop->words && structure && i < structure->field_count; i++)
         if (loop->fields >> i & 1)
             text_add(out, "        %s_%s[i] = %s[%s_first%s + i].%s;\n", range->name,
                      structure->fields[i].name, name, range->name, chunk,
@@ -426,7 +443,7 @@ static void add_caches(struct glsl *glsl, const struct range *range, uint64_t fi
     uint64_t chunk = !range->chunk || range->chunk > count ? count : range->chunk;
     if (!is_shared(range) || !chunk)
         return;
-    if (by_words(range)) {
+    if (by_words(glsl, range)) {
         text_add(out, "shared uint %s_words[%llu];\n", range->name,
                  (unsigned long long)chunk * buffer->stride / 4);
         return;

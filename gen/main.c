@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "command.h"
@@ -35,7 +36,7 @@ struct options {
 
 static const struct option_row option_rows[] = {
     {"SPEC", OPTION_STRING, offsetof(struct options, spec), 1, 1, NULL,
-     "the pipeline, YAML; --reference prints its language"},
+     "the pipeline, YAML; or the name of a shipped one, like rsm; --reference prints the language"},
     ROW("-o", OPTION_STRING, out, "DIR", "folder for the generated files; made when it is missing"),
     ROW("--set", OPTION_TEXTS, sets, "PATH=VALUE",
         "override a parameter by name or any value by its dotted path; may be repeated"),
@@ -135,7 +136,7 @@ static bool parse_options(int count, char **words, struct options *options)
 
 struct generation {
     const struct options *options;
-    const char *templates;
+    const char *templates, *spec_path;
     struct spec spec;
     struct diag *diag;
     struct output *output;
@@ -327,7 +328,7 @@ static enum status generate(struct generation *g)
     uint64_t seconds;
     if (!read_number("--limit", options->limit, 1, 3600, SPEC_SECONDS, &seconds))
         return STATUS_FAILED;
-    struct spec_request request = {.path = options->spec,
+    struct spec_request request = {.path = g->spec_path,
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
@@ -364,7 +365,7 @@ static enum status print_variations(struct generation *g)
         !read_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
         !read_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
         return STATUS_FAILED;
-    struct vary_request request = {.spec = options->spec,
+    struct vary_request request = {.spec = g->spec_path,
                                    .templates_dir = g->templates,
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
@@ -402,6 +403,15 @@ static const char *find_templates(struct arena *arena, const char *given)
     if (!glsl || access(glsl, R_OK) != 0)
         path = arena_printf(arena, "%s/templates", program);
     return path ? path : "templates";
+}
+
+/* A bare word that is no file: the spec of that name in the templates, if there is one. */
+static const char *find_spec(struct arena *arena, const char *path, const char *templates)
+{
+    const char *shipped = arena_printf(arena, "%s/%s.yaml", templates, path);
+    struct stat info;
+    bool bare = !strpbrk(path, "./") && (stat(path, &info) != 0 || S_ISDIR(info.st_mode));
+    return bare && shipped && access(shipped, R_OK) == 0 ? shipped : path;
 }
 
 static void add_summary_json(const struct model *model, struct text *text)
@@ -452,6 +462,7 @@ static enum status run(const struct options *options)
     enum status status = STATUS_FAILED;
     if (g.diag && g.spec.model.arena) {
         g.templates = find_templates(g.spec.model.arena, options->templates);
+        g.spec_path = find_spec(g.spec.model.arena, options->spec, g.templates);
         status = options->variations ? print_variations(&g) : generate(&g);
         if (options->json)
             status = write_json(&g, status);

@@ -142,7 +142,8 @@ static const struct body_name resource_names[] = {
      "direction needs two accesses, one without `sampler`."},
     {"ivec2 NAME_size()", "image",
      "Width and height of the mip that `NAME(p)` reads; ivec3 of a 3D image."},
-    {"NAME_store(p, value)", "compute, image in `writes` or `updates`", "Writes a texel."},
+    {"NAME_store(p, value)", "compute, image in `writes` or `updates`",
+     "Writes a texel. Integers beyond those of an 8 or 16 bit format become the nearest one."},
     {"NAME_atomicAdd(p, value)", "compute, image in `updates` of format r32ui or r32i",
      "Adds to a texel, uint or int, and gives the former value; also `atomicMin`, `atomicMax`, "
      "`atomicAnd`, `atomicOr`, `atomicXor`, `atomicExchange`. Elements of buffers have GLSL's: "

@@ -66,6 +66,9 @@ struct dt_gl_host {
     bool glsl;        /* programs from GLSL text instead of SPIR-V; needs diptych-gen --glsl */
     bool timing;      /* timestamps around every pass, for dt_gl_timings */
     uint32_t frames;  /* whose timings are kept, up to 16; 0: 1 */
+    /* What dt_gl_get_cache gave in an earlier run; borrowed for open. Zero, or of another driver: create
+     * compiles all */
+    struct dt_bytes cache;
 };
 
 /* NULL after an error, for example if the context lacks a required feature. */
@@ -90,8 +93,11 @@ struct dt_gl_attribute {
     uint32_t stride;
 };
 
-/* The scene that passes draw and read. The host owns the buffers; they must live until the next
- * import or close. The host may write them between frames; the next frame uses the new content. */
+/* The scene that passes draw and read. Where NAME.h says that a pass reads vertex_triangle, each
+ * triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+ * dt_number_triangles makes such arrays. Other arrays give a wrong picture and no error, since the
+ * runtime does not read them. The host owns the buffers; they must live until the next import or
+ * close. The host may write them between frames; the next frame uses the new content. */
 struct dt_gl_scene {
     /* struct dt_vertex[]; buffer 0: no pass reads scene_vertices, and `attributes` has all that
      * draws read */
@@ -185,6 +191,11 @@ struct dt_gl_resource {
  * or content from outside in the spec: other passes may have reused its memory. Also an error between
  * the parts of a frame for an output that no part so far has written. */
 bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
+
+/* The programs of the pipeline as binaries of the driver, for dt_gl_host.cache of a later run: the
+ * host keeps the bytes, and frees out->data. Without `glsl` Mesa gives no binaries, nor do some other
+ * drivers; then the cache has no programs. */
+bool dt_gl_get_cache(struct gl_runtime *rt, struct dt_bytes *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped, or not finished yet, since this
  * function never waits. `age`: 0 is the last frame, 1 the one before, up to `frames` - 1 of the host; all

@@ -102,6 +102,7 @@ struct gl_runtime {
 
     /* with a host's context, which is current in every call */
     bool leave_state;
+    struct dt_bytes cache;     /* of the host; see cache.c */
     struct gl_import *imports; /* per resource of the panel */
     struct gl_kept *kept;      /* NULL: nothing to restore */
 };
@@ -188,6 +189,12 @@ bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_s
 void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
 
 /* ---- program.c ------------------------------------------------------------------------------- */
+
+/* cache.c: keeps the cache, if this driver made it. */
+bool gl_cache_take(struct gl_runtime *rt, const struct dt_bytes *cache);
+/* Whether the program was linked with a binary of the cache. */
+bool gl_cache_link(struct gl_runtime *rt, GLuint program, const struct dt_stages *stages);
+bool gl_cache_give(struct gl_runtime *rt, struct dt_bytes *out);
 
 bool gl_program_create(struct gl_runtime *rt, GLuint *program, const char *name,
                        const struct dt_stages *stages);

@@ -171,8 +171,11 @@ struct dt_vk_attribute {
     uint32_t stride;
 };
 
-/* The scene that passes draw and read. The host owns the buffers; they must live until the next
- * import or close. The host may write them between frames; the next frame uses the new content. */
+/* The scene that passes draw and read. Where NAME.h says that a pass reads vertex_triangle, each
+ * triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+ * dt_number_triangles makes such arrays. Other arrays give a wrong picture and no error, since the
+ * runtime does not read them. The host owns the buffers; they must live until the next import or
+ * close. The host may write them between frames; the next frame uses the new content. */
 struct dt_vk_scene {
     /* struct dt_vertex[]; usage VERTEX_BUFFER, UNIFORM_TEXEL_BUFFER, and of pipelines with `target:
      * gpu` STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads scene_vertices, and `attributes` has all
@@ -227,6 +230,14 @@ struct dt_vk_image {
      * of the last pass, see dt_vk_get_resource. */
     VkImageLayout layout_after;
 };
+/* Fills what vkCreateImage needs for an image to import: the usage is that of the passes alone, to which
+ * the host adds its own. False: the resource is no image. */
+bool dt_vk_describe(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
+                    uint32_t height, VkImageCreateInfo *info);
+/* The same of a buffer. */
+bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
+                           uint32_t height, VkBufferCreateInfo *info);
+
 /* `resource` is NAME_RESOURCE_...; call after create, before resize. An image of VK_NULL_HANDLE
  * cancels the import. */
 bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image);
@@ -328,7 +339,19 @@ struct dt_vk_resource {
     VkImageUsageFlags usage; /* SAMPLED, TRANSFER_SRC and more; of an import: as the host said */
     uint32_t width, height, layers, mips; /* layers: also the depth of a 3D image */
     VkImageLayout layout;                 /* after the commands recorded last */
+    /* of the last write by these commands: of a pass, or of a clear in place of a skipped one */
+    VkPipelineStageFlags2 stages;
+    VkAccessFlags2 accesses;
 };
+/* To copy an output after record, four lines give it another layout:
+ *
+ *     dt_vk_get_resource(rt, SSVP_RESOURCE_DISPLAY, &r);
+ *     barrier.srcStageMask = r.stages, barrier.srcAccessMask = r.accesses;  // VkImageMemoryBarrier2
+ *     barrier.image = r.image, barrier.oldLayout = r.layout;
+ *     barrier.newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, ... and the copy as destination
+ *
+ * Resources with `history`, inputs and imports go back to r.layout before the next frame, which finds
+ * them so; frames write others anew. */
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
  * or content from outside in the spec: other passes may have reused its memory. Also an error between
  * the parts of a frame for an output that no part so far has written. */

@@ -561,6 +561,44 @@ bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
     return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
+/* enum dt_access and enum dt_stage of a write: of a pass that ran, or of a clear. */
+struct write {
+    unsigned access, stage;
+};
+
+static struct write write_of(const struct dt_pass *pass, const struct dt_resource *resource)
+{
+    if (pass->kind == DT_PASS_DISPATCH)
+        return (struct write){DT_WRITE_STORAGE, DT_STAGE_COMPUTE};
+    if (resource->kind == DT_BUFFER)
+        return (struct write){DT_WRITE_STORAGE, DT_STAGE_FRAGMENT};
+    if (resource->format == DT_FORMAT_D32F)
+        return (struct write){DT_WRITE_DEPTH, DT_STAGE_DEPTH};
+    return (struct write){DT_WRITE_COLOR, DT_STAGE_COLOR};
+}
+
+static bool writes(const struct dt_pass *pass, uint32_t resource)
+{
+    for (uint32_t i = 0; i < pass->write_count; i++)
+        if (pass->writes[i] == resource)
+            return true;
+    return false;
+}
+
+/* The last write of the commands recorded last; zero: only the host writes the resource. */
+static struct write last_write(const struct vk_runtime *rt, uint32_t resource)
+{
+    const struct write clear = {DT_WRITE_CLEAR, DT_STAGE_CLEAR};
+    const struct dt_core *core = &rt->core;
+    const struct dt_resource *what = &core->pipeline->resources[resource];
+    for (uint32_t i = core->next_pass ? core->next_pass : core->pipeline->pass_count; i-- > 0;)
+        if (writes(&core->pipeline->passes[i], resource))
+            return core->recorded && !core->ran[dt_run(core, core->slot, i)]
+                       ? clear
+                       : write_of(&core->pipeline->passes[i], what);
+    return what->input && !core->imported[resource] ? clear : (struct write){0};
+}
+
 bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
 {
     struct dt_bytes shape;
@@ -585,6 +623,45 @@ bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_r
                                        .layers = image->layers * image->depth,
                                        .mips = image->mips,
                                        .layout = image->layout};
+    const struct write last = last_write(rt, resource);
+    out->stages = vk_stages(last.stage);
+    out->accesses = vk_accesses(last.access);
+    return true;
+}
+
+bool dt_vk_describe(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
+                    uint32_t height, VkImageCreateInfo *info)
+{
+    const struct dt_pipeline *pipeline = shaders->panel->pipeline;
+    uint32_t extent[3];
+    if (resource >= pipeline->resource_count || pipeline->resources[resource].kind != DT_IMAGE)
+        return false;
+    const struct dt_resource *image = &pipeline->resources[resource];
+    pipeline->extent(pipeline, resource, width, height, extent);
+    *info = vk_image_create_info(
+        &(struct vk_image_info){.format = image->format,
+                                .usage = vk_image_usage(shaders->panel->storage[resource].usage),
+                                .width = extent[0],
+                                .height = extent[1],
+                                .layers = extent[2],
+                                .mips = image->mips,
+                                .shape = image->shape});
+    return true;
+}
+
+bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
+                           uint32_t height, VkBufferCreateInfo *info)
+{
+    const struct dt_pipeline *pipeline = shaders->panel->pipeline;
+    uint32_t extent[3];
+    if (resource >= pipeline->resource_count || pipeline->resources[resource].kind != DT_BUFFER)
+        return false;
+    const struct dt_storage *storage = &shaders->panel->storage[resource];
+    pipeline->extent(pipeline, resource, width, height, extent);
+    VkDeviceSize size = (VkDeviceSize)extent[0] * pipeline->resources[resource].stride;
+    *info = (VkBufferCreateInfo){.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                 .size = size > storage->block ? size : storage->block,
+                                 .usage = vk_buffer_usage(storage->usage)};
     return true;
 }
 

@@ -231,6 +231,12 @@ void vk_context_close(struct vk_runtime *rt); /* also after a failed open */
 
 VkFormat vk_format(enum dt_format format);
 VkImageLayout vk_layout(unsigned layout); /* enum dt_layout */
+/* What masks of enum dt_access need of a resource (panel.c). */
+VkBufferUsageFlags vk_buffer_usage(unsigned usage);
+VkImageUsageFlags vk_image_usage(unsigned usage);
+/* Of masks of enum dt_stage and enum dt_access (verbs.c). */
+VkPipelineStageFlags2 vk_stages(unsigned stages);
+VkAccessFlags2 vk_accesses(unsigned accesses);
 
 /* All destroy functions take zeroed structs, and zero them. */
 struct vk_buffer_info {
@@ -262,6 +268,7 @@ struct vk_image_info {
     bool by_layer;                    /* makes views of single layers */
     const struct dt_vk_image *import; /* the host's image to use instead; NULL: none */
 };
+VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info);
 /* Without memory and views. Adds usage SAMPLED, TRANSFER_SRC and TRANSFER_DST. */
 bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info);

@@ -213,7 +213,7 @@ static bool compile_programs(struct dt_core *core)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
-static VkBufferUsageFlags buffer_usage(unsigned usage)
+VkBufferUsageFlags vk_buffer_usage(unsigned usage)
 {
     VkBufferUsageFlags flags = 0;
     flags |= usage & DT_READ_UNIFORM ? VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT : 0;
@@ -224,7 +224,7 @@ static VkBufferUsageFlags buffer_usage(unsigned usage)
                : flags;
 }
 
-static VkImageUsageFlags image_usage(unsigned usage)
+VkImageUsageFlags vk_image_usage(unsigned usage)
 {
     const unsigned storage = DT_READ_STORAGE | DT_WRITE_STORAGE;
     VkImageUsageFlags flags = 0;
@@ -245,7 +245,7 @@ static bool create_buffer(struct vk_runtime *rt, uint32_t index, VkDeviceSize si
         .name = rt->core.pipeline->resources[index].name,
         .size = size,
         .block = storage->block,
-        .usage = buffer_usage(storage->usage) | choice->usage,
+        .usage = vk_buffer_usage(storage->usage) | choice->usage,
     };
     if (!choice->buffer.buffer)
         return vk_buffer_create(rt, buffer, &info);
@@ -268,7 +268,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
     const struct vk_image_info info = {
         .name = resource->name,
         .format = resource->format,
-        .usage = image_usage(storage->usage) | (choice->image.image ? 0 : choice->usage),
+        .usage = vk_image_usage(storage->usage) | (choice->image.image ? 0 : choice->usage),
         .width = extent[0],
         .height = extent[1],
         .layers = extent[2],

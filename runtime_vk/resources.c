@@ -289,8 +289,6 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
 static bool adopt_image(struct vk_runtime *rt, const struct dt_vk_image *given,
                         struct vk_image *image, const VkImageCreateInfo *wanted)
 {
-    const VkImageUsageFlags own = VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
-    VkImageUsageFlags needed = wanted->usage & ~own;
     uint32_t layers = wanted->arrayLayers * wanted->extent.depth;
     if (given->format != wanted->format || given->width != wanted->extent.width ||
         given->height != wanted->extent.height || given->layers != layers ||
@@ -302,11 +300,11 @@ static bool adopt_image(struct vk_runtime *rt, const struct dt_vk_image *given,
             image->name, (int)given->format, given->width, given->height, given->layers,
             given->mips, (int)wanted->format, wanted->extent.width, wanted->extent.height, layers,
             wanted->mipLevels);
-    if ((given->usage & needed) != needed)
+    if ((given->usage & wanted->usage) != wanted->usage)
         return dt_error(
             &rt->core,
             "image %s: imported with usage 0x%x, but its passes need 0x%x; make it with both",
-            image->name, given->usage, needed);
+            image->name, given->usage, wanted->usage);
     image->handle = given->image;
     image->imported = true;
     return true;
@@ -317,11 +315,10 @@ bool vk_is_cube(enum dt_shape shape)
     return shape == DT_SHAPE_CUBE || shape == DT_SHAPE_CUBE_ARRAY;
 }
 
-bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
-                     const struct vk_image_info *info)
+VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info)
 {
     bool volume = info->shape == DT_SHAPE_3D;
-    VkImageCreateInfo create = {
+    return (VkImageCreateInfo){
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
         .flags = vk_is_cube(info->shape) ? VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT : 0,
         .imageType = volume ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D,
@@ -331,9 +328,15 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         .arrayLayers = volume ? 1 : info->layers,
         .samples = VK_SAMPLE_COUNT_1_BIT,
         .tiling = VK_IMAGE_TILING_OPTIMAL,
-        .usage = info->usage | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+        .usage = info->usage,
         .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED,
     };
+}
+
+bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
+                     const struct vk_image_info *info)
+{
+    VkImageCreateInfo create = vk_image_create_info(info);
     *image = (struct vk_image){
         .name = info->name,
         .format = create.format,
@@ -354,7 +357,9 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
         image->usage = info->import->usage;
         return adopt_image(rt, info->import, image, &create);
     }
-    image->usage = create.usage |= VK_IMAGE_USAGE_SAMPLED_BIT; /* for dt_vk_get_resource */
+    image->usage = create.usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                                   VK_IMAGE_USAGE_TRANSFER_DST_BIT |
+                                   VK_IMAGE_USAGE_SAMPLED_BIT; /* for dt_vk_get_resource */
     if (!image_fits(rt, &create, info->name) ||
         !VK(rt, rt->vk.CreateImage(rt->device, &create, rt->callbacks, &image->handle), info->name))
         return false;

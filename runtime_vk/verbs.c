@@ -66,7 +66,7 @@ static VkFlags64 translate(unsigned mask, const VkFlags64 *flags)
 #define BIT(mask) __builtin_ctz(mask)
 
 /* Validation layers 1.3.239 count vkCmdFillBuffer as a copy, not as a clear: clears wait for both. */
-static VkPipelineStageFlags2 stages_of(unsigned stages)
+VkPipelineStageFlags2 vk_stages(unsigned stages)
 {
     static const VkFlags64 flags[] = {
         [BIT(DT_STAGE_COMPUTE)] = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
@@ -82,7 +82,7 @@ static VkPipelineStageFlags2 stages_of(unsigned stages)
     return translate(stages, flags);
 }
 
-static VkAccessFlags2 accesses_of(unsigned accesses)
+VkAccessFlags2 vk_accesses(unsigned accesses)
 {
     static const VkFlags64 flags[] = {
         [BIT(DT_READ_STORAGE)] = VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
@@ -105,10 +105,10 @@ static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
 {
     return (VkBufferMemoryBarrier2){
         .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
-        .srcStageMask = stages_of(barrier->from_stages),
-        .srcAccessMask = accesses_of(barrier->from),
-        .dstStageMask = stages_of(barrier->to_stages),
-        .dstAccessMask = accesses_of(barrier->to),
+        .srcStageMask = vk_stages(barrier->from_stages),
+        .srcAccessMask = vk_accesses(barrier->from),
+        .dstStageMask = vk_stages(barrier->to_stages),
+        .dstAccessMask = vk_accesses(barrier->to),
         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
         .buffer = buffer->handle,
@@ -117,16 +117,19 @@ static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
     };
 }
 
+/* A first use of shared memory waits for nobody in this frame, and the frame's own barrier has shown what
+ * the frame before wrote. Validation layers 1.3.239 want to be told again. */
 static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, struct vk_image *image)
 {
+    bool first = barrier->discard && barrier->from_stages && !barrier->from;
     VkImageLayout old = barrier->discard ? VK_IMAGE_LAYOUT_UNDEFINED : image->layout;
     image->layout = vk_layout(barrier->layout);
     return (VkImageMemoryBarrier2){
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .srcStageMask = stages_of(barrier->from_stages),
-        .srcAccessMask = accesses_of(barrier->from),
-        .dstStageMask = stages_of(barrier->to_stages),
-        .dstAccessMask = accesses_of(barrier->to),
+        .srcStageMask = vk_stages(barrier->from_stages),
+        .srcAccessMask = first ? VK_ACCESS_2_MEMORY_WRITE_BIT : vk_accesses(barrier->from),
+        .dstStageMask = vk_stages(barrier->to_stages),
+        .dstAccessMask = vk_accesses(barrier->to),
         .oldLayout = old,
         .newLayout = image->layout,
         .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,

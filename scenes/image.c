@@ -23,10 +23,10 @@
 
 /* The shim stays loaded after its first use (RTLD_NODELETE), so every call can open it again
  * without global state. Search order: beside the executable; its parent folder (tests);
- * ../lib/diptych/ of an installation; beside the library that contains this code, and diptych/ there;
- * the path of the loader. */
-static const char *const places[] = {"", "../", "../lib/diptych/", "", "diptych/"};
-enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 2 };
+ * ../lib/diptych/ of an installation; beside the library that contains this code, diptych/ there,
+ * and beside its folder, as from lib/TRIPLET; the path of the loader. */
+static const char *const places[] = {"", "../", "../lib/diptych/", "", "diptych/", "../diptych/"};
+enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 3 };
 
 static bool shim_path(int place, char path[static PATH_MAX])
 {

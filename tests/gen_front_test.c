@@ -263,7 +263,8 @@ static void off_for_good(void **state)
                                "structs: {Arguments: {x: uint, y: uint, z: uint}}\n"
                                "buffers: {a: {of: uint, count: 4}, b: {of: uint, count: 4},\n"
                                "  arguments: {of: Arguments, count: 1}}\n"
-                               "images: {shown: {format: rgba8, size: frame}}\n"
+                               "images: {shown: {format: rgba8, size: frame},\n"
+                               "  glow: {format: r32f, size: [8, 8], mips: 2}}\n"
                                "output: {display: shown}\npasses:\n";
     static const char make[] = "name: make, when: on, dispatch: 4, writes: [a]";
     static const char hand_on[] = "name: hand_on, when: on, dispatch: 4, reads: [a], writes: [b]";
@@ -278,6 +279,11 @@ static void off_for_good(void **state)
         {{"name: make, when: live_on, dispatch: 4, writes: [a]", show}, "make show"},
         {{make, "name: other, dispatch: 4, writes: [a], after: [make]", show_a}, "other show"},
         {{make, hand_on, show_b}, "make hand_on show"},
+        {{make, "name: add, dispatch: 4, updates: [a]", show_a}, "make add show"},
+        {{"name: make, when: on, dispatch: glow, writes: [glow]",
+          "name: halve, dispatch: glow, reads: [glow], writes: [{name: glow, mip: 1, as: coarser}]",
+          show},
+         "make halve show"},
         {{make, hand_on, show}, "show"},
         {{"name: make, when: on, dispatch: 1, writes: [arguments]",
           "name: show, indirect: arguments, reads: [arguments], writes: [shown]"},

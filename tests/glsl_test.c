@@ -650,6 +650,17 @@ static void test_range_by_words(void **state)
     assert_null(strstr(text, "v.normal"));
     assert_int_equal(occurrences(text, "barrier();"), 1);
     shader_free(&shader);
+    /* OpenGL takes one block for a binding: elements, where the body reads one by its index */
+    set_body(
+        f, SHADE, "shade.glsl",
+        "void main() { float sum = lights[3].flux.x; for (Light2 v : subset) { sum += v.flux.x; }\n"
+        "result_store(ivec2(0), vec4(sum)); }\n");
+    shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    text = shader.glsl.data;
+    assert_null(strstr(text, "_quads"));
+    assert_int_equal(occurrences(text, "uniform lights_block"), 1);
+    assert_non_null(strstr(text, "subset_flux[i] = lights[subset_first + i].flux;"));
+    shader_free(&shader);
 }
 
 static void test_whole_element(void **state)

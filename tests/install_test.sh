@@ -410,4 +410,52 @@ build_system cmake cmake -S PROJECT -B PROJECT/build -G Ninja "-DCMAKE_PREFIX_PA
 [ -z "${DIPTYCH_LONG:-}" ] || build_system make cmake -S PROJECT -B PROJECT/build -G "Unix Makefiles" "-DCMAKE_PREFIX_PATH=$installed" -- cmake --build
 build_system meson meson setup PROJECT/build PROJECT -- ninja -C
 
+# ---- Debian's folders ----
+
+triplet=$(/usr/bin/python3 -c 'import sysconfig; print(sysconfig.get_config_var("MULTIARCH"))')
+apart=$work/apart
+unset PKG_CONFIG_PATH LD_LIBRARY_PATH
+# shellcheck disable=SC2317
+installs_apart() {
+    DESTDIR=$work/dest PREFIX=/usr LIBDIR=lib/$triplet sh app/install.sh "$version" && mv "$work/dest/usr" "$apart"
+}
+# A library hands its pipeline on to the program, with static libraries.
+# shellcheck disable=SC2317
+passes_on() {
+    cp -r "$apart/share/doc/diptych/examples/hosts/project" "$work/public" && cat >"$work/public/CMakeLists.txt" <<'END'
+cmake_minimum_required(VERSION 3.21)
+project(wave C)
+find_package(diptych 0.1 REQUIRED)
+file(WRITE "${CMAKE_CURRENT_BINARY_DIR}/part.c" "int part;")
+add_library(pipelines STATIC "${CMAKE_CURRENT_BINARY_DIR}/part.c")
+diptych_generate(pipelines wave.yaml PUBLIC STATIC BACKENDS vk gl)
+add_executable(wave main.c)
+target_link_libraries(wave PRIVATE pipelines diptych::scene_static)
+END
+    hide cmake -S "$work/public" -B "$work/public/build" -G Ninja "-DCMAKE_PREFIX_PATH=$apart" &&
+        hide cmake --build "$work/public/build" && "$work/public/build/wave" | grep '^pass stripe' &&
+        ! ldd "$work/public/build/wave" | grep diptych
+}
+# shellcheck disable=SC2317
+python_finds_it() {
+    PYTHONPATH=$apart/lib/python3/dist-packages hide /usr/bin/python3 -B "$apart/share/doc/diptych/examples/play.py"
+}
+# shellcheck disable=SC2317
+package_finds_it() {
+    local flags
+    flags=$(PKG_CONFIG_PATH=$apart/lib/$triplet/pkgconfig pkg-config --cflags --libs diptych-vk) && read -ra flags <<<"$flags"
+    echo '#include <diptych_vk.h>
+int main(void) { return dt_vk_open(&(struct dt_vk_host){0}) != 0; }' >"$work/one.c" && hide cc "$work/one.c" "${flags[@]}" -o "$work/one"
+}
+# shellcheck disable=SC2317
+finds_by_name() {
+    hide "$apart/bin/diptych-gen" rsm --check &&
+        hide "$apart/bin/diptych" render --spec rsm --scene cornell --size 24x16 --backend vk -o "$work/a.png" --set rsm_size=16 --set samples=4
+}
+check "libraries may be in a folder of their own" installs_apart
+check "... where CMake finds them, and a library hands its pipeline on" passes_on
+check "... and Python, for the installed example" python_finds_it
+check "... and pkg-config" package_finds_it
+check "a bare name is that of a shipped spec or scene" finds_by_name
+
 finish

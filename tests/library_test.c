@@ -525,6 +525,8 @@ static void vulkan_checks_enabled_features(void **state)
     dt_vk_close(rt);
 }
 
+static const struct dt_frame empty;
+
 static void vulkan_tells_wrong_calls(void **state)
 {
     (void)state;
@@ -587,6 +589,8 @@ static void vulkan_tells_wrong_calls(void **state)
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &image));
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_vk_timings(rt, 0, ms), "timing");
+    REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &empty, NULL),
+            "`camera` of the struct dt_frame is zero");
     uint8_t trail[TRAIL_BYTES];
     run_frames(rt, trail);
     dt_vk_close(rt);
@@ -1499,6 +1503,86 @@ static void paint_between(bool clears, VkDeviceSize offset)
                            &region);
 }
 
+/* Imports made as described fit, and have the stages of the passes that write them. */
+static void vulkan_describes_imports(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t resource;
+        VkPipelineStageFlags2 stages;
+        VkAccessFlags2 accesses;
+    } cases[] = {
+        {FEATURES_RESOURCE_SHOWN, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+         VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT},
+        {FEATURES_RESOURCE_BLURRED, VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+         VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT},
+        {FEATURES_RESOURCE_SLICE_DEPTH,
+         VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+         VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT},
+    };
+    struct own_image images[DT_ARRAY_COUNT(cases)];
+    struct dt_frame frame = frame_of(0);
+    struct dt_vk_resource found;
+    VkImageCreateInfo info;
+    VkBufferCreateInfo buffer;
+    struct vk_runtime *rt = open_features();
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        assert_true(dt_vk_describe(&features_vk, cases[i].resource, WIDTH, HEIGHT, &info));
+        images[i] = create_image(&info);
+        assert_true(dt_vk_import_image(
+            rt, cases[i].resource,
+            &(struct dt_vk_image){images[i].image, info.format, info.usage, info.extent.width,
+                                  info.extent.height, info.arrayLayers * info.extent.depth,
+                                  info.mipLevels, 0, 0}));
+    }
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        assert_true(dt_vk_get_resource(rt, cases[i].resource, &found));
+        assert_int_equal(found.stages, cases[i].stages);
+        assert_int_equal(found.accesses, cases[i].accesses);
+    }
+    struct features_live live = *(const struct features_live *)features_pipeline.live_defaults;
+    live.blur = 0;
+    assert_true(dt_vk_record(rt, begin(), &frame, &live));
+    assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_BLURRED, &found));
+    assert_int_equal(found.stages, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT);
+    assert_int_equal(found.accesses, VK_ACCESS_2_TRANSFER_WRITE_BIT);
+    assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_MEMORY, &found));
+    assert_true(dt_vk_describe_buffer(&features_vk, FEATURES_RESOURCE_MEMORY, 1, 1, &buffer));
+    assert_true(buffer.size == found.size && (buffer.usage & ~found.buffer_usage) == 0);
+    assert_false(dt_vk_describe(&features_vk, FEATURES_RESOURCE_MEMORY, 1, 1, &info));
+    assert_false(dt_vk_describe_buffer(&features_vk, FEATURES_RESOURCE_SHOWN, 1, 1, &buffer));
+    assert_false(dt_vk_describe(&features_vk, FEATURES_RESOURCES, 1, 1, &info));
+    dt_vk_close(rt);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++)
+        destroy_image(&images[i]);
+    assert_int_equal(heard.validation, 0);
+}
+
+extern const struct dt_shaders atomics_vk, bloom_vk, groups_vk, mips_vk;
+
+/* The last resource of a frame may share memory with the first of the next. */
+static void vulkan_records_two_frames_at_once(void **state)
+{
+    (void)state;
+    static const struct dt_shaders *const pipelines[] = {&atomics_vk, &bloom_vk, &groups_vk,
+                                                         &mips_vk, &shapes_vk};
+    struct dt_frame frame = frame_of(0);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(pipelines); i++) {
+        struct dt_vk_host host = vk_host();
+        struct vk_runtime *rt = dt_vk_open(&host);
+        assert_true(rt && dt_vk_create(rt, pipelines[i]) && dt_vk_resize(rt, WIDTH, HEIGHT));
+        VkCommandBuffer commands = begin();
+        for (int k = 0; k < 2; k++)
+            assert_true(dt_vk_record(rt, commands, &frame, NULL));
+        submit(commands);
+        assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+        dt_vk_close(rt);
+        if (heard.validation)
+            fail_msg("%s: %s", pipelines[i]->panel->pipeline->name, heard.text);
+    }
+}
+
 static void vulkan_draws_the_same_in_parts(void **state)
 {
     (void)state;
@@ -1970,6 +2054,7 @@ static void opengl_tells_wrong_calls(void **state)
     assert_true(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, trail));
     assert_true(dt_gl_resize(rt, WIDTH, HEIGHT));
     REFUSED(dt_gl_timings(rt, 0, ms), "timing");
+    REFUSED(dt_gl_record(rt, &empty, NULL), "`camera` of the struct dt_frame is zero");
     assert_true(dt_gl_record(rt, &frame, NULL));
     assert_true(dt_gl_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
     assert_int_equal(resource.texture, trail);
@@ -2163,6 +2248,62 @@ static void opengl_takes_text(void **state)
     take_inputs(true);
 }
 
+static int links; /* programs that the runtime links itself */
+
+static void APIENTRY count_link(GLuint program)
+{
+    links++;
+    ((PFNGLLINKPROGRAMPROC)eglGetProcAddress("glLinkProgram"))(program);
+}
+
+static void (*address_of(const char *name))(void)
+{
+    return strcmp(name, "glLinkProgram") == 0 ? (void (*)(void))count_link
+                                              : eglGetProcAddress(name);
+}
+
+/* Renders a frame with a cache. Returns how many programs were linked. */
+static int links_with(struct dt_bytes cache)
+{
+    outside_gl_runtime = dt_gl_open(&(struct dt_gl_host){
+        .log = test_log, .get_proc_address = address_of, .glsl = true, .cache = cache});
+    links = 0;
+    assert_true(outside_gl_runtime && dt_gl_create(outside_gl_runtime, &outside_gl) &&
+                dt_gl_resize(outside_gl_runtime, WIDTH, HEIGHT));
+    hand_in(opengl_writes, opengl_records, first_color);
+    opengl_paints(first_color);
+    dt_gl_close(outside_gl_runtime);
+    return links;
+}
+
+static void opengl_takes_and_gives_a_cache(void **state)
+{
+    (void)state;
+    struct dt_bytes cache;
+    for (int text = 0; text < 2; text++) {
+        struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+            .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = text});
+        REFUSED(dt_gl_get_cache(rt, &cache), "get_cache: no pipeline yet");
+        assert_true(dt_gl_create(rt, &outside_gl) && dt_gl_get_cache(rt, &cache));
+        dt_gl_close(rt);
+        if (!text)
+            free(cache.data);
+    }
+    assert_int_equal(links_with((struct dt_bytes){0}), OUTSIDE_PASSES);
+    if (cache.size > 64) { /* the driver gives binaries */
+        assert_int_equal(links_with(cache), 0);
+        cache.data[cache.size / 2] ^= 1; /* each damage costs what it hits */
+        assert_int_equal(links_with(cache), 1);
+        assert_in_range(links_with((struct dt_bytes){cache.data, cache.size / 3, {0}}), 1,
+                        OUTSIDE_PASSES);
+    }
+    assert_int_equal(links_with((struct dt_bytes){cache.data, 7, {0}}), OUTSIDE_PASSES);
+    cache.data[8] ^= 1; /* of another driver */
+    assert_int_equal(links_with(cache), OUTSIDE_PASSES);
+    free(cache.data);
+    assert_int_equal(get_error(), GL_NO_ERROR);
+}
+
 static void opengl_takes_buffers_and_describes_all(void **state)
 {
     (void)state;
@@ -2319,6 +2460,8 @@ int main(void)
         cmocka_unit_test(vulkan_draws_vertices_of_another_layout),
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
         cmocka_unit_test(vulkan_takes_times),
+        cmocka_unit_test(vulkan_describes_imports),
+        cmocka_unit_test(vulkan_records_two_frames_at_once),
         cmocka_unit_test(vulkan_draws_the_same_in_parts),
         cmocka_unit_test(vulkan_needs_no_scene_that_nobody_sees),
         cmocka_unit_test(vulkan_draws_the_hosts_textures),
@@ -2333,6 +2476,7 @@ int main(void)
         cmocka_unit_test(opengl_draws_vertices_of_another_layout),
         cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
         cmocka_unit_test(opengl_shares_programs),
+        cmocka_unit_test(opengl_takes_and_gives_a_cache),
         cmocka_unit_test(opengl_takes_inputs),
         cmocka_unit_test(opengl_takes_text),
         cmocka_unit_test(opengl_takes_buffers_and_describes_all),

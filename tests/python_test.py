@@ -7,6 +7,9 @@ import signal
 import struct
 import subprocess
 import sys
+import threading
+import time
+import warnings
 
 import numpy
 import pytest
@@ -83,6 +86,12 @@ def pairs(pipeline):
     array["at"] = numpy.arange(9).reshape(3, 3)
     array["ends"]["value"] = numpy.arange(18).reshape(3, 2, 3) + 100
     array["number"] = [7, 8, 2**32 - 1]
+    return array
+
+
+def not_finite(pipeline):
+    array = pairs(pipeline)
+    array["weight"][1] = numpy.nan
     return array
 
 
@@ -211,6 +220,114 @@ def test_pass_by_pass(negative):
 
         with pytest.raises(KeyError, match="invert"):
             pipeline.render(after_pass=stop)
+        assert (pipeline.render("picture")["picture"][..., :3] == 255 - photo()[..., :3]).all()
+        assert pipeline.read("frames").tolist() == [1]  # it began anew
+
+
+@pytest.mark.parametrize("verb", ["close", "render", "resize", "write", "set"])
+def test_a_frame_is_not_disturbed(negative, verb):
+    calls = {
+        "close": lambda pipeline: pipeline.close(),
+        "render": lambda pipeline: pipeline.render(),
+        "resize": lambda pipeline: pipeline.resize(8, 8),
+        "write": lambda pipeline: pipeline.write("photo", photo()),
+        "set": lambda pipeline: pipeline.set(baked=2),
+    }
+    with open_negative(negative) as pipeline:
+        with pytest.raises(diptych.Error, match=verb + ": a frame is being rendered"):
+            pipeline.render(after_pass=lambda name: calls[verb](pipeline))
+        pipeline.render()
+
+
+def test_resize(negative):
+    with open_negative(negative, "gl") as pipeline:
+        pipeline.render()
+        pipeline.resize(9, 5)
+        with pytest.raises(diptych.Error, match="photo has no content"):
+            pipeline.render()
+        pipeline.write("photo", photo()[:5, :9])
+        found = pipeline.render("picture", "frames", "seen")
+        assert (found["picture"][..., :3] == 255 - photo()[:5, :9, :3]).all()
+        assert found["frames"].tolist() == [1] and (found["seen"]["weight"] == [0.5, 1.5, 2.5]).all()
+
+
+def test_set_of_baked_parameters(negative):
+    with open_negative(negative) as pipeline:
+        pipeline.set(white=0)
+        pipeline.set(baked=3)
+        found = pipeline.render("frames", "picture")
+        assert found["frames"].tolist() == [3] and found["picture"][..., :3].max() == 0
+        with pytest.raises(diptych.Error):
+            pipeline.set(baked="none")
+        assert pipeline.render("frames")["frames"].tolist() == [6]
+
+
+def test_camera_and_timings():
+    spec = ROOT + "/templates/rsm.yaml"
+    with diptych.open(spec, scene=SCENE, size=SIZE, sets={"rsm_size": 16, "samples": 4}, timing=True) as pipeline:
+        there = pipeline.render("gbuffer_depth")["gbuffer_depth"]
+        pipeline.camera((0.278, 0.273, -0.8), (0.278, 0.273, 0), fov_y=39.3)
+        assert (pipeline.render("gbuffer_depth")["gbuffer_depth"] == there).all()
+        pipeline.camera((0.278, 0.273, -0.6), (0.278, 0.273, 0))
+        assert (pipeline.render("gbuffer_depth")["gbuffer_depth"] != there).any()
+        assert list(pipeline.timings) == [entry["name"] for entry in pipeline.description["passes"]]
+        assert all(ms is None or 0 <= ms < 60000 for ms in pipeline.timings.values())
+
+
+def test_png(negative, tmp_path):
+    with open_negative(negative) as pipeline:
+        assert pipeline._repr_png_() is None  # pylint: disable=protected-access
+        pipeline.render()
+        data = pipeline.png()
+        assert data == pipeline._repr_png_()  # pylint: disable=protected-access
+        (tmp_path / "a.png").write_bytes(data)
+        with pytest.raises(diptych.Error, match="png frames: it is no plain image"):
+            pipeline.png("frames")
+    with diptych.open(negative, inputs={"photo": tmp_path / "a.png"}) as again:
+        assert (again.read("photo")[..., :3] == 255 - photo()[..., :3]).all()
+
+
+def test_open_in_threads(negative):
+    found = []
+
+    def play():
+        with open_negative(negative, "gl") as pipeline:
+            found.append(pipeline.render("frames")["frames"].tolist())
+
+    threads = [threading.Thread(target=play) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == [[1]] * 4
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_child_ends(negative, backend):
+    with open_negative(negative, backend) as pipeline:
+        pipeline.render()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python 3.12 warns of a driver's threads
+            child = os.fork()
+        if child == 0:
+            try:
+                pipeline.render()
+            except diptych.Error as error:
+                pipeline.close()
+                del pipeline
+                os._exit(7 if "another process" in str(error) else 1)
+            os._exit(1)
+        for _ in range(1000):
+            ended, status = os.waitpid(child, os.WNOHANG)
+            if ended:
+                break
+            time.sleep(0.01)
+        else:
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
+            pytest.fail("the child hangs")
+        assert os.waitstatus_to_exitcode(status) == 7
+        pipeline.render()
 
 
 def test_errors_are_those_of_the_generator(tmp_path):
@@ -232,7 +349,6 @@ def test_errors_name_the_thing(negative):
     with open_negative(negative) as pipeline:
         for reason, call in {
             'set whit: negative has no such parameter; did you mean "white"': lambda: pipeline.set(whit=1),
-            "set baked: it is not live": lambda: pipeline.set(baked=1),
             "white=9: must be of type float, from 0 to 2": lambda: pipeline.set(white=9),
             "read pictur: negative has no such resource": lambda: pipeline.render("pictur"),
             "read picture: no frame was rendered": lambda: pipeline.read("picture"),
@@ -242,6 +358,17 @@ def test_errors_name_the_thing(negative):
             r"write photo: the array has the shape \(2, 2\), not \(16, 24, 4\)": lambda: pipeline.write(
                 "photo", numpy.zeros((2, 2))
             ),
+            "write photo: it has no mip 7": lambda: pipeline.write("photo", numpy.zeros((1, 1, 4), "u1"), 7),
+            "mip 4294967296: must be from 0": lambda: pipeline.read("photo", 2**32),
+            r"write pairs: \[1\] has a number in weight that is not finite": lambda: pipeline.write("pairs", not_finite(pipeline)),
+            "size 4294967304: must be from 0": lambda: pipeline.resize(2**32 + 8, 4),
+            "size 0x4: must be from 1x1": lambda: pipeline.resize(0, 4),
+            "size 1.5: must be an integer": lambda: pipeline.resize(1.5, 4),
+            "camera: the target is away": lambda: pipeline.camera((0, 0, 0), (0, 1, 0)),
+            "camera: eye, target and up have three": lambda: pipeline.camera((0, 0), (0, 0, 1)),
+            "has a NUL": lambda: pipeline.read("photo\0s"),
+            "timings": lambda: pipeline.timings,
+            "baked=2.5": lambda: pipeline.set(baked=2.5),
             "write photo: Cannot cast": lambda: pipeline.write("photo", photo() / 255),
             "write pairs: the array has the type": lambda: pipeline.write("pairs", numpy.zeros(3)),
         }.items():
@@ -253,7 +380,9 @@ def test_errors_name_the_thing(negative):
     for reason, options in {
         "unknown backend": {"backend": "metal"},
         "no Vulkan device is called": {"backend": "vk@nobody"},
-        "at most": {"size": (100000, 1)},
+        "must be from 1x1 to": {"size": (100000, 1)},
+        "size 0x5|size 4294967295x5": {"size": (0, 5)},
+        "size 4294967304: must be": {"size": (2**32 + 8, 5)},
         "input phot=a.png: negative has no such input": {"inputs": {"phot": "a.png"}},
         "whit": {"sets": {"whit": 1}},
     }.items():

@@ -32,7 +32,7 @@ def write(path, numbers):
 def make(folder):
     grid = halves()
     values = [v for a, b in zip(grid, grid[1:]) for v in beside((a + b) / 2)]
-    values = [-v if i % 5 == 4 else v for i, v in enumerate(values)] + [1e-9, 7e4, 1e9, 3e38]
+    values = [-v if i % 5 == 4 else v for i, v in enumerate(values)] + [1e-9, 7e4, 1e9, 3e38] + [struct.unpack("<f", struct.pack("<I", b))[0] for b in range(0x8000, 0x12000, 0x1000)]
     write(folder + "/values.npy", values)
     codes = itertools.chain(*(((k + 0.5) / most for k in range(0, most, step))
                               for most, step in ((255, 1), (1023, 1), (3, 1), (32767, 5), (65535, 5))))
@@ -80,7 +80,7 @@ def check(dump, folder):
     values, fractions = read(folder + "/values.npy"), read(folder + "/fractions.npy")
 
     def load(name, code):
-        return struct.unpack(f"<{COUNT}{code}", open(glob.glob(f"{dump}/??.{name}.raw")[0], "rb").read()[:])
+        return struct.unpack(f"<{COUNT}{code}", open(glob.glob(f"{dump}/*.{name}.raw")[0], "rb").read()[:])
 
     expect("r16f", load("store.half_stored", "e"), [half(x) for x in values], values)
     drawn = open(glob.glob(f"{dump}/??.draw.half_drawn.raw")[0], "rb").read()
@@ -97,6 +97,13 @@ def check(dump, folder):
         expect(name, [c >> 30 for c in codes], [unorm(x, 3) for x in fractions], fractions)
     expect("r16", load("store.unorm16_stored", "H"), [unorm(x, 65535) for x in fractions], fractions)
     snorm = [int(math.copysign(unorm(abs(x), 32767), x)) for x in fractions]
+    bits = struct.unpack(f"<{COUNT}I", struct.pack(f"<{COUNT}f", *values))
+    signed = struct.unpack(f"<{COUNT}i", struct.pack(f"<{COUNT}f", *values))
+    for name, code, wanted in (("store.bytes_stored", "B", [min(x, 255) for x in bits]),
+                               ("store.shorts_stored", "h", [min(max(x, -32768), 32767) for x in signed]),
+                               ("draw.bytes_drawn", "b", [min(max(x, -128), 127) for x in signed]),
+                               ("draw.shorts_drawn", "H", [min(x, 65535) for x in bits])):
+        expect(name, load(name, code), wanted, values)
     expect("r16_snorm", load("store.snorm16_stored", "h"), snorm, fractions)
 
 

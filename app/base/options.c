@@ -21,9 +21,11 @@ static const struct option_row rows[] = {
      "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},
     {"--scene", OPTION_STRING, AT(scene), VERB_REFERENCE | VERB_FLICKER,
-     VERB_REFERENCE | VERB_FLICKER, "FILE", "scene file (YAML): mesh, camera, light"},
+     VERB_REFERENCE | VERB_FLICKER, "FILE",
+     "scene file (YAML): mesh, camera, light; or the name of a shipped one: cornell"},
     {"--scene", OPTION_STRING, AT(scene), SPEC & ~VERB_SWEEP, 0, "FILE",
-     "scene file (YAML): mesh, camera, light; needed if the pipeline draws or reads the scene"},
+     "scene file (YAML): mesh, camera, light; or cornell, which is shipped; needed if the pipeline "
+     "draws or reads the scene"},
     {"--motion", OPTION_STRING, AT(motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
     {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
@@ -40,7 +42,7 @@ static const struct option_row rows[] = {
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "
      "needed with --dump, --timings or --capture"},
     {"--spec", OPTION_STRING, AT(spec), MAKING, 0, "SPEC",
-     "pipeline (default: templates/ssvp.yaml)"},
+     "pipeline: a file, or the name of a shipped one, like rsm (default: ssvp)"},
     {"--set", OPTION_SET, AT(set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
     {"--with", OPTION_STRING, AT(with), MAKING, 0, "FILE",

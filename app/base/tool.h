@@ -50,4 +50,9 @@ bool tools_installed(const char *tools);
 char *templates_folder(const struct dt_log *log);
 char *headers_folder(const struct dt_log *log); /* diptych.h and limit.h */
 
+/* The path of a spec or scene file that the user names: `rsm` and `cornell` are files that came with the
+ * executable, unless the working folder has files of these names. free(); NULL: out of memory. */
+char *find_spec(const char *path, const struct dt_log *log);
+char *find_scene(const char *path, const struct dt_log *log);
+
 #endif

@@ -487,7 +487,8 @@ bool inputs_write(const struct pipeline *pipeline, const struct dt_runtime *runt
     for (uint32_t i = 0; pipeline->inputs && good && i < pipeline->input_count; i++) {
         const struct input *input = &pipeline->inputs[i];
         for (uint32_t mip = 0; good && mip < input->mips; mip++)
-            good = runtime->write(handle, input->resource, mip, &input->mip[mip]);
+            good = !input->mip[mip].data ||
+                   runtime->write(handle, input->resource, mip, &input->mip[mip]);
     }
     return good;
 }

@@ -26,13 +26,14 @@ struct load {
 char *pipeline_spec_path(const char *spec, const struct dt_log *log)
 {
     char *templates = spec ? NULL : templates_folder(log);
-    char *own = templates ? format_string("%s/ssvp.yaml", templates) : NULL;
-    const char *wanted = spec ? spec : own;
+    char *wanted = spec        ? find_spec(spec, log)
+                   : templates ? format_string("%s/ssvp.yaml", templates)
+                               : NULL;
     char *path = wanted ? realpath(wanted, NULL) : NULL;
     if (!path)
         report_error(log, "%s: the spec cannot be read: %s", wanted ? wanted : "spec",
                      strerror(errno));
-    free(own);
+    free(wanted);
     free(templates);
     return path;
 }

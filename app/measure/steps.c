@@ -63,7 +63,9 @@ static bool add_scene(struct steps *steps, const char *path)
 {
     const struct dt_log *log = &steps->console->log;
     struct step_scene *scene = &steps->scenes[steps->scene_count];
-    scene->path = realpath(path, NULL);
+    char *found = find_scene(path, log);
+    scene->path = found ? realpath(found, NULL) : NULL;
+    free(found);
     const char *slash = scene->path ? strrchr(scene->path, '/') : NULL;
     if (!slash) {
         report_error(log, "%s: cannot be read: %s", path, strerror(errno));

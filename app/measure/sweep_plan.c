@@ -127,8 +127,11 @@ cJSON *sweep_options(struct console *console, const struct options *options)
     bool good = spec;
     add_text(root, "spec", spec);
     cJSON *scenes = cJSON_AddArrayToObject(root, "scene");
-    for (uint32_t i = 0; i < options->scene_list.count; i++)
-        good = good && add_path(scenes, options->scene_list.items[i], log);
+    for (uint32_t i = 0; i < options->scene_list.count; i++) {
+        char *path = good ? find_scene(options->scene_list.items[i], log) : NULL;
+        good = path && add_path(scenes, path, log);
+        free(path);
+    }
     if (!options->scene_list.count) /* runs without a scene */
         cJSON_AddItemToArray(scenes, cJSON_CreateString(""));
     cJSON *inputs = cJSON_AddArrayToObject(root, "input");

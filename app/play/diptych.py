@@ -15,9 +15,14 @@ as std430 lays it out: columns of a matrix are rows of the array, and elements o
 them have one field, `value`. This is the content of `diptych render --dump`."""
 import ctypes
 import json
+import operator
 import os
 import re
+import struct
+import sysconfig
+import threading
 import warnings
+import zlib
 
 import numpy
 
@@ -53,6 +58,7 @@ class _Options(ctypes.Structure):
         ("width", ctypes.c_uint32),
         ("height", ctypes.c_uint32),
         ("debug", ctypes.c_bool),
+        ("timing", ctypes.c_bool),
     ]
 
 
@@ -61,11 +67,12 @@ class _Bytes(ctypes.Structure):
 
 
 def _load():
-    """The library: installed two folders above this file, or in the project's build folder."""
+    """The library: installed two folders above this file, or in TRIPLET there, or in the project's build folder."""
     above = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
-    paths = [os.path.join(above, folder, "libdiptych_play.so") for folder in ("", "build")]
+    triplet = sysconfig.get_config_var("MULTIARCH") or ""
+    paths = [os.path.join(above, folder, "libdiptych_play.so") for folder in ("", triplet, "build")]
     library = ctypes.CDLL(next(filter(os.path.exists, paths), "libdiptych_play.so"))
-    text, player, u32 = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_uint32
+    text, player, u32, real = ctypes.c_char_p, ctypes.c_void_p, ctypes.c_uint32, ctypes.c_float
     for name, result, *arguments in (
         ("open", player, ctypes.POINTER(_Options)),
         ("close", None, player),
@@ -74,6 +81,9 @@ def _load():
         ("write", ctypes.c_bool, player, text, u32, ctypes.c_void_p, ctypes.c_size_t),
         ("render", ctypes.c_bool, player, _AFTER_PASS, ctypes.c_void_p),
         ("read", ctypes.c_bool, player, text, u32, ctypes.POINTER(_Bytes)),
+        ("resize", ctypes.c_bool, player, u32, u32),
+        ("camera", ctypes.c_bool, player, real * 3, real * 3, real * 3, real),
+        ("timings", ctypes.c_bool, player, ctypes.POINTER(ctypes.c_double)),
         ("compare", ctypes.c_void_p, player, player),
     ):
         function = getattr(library, "dt_play_" + name)
@@ -82,6 +92,7 @@ def _load():
 
 
 _library = _load()
+_opening = threading.Lock()  # dt_play_open and dt_play_close are for one thread at a time
 _free = ctypes.CDLL(None).free
 _free.restype, _free.argtypes = None, [ctypes.c_void_p]
 
@@ -164,36 +175,80 @@ def _value(value):
     return json.dumps(numpy.asarray(value).tolist())
 
 
+def _u32(what, value):
+    """An unsigned integer of 32 bits: ctypes would drop the bits above."""
+    try:
+        value = operator.index(value)
+    except TypeError:
+        raise Error(f"{what} {value}: must be an integer") from None
+    if not 0 <= value < 2**32:
+        raise Error(f"{what} {value}: must be from 0 to {2**32 - 1}")
+    return value
+
+
+def _text(text):
+    """Bytes of a name or path for C, where a NUL would end it."""
+    text = os.fsencode(text)
+    if b"\0" in text:
+        raise Error(f"{text!r}: has a NUL")
+    return text
+
+
+def _png(array):
+    """PNG of bytes of (height, width) or (height, width, channels); row 0 is the bottom."""
+    height, width, *channels = array.shape
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    color = {(): 0, (2,): 4, (4,): 6}[tuple(channels)]  # grey, grey with alpha, RGBA
+    rows = b"".join(b"\0" + row.tobytes() for row in array[::-1])
+    head = struct.pack(">IIBBBBB", width, height, 8, color, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
 # ---- Pipelines ---------------------------------------------------------------------------------
 
 
 class Pipeline:
-    """A pipeline with a device of its own; see open(). Use it from one thread."""
+    """A pipeline with a device of its own; see open(). Use it from one thread, in the process that opened it."""
 
-    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug):
-        self._player = None
-        self._messages = []
+    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing):
+        self._player, self._process, self._rendering = None, os.getpid(), False
+        self._messages, self._given, self._view = [], {}, None
+        self._sets, self._size = dict(sets), size
         self._log = _LOG(lambda user, level, text: self._messages.append((level, text.decode(errors="replace"))))
         files = {name: value for name, value in inputs.items() if isinstance(value, (str, os.PathLike))}
-        texts = [f"{name}={_value(value)}" for name, value in sets.items()]
-        paths = [f"{name}={os.fspath(path)}" for name, path in files.items()]
-        options = _Options(
-            log=_Log(self._log, None),
-            spec=os.fsencode(spec),
-            backend=backend.encode(),
-            scene=os.fsencode(scene) if scene else None,
-            meshes=os.fsencode(meshes) if meshes else None,
-            sets=(ctypes.c_char_p * len(texts))(*map(str.encode, texts)),
-            set_count=len(texts),
-            inputs=(ctypes.c_char_p * len(paths))(*map(os.fsencode, paths)),
-            input_count=len(paths),
-            debug=debug,
-        )
-        options.width, options.height = size or (0, 0)
-        self._player = self._check(_library.dt_play_open(ctypes.byref(options)))
+        self._paths = [_text(f"{name}={os.fspath(path)}") for name, path in files.items()]
+        self._options = {
+            "log": _Log(self._log, None),
+            "spec": _text(spec),
+            "backend": _text(backend),
+            "scene": _text(scene) if scene else None,
+            "meshes": _text(meshes) if meshes else None,
+            "input_count": len(files),
+            "debug": debug,
+            "timing": timing,
+        }
+        self._player = self._start(self._sets)
         for name, value in inputs.items():
             if name not in files:
                 self.write(name, value)
+
+    def _start(self, sets):
+        """Another player, with these values of parameters."""
+        texts = [_text(f"{name}={_value(value)}") for name, value in sets.items()]
+        options = _Options(
+            sets=(ctypes.c_char_p * len(texts))(*texts),
+            set_count=len(texts),
+            inputs=(ctypes.c_char_p * len(self._paths))(*self._paths),
+            **self._options,
+        )
+        if self._size is not None:
+            options.width, options.height = (_u32("size", number) or 2**32 - 1 for number in self._size)
+        with _opening:
+            player = _library.dt_play_open(ctypes.byref(options))
+        return self._check(player)
 
     def _check(self, result):
         """Raises the errors of the last call; warns of its warnings."""
@@ -215,14 +270,61 @@ class Pipeline:
             raise Error("the pipeline is closed")
         return self._player
 
+    def _idle(self, verb):
+        if self._rendering:
+            raise Error(f"{verb}: a frame is being rendered")
+
     def _resource(self, name):
         found = [item for item in self.description["resources"] if item["name"] == name]
         return found[0] if found else None
 
     def set(self, **params):
-        """Sets live parameters, from the next frame on: set(exposure=0.5, sky=[0, 0, 1])."""
+        """Sets parameters, from the next frame on: set(exposure=0.5, sky=[0, 0, 1]). One that is not live
+        plans the pipeline again and begins anew with frame 0."""
+        live = {param["name"]: param["live"] for param in self.description["params"]}
+        if any(not live.get(name, True) for name in params):
+            self._replace({**self._sets, **params})
+            return
         for name, value in params.items():
-            self._check(_library.dt_play_set(self._handle(), name.encode(), _value(value).encode()))
+            self._check(_library.dt_play_set(self._handle(), _text(name), _text(_value(value))))
+            self._sets[name] = value
+
+    def _replace(self, sets):
+        """Goes on with another player. After an error all is as it was."""
+        self._idle("set")
+        old, given = self._player, dict(self._given)
+        self._player = self._start(sets)
+        try:
+            for (name, mip), array in given.items():
+                self.write(name, array, mip)
+            if self._view:
+                self.camera(*self._view)
+        except Error:
+            old, self._player = self._player, old
+            raise
+        finally:
+            with _opening:
+                _library.dt_play_close(old)
+        self._sets = sets
+
+    def resize(self, width, height):
+        """Gives frames from the next one on another size; resources with `history` begin as zero, and inputs
+        whose size follows the frame need new content."""
+        size = _u32("size", width), _u32("size", height)
+        self._check(_library.dt_play_resize(self._handle(), *size))
+        self._size = size
+        for name, mip in list(self._given):
+            if _layout(self._resource(name), _extent(self._resource(name), mip))[1] != self._given[name, mip].shape:
+                del self._given[name, mip]
+
+    def camera(self, eye, target, up=(0, 1, 0), fov_y=40):
+        """Moves the camera from the next frame on, in the scene's units; fov_y in degrees."""
+        places = [numpy.asarray(place, "f4") for place in (eye, target, up)]
+        if any(place.shape != (3,) for place in places):
+            raise Error("camera: eye, target and up have three numbers each")
+        three = [(ctypes.c_float * 3)(*place) for place in places]
+        self._check(_library.dt_play_camera(self._handle(), *three, fov_y))
+        self._view = (tuple(eye), tuple(target), tuple(up), fov_y)
 
     def write(self, name, array, mip=0):
         """Gives an input its content, which stays. The array has the shape that read gives, and numbers
@@ -230,7 +332,7 @@ class Pipeline:
         resource = self._resource(name)
         data = b""  # of an unknown name, which the library refuses
         if resource:
-            dtype, shape = _layout(resource, _extent(resource, mip))
+            dtype, shape = _layout(resource, _extent(resource, _u32("mip", mip)))
             data = numpy.zeros(shape, dtype)
             inside = _plain(data, resource)
             array = numpy.asarray(array)
@@ -243,13 +345,14 @@ class Pipeline:
             except TypeError as error:
                 raise Error(f"write {name}: {error}") from None
             data = data.tobytes()
-        self._check(_library.dt_play_write(self._handle(), name.encode(), mip, data, len(data)))
+        self._check(_library.dt_play_write(self._handle(), _text(name), _u32("mip", mip), data, len(data)))
+        self._given[name, mip] = numpy.array(array)
 
     def read(self, name, mip=0):
         """The content of a resource: after a frame, of outputs, inputs and resources with `keep` or
         `history`; within after_pass, also of what the pass wrote."""
         content = _Bytes()
-        self._check(_library.dt_play_read(self._handle(), name.encode(), mip, ctypes.byref(content)))
+        self._check(_library.dt_play_read(self._handle(), _text(name), _u32("mip", mip), ctypes.byref(content)))
         resource = self._resource(name)
         dtype, shape = _layout(resource, content.extent)
         try:
@@ -261,7 +364,9 @@ class Pipeline:
     def render(self, *take, after_pass=None):
         """Renders the next frame. Returns {NAME: array} of the resources to take, each as the last pass that
         writes it leaves it; (NAME, MIP) takes another mip than 0. after_pass(NAME) is called after each
-        pass."""
+        pass, and may set live parameters and read; its exception ends the frame, and the next one begins
+        anew."""
+        self._idle("render")
         passes = self.description["passes"]
         taken, raised, last = {}, [], {}
         for item in take:  # inputs have no writer
@@ -284,17 +389,50 @@ class Pipeline:
 
         take_all(None)
         watch = _AFTER_PASS(after) if take or after_pass else _AFTER_PASS()
-        good = _library.dt_play_render(self._handle(), watch, None)
+        self._rendering = True
+        try:
+            good = _library.dt_play_render(self._handle(), watch, None)
+        finally:
+            self._rendering = False
         if raised:
+            self._messages.clear()
             raise raised[0]
         self._check(good)
         return taken
 
+    @property
+    def timings(self):
+        """{PASS: milliseconds} of the last frame, for a pipeline opened with timing=True; None: skipped."""
+        names = [entry["name"] for entry in self.description["passes"]]
+        found = (ctypes.c_double * len(names))()
+        self._check(_library.dt_play_timings(self._handle(), found))
+        return {name: None if ms != ms else ms for name, ms in zip(names, found)}
+
+    def png(self, name=None):
+        """PNG of the last frame, as bytes: of an image that read gives, of 8 bit codes; by default of the
+        output `display`."""
+        name = name or self.description["output"].get("display")
+        if not name:
+            raise Error("png: the spec has no output `display`; name an image")
+        array = self.read(name)
+        if array.dtype != "u1" or array.ndim - len(array.shape[2:]) != 2 or array.ndim > 3:
+            raise Error(f"png {name}: it is no plain image of 8 bit codes")
+        return _png(array)
+
+    def _repr_png_(self):
+        """What notebooks show."""
+        try:
+            return self.png()
+        except Error:
+            return None
+
     def close(self):
         """Closes the device; the pipeline cannot be used afterwards."""
+        self._idle("close")
         player, self._player = self._player, None
-        if player:
-            _library.dt_play_close(player)
+        if player and self._process == os.getpid():  # a child of fork() has no part in the device
+            with _opening:
+                _library.dt_play_close(player)
 
     def __enter__(self):
         return self
@@ -306,13 +444,13 @@ class Pipeline:
         self.close()
 
 
-def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False):
+def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False):
     """Reads a spec and opens a device, as the command line does.
 
     backend: "gl", "vk", "vk@DEVICE", "gl+glsl". size: (width, height) of the frame; by default that of an
     input file, else 1920x1080. sets: {PATH: VALUE} of --set. inputs: {NAME: array, or path of a file}.
-    meshes: folder of the scene's meshes. debug: validation messages are errors."""
-    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug)
+    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`."""
+    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing)
 
 
 # ---- Compare -----------------------------------------------------------------------------------

@@ -17,8 +17,9 @@
  * other output and no exit. With `debug`, each message of the validation layers or of KHR_debug is a
  * DT_ERROR, too, and fails the render.
  *
- * Threads. The thread that opened a player uses it; dt_play_open itself is for one thread at a time. A
- * pipeline of `file` pictures, or a scene with textures, is read by a child process of fork(). */
+ * Threads. The thread that opened a player uses it; dt_play_open and dt_play_close are for one thread at
+ * a time. A child of fork() cannot use the players of its parent: their functions fail there, and close
+ * does nothing. A pipeline of `file` pictures, or a scene with textures, is read by a child process of fork(). */
 #ifndef DIPTYCH_PLAYER_H
 #define DIPTYCH_PLAYER_H
 
@@ -44,12 +45,14 @@ struct dt_play_options {
     uint32_t input_count;
     uint32_t width, height; /* of the frame; 0: that of an input of `inputs`, else 1920x1080 */
     bool debug;             /* validation layers, KHR_debug */
+    bool timing;            /* timestamps around every pass, for dt_play_timings */
 };
 
 struct dt_player;
 
 struct dt_player *dt_play_open(const struct dt_play_options *options);
-void dt_play_close(struct dt_player *player); /* takes NULL */
+/* Takes NULL. Within after_pass it does nothing but log an error. */
+void dt_play_close(struct dt_player *player);
 
 /* Parameters, resources, passes and outputs: JSON of `diptych list --json`, with "backend" and
  * "device". Valid until the next describe or close. NULL: out of memory. */
@@ -59,12 +62,14 @@ const char *dt_play_describe(struct dt_player *player);
 bool dt_play_set(struct dt_player *player, const char *param, const char *value);
 
 /* Hands in the content of an input: a buffer (mip 0), or one mip of an image, laid out as
- * dt_play_read gives it. It stays until it is replaced; the first frame needs every input. */
+ * dt_play_read gives it, of finite numbers. It stays until it is replaced, or until a resize changes its
+ * extent; the first frame needs every input. */
 bool dt_play_write(struct dt_player *player, const char *resource, uint32_t mip, const void *data,
                    size_t size);
 
 /* Renders the next frame; the first has index 0. after_pass, if not NULL, is called after each pass,
- * in the order of describe, and returns false to fail the frame; then nothing is logged. */
+ * in the order of describe, and returns false to fail the frame; then nothing is logged. It may call
+ * describe, set and read. */
 bool dt_play_render(struct dt_player *player, bool (*after_pass)(void *user, uint32_t pass),
                     void *user);
 
@@ -74,6 +79,17 @@ bool dt_play_render(struct dt_player *player, bool (*after_pass)(void *user, uin
  * frees out->data. */
 bool dt_play_read(struct dt_player *player, const char *resource, uint32_t mip,
                   struct dt_bytes *out);
+
+/* Gives frames from the next one on another size; resources with `history` begin as zero. */
+bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height);
+
+/* Moves the camera from the next frame on, in the scene's units; fov_y: of the whole picture, degrees. */
+bool dt_play_camera(struct dt_player *player, const float eye[3], const float target[3],
+                    const float up[3], float fov_y);
+
+/* Milliseconds of the last frame by the device's clock, one for each pass of describe; NAN: skipped. For
+ * players with `timing`. */
+bool dt_play_timings(struct dt_player *player, double *pass_ms);
 
 /* Renders the next frame with both players and compares every resource after every pass, under the
  * contracts of the spec. They have one pipeline, size and number of frames so far. Keeps what the first

@@ -2,8 +2,10 @@
 #include "play/diptych_play.h"
 
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/live.h"
 #include "base/texels.h"
@@ -23,6 +25,10 @@ struct dt_player {
     char *description;
     const struct dt_observer *observer; /* of the caller, while a frame is rendered */
     uint32_t pass;                      /* the last one of that frame, or of the whole frame */
+    bool timing;
+    bool rendering; /* within render or compare */
+    bool broken;    /* the last frame failed: resize before the next */
+    pid_t process;  /* that opened it */
 };
 
 static bool fail(struct dt_player *player, const char *reason)
@@ -31,11 +37,28 @@ static bool fail(struct dt_player *player, const char *reason)
     return false;
 }
 
+/* Whether this is the process that opened the player. A child of fork() shares its device's memory, not
+ * the threads of its driver. */
+static bool is_own(const struct dt_player *player, const char *verb)
+{
+    if (player->process != getpid())
+        report_error(&player->console.log, "%s: another process opened this pipeline", verb);
+    return player->process == getpid();
+}
+
+/* The same for what after_pass cannot call. */
+static bool is_idle(const struct dt_player *player, const char *verb)
+{
+    if (player->rendering)
+        report_error(&player->console.log, "%s: a frame is being rendered", verb);
+    return !player->rendering && is_own(player, verb);
+}
+
 /* ---- Open and close -------------------------------------------------------------------------- */
 
 static struct options options_of(const struct dt_play_options *wanted)
 {
-    bool sized = wanted->width && wanted->height;
+    bool sized = wanted->width || wanted->height;
     return (struct options){
         .spec = wanted->spec,
         .backend = wanted->backend ? wanted->backend : "vk",
@@ -51,12 +74,11 @@ static struct options options_of(const struct dt_play_options *wanted)
     };
 }
 
-static bool check_size(struct dt_player *player)
+static bool check_size(const struct dt_player *player, const uint32_t size[2])
 {
-    const uint32_t *size = player->options.size;
-    if (size[0] <= OPTIONS_MAX_SIZE && size[1] <= OPTIONS_MAX_SIZE)
+    if (size[0] && size[1] && size[0] <= OPTIONS_MAX_SIZE && size[1] <= OPTIONS_MAX_SIZE)
         return true;
-    report_error(&player->console.log, "size %ux%u: must be at most %ux%u", size[0], size[1],
+    report_error(&player->console.log, "size %ux%u: must be from 1x1 to %ux%u", size[0], size[1],
                  OPTIONS_MAX_SIZE, OPTIONS_MAX_SIZE);
     return false;
 }
@@ -65,7 +87,7 @@ static bool start(struct dt_player *player)
 {
     struct console *console = &player->console;
     struct options *options = &player->options;
-    if (!check_size(player) ||
+    if (!check_size(player, options->size) ||
         !side_read(&player->side, options->backend, options, &console->log) ||
         !pipeline_load(&player->pipeline, console, options) ||
         !inputs_load(&player->pipeline, console, options) ||
@@ -75,7 +97,8 @@ static bool start(struct dt_player *player)
                                       .console = console,
                                       .options = options,
                                       .pipeline = &player->pipeline,
-                                      .scene = &player->scene};
+                                      .scene = &player->scene,
+                                      .timing = player->timing};
     return session_open(&player->session, &info) && session_prepare(&player->session);
 }
 
@@ -86,6 +109,8 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
         return NULL;
     console_attach(&player->console, &options->log);
     player->options = options_of(options);
+    player->timing = options->timing;
+    player->process = getpid();
     if (start(player))
         return player;
     dt_play_close(player);
@@ -94,7 +119,7 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
 
 void dt_play_close(struct dt_player *player)
 {
-    if (!player)
+    if (!player || player->process != getpid() || !is_idle(player, "close"))
         return;
     session_close(&player->session);
     scene_free(&player->scene);
@@ -109,6 +134,8 @@ void dt_play_close(struct dt_player *player)
 
 const char *dt_play_describe(struct dt_player *player)
 {
+    if (!is_own(player, "describe"))
+        return NULL;
     cJSON *list = list_json(&player->pipeline, player->options.size);
     cJSON_AddStringToObject(list, "backend", player->side.label);
     cJSON_AddStringToObject(list, "device",
@@ -125,8 +152,102 @@ bool dt_play_set(struct dt_player *player, const char *name, const char *value)
 {
     const struct dt_param *param =
         pipeline_find_live(player->pipeline.info, "set", name, &player->console.log);
-    return param && live_set(player->pipeline.info, player->pipeline.live, param, value,
-                             &player->console.log);
+    return param && is_own(player, "set") &&
+           live_set(player->pipeline.info, player->pipeline.live, param, value,
+                    &player->console.log);
+}
+
+/* Forgets the content of inputs whose extent depends on the frame's size. */
+static void forget_inputs(struct dt_player *player, const uint32_t size[2])
+{
+    struct pipeline *pipeline = &player->pipeline;
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < pipeline->input_count; i++) {
+        struct input *input = &pipeline->inputs[i];
+        bool same = true;
+        for (uint32_t mip = 0; mip < input->mips; mip++) {
+            uint32_t extent[3];
+            resource_extent(pipeline->info, input->resource, size, mip, extent);
+            same &=
+                !input->mip[mip].data || memcmp(extent, input->mip[mip].extent, sizeof extent) == 0;
+        }
+        for (uint32_t mip = 0; !same && mip < input->mips; mip++)
+            free(input->mip[mip].data);
+        if (same)
+            pipeline->inputs[kept++] = *input;
+    }
+    pipeline->input_count = kept;
+}
+
+static bool recover(struct dt_player *player)
+{
+    if (player->broken && !session_resize(&player->session, player->options.size))
+        return false;
+    player->broken = false;
+    return true;
+}
+
+bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
+{
+    const uint32_t size[2] = {width, height}, *fixed = player->pipeline.frame_size;
+    if (!is_idle(player, "resize") || !check_size(player, size))
+        return false;
+    if (fixed[0] && memcmp(fixed, size, sizeof size) != 0) {
+        report_error(&player->console.log, "size %ux%u: a file of `inputs` fits %ux%u alone", width,
+                     height, fixed[0], fixed[1]);
+        return false;
+    }
+    forget_inputs(player, size);
+    memcpy(player->options.size, size, sizeof size);
+    player->broken = true;
+    return recover(player);
+}
+
+/* Files with such numbers are refused, too; see inputs.c. */
+static bool is_finite(const struct dt_player *player, const struct dt_resource *resource,
+                      const struct dt_bytes *bytes)
+{
+    struct component *list;
+    uint32_t count = resource_components(resource, &list), stride = resource_stride(resource);
+    bool good = count || fail((struct dt_player *)player, "out of memory");
+    for (uint32_t c = 0; c < count; c++)
+        for (size_t at = 0; good && number_is_float(list[c].kind) && at < bytes->size; at += stride)
+            if (!isfinite(number_value(list[c].kind, bytes->data + at + list[c].offset))) {
+                char *place = element_place(resource, bytes->extent, at / stride);
+                report_error(&player->console.log,
+                             "write %s: %s has a number%s%s that is not finite", resource->name,
+                             place ? place : "an element", *list[c].name ? " in " : "",
+                             list[c].name);
+                free(place);
+                good = false;
+            }
+    free(list);
+    return good;
+}
+
+/* Where the pipeline keeps the content of an input, which a resize hands to the runtime. */
+static struct input *input_of(struct pipeline *pipeline, uint32_t resource)
+{
+    const struct dt_resource *what = &pipeline->info->resources[resource];
+    for (uint32_t i = 0; i < pipeline->input_count; i++)
+        if (pipeline->inputs[i].resource == resource)
+            return &pipeline->inputs[i];
+    struct input *input = &pipeline->inputs[pipeline->input_count++];
+    *input = (struct input){.resource = resource, .mips = what->kind == DT_IMAGE ? what->mips : 1};
+    return input;
+}
+
+static bool keep_input(struct dt_player *player, uint32_t resource, uint32_t mip,
+                       const struct dt_bytes *bytes)
+{
+    uint8_t *copy = malloc(bytes->size + 1);
+    if (!copy)
+        return fail(player, "out of memory");
+    struct dt_bytes *kept = &input_of(&player->pipeline, resource)->mip[mip];
+    free(kept->data);
+    *kept = *bytes;
+    kept->data = memcpy(copy, bytes->data, bytes->size);
+    return true;
 }
 
 bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, const void *data,
@@ -135,14 +256,56 @@ bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, con
     const struct dt_pipeline *info = player->pipeline.info;
     struct dt_bytes bytes = {.data = (uint8_t *)data, .size = size};
     uint32_t index;
-    if (!pipeline_find(info, "write", name, &index, &player->console.log))
+    if (!is_idle(player, "write") ||
+        !pipeline_find(info, "write", name, &index, &player->console.log))
         return false;
-    if (!info->resources[index].input) {
+    const struct dt_resource *resource = &info->resources[index];
+    if (!resource->input) {
         report_error(&player->console.log, "write %s: it is no input of %s", name, info->name);
         return false;
     }
+    if (mip >= (resource->kind == DT_IMAGE ? resource->mips : 1)) {
+        report_error(&player->console.log, "write %s: it has no mip %u", name, mip);
+        return false;
+    }
     resource_extent(info, index, player->options.size, mip, bytes.extent);
-    return player->session.runtime->write(player->session.handle, index, mip, &bytes);
+    if (size != resource_elements(resource, bytes.extent) * resource_stride(resource)) {
+        report_error(&player->console.log, "write %s: %zu bytes, but it has %zu", name, size,
+                     (size_t)resource_elements(resource, bytes.extent) * resource_stride(resource));
+        return false;
+    }
+    return is_finite(player, resource, &bytes) && recover(player) &&
+           player->session.runtime->write(player->session.handle, index, mip, &bytes) &&
+           keep_input(player, index, mip, &bytes);
+}
+
+/* Whether the camera sees something, and knows which way is up. */
+static bool is_camera(const struct scene_camera *camera)
+{
+    float length = 0, ahead[3];
+    for (int i = 0; i < 3; i++)
+        ahead[i] = camera->target[i] - camera->eye[i];
+    for (int i = 0, k = 1, l = 2; i < 3; i++, k = (i + 1) % 3, l = (i + 2) % 3) {
+        float side = ahead[k] * camera->up[l] - ahead[l] * camera->up[k];
+        length += side * side;
+    }
+    return length > 0 && isfinite(length) && camera->fov_y > 0 && camera->fov_y < (float)M_PI;
+}
+
+bool dt_play_camera(struct dt_player *player, const float eye[3], const float target[3],
+                    const float up[3], float fov_y)
+{
+    struct scene_camera camera = {.fov_y = fov_y * (float)(M_PI / 180)};
+    memcpy(camera.eye, eye, sizeof camera.eye);
+    memcpy(camera.target, target, sizeof camera.target);
+    memcpy(camera.up, up, sizeof camera.up);
+    if (!is_own(player, "camera"))
+        return false;
+    if (!is_camera(&camera))
+        return fail(player, "camera: the target is away from the eye, not along up, and fov_y is "
+                            "between 0 and 180 degrees");
+    player->scene.camera = camera;
+    return true;
 }
 
 /* Whether the mip has content that can be read at this moment. */
@@ -176,7 +339,8 @@ bool dt_play_read(struct dt_player *player, const char *name, uint32_t mip, stru
     const struct dt_pipeline *info = player->pipeline.info;
     uint32_t index;
     *out = (struct dt_bytes){0};
-    if (!pipeline_find(info, "read", name, &index, &player->console.log) ||
+    if (!is_own(player, "read") ||
+        !pipeline_find(info, "read", name, &index, &player->console.log) ||
         !is_there(player, index, mip) ||
         !player->session.runtime->read(player->session.handle, index, mip, out))
         return false;
@@ -195,17 +359,29 @@ static bool after_pass(void *user, uint32_t pass)
 static bool render(struct dt_player *player, const struct dt_observer *observer)
 {
     const struct dt_observer own = {.after_pass = after_pass, .user = player};
+    if (!recover(player))
+        return false;
     player->observer = observer->after_pass ? observer : NULL;
-    bool good = session_frame(&player->session, player->observer ? &own : NULL) &&
-                session_is_silent(&player->session);
+    player->rendering = true;
+    bool drawn = session_frame(&player->session, player->observer ? &own : NULL);
+    bool good = drawn && session_is_silent(&player->session);
+    player->rendering = false;
     player->observer = NULL;
+    player->broken = !drawn;
     player->pass = player->pipeline.info->pass_count - 1;
     return good;
 }
 
 bool dt_play_render(struct dt_player *player, bool (*after)(void *user, uint32_t pass), void *user)
 {
-    return render(player, &(struct dt_observer){.after_pass = after, .user = user});
+    return is_idle(player, "render") &&
+           render(player, &(struct dt_observer){.after_pass = after, .user = user});
+}
+
+bool dt_play_timings(struct dt_player *player, double *pass_ms)
+{
+    return is_idle(player, "timings") &&
+           player->session.runtime->timings(player->session.handle, pass_ms);
 }
 
 /* ---- Compare --------------------------------------------------------------------------------- */
@@ -303,7 +479,8 @@ static char *compare_frames(struct comparison *comparison)
 char *dt_play_compare(struct dt_player *a, struct dt_player *b)
 {
     struct comparison comparison = {.players = {a, b}};
-    char *text = can_compare(a, b) && rows_make(&comparison.rows, a->pipeline.info, &a->console.log)
+    char *text = is_idle(a, "compare") && is_idle(b, "compare") && can_compare(a, b) &&
+                         rows_make(&comparison.rows, a->pipeline.info, &a->console.log)
                      ? compare_frames(&comparison)
                      : NULL;
     rows_free(&comparison.rows);

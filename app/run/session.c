@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/tool.h"
 #include "build/inputs.h"
 #include "front.h"
 #include "scenes/motion.h"
@@ -120,8 +121,11 @@ bool session_load_scene(struct scene *scene, struct console *console,
         return session_can_lack_scene(pipeline, console) && scene_none(scene, &console->log) &&
                (!options->motion || scene_load_motion(scene, options->motion, &console->log));
     console_status(console, "loading %s", options->scene);
-    return scene_load(scene, options->scene, folder, true, &console->log) &&
-           (!options->motion || scene_load_motion(scene, options->motion, &console->log));
+    char *path = find_scene(options->scene, &console->log);
+    bool good = path ? scene_load(scene, path, folder, true, &console->log)
+                     : (report_error(&console->log, "out of memory"), false);
+    free(path);
+    return good && (!options->motion || scene_load_motion(scene, options->motion, &console->log));
 }
 
 uint32_t session_frames(const struct options *options, const struct scene *scene)

@@ -1148,11 +1148,27 @@ static bool check_part(const struct dt_core *core, const char *verb, uint32_t fi
                     verb, first, end, count);
 }
 
+/* A host may forget to fill the frame; then it would see an empty picture, and no reason. */
+static bool check_frame(const struct dt_core *core, const char *verb, const struct dt_frame *frame)
+{
+    static const struct dt_view none;
+    if (!frame)
+        return dt_error(core, "%s: the frame is NULL; give a struct dt_frame", verb);
+    bool empty = core->hosted && !memcmp(&frame->camera, &none, sizeof none);
+    for (uint32_t i = 0; empty && i < core->pipeline->pass_count; i++)
+        if (core->pipeline->passes[i].uses_scene)
+            return dt_error(core,
+                            "%s: `camera` of the struct dt_frame is zero, and the pass %s uses the "
+                            "scene; dt_scene_compose of diptych_scene.h fills the frame",
+                            verb, pass_name(core, i));
+    return true;
+}
+
 bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_frame *frame,
                      const void *live, uint32_t first, uint32_t end)
 {
     struct dt_frame block = {0};
-    if (!check_part(core, verb, first, end))
+    if (!check_part(core, verb, first, end) || (!first && !check_frame(core, verb, frame)))
         return false;
     const struct dt_pipeline *pipeline = core->pipeline;
     core->first_pass = first;

@@ -8,4 +8,6 @@ void main()
     unorm10_stored_store(p, vec4(fractions[i]));
     unorm16_stored_store(p, vec4(fractions[i]));
     snorm16_stored_store(p, vec4(fractions[i]));
+    bytes_stored_store(p, uvec4(floatBitsToUint(values[i])));
+    shorts_stored_store(p, ivec4(floatBitsToInt(values[i])));
 }
