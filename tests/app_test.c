@@ -65,15 +65,15 @@ static void options_are_read(void **state)
     struct options options;
     struct ear ear;
     assert_true(parse(&options, &ear, DT_ARRAY_COUNT(words), words));
-    assert_string_equal(options.scene, "a.yaml");
-    assert_string_equal(options.backend, "vk");
-    assert_int_equal(options.size[0], 640);
-    assert_int_equal(options.size[1], 480);
-    assert_int_equal(options.set_count, 2);
-    assert_string_equal(options.sets[1], "b=x=y");
-    assert_int_equal(options.frames, 7);
-    assert_true(options.debug);
-    assert_false(options.glsl);
+    assert_string_equal(options.setup.scene, "a.yaml");
+    assert_string_equal(options.setup.backend, "vk");
+    assert_int_equal(options.setup.size[0], 640);
+    assert_int_equal(options.setup.size[1], 480);
+    assert_int_equal(options.setup.set_count, 2);
+    assert_string_equal(options.setup.sets[1], "b=x=y");
+    assert_int_equal(options.setup.frames, 7);
+    assert_true(options.setup.debug);
+    assert_false(options.setup.glsl);
     options_free(&options);
 }
 

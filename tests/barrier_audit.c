@@ -52,7 +52,7 @@ struct counts {
 
 struct audit {
     struct console console;
-    struct options options;
+    struct setup setup;
     const char *lives[MAX_LIVES];
     uint32_t live_count;
     bool verbose, messages;
@@ -225,7 +225,7 @@ static struct tape twice(const struct tape *tape)
 static bool render(struct tape *tapes)
 {
     struct dt_frame frame = {.scene_radius = 1, .triangle_count = 1};
-    const uint32_t *size = audit.options.size;
+    const uint32_t *size = audit.setup.size;
 
     set_identity(frame.camera.view_projection);
     set_identity(frame.camera.inverse_view_projection);
@@ -662,7 +662,7 @@ static bool read_arguments(int argc, char **argv)
 {
     static const char *sets[64];
 
-    audit.options = (struct options){.sets = sets, .size = {24, 16}, .frames = 1};
+    audit.setup = (struct setup){.sets = sets, .size = {24, 16}, .frames = 1};
     for (int i = 1; i < argc && argv[i]; i++) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
 
@@ -670,26 +670,26 @@ static bool read_arguments(int argc, char **argv)
             audit.verbose = true;
         else if (strcmp(argv[i], "--messages") == 0)
             audit.messages = true;
-        else if (strcmp(argv[i], "--set") == 0 && value && audit.options.set_count < 64)
-            sets[audit.options.set_count++] = argv[++i];
+        else if (strcmp(argv[i], "--set") == 0 && value && audit.setup.set_count < 64)
+            sets[audit.setup.set_count++] = argv[++i];
         else if (strcmp(argv[i], "--live") == 0 && value && audit.live_count < MAX_LIVES)
             audit.lives[audit.live_count++] = argv[++i];
         else if (strcmp(argv[i], "--size") == 0 && value &&
-                 sscanf(value, "%ux%u", &audit.options.size[0], &audit.options.size[1]) == 2)
+                 sscanf(value, "%ux%u", &audit.setup.size[0], &audit.setup.size[1]) == 2)
             i++;
-        else if (argv[i][0] != '-' && !audit.options.spec)
-            audit.options.spec = argv[i];
+        else if (argv[i][0] != '-' && !audit.setup.spec)
+            audit.setup.spec = argv[i];
         else
             return false;
     }
-    return audit.options.spec;
+    return audit.setup.spec;
 }
 
 static bool prepare(void)
 {
     const struct dt_runtime_options options = {.log = {.message = on_message}, .debug = true};
 
-    if (!pipeline_load(&audit.pipeline, &audit.console, &audit.options))
+    if (!pipeline_load(&audit.pipeline, &audit.console, &audit.setup))
         return false;
     audit.rt = runtime_vk.open(&options);
     if (!audit.rt || !set_scene() || !runtime_vk.create(audit.rt, audit.pipeline.vk)) {

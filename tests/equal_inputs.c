@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "app/base/files.h"
+#include "app/base/options.h"
 #include "app/build/inputs.h"
 #include "app/compare/blame.h"
 #include "app/result/dump.h"
@@ -15,7 +16,7 @@ enum { EXACT, FAST, MODES };
 static const char *const mode_names[MODES] = {"exact", "fast"};
 
 struct mode {
-    struct options options; /* of the command, with another exactness */
+    struct setup setup; /* of the command, with another exactness */
     struct side side;
     struct pipeline pipeline;
     struct dump dump;
@@ -35,18 +36,18 @@ static struct {
 static bool load(struct mode *mode, const char *exactness)
 {
     const struct dt_log *log = &run.console.log;
-    uint32_t count = run.options.set_count;
-    mode->options = run.options;
-    mode->options.sets = calloc(count + 1, sizeof *mode->options.sets);
-    if (!mode->options.sets)
+    uint32_t count = run.options.setup.set_count;
+    mode->setup = run.options.setup;
+    mode->setup.sets = calloc(count + 1, sizeof *mode->setup.sets);
+    if (!mode->setup.sets)
         return false;
     if (count)
-        memcpy(mode->options.sets, run.options.sets, count * sizeof *run.options.sets);
-    mode->options.sets[count] = exactness;
-    mode->options.set_count = count + 1;
-    return side_read(&mode->side, mode->options.backend, &mode->options, log) &&
-           pipeline_load(&mode->pipeline, &run.console, &mode->options) &&
-           inputs_load(&mode->pipeline, &run.console, &mode->options);
+        memcpy(mode->setup.sets, run.options.setup.sets, count * sizeof *run.options.setup.sets);
+    mode->setup.sets[count] = exactness;
+    mode->setup.set_count = count + 1;
+    return side_read(&mode->side, mode->setup.backend, &mode->setup, log) &&
+           pipeline_load(&mode->pipeline, &run.console, &mode->setup) &&
+           inputs_load(&mode->pipeline, &run.console, &mode->setup);
 }
 
 /* The rows of the exact pipeline stand for those of the fast one. */
@@ -70,11 +71,11 @@ static bool prepare(void)
     struct mode *exact = &run.modes[EXACT];
     if (!load(exact, "exactness=exact") || !load(&run.modes[FAST], "exactness=fast") ||
         !have_same_rows() || !rows_make(&run.rows, exact->pipeline.info, &run.console.log) ||
-        !session_load_scene(&run.scene, &run.console, exact->pipeline.info, &exact->options))
+        !session_load_scene(&run.scene, &run.console, exact->pipeline.info, &exact->setup))
         return false;
     for (int i = 0; i < MODES; i++) {
         struct mode *mode = &run.modes[i];
-        mode->options.frames = session_frames(&mode->options, &run.scene);
+        mode->setup.frames = session_frames(&mode->setup, &run.scene);
         mode->folder = format_string("%s/%s", run.options.dump, mode_names[i]);
         if (!mode->folder ||
             !dump_begin(&mode->dump, &run.console, exact->pipeline.info, mode->folder))
@@ -100,12 +101,12 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
 static bool play(void)
 {
     struct replay replay = {
-        .console = &run.console, .rows = &run.rows, .frame = run.modes[EXACT].options.frames - 1};
+        .console = &run.console, .rows = &run.rows, .frame = run.modes[EXACT].setup.frames - 1};
     for (int i = 0; i < MODES; i++) {
         struct mode *mode = &run.modes[i];
         replay.workers[i].session = (struct session_info){.side = &mode->side,
                                                           .console = &run.console,
-                                                          .options = &mode->options,
+                                                          .setup = &mode->setup,
                                                           .pipeline = &mode->pipeline,
                                                           .scene = &run.scene,
                                                           .poison = 0x5a};
@@ -120,7 +121,7 @@ static void release(bool good)
         good = dump_end(&mode->dump, good) && good;
         pipeline_unload(&mode->pipeline);
         side_free(&mode->side);
-        free(mode->options.sets);
+        free(mode->setup.sets);
         free(mode->folder);
     }
     rows_free(&run.rows);

@@ -62,9 +62,9 @@ static void try_dump(void)
     static struct rows rows;
     struct dump_reader dump;
     if (!pipeline.info) {
-        const struct options options = {.spec = "tests/specs/mips.yaml", .templates = "templates"};
+        const struct setup setup = {.spec = "tests/specs/mips.yaml", .templates = "templates"};
         console.log = fuzz_log;
-        fuzz_insist(pipeline_load(&pipeline, &console, &options) &&
+        fuzz_insist(pipeline_load(&pipeline, &console, &setup) &&
                         rows_make(&rows, pipeline.info, &fuzz_log),
                     "tests/specs/mips.yaml cannot be loaded");
     }
@@ -86,12 +86,12 @@ static void try_dump(void)
 void fuzz_evidence(const char *bytes, size_t size)
 {
     struct console console = {.log = fuzz_log, .keeps = true}; /* the messages of a wrong spec */
-    const struct options options = {.folder = fuzz_folder};
+    const struct setup setup = {0};
     struct evidence_case evidence;
     if (!fuzz_unpack(bytes, size))
         return;
     fuzz_messages = 0;
-    bool good = evidence_read(&evidence, &console, &options);
+    bool good = evidence_read(&evidence, &console, fuzz_folder, &setup);
     evidence_free(&evidence);
     fuzz_insist(good || fuzz_messages || console.kept_count,
                 "evidence is damaged without a message");

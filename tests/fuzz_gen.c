@@ -5,18 +5,20 @@
 
 #include "fuzz.h"
 #include "gen/load.h"
+#include "gen/watchdog.h"
 #include "gen/shader_cache.h"
 
 static void load_spec(const char *name)
 {
     char path[256];
     fuzz_path(path, name);
-    const struct spec_request request = {
-        .path = path, .templates = fuzz_templates, .text = true, .seconds = 10};
+    const struct spec_request request = {.path = path, .templates = fuzz_templates, .text = true};
     struct spec spec = {0};
     struct diag *diag = diag_create();
     struct text text = {0};
+    watchdog_start(10);
     bool good = spec_load(&spec, &request, true, diag);
+    watchdog_stop();
     fuzz_insist(good != (diag_error_count(diag) > 0), "a spec is wrong without a message");
     if (good) {
         emit_header(&spec.model, &text);

@@ -330,7 +330,7 @@ struct bench {
     struct console console;
     char last[512]; /* error */
     int errors;
-    struct options options;
+    struct setup setup;
     struct pipeline pipeline;
     struct scene scene;
     struct side sides[2];
@@ -353,7 +353,7 @@ static int set_up(void **state)
     bench->console.log = (struct dt_log){.message = hear, .user = bench};
     pthread_mutex_init(&bench->console.lock, NULL);
     pthread_mutex_init(&bench->console.writing, NULL);
-    bench->options = (struct options){.size = {8, 8}, .frames = 3};
+    bench->setup = (struct setup){.size = {8, 8}, .frames = 3};
     bench->pipeline.info = &pipeline_info;
     bench->sides[0] = (struct side){.label = (char *)"gl", .backend = "gl"};
     bench->sides[1] = (struct side){.label = (char *)"vk", .backend = "vk"};
@@ -376,11 +376,11 @@ static struct worker_info info_of(struct bench *bench, int side)
 {
     return (struct worker_info){.session = {.side = &bench->sides[side],
                                             .console = &bench->console,
-                                            .options = &bench->options,
+                                            .setup = &bench->setup,
                                             .pipeline = &bench->pipeline,
                                             .scene = &bench->scene,
                                             .poison = side ? 0xa5 : 0x5a},
-                                .frames = bench->options.frames};
+                                .frames = bench->setup.frames};
 }
 
 static void assert_stop(struct worker *worker, enum worker_stop stop, uint32_t frame, uint32_t pass)

@@ -20,48 +20,49 @@ static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPORT, 0, NULL,
      "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},
-    {"--scene", OPTION_STRING, AT(scene), VERB_REFERENCE | VERB_FLICKER,
+    {"--scene", OPTION_STRING, AT(setup.scene), VERB_REFERENCE | VERB_FLICKER,
      VERB_REFERENCE | VERB_FLICKER, "FILE",
      "scene file (YAML): mesh, camera, light; or the name of a shipped one: cornell"},
-    {"--scene", OPTION_STRING, AT(scene), SPEC & ~VERB_SWEEP, 0, "FILE",
+    {"--scene", OPTION_STRING, AT(setup.scene), SPEC & ~VERB_SWEEP, 0, "FILE",
      "scene file (YAML): mesh, camera, light; or cornell, which is shipped; needed if the pipeline "
      "draws or reads the scene"},
-    {"--motion", OPTION_STRING, AT(motion), MOVING, 0, "FILE",
+    {"--motion", OPTION_STRING, AT(setup.motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
+    {"--backend", OPTION_STRING, AT(setup.backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
      VERB_RENDER | VERB_REPLAY | VERB_TUNE, "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
-    {"--backend", OPTION_STRING, AT(backend), COMPARING, 0, "LIST",
+    {"--backend", OPTION_STRING, AT(setup.backend), COMPARING, 0, "LIST",
      "backends; the first is compared with each of the others, like gl,vk,zink (default: gl,vk)"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
+    {"--backend", OPTION_STRING, AT(setup.backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "backends to measure in turn, like gl,vk,zink (default: gl,vk)"},
-    {"--backend", OPTION_STRING, AT(backend), VERB_VIEW, 0, "NAME|both",
+    {"--backend", OPTION_STRING, AT(setup.backend), VERB_VIEW, 0, "NAME|both",
      "gl, vk, or both side by side; or two with a comma, of which the first draws the window "
      "(default: gl)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "
      "needed with --dump, --timings or --capture"},
-    {"--spec", OPTION_STRING, AT(spec), MAKING, 0, "SPEC",
+    {"--spec", OPTION_STRING, AT(setup.spec), MAKING, 0, "SPEC",
      "pipeline: a file, or the name of a shipped one, like rsm (default: ssvp)"},
-    {"--set", OPTION_SET, AT(set_list), MAKING, 0, "PATH=VALUE",
+    {"--set", OPTION_SET, AT(setup.set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
     {"--with", OPTION_STRING, AT(with), MAKING, 0, "FILE",
      "overrides from a file, before those of --set: lines `- PATH=VALUE`, as `tune` writes them"},
-    {"--input", OPTION_SET, AT(inputs), SPEC | VERB_REPORT, 0, "NAME=FILE",
+    {"--input", OPTION_SET, AT(setup.inputs), SPEC | VERB_REPORT, 0, "NAME=FILE",
      "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
      ".npy "
      "array for a buffer; may be repeated"},
-    {"--size", OPTION_SIZE, AT(size), (SCENE & ~VERB_VIEW) | VERB_REPORT | VERB_LIST, 0, "WxH",
+    {"--size", OPTION_SIZE, AT(setup.size), (SCENE & ~VERB_VIEW) | VERB_REPORT | VERB_LIST, 0,
+     "WxH",
      "frame size in pixels (default: that of an --input that fills the frame, else 1920x1080)"},
-    {"--size", OPTION_SIZE, AT(size), VERB_VIEW, 0, "WxH",
+    {"--size", OPTION_SIZE, AT(setup.size), VERB_VIEW, 0, "WxH",
      "pixels of each backend in the window (default: 960x540)"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_VIEW, 0, "N",
      "frames to run (default: until the window is closed)"},
     {"--screenshot", OPTION_STRING, AT(screenshot), VERB_VIEW, 0, "FILE.png",
      "write the last picture shown"},
-    {"--frames", OPTION_COUNT, AT(frames), ALL, 0, "N",
+    {"--frames", OPTION_COUNT, AT(setup.frames), ALL, 0, "N",
      "frames to run; the result is the last one (default: 1; with --motion all of it)"},
-    {"--frames", OPTION_COUNT, AT(frames), VERB_FLICKER, 0, "N",
+    {"--frames", OPTION_COUNT, AT(setup.frames), VERB_FLICKER, 0, "N",
      "frames to compare, at least 2 (default: all of the motion)"},
     {"--frame", OPTION_INDEX, AT(frame), VERB_REFERENCE, 0, "K",
      "frame of the motion, from 0 (default: 0)"},
@@ -73,7 +74,7 @@ static const struct option_row rows[] = {
      "write what every pass of the last frame produced: manifest.json and raw files"},
     {"--timings", OPTION_STRING, AT(timings), VERB_RENDER, 0, "FILE.json",
      "write milliseconds per pass"},
-    {"--capture", OPTION_STRING, AT(capture), VERB_RENDER, 0, "FILE.rdc",
+    {"--capture", OPTION_STRING, AT(setup.capture), VERB_RENDER, 0, "FILE.rdc",
      "write the last frame for RenderDoc, with names of passes; without -o and --dump nothing else "
      "is in it; needs librenderdoc.so"},
     {"--show", OPTION_STRING, AT(show), VERB_RENDER | VERB_SWEEP, 0, "RESOURCE",
@@ -82,7 +83,7 @@ static const struct option_row rows[] = {
      "the reference picture: .exr (linear), or .png"},
     {"--test", OPTION_STRING, AT(test), VERB_METRICS, VERB_METRICS, "FILE",
      "the picture to measure; with %04d in the name, pictures of --frames frames"},
-    {"--frames", OPTION_COUNT, AT(frames), VERB_METRICS, 0, "N",
+    {"--frames", OPTION_COUNT, AT(setup.frames), VERB_METRICS, 0, "N",
      "frames to measure, from 0: means over them, and standard errors (default: 1)"},
     {"-o", OPTION_STRING, AT(output), VERB_METRICS, 0, "DIR",
      "folder for the error maps flip_ldr.png, flip_hdr.png and the tone-mapped reference.png, "
@@ -113,25 +114,25 @@ static const struct option_row rows[] = {
      "--golden: write the folder, with hashes and pictures, if the sides agree"},
     {"--json", OPTION_STRING, AT(json), TELLING, 0, "FILE",
      "also write the result, or the errors, as JSON"},
-    {"--against", OPTION_STRING, AT(against), VERB_COMPARE, 0, "DIR",
+    {"--against", OPTION_STRING, AT(setup.against), VERB_COMPARE, 0, "DIR",
      "use a dump, of any machine or driver, as the first side; it sets size and frame"},
-    {"--scenes", OPTION_STRING, AT(scenes), SHOWN | VERB_SWEEP | VERB_REPORT, 0, "DIR",
+    {"--scenes", OPTION_STRING, AT(setup.scenes), SHOWN | VERB_SWEEP | VERB_REPORT, 0, "DIR",
      "folder with meshes (default: DIPTYCH_SCENES); a file has at most 4 GiB, a texture 67 million "
      "pixels"},
-    {"--device", OPTION_STRING, AT(device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
+    {"--device", OPTION_STRING, AT(setup.device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
-    {"--context", OPTION_CHOICE, AT(context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
+    {"--context", OPTION_CHOICE, AT(setup.context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
      "egl|zink|osmesa|window", "OpenGL context (default: egl)"},
-    {"--glsl", OPTION_FLAG, AT(glsl), SPEC | VERB_REPLAY, 0, NULL,
+    {"--glsl", OPTION_FLAG, AT(setup.glsl), SPEC | VERB_REPLAY, 0, NULL,
      "give OpenGL the GLSL text instead of SPIR-V"},
     {"--trust", OPTION_FLAG, AT(trust), VERB_REPLAY, 0, NULL,
      "without a sandbox: the folder's shaders are yours"},
-    {"--debug", OPTION_FLAG, AT(debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
+    {"--debug", OPTION_FLAG, AT(setup.debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation layers and KHR_debug; any message fails the run"},
-    {"--drop-barrier", OPTION_COUNT, AT(drop_barrier), VERB_RENDER, 0, "N",
+    {"--drop-barrier", OPTION_COUNT, AT(setup.drop_barrier), VERB_RENDER, 0, "N",
      "leave out the N-th barrier of Vulkan's frame, to test whether --debug reports it; runs one "
      "more frame, since reading results waits after every pass"},
-    {"--drop-dependency", OPTION_COUNT, AT(drop_dependency), VERB_RENDER, 0, "N",
+    {"--drop-dependency", OPTION_COUNT, AT(setup.drop_dependency), VERB_RENDER, 0, "N",
      "keep the layout change of the N-th barrier, but drop what it waits for"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder from which `replay` runs the guilty pass alone"},
@@ -228,13 +229,13 @@ static struct command_line command_of(const struct verb *verb)
 /* Defaults of options that a dump of --against, or --golden, would set. */
 static void fill_in(struct options *options, const struct verb *verb)
 {
-    if (!options->size[0]) {
-        options->default_size = true;
-        options->size[0] = verb->id == VERB_VIEW ? 960 : 1920;
-        options->size[1] = verb->id == VERB_VIEW ? 540 : 1080;
+    if (!options->setup.size[0]) {
+        options->setup.default_size = true;
+        options->setup.size[0] = verb->id == VERB_VIEW ? 960 : 1920;
+        options->setup.size[1] = verb->id == VERB_VIEW ? 540 : 1080;
     }
-    if (!options->motion && !options->frames)
-        options->frames = 1;
+    if (!options->setup.motion && !options->setup.frames)
+        options->setup.frames = 1;
 }
 
 bool options_parse(struct options *options, const struct verb *verb, int argc, char **argv,
@@ -244,9 +245,9 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
     const struct command_line command = command_of(verb);
     if (!command_parse(&command, options, argc, argv, log) ||
         (options->with && !options->help &&
-         !command_overlay(&options->set_list, options->with, &options->with_text, log)))
+         !command_overlay(&options->setup.set_list, options->with, &options->with_text, log)))
         return false;
-    if (!options->against && (!options->golden || options->update))
+    if (!options->setup.against && (!options->golden || options->update))
         fill_in(options, verb);
     return options->help || command_is_complete(&command, options, log);
 }
@@ -254,14 +255,14 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
 void options_free(struct options *options)
 {
     free(options->with_text);
-    free(options->sets);
-    free(options->inputs.items);
+    free(options->setup.sets);
+    free(options->setup.inputs.items);
     free(options->scene_list.items);
     free(options->size_list.items);
     free(options->grid.items);
-    options->sets = NULL;
-    options->set_count = 0;
-    options->inputs = options->scene_list = options->size_list = options->grid =
+    options->setup.sets = NULL;
+    options->setup.set_count = 0;
+    options->setup.inputs = options->scene_list = options->size_list = options->grid =
         (struct text_list){0};
 }
 

@@ -4,7 +4,7 @@
 #define DIPTYCH_OPTIONS_H
 
 #include "base/console.h"
-#include "gen/command.h"
+#include "base/setup.h"
 
 /* A verb's bit in the option table. */
 enum verb_id {
@@ -26,43 +26,20 @@ enum verb_id {
 /* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
  * Strings point into argv. */
 struct options {
-    const char *scene;
-    const char *motion;  /* file; NULL: nothing moves */
-    const char *backend; /* see side.h */
+    struct setup setup;
     const char *output;
-    const char *spec;      /* NULL: the project's own */
-    const char *with;      /* overlay of sets, which stand in set_list */
-    char *with_text;       /* owned */
-    const char *templates; /* folder of the GLSL library; NULL: the project's */
-    const char *root;      /* no option: the folder of a replay, which reads no file outside */
-    union {                /* two names of one list: the table stores text_list */
-        struct text_list set_list;
-        struct {
-            const char **sets; /* NAME=VALUE each */
-            uint32_t set_count;
-        };
-    };
-    struct text_list inputs; /* NAME=FILE each */
-    bool inputs_later;       /* no option: of a player, which gets inputs after inputs_load */
-    uint32_t size[2];        /* this and frames: 0 with --against where not given */
-    bool default_size;       /* size is the default, which an input may replace */
-    uint32_t frames;         /* 0 with --motion where not given: all of it */
-    uint32_t frame;          /* reference: of the motion */
-    const char *against;     /* folder of a dump */
+    const char *with; /* overlay of sets, which stand in set_list */
+    char *with_text;  /* owned */
+    uint32_t frame;   /* reference: of the motion */
     const char *dump;
     const char *timings;
-    const char *capture;
     const char *show;
-    const char *scenes; /* NULL: DIPTYCH_SCENES or none */
-    const char *device;
-    const char *context;
     const char *json;
     const char *pictures;
     const char *html;   /* folder */
     const char *junit;  /* file */
     const char *golden; /* folder */
     bool update;
-    uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
     const char *fault;
     const char *bisect; /* folder to write */
     const char *folder; /* of an earlier bisect, or of a bundle's run */
@@ -97,9 +74,7 @@ struct options {
     bool slurm, collect;
     const char *screenshot; /* view */
     const char *outline;    /* report: NULL: the one beside the spec */
-    bool trust; /* replay: without a sandbox */
-    bool glsl;
-    bool debug;
+    bool trust;             /* replay: without a sandbox */
     bool help;
 };
 

@@ -292,11 +292,11 @@ static bool names(const char *option, const char *name)
 }
 
 /* The file that --input names for it; NULL: none. */
-static const char *given_file(const struct options *options, const char *name)
+static const char *given_file(const struct setup *setup, const char *name)
 {
-    for (uint32_t i = 0; i < options->inputs.count; i++)
-        if (names(options->inputs.items[i], name))
-            return options->inputs.items[i] + strlen(name) + 1;
+    for (uint32_t i = 0; i < setup->inputs.count; i++)
+        if (names(setup->inputs.items[i], name))
+            return setup->inputs.items[i] + strlen(name) + 1;
     return NULL;
 }
 
@@ -322,12 +322,12 @@ static bool refuse_option(const struct dt_log *log, const struct dt_pipeline *in
 }
 
 /* Every --input is of an input, once, that has no file in the spec. */
-static bool check_options(const struct pipeline *pipeline, const struct options *options,
+static bool check_options(const struct pipeline *pipeline, const struct setup *setup,
                           const struct dt_log *log)
 {
     const struct dt_pipeline *info = pipeline->info;
-    for (uint32_t i = 0; i < options->inputs.count; i++) {
-        const char *option = options->inputs.items[i];
+    for (uint32_t i = 0; i < setup->inputs.count; i++) {
+        const char *option = setup->inputs.items[i];
         const struct dt_resource *found = NULL;
         for (uint32_t k = 0; k < info->resource_count; k++)
             if (info->resources[k].input && names(option, info->resources[k].name))
@@ -342,7 +342,7 @@ static bool check_options(const struct pipeline *pipeline, const struct options 
             return false;
         }
         for (uint32_t k = 0; k < i; k++)
-            if (names(options->inputs.items[k], found->name)) {
+            if (names(setup->inputs.items[k], found->name)) {
                 report_error(log, "input %s: %s has a file already", option, found->name);
                 return false;
             }
@@ -367,32 +367,32 @@ static bool fills_frame(const struct dt_pipeline *info, uint32_t resource, bool 
 
 /* The frame gets the size of the first --input that fills it, and keeps its size where that of any
  * --input follows it. A wrong file is reported later. */
-static void find_size(struct pipeline *pipeline, struct options *options)
+static void find_size(struct pipeline *pipeline, struct setup *setup)
 {
     const struct dt_pipeline *info = pipeline->info;
-    bool filled = !options->default_size, fixed = false, follows;
-    for (uint32_t i = 0; i < options->inputs.count; i++)
+    bool filled = !setup->default_size, fixed = false, follows;
+    for (uint32_t i = 0; i < setup->inputs.count; i++)
         for (uint32_t k = 0; k < info->resource_count; k++) {
-            const char *option = options->inputs.items[i], *reason;
+            const char *option = setup->inputs.items[i], *reason;
             uint32_t size[2];
             if (!names(option, info->resources[k].name))
                 continue;
             if (fills_frame(info, k, &follows) && !filled) {
                 filled = true;
                 if (picture_size(strchr(option, '=') + 1, &size[0], &size[1], &reason))
-                    memcpy(options->size, size, sizeof size);
+                    memcpy(setup->size, size, sizeof size);
             }
             fixed |= follows;
         }
     if (fixed)
-        memcpy(pipeline->frame_size, options->size, sizeof options->size);
+        memcpy(pipeline->frame_size, setup->size, sizeof setup->size);
 }
 
-bool inputs_find_size(struct pipeline *pipeline, struct options *options, const struct dt_log *log)
+bool inputs_find_size(struct pipeline *pipeline, struct setup *setup, const struct dt_log *log)
 {
-    bool good = check_options(pipeline, options, log);
+    bool good = check_options(pipeline, setup, log);
     if (good)
-        find_size(pipeline, options);
+        find_size(pipeline, setup);
     return good;
 }
 
@@ -412,11 +412,11 @@ static void add_hash(struct pipeline *pipeline, const struct loading *loading)
 }
 
 static bool load_resource(struct pipeline *pipeline, struct console *console,
-                          const struct options *options, uint32_t index)
+                          const struct setup *setup, uint32_t index)
 {
     const struct dt_resource *resource = &pipeline->info->resources[index];
     struct plan_input from = plan_input(pipeline->plan, index);
-    const char *given = given_file(options, resource->name);
+    const char *given = given_file(setup, resource->name);
     struct input *input = &pipeline->inputs[pipeline->input_count++];
     *input =
         (struct input){.resource = index, .mips = resource->kind == DT_IMAGE ? resource->mips : 1};
@@ -424,7 +424,7 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
                               .pipeline = pipeline,
                               .resource = resource,
                               .input = input,
-                              .size = options->size,
+                              .size = setup->size,
                               .file = given ? given : from.file,
                               .by_option = given,
                               .srgb = from.srgb};
@@ -434,7 +434,7 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
             add_hash(pipeline, &loading);
         return good;
     }
-    if (options->inputs_later) {
+    if (setup->inputs_later) {
         pipeline->input_count--;
         return true;
     }
@@ -443,10 +443,10 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
     return false;
 }
 
-bool inputs_load(struct pipeline *pipeline, struct console *console, struct options *options)
+bool inputs_load(struct pipeline *pipeline, struct console *console, struct setup *setup)
 {
     const struct dt_pipeline *info = pipeline->info;
-    if (!inputs_find_size(pipeline, options, &console->log))
+    if (!inputs_find_size(pipeline, setup, &console->log))
         return false;
     pipeline->inputs = calloc(info->resource_count + 1, sizeof *pipeline->inputs);
     pipeline->input_hashes = calloc(info->resource_count + 1, sizeof *pipeline->input_hashes);
@@ -455,7 +455,7 @@ bool inputs_load(struct pipeline *pipeline, struct console *console, struct opti
         report_error(&console->log, "out of memory");
     for (uint32_t i = 0; good && i < info->resource_count; i++)
         if (info->resources[i].input)
-            good = load_resource(pipeline, console, options, i);
+            good = load_resource(pipeline, console, setup, i);
     return good;
 }
 

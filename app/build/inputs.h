@@ -13,12 +13,12 @@ struct input {
 
 /* Reads the content of every input of the pipeline, pictures in a child process; pipeline_unload
  * frees it. With --input and without --size, the first input of --input that is an image as large
- * as the frame sets options->size. With options->inputs_later, inputs without a file are left out.
+ * as the frame sets setup->size. With setup->inputs_later, inputs without a file are left out.
  * False: an error names the option, or the line of the spec. */
-bool inputs_load(struct pipeline *pipeline, struct console *console, struct options *options);
+bool inputs_load(struct pipeline *pipeline, struct console *console, struct setup *setup);
 
-/* The part of inputs_load that sets options->size; reads no content. */
-bool inputs_find_size(struct pipeline *pipeline, struct options *options, const struct dt_log *log);
+/* The part of inputs_load that sets setup->size; reads no content. */
+bool inputs_find_size(struct pipeline *pipeline, struct setup *setup, const struct dt_log *log);
 
 /* Hands every input to a runtime, after its resize. For a pipeline without inputs_load, zeros: a
  * replay writes what its pass reads. */

@@ -307,10 +307,10 @@ cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2])
 int verb_list(struct console *console, const struct options *options)
 {
     struct pipeline pipeline = {0};
-    bool good = pipeline_load(&pipeline, console, options);
+    bool good = pipeline_load(&pipeline, console, &options->setup);
     if (good) {
-        print_list(&pipeline, options->size);
-        console->result = list_json(&pipeline, options->size);
+        print_list(&pipeline, options->setup.size);
+        console->result = list_json(&pipeline, options->setup.size);
     }
     pipeline_unload(&pipeline);
     return good ? EXIT_FINE : EXIT_FAILED;

@@ -71,16 +71,16 @@ char *pipeline_cache(const char *tools)
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-static bool find(struct load *load, const struct options *options, const struct dt_log *log)
+static bool find(struct load *load, const struct setup *setup, const struct dt_log *log)
 {
     *load = (struct load){.tools = tools_folder(log)};
-    load->spec = load->tools ? pipeline_spec_path(options->spec, log) : NULL;
-    load->templates = !load->spec          ? NULL
-                      : options->templates ? realpath(options->templates, NULL)
-                                           : templates_folder(log);
+    load->spec = load->tools ? pipeline_spec_path(setup->spec, log) : NULL;
+    load->templates = !load->spec        ? NULL
+                      : setup->templates ? realpath(setup->templates, NULL)
+                                         : templates_folder(log);
     if (load->spec && !load->templates)
         report_error(log, "%s: cannot be read: %s",
-                     options->templates ? options->templates : "templates", strerror(errno));
+                     setup->templates ? setup->templates : "templates", strerror(errno));
     load->cache = load->templates ? pipeline_cache(load->tools) : NULL;
     return load->templates;
 }
@@ -111,25 +111,24 @@ static bool take_plan(struct pipeline *pipeline, struct load *load, const struct
 }
 
 /* Whether a driver for OpenGL is to compile GLSL. */
-static bool takes_text(const struct options *options)
+static bool takes_text(const struct setup *setup)
 {
-    return options->glsl || (options->backend && strstr(options->backend, "+glsl"));
+    return setup->glsl || (setup->backend && strstr(setup->backend, "+glsl"));
 }
 
-bool pipeline_load(struct pipeline *pipeline, struct console *console,
-                   const struct options *options)
+bool pipeline_load(struct pipeline *pipeline, struct console *console, const struct setup *setup)
 {
     struct load load;
     *pipeline = (struct pipeline){0};
-    bool good = find(&load, options, &console->log);
+    bool good = find(&load, setup, &console->log);
     if (good) {
         const struct plan_request request = {.spec = load.spec,
                                              .templates = load.templates,
-                                             .sets = options->sets,
-                                             .set_count = options->set_count,
+                                             .sets = setup->sets,
+                                             .set_count = setup->set_count,
                                              .cache = load.cache,
-                                             .root = options->root,
-                                             .text = takes_text(options)};
+                                             .root = setup->root,
+                                             .text = takes_text(setup)};
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);
@@ -140,13 +139,13 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
     return good;
 }
 
-static bool run_generator(const struct load *load, const struct options *options,
+static bool run_generator(const struct load *load, const struct setup *setup,
                           struct console *console)
 {
     static const struct tool generator = {
         .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
     char *tool = format_string("%s/diptych-gen", load->tools);
-    char **argv = calloc(options->set_count * 2 + 12, sizeof *argv);
+    char **argv = calloc(setup->set_count * 2 + 12, sizeof *argv);
     bool good = false;
     if (tool && argv) {
         const char *const words[] = {
@@ -157,9 +156,9 @@ static bool run_generator(const struct load *load, const struct options *options
         for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
             if (words[i])
                 argv[n++] = (char *)words[i];
-        for (uint32_t i = 0; i < options->set_count; i++) {
+        for (uint32_t i = 0; i < setup->set_count; i++) {
             argv[n++] = (char *)"--set";
-            argv[n++] = (char *)options->sets[i];
+            argv[n++] = (char *)setup->sets[i];
         }
         good = tool_run(&generator, argv, -1, console);
     } else {
@@ -170,10 +169,10 @@ static bool run_generator(const struct load *load, const struct options *options
     return good;
 }
 
-bool pipeline_try(struct console *console, const struct options *options)
+bool pipeline_try(struct console *console, const struct setup *setup)
 {
     struct load load;
-    bool good = find(&load, options, &console->log) && run_generator(&load, options, console);
+    bool good = find(&load, setup, &console->log) && run_generator(&load, setup, console);
     forget(&load);
     return good;
 }

@@ -4,7 +4,7 @@
 #define DIPTYCH_PIPELINE_H
 
 #include "base/console.h"
-#include "base/options.h"
+#include "base/setup.h"
 #include "build/plan.h"
 
 /* A loaded pipeline. All pointers live until pipeline_unload. */
@@ -31,11 +31,10 @@ char *pipeline_spec_path(const char *spec, const struct dt_log *log);
 /* Reads, checks and plans; compiles the shaders that the cache does not have: in build/cache beside the
  * executable, or in $XDG_CACHE_HOME/diptych when it is installed or that cannot be written. --set of a live
  * parameter only changes its default. On false the error is logged and nothing is left loaded. */
-bool pipeline_load(struct pipeline *pipeline, struct console *console,
-                   const struct options *options);
+bool pipeline_load(struct pipeline *pipeline, struct console *console, const struct setup *setup);
 /* Whether another process, which may crash or hang, takes the spec: it leaves the shaders in the cache, so
  * that pipeline_load has little left to do. Its messages are printed. */
-bool pipeline_try(struct console *console, const struct options *options);
+bool pipeline_try(struct console *console, const struct setup *setup);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
 /* A resource or a live parameter by name. The error names `what` asks for it, and a similar name. */

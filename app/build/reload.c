@@ -25,7 +25,7 @@ struct sight {
 
 struct reload {
     struct console *console;
-    const struct options *options;
+    const struct setup *setup;
     pthread_t thread;
     pthread_mutex_t lock; /* of what follows */
     bool stop;
@@ -135,12 +135,12 @@ static void build(struct reload *reload, double start)
     struct reload_result result = {0};
     tell(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_try(reload->console, reload->options);
+    bool good = pipeline_try(reload->console, reload->setup);
     if (good) {
         /* The other process said the same. */
         free(capture ? console_captured(reload->console) : NULL);
         capture = console_capture(reload->console);
-        good = pipeline_load(&result.pipeline, reload->console, reload->options);
+        good = pipeline_load(&result.pipeline, reload->console, reload->setup);
     }
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
@@ -184,13 +184,13 @@ static void *run(void *user)
 
 /* ---- For the caller -------------------------------------------------------------------------- */
 
-struct reload *reload_start(struct console *console, const struct options *options,
+struct reload *reload_start(struct console *console, const struct setup *setup,
                             const struct pipeline *pipeline)
 {
     struct reload *reload = calloc(1, sizeof *reload);
     int error = ENOMEM;
     if (reload) {
-        *reload = (struct reload){.console = console, .options = options};
+        *reload = (struct reload){.console = console, .setup = setup};
         pthread_mutex_init(&reload->lock, NULL);
         watch(reload, pipeline);
         error = pthread_create(&reload->thread, NULL, run, reload);

@@ -22,7 +22,7 @@ struct reload_result {
 };
 
 /* Watches what `pipeline` was made from; NULL, logged, when it cannot. */
-struct reload *reload_start(struct console *console, const struct options *options,
+struct reload *reload_start(struct console *console, const struct setup *setup,
                             const struct pipeline *pipeline);
 /* Never waits. */
 enum reload_news reload_poll(struct reload *reload, struct reload_result *result);

@@ -51,7 +51,7 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
 /* Finds the region and writes the folder; returns the region as text. */
 static char *conclude(const struct gathering *gathering, const struct replay *replay,
                       uint32_t guilty, const char *const devices[2], const char *folder,
-                      struct region *region)
+                      const char *fault, struct region *region)
 {
     const struct session_info *session = &replay->workers[0].session;
     const struct row_list *outputs = &gathering->rows->outputs;
@@ -60,7 +60,8 @@ static char *conclude(const struct gathering *gathering, const struct replay *re
     uint32_t place = guilty - outputs->first[gathering->pass];
     const struct dt_bytes copies[2] = {gathering->outputs[0][place], gathering->outputs[1][place]};
     struct evidence evidence = {.console = session->console,
-                                .options = session->options,
+                                .setup = session->setup,
+                                .fault = fault,
                                 .pipeline = session->pipeline,
                                 .scene = session->scene,
                                 .rows = gathering->rows,
@@ -95,7 +96,7 @@ static void free_rows(struct dt_bytes *bytes, uint32_t count)
 }
 
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
-             const char *folder, struct region *region)
+             const char *folder, const char *fault, struct region *region)
 {
     const struct rows *rows = replay->rows;
     uint32_t pass = rows->outputs.list[guilty].pass;
@@ -113,7 +114,7 @@ char *bisect(const struct replay *replay, uint32_t guilty, const char *const dev
     if (!gathering.inputs || !gathering.outputs[0] || !gathering.outputs[1])
         report_error(gathering.log, "out of memory");
     else if (replay_run(replay, &viewer))
-        text = conclude(&gathering, replay, guilty, devices, folder, region);
+        text = conclude(&gathering, replay, guilty, devices, folder, fault, region);
     free_rows(gathering.inputs, inputs);
     free_rows(gathering.outputs[0], outputs);
     free_rows(gathering.outputs[1], outputs);

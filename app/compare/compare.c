@@ -16,7 +16,7 @@ enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
 /* A dump holds only the last frame. */
 static uint32_t first_frame(const struct compare *compare)
 {
-    return compare->options.against ? compare->options.frames - 1 : 0;
+    return compare->options.setup.against ? compare->options.setup.frames - 1 : 0;
 }
 
 /* ---- One row --------------------------------------------------------------------------------- */
@@ -184,7 +184,7 @@ static bool run_frame(struct compare *compare, uint32_t frame)
         return false;
     for (uint32_t pass = 0; pass < info->pass_count; pass++) {
         console_status(compare->console, "frame %u of %u, pass %s", frame + 1,
-                       compare->options.frames, info->passes[pass].name);
+                       compare->options.setup.frames, info->passes[pass].name);
         if (!advance(compare, (struct worker_place){WORKER_AFTER_PASS, frame, pass}))
             return false;
         for (uint32_t i = first[pass]; i < first[pass + 1]; i++)
@@ -203,11 +203,11 @@ static struct worker_info describe_worker(struct compare *compare, uint32_t inde
 {
     struct worker_info info = {.session = {.side = &compare->sides.list[index],
                                            .console = compare->console,
-                                           .options = &compare->options,
+                                           .setup = &compare->options.setup,
                                            .pipeline = &compare->pipeline,
                                            .scene = &compare->scene,
                                            .poison = index ? POISON_OTHERS : POISON_FIRST},
-                               .frames = compare->options.frames,
+                               .frames = compare->options.setup.frames,
                                .first_observed = first_frame(compare),
                                .stops_before = compare->rows.history.count > 0};
     if (index == compare->faulty)
@@ -233,7 +233,7 @@ static bool start_all(struct compare *compare)
 
 static bool run_all(struct compare *compare)
 {
-    uint32_t frames = compare->options.frames;
+    uint32_t frames = compare->options.setup.frames;
     bool good = start_all(compare);
     for (uint32_t frame = first_frame(compare); frame < frames && good; frame++)
         good = run_frame(compare, frame);
@@ -309,7 +309,8 @@ static bool keep_evidence(struct compare *compare)
         if (blame->outcome != BLAME_GUILTY)
             continue;
         compare->bisected = &compare->pairs[i];
-        compare->region = bisect(&replay, blame->row, devices, folder, &compare->found);
+        compare->region =
+            bisect(&replay, blame->row, devices, folder, compare->options.fault, &compare->found);
         return compare->region;
     }
     if (folder)
@@ -413,10 +414,10 @@ static bool compares_something(const struct compare *compare, uint64_t count, co
 /* Takes size and frame from the dump; before the pipeline is loaded. */
 static bool open_dump(struct compare *compare)
 {
-    const char *folder = compare->options.against;
+    const char *folder = compare->options.setup.against;
     const struct dt_log *log = &compare->console->log;
     return dump_reader_open(&compare->dump, folder, log) &&
-           identity_take_frame(compare->dump.manifest, folder, &compare->options, log);
+           identity_take_frame(compare->dump.manifest, folder, &compare->options.setup, log);
 }
 
 /* Checks that the dump is of this pipeline, scene and parameters. */
@@ -436,35 +437,36 @@ static bool check_dump(struct compare *compare)
                                       .inputs = compare->pipeline.input_hashes,
                                       .input_count = compare->pipeline.input_hash_count,
                                       .scene = &compare->scene,
-                                      .options = options,
-                                      .size = {options->size[0], options->size[1]},
-                                      .frame = options->frames - 1};
+                                      .setup = &options->setup,
+                                      .size = {options->setup.size[0], options->setup.size[1]},
+                                      .frame = options->setup.frames - 1};
     compare->dump.pipeline = compare->pipeline.info;
-    memcpy(compare->dump.size, options->size, sizeof compare->dump.size);
-    return identity_check(manifest, options->against, &identity, log) &&
-           identity_take_live(manifest, options->against, options, compare->pipeline.info,
-                              compare->pipeline.live, log);
+    memcpy(compare->dump.size, options->setup.size, sizeof compare->dump.size);
+    return identity_check(manifest, options->setup.against, &identity, log) &&
+           identity_take_live(manifest, options->setup.against, &options->setup,
+                              compare->pipeline.info, compare->pipeline.live, log);
 }
 
 static bool load(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
-    if ((options->against && !open_dump(compare)) || (options->golden && !golden_open(compare)))
+    if ((options->setup.against && !open_dump(compare)) ||
+        (options->golden && !golden_open(compare)))
         return false;
     if (options->bisect && !evidence_can_write(console, options->bisect))
         return false;
-    if (!pipeline_load(&compare->pipeline, console, options) || !golden_suits(compare) ||
+    if (!pipeline_load(&compare->pipeline, console, &options->setup) || !golden_suits(compare) ||
         !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
         (options->fault && !find_fault(compare)))
         return false;
-    if (!inputs_load(&compare->pipeline, console, &compare->options) ||
-        !session_load_scene(&compare->scene, console, compare->pipeline.info, options))
+    if (!inputs_load(&compare->pipeline, console, &compare->options.setup) ||
+        !session_load_scene(&compare->scene, console, compare->pipeline.info, &options->setup))
         return false;
-    compare->options.frames = session_frames(options, &compare->scene);
-    return !options->against || check_dump(compare);
+    compare->options.setup.frames = session_frames(&options->setup, &compare->scene);
+    return !options->setup.against || check_dump(compare);
 }
 
 static bool run(struct compare *compare)
@@ -475,7 +477,7 @@ static bool run(struct compare *compare)
         report_error(&console->log, "--update: needs --golden DIR, the folder that it writes");
         return false;
     }
-    if (!sides_read(&compare->sides, options, &console->log))
+    if (!sides_read(&compare->sides, &options->setup, &console->log))
         return false;
     if ((options->pictures && !file_make_folders(options->pictures, &console->log)) ||
         (options->html && !file_make_folders(options->html, &console->log)) ||

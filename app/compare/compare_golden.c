@@ -25,8 +25,8 @@ static bool out_of_memory(const struct compare *compare)
 static cJSON *sets_of(const struct options *options)
 {
     cJSON *list = cJSON_CreateArray();
-    for (uint32_t i = 0; i < options->set_count; i++)
-        cJSON_AddItemToArray(list, cJSON_CreateString(options->sets[i]));
+    for (uint32_t i = 0; i < options->setup.set_count; i++)
+        cJSON_AddItemToArray(list, cJSON_CreateString(options->setup.sets[i]));
     return list;
 }
 
@@ -81,7 +81,7 @@ bool golden_open(struct compare *compare)
         return folder_begin(&compare->golden.folder, compare->console, "--golden", options->golden,
                             mark);
     if (!read_manifest(compare) || !identity_take_frame(compare->golden.kept, options->golden,
-                                                        options, &compare->console->log))
+                                                        &options->setup, &compare->console->log))
         return false;
     cJSON *sets = sets_of(options);
     const cJSON *kept = cJSON_GetObjectItem(compare->golden.kept, "set");
@@ -131,7 +131,7 @@ bool golden_add(struct compare *compare, uint32_t output, uint32_t frame, uint64
 {
     const struct row *row = &compare->rows.outputs.list[output];
     hash_bytes(&compare->golden.hashes[output], &hash, sizeof hash);
-    bool shown = compare->options.update && frame + 1 == compare->options.frames;
+    bool shown = compare->options.update && frame + 1 == compare->options.setup.frames;
     return !shown || !has_picture(compare, row) || add_picture(compare, row);
 }
 
@@ -214,9 +214,9 @@ static bool write_all(struct compare *compare)
     cJSON_AddNumberToObject(manifest, mark, 1);
     cJSON_AddStringToObject(manifest, "pipeline", compare->pipeline.info->name);
     cJSON_AddItemToObject(manifest, "set", sets_of(options));
-    cJSON_AddNumberToObject(manifest, "width", options->size[0]);
-    cJSON_AddNumberToObject(manifest, "height", options->size[1]);
-    cJSON_AddNumberToObject(manifest, "frame", options->frames - 1);
+    cJSON_AddNumberToObject(manifest, "width", options->setup.size[0]);
+    cJSON_AddNumberToObject(manifest, "height", options->setup.size[1]);
+    cJSON_AddNumberToObject(manifest, "frame", options->setup.frames - 1);
     cJSON *results = cJSON_AddArrayToObject(manifest, "results");
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
         const struct row *row = &compare->rows.outputs.list[i];

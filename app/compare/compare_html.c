@@ -99,13 +99,14 @@ bool compare_write_html(const struct compare *compare)
     char *path = format_string("%s/index.html", compare->options.html);
     cJSON *page = cJSON_CreateObject();
     cJSON_AddStringToObject(page, "pipeline", compare->pipeline.info->name);
-    cJSON_AddStringToObject(page, "scene", compare->options.scene ? compare->options.scene : "");
-    cJSON_AddNumberToObject(page, "width", compare->options.size[0]);
-    cJSON_AddNumberToObject(page, "height", compare->options.size[1]);
-    cJSON_AddNumberToObject(page, "frames", compare->options.frames);
+    cJSON_AddStringToObject(page, "scene",
+                            compare->options.setup.scene ? compare->options.setup.scene : "");
+    cJSON_AddNumberToObject(page, "width", compare->options.setup.size[0]);
+    cJSON_AddNumberToObject(page, "height", compare->options.setup.size[1]);
+    cJSON_AddNumberToObject(page, "frames", compare->options.setup.frames);
     cJSON *sets = cJSON_AddArrayToObject(page, "sets");
-    for (uint32_t i = 0; i < compare->options.set_count; i++)
-        cJSON_AddItemToArray(sets, cJSON_CreateString(compare->options.sets[i]));
+    for (uint32_t i = 0; i < compare->options.setup.set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(compare->options.setup.sets[i]));
     cJSON *devices = cJSON_AddArrayToObject(page, "devices");
     for (uint32_t i = 0; i < compare->sides.count; i++) {
         cJSON *device = cJSON_CreateObject();

@@ -118,10 +118,10 @@ cJSON *compare_json(const struct compare *compare)
     const struct pair *told = &compare->pairs[0];
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "pipeline", compare->pipeline.info->name);
-    cJSON_AddStringToObject(root, "scene", compare->options.scene);
-    cJSON_AddNumberToObject(root, "width", compare->options.size[0]);
-    cJSON_AddNumberToObject(root, "height", compare->options.size[1]);
-    cJSON_AddNumberToObject(root, "frames", compare->options.frames);
+    cJSON_AddStringToObject(root, "scene", compare->options.setup.scene);
+    cJSON_AddNumberToObject(root, "width", compare->options.setup.size[0]);
+    cJSON_AddNumberToObject(root, "height", compare->options.setup.size[1]);
+    cJSON_AddNumberToObject(root, "frames", compare->options.setup.frames);
     cJSON *devices = cJSON_AddObjectToObject(root, "devices");
     for (uint32_t i = 0; i < compare->sides.count; i++)
         cJSON_AddStringToObject(devices, compare->sides.list[i].label, compare->devices[i]);

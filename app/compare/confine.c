@@ -159,13 +159,13 @@ static void add_replay(struct command *command, const struct options *options, i
     add(command, "replay");
     add(command, options->folder);
     add(command, "--trust");
-    add_pair(command, "--backend", options->backend);
-    add_pair(command, "--device", options->device);
-    add_pair(command, "--context", options->context);
+    add_pair(command, "--backend", options->setup.backend);
+    add_pair(command, "--device", options->setup.device);
+    add_pair(command, "--context", options->setup.context);
     add_pair(command, "--fault", options->fault);
-    if (options->glsl)
+    if (options->setup.glsl)
         add(command, "--glsl");
-    if (options->debug)
+    if (options->setup.debug)
         add(command, "--debug");
     if (json)
         add(command, json);

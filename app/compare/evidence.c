@@ -228,7 +228,7 @@ static bool write_rows(const struct writing *writing)
 static bool write_blocks(const struct writing *writing)
 {
     const struct evidence *evidence = writing->evidence;
-    const uint32_t *size = evidence->options->size;
+    const uint32_t *size = evidence->setup->size;
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
     scene_frame_at(evidence->scene, evidence->frame, size[0], size[1], &frame);
@@ -311,7 +311,7 @@ static int label_length(const struct side *side)
  * NULL when the fault is not this side's. */
 static const char *fault_of(const struct evidence *evidence, const struct side *side)
 {
-    const char *fault = evidence->options->fault;
+    const char *fault = evidence->fault;
     size_t length = strlen(side->label);
     return fault && strncmp(fault, side->label, length) == 0 && fault[length] == ':'
                ? fault + length
@@ -353,7 +353,7 @@ static bool write_readme(const struct writing *writing)
         "them.\n"
         "inputs/, expected/ and actual/ hold raw little-endian numbers, which manifest.json\n"
         "describes in the words of a dump.\n",
-        pass, info->name, evidence->frame, evidence->options->size[0], evidence->options->size[1],
+        pass, info->name, evidence->frame, evidence->setup->size[0], evidence->setup->size[1],
         evidence->sides[0]->label, evidence->sides[1]->label, row->name, region ? region : "",
         evidence->sides[0]->label, evidence->devices[0], evidence->sides[1]->label,
         evidence->devices[1], body ? body : writing->spec_name, info->name, pass, info->name, pass,
@@ -436,11 +436,11 @@ static char *copied_file(const struct writing *writing, const struct dt_resource
 /* Those of the command line, and one for each file with an absolute path. */
 static bool add_sets(const struct writing *writing)
 {
-    const struct options *options = writing->evidence->options;
+    const struct setup *setup = writing->evidence->setup;
     const struct dt_pipeline *info = writing->evidence->pipeline->info;
     cJSON *sets = cJSON_AddArrayToObject(writing->manifest, "set");
-    for (uint32_t i = 0; i < options->set_count; i++)
-        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
+    for (uint32_t i = 0; i < setup->set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(setup->sets[i]));
     for (uint32_t i = 0; i < info->resource_count; i++) {
         const struct dt_resource *resource = &info->resources[i];
         if (!resource->file || *resource->file != '/')
@@ -458,7 +458,6 @@ static bool write_manifest(const struct writing *writing)
 {
     static const char *const keys[] = {"expected", "actual"};
     const struct evidence *evidence = writing->evidence;
-    const struct options *options = evidence->options;
     cJSON *manifest = writing->manifest;
     cJSON_AddStringToObject(manifest, "spec", writing->spec_name);
     cJSON_AddStringToObject(manifest, "templates", "templates");
@@ -467,8 +466,8 @@ static bool write_manifest(const struct writing *writing)
         cJSON_AddStringToObject(entry, "side", evidence->sides[side]->label);
         cJSON_AddStringToObject(entry, "device", evidence->devices[side]);
     }
-    if (options->fault)
-        cJSON_AddStringToObject(manifest, "fault", options->fault);
+    if (evidence->fault)
+        cJSON_AddStringToObject(manifest, "fault", evidence->fault);
     add_region(writing);
     return add_sets(writing) && folder_write_json(&writing->folder, "manifest.json", manifest);
 }
@@ -487,8 +486,8 @@ static void begin_manifest(const struct writing *writing)
                             evidence->pipeline->info->resources[row->resource].name);
     cJSON_AddNumberToObject(manifest, "mip", row->mip);
     cJSON_AddNumberToObject(manifest, "frame", evidence->frame);
-    cJSON_AddNumberToObject(manifest, "width", evidence->options->size[0]);
-    cJSON_AddNumberToObject(manifest, "height", evidence->options->size[1]);
+    cJSON_AddNumberToObject(manifest, "width", evidence->setup->size[0]);
+    cJSON_AddNumberToObject(manifest, "height", evidence->setup->size[1]);
 }
 
 bool evidence_can_write(struct console *console, const char *place)

@@ -4,7 +4,7 @@
 #ifndef DIPTYCH_EVIDENCE_H
 #define DIPTYCH_EVIDENCE_H
 
-#include "base/options.h"
+#include "base/setup.h"
 #include "build/pipeline.h"
 #include "result/region.h"
 #include "result/rows.h"
@@ -20,7 +20,8 @@ struct cJSON;
 /* All pointers are borrowed. */
 struct evidence {
     struct console *console;
-    const struct options *options;
+    const struct setup *setup;
+    const char *fault; /* text of --fault; NULL: none */
     const struct pipeline *pipeline;
     const struct scene *scene;
     const struct rows *rows;
@@ -45,8 +46,8 @@ struct evidence_case {
     const char *folder;
     char *root; /* its real path */
     struct cJSON *manifest;
-    struct options options; /* options that the pipeline was loaded with, from the folder */
-    char *spec, *templates; /* of these options */
+    struct setup setup;     /* what the pipeline was loaded with, from the folder */
+    char *spec, *templates; /* of the setup */
     struct pipeline pipeline;
     struct rows rows;
     struct scene scene; /* data only; a minimal scene when the pass uses none */
@@ -56,10 +57,10 @@ struct evidence_case {
     struct dt_bytes *outputs[2]; /* one per output row: expected, and the other side's */
 };
 
-/* Reads options->folder and loads its pipeline. Copies the rest of `options` into the case. On
- * false the error is logged; evidence_free either way. */
-bool evidence_read(struct evidence_case *evidence, struct console *console,
-                   const struct options *options);
+/* Reads the folder and loads its pipeline. Copies the rest of the setup into the case. On false the
+ * error is logged; evidence_free either way. */
+bool evidence_read(struct evidence_case *evidence, struct console *console, const char *folder,
+                   const struct setup *setup);
 void evidence_free(struct evidence_case *evidence); /* takes a zeroed one */
 
 #endif

@@ -94,28 +94,28 @@ static char *path_within(const struct evidence_case *evidence, const char *name)
     return real;
 }
 
-static bool read_options(struct evidence_case *evidence)
+static bool read_setup(struct evidence_case *evidence)
 {
     const cJSON *sets = cJSON_GetObjectItem(evidence->manifest, "set");
-    struct options *options = &evidence->options;
+    struct setup *setup = &evidence->setup;
     const char *spec = read_string(evidence, evidence->manifest, "spec");
     const char *templates = spec ? read_string(evidence, evidence->manifest, "templates") : NULL;
-    if (!templates || !read_number(evidence, evidence->manifest, "width", &options->size[0]) ||
-        !read_number(evidence, evidence->manifest, "height", &options->size[1]))
+    if (!templates || !read_number(evidence, evidence->manifest, "width", &setup->size[0]) ||
+        !read_number(evidence, evidence->manifest, "height", &setup->size[1]))
         return false;
     int count = cJSON_GetArraySize(sets);
-    options->sets = calloc((size_t)count + 1, sizeof *options->sets);
-    for (int i = 0; i < count && options->sets; i++) {
+    setup->sets = calloc((size_t)count + 1, sizeof *setup->sets);
+    for (int i = 0; i < count && setup->sets; i++) {
         const char *set = cJSON_GetStringValue(cJSON_GetArrayItem(sets, i));
         if (!set || !strchr(set, '='))
             return manifest_error(evidence, "set");
-        options->sets[options->set_count++] = set;
+        setup->sets[setup->set_count++] = set;
     }
     evidence->spec = path_within(evidence, spec);
     evidence->templates = path_within(evidence, templates);
-    options->spec = evidence->spec;
-    options->templates = evidence->templates;
-    return options->sets && options->spec && options->templates;
+    setup->spec = evidence->spec;
+    setup->templates = evidence->templates;
+    return setup->sets && setup->spec && setup->templates;
 }
 
 static bool find_pass(struct evidence_case *evidence)
@@ -178,7 +178,7 @@ static bool read_row(const struct evidence_case *evidence, const cJSON *entry, c
     const char *name = read_string(evidence, entry, key);
     if (!name)
         return false;
-    resource_extent(evidence->pipeline.info, row->resource, evidence->options.size, row->mip,
+    resource_extent(evidence->pipeline.info, row->resource, evidence->setup.size, row->mip,
                     bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
     bytes->data = read_exactly(evidence, name, bytes->size);
@@ -286,24 +286,23 @@ static bool read_scene(struct evidence_case *evidence)
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-bool evidence_read(struct evidence_case *evidence, struct console *console,
-                   const struct options *options)
+bool evidence_read(struct evidence_case *evidence, struct console *console, const char *folder,
+                   const struct setup *setup)
 {
-    *evidence =
-        (struct evidence_case){.console = console, .folder = options->folder, .options = *options};
-    evidence->options.sets = NULL;
-    evidence->options.set_count = 0;
-    evidence->root = realpath(options->folder, NULL);
-    evidence->options.root = evidence->root;
+    *evidence = (struct evidence_case){.console = console, .folder = folder, .setup = *setup};
+    evidence->setup.sets = NULL;
+    evidence->setup.set_count = 0;
+    evidence->root = realpath(folder, NULL);
+    evidence->setup.root = evidence->root;
     if (!evidence->root) {
-        report_error(log_of(evidence), "%s/manifest.json: cannot be read: %s", options->folder,
+        report_error(log_of(evidence), "%s/manifest.json: cannot be read: %s", folder,
                      strerror(errno));
         return false;
     }
-    if (!read_manifest(evidence) || !read_options(evidence))
+    if (!read_manifest(evidence) || !read_setup(evidence))
         return false;
     struct pipeline *pipeline = &evidence->pipeline;
-    return pipeline_load(pipeline, console, &evidence->options) && find_pass(evidence) &&
+    return pipeline_load(pipeline, console, &evidence->setup) && find_pass(evidence) &&
            rows_make(&evidence->rows, pipeline->info, log_of(evidence)) &&
            read_block(evidence, "live_block", pipeline->live, pipeline->info->live_size) &&
            read_block(evidence, "frame_block", &evidence->frame, sizeof evidence->frame) &&
@@ -325,7 +324,7 @@ void evidence_free(struct evidence_case *evidence)
     scene_free(&evidence->scene);
     rows_free(&evidence->rows);
     pipeline_unload(&evidence->pipeline);
-    free(evidence->options.sets);
+    free(evidence->setup.sets);
     free(evidence->templates);
     free(evidence->spec);
     free(evidence->root);

@@ -7,6 +7,7 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
+#include "base/options.h"
 #include "compare/evidence.h"
 #include "result/difference.h"
 #include "run/worker.h"
@@ -124,14 +125,14 @@ static bool run(struct lone_pass *alone)
     struct console *console = alone->console;
     const struct options *options = alone->options;
     struct evidence_case *evidence = &alone->evidence;
-    if (!side_read(&alone->side, options->backend, options, &console->log) ||
-        !sides_heed(&alone->side, 1, options, &console->log) ||
-        !evidence_read(evidence, console, options) || !find_fault(alone))
+    if (!side_read(&alone->side, options->setup.backend, &options->setup, &console->log) ||
+        !sides_heed(&alone->side, 1, &options->setup, &console->log) ||
+        !evidence_read(evidence, console, options->folder, &options->setup) || !find_fault(alone))
         return false;
     uint32_t frame = evidence->frame.index;
     const struct worker_info info = {.session = {.side = &alone->side,
                                                  .console = console,
-                                                 .options = &evidence->options,
+                                                 .setup = &evidence->setup,
                                                  .pipeline = &evidence->pipeline,
                                                  .scene = &evidence->scene,
                                                  .poison = POISON,

@@ -27,10 +27,10 @@ static bool lane_allocate(struct lane *lane, uint32_t frames, bool timing)
 bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
                 struct programme *programme, bool timing)
 {
-    const uint32_t frames = programme->options.frames;
+    const uint32_t frames = programme->options.setup.frames;
     const struct worker_info info = {.session = {.side = side,
                                                  .console = bench->console,
-                                                 .options = &programme->options,
+                                                 .setup = &programme->options.setup,
                                                  .pipeline = &programme->pipeline,
                                                  .scene = &bench->scene,
                                                  .timing = timing},
@@ -89,7 +89,7 @@ struct work bench_work(const struct bench *bench, const struct programme *progra
     const struct work_frame frame = {
         .pipeline = programme->pipeline.info,
         .live = programme->pipeline.live,
-        .size = {programme->options.size[0], programme->options.size[1]},
+        .size = {programme->options.setup.size[0], programme->options.setup.size[1]},
         .vertex_count = bench->scene.data.vertex_count,
         .index_count = bench->scene.data.index_count};
     return work_of(&frame, pass);
@@ -204,17 +204,19 @@ static bool load_programmes(struct bench *bench)
 {
     struct programme *subject = &bench->subject, *machine = &bench->machine;
     subject->options = *bench->options;
-    subject->options.frames = bench->warmup + bench->frames;
+    subject->options.setup.frames = bench->warmup + bench->frames;
     machine->options = subject->options;
     char *templates = templates_folder(&bench->console->log);
     char *spec = templates ? format_string("%s/machine.yaml", templates) : NULL;
-    machine->options.spec = spec;
-    machine->options.sets = NULL;
-    machine->options.set_count = 0;
-    bool good = spec && pipeline_load(&subject->pipeline, bench->console, &subject->options) &&
-                inputs_load(&subject->pipeline, bench->console, &subject->options);
-    memcpy(machine->options.size, subject->options.size, sizeof machine->options.size);
-    good = good && pipeline_load(&machine->pipeline, bench->console, &machine->options);
+    machine->options.setup.spec = spec;
+    machine->options.setup.sets = NULL;
+    machine->options.setup.set_count = 0;
+    bool good = spec &&
+                pipeline_load(&subject->pipeline, bench->console, &subject->options.setup) &&
+                inputs_load(&subject->pipeline, bench->console, &subject->options.setup);
+    memcpy(machine->options.setup.size, subject->options.setup.size,
+           sizeof machine->options.setup.size);
+    good = good && pipeline_load(&machine->pipeline, bench->console, &machine->options.setup);
     bench->options = &subject->options; /* with the size of an input */
     free(spec);
     free(templates);
@@ -234,7 +236,7 @@ static bool prepare(struct bench *bench)
     memset(bench->original, 1, 2 * (size_t)COPY_BYTES); /* touches all pages before timing */
     return load_programmes(bench) &&
            session_load_scene(&bench->scene, bench->console, bench->subject.pipeline.info,
-                              bench->options);
+                              &bench->options->setup);
 }
 
 /* The plain C is checked against the first side's results. */
@@ -242,7 +244,7 @@ static bool prepare_limits(struct bench *bench)
 {
     const struct session_info session = {.side = &bench->sides.list[0],
                                          .console = bench->console,
-                                         .options = &bench->subject.options,
+                                         .setup = &bench->subject.options.setup,
                                          .pipeline = &bench->subject.pipeline,
                                          .scene = &bench->scene};
     return limits_open(&bench->limits, bench->console, &bench->subject.pipeline, bench->frames) &&
@@ -272,7 +274,7 @@ int verb_bench(struct console *console, const struct options *options)
                           .options = options,
                           .frames = options->run_frames ? options->run_frames : DEFAULT_FRAMES,
                           .warmup = options->warmup ? options->warmup : DEFAULT_WARMUP};
-    if (!sides_read_each(&bench.sides, options, &console->log)) {
+    if (!sides_read_each(&bench.sides, &options->setup, &console->log)) {
         sides_free(&bench.sides);
         return EXIT_USAGE;
     }

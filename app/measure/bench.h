@@ -3,13 +3,14 @@
 #ifndef DIPTYCH_BENCH_H
 #define DIPTYCH_BENCH_H
 
+#include "base/options.h"
 #include "base/spread.h"
 #include "measure/bench_work.h"
 #include "measure/limit.h"
 #include "run/session.h"
 #include "run/worker.h"
 
-/* A pipeline with its options; options.frames counts warm-up and measured frames. */
+/* A pipeline with its options; options.setup.frames counts warm-up and measured frames. */
 struct programme {
     struct pipeline pipeline;
     struct options options;
@@ -52,7 +53,7 @@ struct bench {
 
 enum { COPY_BYTES = 32 << 20 };
 
-/* A worker of a lane: started, run to the end of its next frame, whose times count if `taken`, and ended. programme->options.frames
+/* A worker of a lane: started, run to the end of its next frame, whose times count if `taken`, and ended. programme->options.setup.frames
  * counts all its frames. Log their errors; lane_free in any case, also of a zeroed one. */
 bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
                 struct programme *programme, bool timing);

@@ -104,12 +104,12 @@ cJSON *bench_json(const struct bench *bench)
     const struct options *options = bench->options;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "pipeline", bench->subject.pipeline.info->name);
-    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON_AddStringToObject(root, "scene", options->setup.scene);
     cJSON *sets = cJSON_AddArrayToObject(root, "sets");
-    for (uint32_t i = 0; i < options->set_count; i++)
-        cJSON_AddItemToArray(sets, cJSON_CreateString(options->sets[i]));
-    cJSON_AddNumberToObject(root, "width", options->size[0]);
-    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    for (uint32_t i = 0; i < options->setup.set_count; i++)
+        cJSON_AddItemToArray(sets, cJSON_CreateString(options->setup.sets[i]));
+    cJSON_AddNumberToObject(root, "width", options->setup.size[0]);
+    cJSON_AddNumberToObject(root, "height", options->setup.size[1]);
     cJSON_AddNumberToObject(root, "frames", bench->frames);
     cJSON_AddNumberToObject(root, "warmup", bench->warmup);
     add_number(root, "memcpy_gb_s", bench_copy_bytes_per_ms(bench) * 1e-6);

@@ -153,9 +153,9 @@ static void print_costs(const struct bench_side *side)
 
 void bench_print(const struct bench *bench)
 {
-    const uint32_t *size = bench->options->size;
+    const uint32_t *size = bench->options->setup.size;
     printf("%s, %s at %ux%u, %u frames after %u, in turn\n", bench->subject.pipeline.info->name,
-           bench->options->scene, size[0], size[1], bench->frames, bench->warmup);
+           bench->options->setup.scene, size[0], size[1], bench->frames, bench->warmup);
     for (uint32_t i = 0; i < bench->sides.count; i++)
         printf("%s: %s\n", bench->sides.list[i].label, bench->list[i].whole.worker.device);
     printf("\n");

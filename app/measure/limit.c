@@ -384,7 +384,7 @@ bool limits_check(struct limits *limits, const struct session_info *session)
     worker_close(&worker);
     for (uint32_t i = 0; i < limits->count && good; i++) {
         struct limit_pass *limit = &limits->list[i];
-        const uint32_t *size = session->options->size;
+        const uint32_t *size = session->setup->size;
         limit->scene = &session->scene->data;
         memset(&limit->frame, 0, sizeof limit->frame);
         scene_frame(session->scene, size[0], size[1], &limit->frame);

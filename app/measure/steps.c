@@ -27,7 +27,8 @@ bool step_is_name(const char *text)
 
 static bool find_scenes_folder(struct steps *steps)
 {
-    const char *given = steps->options->scenes ? steps->options->scenes : getenv("DIPTYCH_SCENES");
+    const char *given =
+        steps->options->setup.scenes ? steps->options->setup.scenes : getenv("DIPTYCH_SCENES");
     if (!given || !*given)
         return true;
     steps->scenes_folder = realpath(given, NULL);
@@ -42,8 +43,9 @@ bool steps_begin(struct steps *steps, const char *verb, struct console *console,
     const struct dt_log *log = &console->log;
     *steps = (struct steps){.verb = verb, .console = console, .options = options};
     steps->results = cJSON_CreateObject();
-    steps->spec = pipeline_spec_path(options->spec, log);
-    if (!steps->spec || !sides_read_each(&steps->sides, options, log) || !find_scenes_folder(steps))
+    steps->spec = pipeline_spec_path(options->setup.spec, log);
+    if (!steps->spec || !sides_read_each(&steps->sides, &options->setup, log) ||
+        !find_scenes_folder(steps))
         return false;
     char *tools = tools_folder(log);
     steps->program = tools ? format_string("%s/diptych", tools) : NULL;
@@ -133,14 +135,14 @@ bool steps_check_spec(struct steps *steps)
     char *tools = tools_folder(&console->log), *found = templates_folder(&console->log);
     char *program = format_string("%s/diptych-gen", tools ? tools : "");
     char *templates = format_string("--templates=%s", found ? found : "");
-    char **argv = calloc((size_t)options->set_count * 2 + 5, sizeof *argv);
+    char **argv = calloc((size_t)options->setup.set_count * 2 + 5, sizeof *argv);
     char *text = NULL;
     if (tools && found && program && templates && argv) {
         char *first[] = {program, templates, (char *)"--variations=0", steps->spec};
         memcpy(argv, first, sizeof first);
-        for (uint32_t i = 0; i < options->set_count; i++) {
+        for (uint32_t i = 0; i < options->setup.set_count; i++) {
             argv[4 + 2 * i] = (char *)"--set";
-            argv[5 + 2 * i] = (char *)options->sets[i];
+            argv[5 + 2 * i] = (char *)options->setup.sets[i];
         }
         text = tool_read(&generator, argv, console);
     }
@@ -279,10 +281,10 @@ void command_spec(struct command *command, const cJSON *sets)
     const cJSON *set;
     quote_option(command->out, "--spec", steps->spec);
     cJSON_ArrayForEach(set, sets) quote_option(command->out, "--set", set->valuestring);
-    for (uint32_t i = 0; i < steps->options->set_count; i++)
-        quote_option(command->out, "--set", steps->options->sets[i]);
-    for (uint32_t i = 0; i < steps->options->inputs.count; i++) {
-        const char *input = steps->options->inputs.items[i];
+    for (uint32_t i = 0; i < steps->options->setup.set_count; i++)
+        quote_option(command->out, "--set", steps->options->setup.sets[i]);
+    for (uint32_t i = 0; i < steps->options->setup.inputs.count; i++) {
+        const char *input = steps->options->setup.inputs.items[i];
         char *path = step_input(input);
         char *text = format_string("%.*s=%s", (int)strcspn(input, "="), input, path ? path : "");
         quote_option(command->out, "--input", text ? text : input);
@@ -293,8 +295,8 @@ void command_spec(struct command *command, const cJSON *sets)
 
 void command_backends(struct command *command)
 {
-    if (command->steps->options->backend)
-        quote_option(command->out, "--backend", command->steps->options->backend);
+    if (command->steps->options->setup.backend)
+        quote_option(command->out, "--backend", command->steps->options->setup.backend);
 }
 
 void command_quality(struct command *command)

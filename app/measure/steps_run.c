@@ -32,8 +32,8 @@ static void write_rules(FILE *out, const struct steps *steps)
         fputc(' ', out);
         quote_path(out, item->valuestring);
     }
-    for (uint32_t i = 0; i < steps->options->inputs.count; i++) {
-        char *path = step_input(steps->options->inputs.items[i]);
+    for (uint32_t i = 0; i < steps->options->setup.inputs.count; i++) {
+        char *path = step_input(steps->options->setup.inputs.items[i]);
         fputc(' ', out);
         quote_path(out, path ? path : "");
         free(path);

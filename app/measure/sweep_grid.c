@@ -81,7 +81,8 @@ static bool check_options(const struct measured_sweep *sweep, const struct optio
         : options->slurm                   ? "--slurm goes with --measure agree alone"
         : options->jobs > 1
             ? "--jobs goes with --measure agree alone: what is measured runs one at a time"
-        : options->device || options->context || options->glsl || options->debug || options->fault
+        : options->setup.device || options->setup.context || options->setup.glsl ||
+                options->setup.debug || options->fault
             ? "--device, --context, --glsl, --debug and --fault go with --measure agree alone; "
               "--backend takes gl+glsl, osmesa, zink and vk@DEVICE"
         : !options->scene_list.count && (sweep->measures & MEASURE_ERROR)

@@ -57,15 +57,15 @@ bool sweep_default_size(struct console *console, const struct options *options,
 {
     struct options own = *options;
     struct pipeline pipeline;
-    memset(own.size, 0, sizeof own.size);
-    own.default_size = true;
+    memset(own.setup.size, 0, sizeof own.setup.size);
+    own.setup.default_size = true;
     snprintf(text, 32, "%s", otherwise);
-    if (!options->inputs.count)
+    if (!options->setup.inputs.count)
         return true;
-    bool good =
-        pipeline_load(&pipeline, console, &own) && inputs_find_size(&pipeline, &own, &console->log);
-    if (good && own.size[0])
-        snprintf(text, 32, "%ux%u", own.size[0], own.size[1]);
+    bool good = pipeline_load(&pipeline, console, &own.setup) &&
+                inputs_find_size(&pipeline, &own.setup, &console->log);
+    if (good && own.setup.size[0])
+        snprintf(text, 32, "%ux%u", own.setup.size[0], own.setup.size[1]);
     pipeline_unload(&pipeline);
     return good;
 }
@@ -121,8 +121,8 @@ cJSON *sweep_options(struct console *console, const struct options *options)
     const struct dt_log *log = &console->log;
     if (!check_wanted(options, log))
         return NULL;
-    char *spec = pipeline_spec_path(options->spec, log);
-    char *folder = options->scenes ? realpath(options->scenes, NULL) : NULL;
+    char *spec = pipeline_spec_path(options->setup.spec, log);
+    char *folder = options->setup.scenes ? realpath(options->setup.scenes, NULL) : NULL;
     cJSON *root = cJSON_CreateObject();
     bool good = spec;
     add_text(root, "spec", spec);
@@ -135,22 +135,22 @@ cJSON *sweep_options(struct console *console, const struct options *options)
     if (!options->scene_list.count) /* runs without a scene */
         cJSON_AddItemToArray(scenes, cJSON_CreateString(""));
     cJSON *inputs = cJSON_AddArrayToObject(root, "input");
-    for (uint32_t i = 0; i < options->inputs.count; i++)
-        good = good && add_path_behind(inputs, options->inputs.items[i],
-                                       strcspn(options->inputs.items[i], "=") + 1, log);
-    if (options->scenes && !folder) {
-        report_error(log, "--scenes %s: %s", options->scenes, strerror(errno));
+    for (uint32_t i = 0; i < options->setup.inputs.count; i++)
+        good = good && add_path_behind(inputs, options->setup.inputs.items[i],
+                                       strcspn(options->setup.inputs.items[i], "=") + 1, log);
+    if (options->setup.scenes && !folder) {
+        report_error(log, "--scenes %s: %s", options->setup.scenes, strerror(errno));
         good = false;
     }
-    add_texts(root, "set", &(struct text_list){options->sets, options->set_count});
+    add_texts(root, "set", &(struct text_list){options->setup.sets, options->setup.set_count});
     good = good && add_runs_wanted(root, console, options);
     add_text(root, "scenes", folder);
-    add_text(root, "backend", options->backend);
-    add_text(root, "device", options->device);
-    add_text(root, "context", options->context);
+    add_text(root, "backend", options->setup.backend);
+    add_text(root, "device", options->setup.device);
+    add_text(root, "context", options->setup.context);
     add_text(root, "fault", options->fault);
-    cJSON_AddBoolToObject(root, "glsl", options->glsl);
-    cJSON_AddBoolToObject(root, "debug", options->debug);
+    cJSON_AddBoolToObject(root, "glsl", options->setup.glsl);
+    cJSON_AddBoolToObject(root, "debug", options->setup.debug);
     free(folder);
     free(spec);
     if (good)

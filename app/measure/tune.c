@@ -50,7 +50,7 @@ static struct console *console_of(const struct tuning *tuning)
 static void programme_free(struct programme *programme)
 {
     pipeline_unload(&programme->pipeline);
-    free(programme->options.sets);
+    free(programme->options.setup.sets);
     *programme = (struct programme){0};
 }
 
@@ -59,21 +59,23 @@ static bool load(const struct tuning *tuning, struct programme *programme,
                  struct choice *const *more, uint32_t count)
 {
     const struct options *given = tuning->bench.options;
-    const char **sets = calloc(given->set_count + tuning->kept_count + count + 1, sizeof *sets);
+    const char **sets =
+        calloc(given->setup.set_count + tuning->kept_count + count + 1, sizeof *sets);
     uint32_t n = 0;
     *programme = (struct programme){.options = *given};
-    programme->options.sets = sets;
-    for (uint32_t i = 0; sets && i < given->set_count; i++)
-        sets[n++] = given->sets[i];
+    programme->options.setup.sets = sets;
+    for (uint32_t i = 0; sets && i < given->setup.set_count; i++)
+        sets[n++] = given->setup.sets[i];
     for (uint32_t i = 0; sets && i < tuning->kept_count; i++)
         sets[n++] = tuning->kept[i]->set;
     for (uint32_t i = 0; sets && i < count; i++)
         sets[n++] = more[i]->set;
-    programme->options.set_count = n;
+    programme->options.setup.set_count = n;
     if (!sets)
         report_error(&console_of(tuning)->log, "out of memory");
-    return sets && pipeline_load(&programme->pipeline, console_of(tuning), &programme->options) &&
-           inputs_load(&programme->pipeline, console_of(tuning), &programme->options);
+    return sets &&
+           pipeline_load(&programme->pipeline, console_of(tuning), &programme->options.setup) &&
+           inputs_load(&programme->pipeline, console_of(tuning), &programme->options.setup);
 }
 
 /* ---- Choices --------------------------------------------------------------------------------- */
@@ -82,8 +84,9 @@ static bool load(const struct tuning *tuning, struct programme *programme,
 static bool is_set(const struct options *options, const char *path)
 {
     size_t length = strlen(path);
-    for (uint32_t i = 0; i < options->set_count; i++)
-        if (strncmp(options->sets[i], path, length) == 0 && options->sets[i][length] == '=')
+    for (uint32_t i = 0; i < options->setup.set_count; i++)
+        if (strncmp(options->setup.sets[i], path, length) == 0 &&
+            options->setup.sets[i][length] == '=')
             return true;
     return false;
 }
@@ -345,7 +348,7 @@ static bool prove(struct tuning *tuning)
     for (int i = 0; i < 2 && good; i++) {
         const struct worker_info info = {.session = {.side = &tuning->side,
                                                      .console = console,
-                                                     .options = &of[i]->options,
+                                                     .setup = &of[i]->options.setup,
                                                      .pipeline = &of[i]->pipeline,
                                                      .scene = &tuning->bench.scene},
                                          .frames = PROVEN_FRAMES};
@@ -407,7 +410,7 @@ static bool write_overlay(const struct tuning *tuning, const struct whole *whole
     if (file_draft_begin(&draft, &console_of(tuning)->log)) {
         fprintf(draft.out, "# For --with. By diptych tune: %s on %s, %ux%u pixels: ",
                 tuning->first.pipeline.info->name, whole->device ? whole->device : "",
-                options->size[0], options->size[1]);
+                options->setup.size[0], options->setup.size[1]);
         if (tuning->kept_count)
             fprintf(draft.out, "a frame takes %.3f of its time.\n", whole->ratio);
         else
@@ -457,9 +460,11 @@ static bool prepare(struct tuning *tuning, struct options *options)
     struct console *console = console_of(tuning);
     if (!file_can_write(options->output, &console->log) || !load(tuning, &tuning->first, NULL, 0))
         return false;
-    memcpy(options->size, tuning->first.options.size, sizeof options->size); /* of an input */
+    memcpy(options->setup.size, tuning->first.options.setup.size,
+           sizeof options->setup.size); /* of an input */
     if (!load(tuning, &tuning->now, NULL, 0) ||
-        !session_load_scene(&tuning->bench.scene, console, tuning->first.pipeline.info, options))
+        !session_load_scene(&tuning->bench.scene, console, tuning->first.pipeline.info,
+                            &options->setup))
         return false;
     if (plan_choices(tuning->first.pipeline.plan, take_choice, tuning))
         return true;
@@ -489,8 +494,8 @@ int verb_tune(struct console *console, const struct options *options)
                   .options = &own,
                   .frames = options->run_frames ? options->run_frames : DEFAULT_FRAMES}};
     struct whole whole = {0};
-    own.frames = WARMUP + tuning.bench.frames;
-    if (!side_read(&tuning.side, options->backend, options, &console->log)) {
+    own.setup.frames = WARMUP + tuning.bench.frames;
+    if (!side_read(&tuning.side, options->setup.backend, &options->setup, &console->log)) {
         side_free(&tuning.side);
         return EXIT_USAGE;
     }

@@ -17,7 +17,7 @@
 
 struct dt_player {
     struct console console;
-    struct options options; /* strings are valid in open only */
+    struct setup setup; /* strings are valid in open only */
     struct side side;
     struct pipeline pipeline;
     struct scene scene;
@@ -56,10 +56,10 @@ static bool is_idle(const struct dt_player *player, const char *verb)
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-static struct options options_of(const struct dt_play_options *wanted)
+static struct setup setup_of(const struct dt_play_options *wanted)
 {
     bool sized = wanted->width || wanted->height;
-    return (struct options){
+    return (struct setup){
         .spec = wanted->spec,
         .backend = wanted->backend ? wanted->backend : "vk",
         .scene = wanted->scene,
@@ -86,16 +86,16 @@ static bool check_size(const struct dt_player *player, const uint32_t size[2])
 static bool start(struct dt_player *player)
 {
     struct console *console = &player->console;
-    struct options *options = &player->options;
-    if (!check_size(player, options->size) ||
-        !side_read(&player->side, options->backend, options, &console->log) ||
-        !pipeline_load(&player->pipeline, console, options) ||
-        !inputs_load(&player->pipeline, console, options) ||
-        !session_load_scene(&player->scene, console, player->pipeline.info, options))
+    struct setup *setup = &player->setup;
+    if (!check_size(player, setup->size) ||
+        !side_read(&player->side, setup->backend, setup, &console->log) ||
+        !pipeline_load(&player->pipeline, console, setup) ||
+        !inputs_load(&player->pipeline, console, setup) ||
+        !session_load_scene(&player->scene, console, player->pipeline.info, setup))
         return false;
     const struct session_info info = {.side = &player->side,
                                       .console = console,
-                                      .options = options,
+                                      .setup = setup,
                                       .pipeline = &player->pipeline,
                                       .scene = &player->scene,
                                       .timing = player->timing};
@@ -108,7 +108,7 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
     if (!player)
         return NULL;
     console_attach(&player->console, &options->log);
-    player->options = options_of(options);
+    player->setup = setup_of(options);
     player->timing = options->timing;
     player->process = getpid();
     if (start(player))
@@ -136,7 +136,7 @@ const char *dt_play_describe(struct dt_player *player)
 {
     if (!is_own(player, "describe"))
         return NULL;
-    cJSON *list = list_json(&player->pipeline, player->options.size);
+    cJSON *list = list_json(&player->pipeline, player->setup.size);
     cJSON_AddStringToObject(list, "backend", player->side.label);
     cJSON_AddStringToObject(list, "device",
                             player->session.runtime->device_name(player->session.handle));
@@ -181,7 +181,7 @@ static void forget_inputs(struct dt_player *player, const uint32_t size[2])
 
 static bool recover(struct dt_player *player)
 {
-    if (player->broken && !session_resize(&player->session, player->options.size))
+    if (player->broken && !session_resize(&player->session, player->setup.size))
         return false;
     player->broken = false;
     return true;
@@ -198,7 +198,7 @@ bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
         return false;
     }
     forget_inputs(player, size);
-    memcpy(player->options.size, size, sizeof size);
+    memcpy(player->setup.size, size, sizeof size);
     player->broken = true;
     return recover(player);
 }
@@ -268,7 +268,7 @@ bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, con
         report_error(&player->console.log, "write %s: it has no mip %u", name, mip);
         return false;
     }
-    resource_extent(info, index, player->options.size, mip, bytes.extent);
+    resource_extent(info, index, player->setup.size, mip, bytes.extent);
     if (size != resource_elements(resource, bytes.extent) * resource_stride(resource)) {
         report_error(&player->console.log, "write %s: %zu bytes, but it has %zu", name, size,
                      (size_t)resource_elements(resource, bytes.extent) * resource_stride(resource));
@@ -448,7 +448,7 @@ static bool can_compare(struct dt_player *a, const struct dt_player *b)
     if (plan_hash(a->pipeline.plan) != plan_hash(b->pipeline.plan))
         return fail(a, "compare: the players have different pipelines or values of parameters that "
                        "are not live");
-    if (memcmp(a->options.size, b->options.size, sizeof a->options.size) != 0)
+    if (memcmp(a->setup.size, b->setup.size, sizeof a->setup.size) != 0)
         return fail(a, "compare: the players have frames of different sizes");
     if (a->session.frame != b->session.frame)
         return fail(a, "compare: the players have rendered different numbers of frames");

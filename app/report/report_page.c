@@ -155,10 +155,10 @@ static void add_head(cJSON *page, struct report *report)
     cJSON_AddStringToObject(page, "source", step_text(report->outline, "source"));
     cJSON_AddStringToObject(page, "spec", report->steps.spec);
     cJSON *overrides = cJSON_AddArrayToObject(page, "overrides");
-    for (uint32_t i = 0; i < options->set_count; i++)
-        cJSON_AddItemToArray(overrides, cJSON_CreateString(options->sets[i]));
-    cJSON_AddNumberToObject(page, "width", options->size[0]);
-    cJSON_AddNumberToObject(page, "height", options->size[1]);
+    for (uint32_t i = 0; i < options->setup.set_count; i++)
+        cJSON_AddItemToArray(overrides, cJSON_CreateString(options->setup.sets[i]));
+    cJSON_AddNumberToObject(page, "width", options->setup.size[0]);
+    cJSON_AddNumberToObject(page, "height", options->setup.size[1]);
     cJSON_AddStringToObject(page, "parameter", report_parameter(report));
     add_version(page, report->steps.console);
     add_devices(page, report);

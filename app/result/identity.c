@@ -151,13 +151,13 @@ static bool sets_param(const char *set, const struct dt_pipeline *info)
 /* Every --set of something else than a parameter, sorted. */
 static bool add_sets(cJSON *manifest, const struct identity *identity, const struct dt_log *log)
 {
-    const struct options *options = identity->options;
+    const struct setup *setup = identity->setup;
     cJSON *list = cJSON_AddArrayToObject(manifest, "set");
-    const char **sets = calloc(options->set_count + 1, sizeof *sets);
+    const char **sets = calloc(setup->set_count + 1, sizeof *sets);
     size_t count = 0;
-    for (uint32_t i = 0; sets && i < options->set_count; i++)
-        if (!sets_param(options->sets[i], identity->pipeline))
-            sets[count++] = options->sets[i];
+    for (uint32_t i = 0; sets && i < setup->set_count; i++)
+        if (!sets_param(setup->sets[i], identity->pipeline))
+            sets[count++] = setup->sets[i];
     if (sets)
         qsort(sets, count, sizeof *sets, compare_strings);
     else
@@ -200,7 +200,7 @@ bool identity_add(cJSON *manifest, const struct identity *identity, const struct
     cJSON_AddStringToObject(manifest, "device", identity->device);
     cJSON_AddItemToObject(manifest, "live", live_values(identity));
     cJSON_AddStringToObject(manifest, "scene",
-                            identity->options->scene ? identity->options->scene : "");
+                            identity->setup->scene ? identity->setup->scene : "");
     cJSON_AddStringToObject(manifest, "scene_file", scene_file);
     cJSON_AddStringToObject(manifest, "scene_data", scene_data);
     cJSON_AddNumberToObject(manifest, "width", identity->size[0]);
@@ -242,55 +242,55 @@ static bool find_number(const cJSON *manifest, const char *folder, const char *k
     return true;
 }
 
-bool identity_take_frame(const cJSON *manifest, const char *folder, struct options *options,
+bool identity_take_frame(const cJSON *manifest, const char *folder, struct setup *setup,
                          const struct dt_log *log)
 {
     uint32_t width, height, frame;
     if (!find_number(manifest, folder, "width", OPTIONS_MAX_SIZE, &width, log) ||
         !find_number(manifest, folder, "height", OPTIONS_MAX_SIZE, &height, log) ||
-        !find_number(manifest, folder, "frame", OPTIONS_MAX_FRAMES - 1, &frame, log))
+        !find_number(manifest, folder, "frame", OPTIONS_MAX_COUNT - 1, &frame, log))
         return false;
-    if (options->size[0] && (options->size[0] != width || options->size[1] != height)) {
-        report_error(log, "--size %ux%u: %s holds a frame of %ux%u", options->size[0],
-                     options->size[1], folder, width, height);
+    if (setup->size[0] && (setup->size[0] != width || setup->size[1] != height)) {
+        report_error(log, "--size %ux%u: %s holds a frame of %ux%u", setup->size[0], setup->size[1],
+                     folder, width, height);
         return false;
     }
-    if (options->frames && options->frames != frame + 1) {
-        report_error(log, "--frames %u: %s holds the last of %u frames", options->frames, folder,
+    if (setup->frames && setup->frames != frame + 1) {
+        report_error(log, "--frames %u: %s holds the last of %u frames", setup->frames, folder,
                      frame + 1);
         return false;
     }
-    if (!options->frames && frame >= MOST_UNASKED_FRAMES) {
+    if (!setup->frames && frame >= MOST_UNASKED_FRAMES) {
         report_error(log, "%s: holds the last of %u frames; ask for as many: --frames %u", folder,
                      frame + 1, frame + 1);
         return false;
     }
-    options->size[0] = width;
-    options->size[1] = height;
-    options->frames = frame + 1;
+    setup->size[0] = width;
+    setup->size[1] = height;
+    setup->frames = frame + 1;
     return true;
 }
 
 /* The value that --set gives the parameter, or NULL. */
-static const char *find_set(const struct options *options, const char *name)
+static const char *find_set(const struct setup *setup, const char *name)
 {
     size_t length = strlen(name);
     const char *value = NULL;
-    for (uint32_t i = 0; i < options->set_count; i++) {
-        const char *set = options->sets[i];
+    for (uint32_t i = 0; i < setup->set_count; i++) {
+        const char *set = setup->sets[i];
         if (strncmp(set, name, length) == 0 && set[length] == '=')
             value = set + length + 1;
     }
     return value;
 }
 
-static bool take_live(const cJSON *values, const char *folder, const struct options *options,
+static bool take_live(const cJSON *values, const char *folder, const struct setup *setup,
                       const struct dt_pipeline *pipeline, void *live, const struct dt_param *param,
                       const struct dt_log *log)
 {
     char *wanted = cJSON_PrintUnformatted(cJSON_GetObjectItem(values, param->name));
     cJSON *own = live_value(param, live);
-    const char *set = find_set(options, param->name);
+    const char *set = find_set(setup, param->name);
     bool good = false;
     if (!wanted)
         report_error(log, "%s/manifest.json: says no value of the live parameter %s", folder,
@@ -304,13 +304,13 @@ static bool take_live(const cJSON *values, const char *folder, const struct opti
     return good;
 }
 
-bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
+bool identity_take_live(const cJSON *manifest, const char *folder, const struct setup *setup,
                         const struct dt_pipeline *pipeline, void *live, const struct dt_log *log)
 {
     const cJSON *values = cJSON_GetObjectItem(manifest, "live");
     for (uint32_t i = 0; i < pipeline->param_count; i++) {
         const struct dt_param *param = &pipeline->params[i];
-        if (param->live && !take_live(values, folder, options, pipeline, live, param, log))
+        if (param->live && !take_live(values, folder, setup, pipeline, live, param, log))
             return false;
     }
     return true;
@@ -479,7 +479,7 @@ bool identity_check(const cJSON *manifest, const char *folder, const struct iden
     hash_scene_data(data, identity);
     if (strcmp(file, wanted_file) != 0) {
         report_error(log, "--against %s: was made of %s, and %s has other content%s", folder, name,
-                     identity->options->scene ? identity->options->scene : "no scene",
+                     identity->setup->scene ? identity->setup->scene : "no scene",
                      identity->scene->motion ? ", or its motion has" : "");
         return false;
     }

@@ -7,7 +7,8 @@
 
 #include <cjson/cJSON.h>
 
-#include "base/options.h"
+#include "base/setup.h"
+#include "base/console.h"
 #include "scenes/scene.h"
 
 struct input_hash {
@@ -25,8 +26,8 @@ struct identity {
     const struct input_hash *inputs; /* one for each --input */
     uint32_t input_count;
     const struct scene *scene;
-    const struct options *options; /* the scene as --scene names it, --set */
-    uint32_t size[2];              /* of the frame */
+    const struct setup *setup; /* the scene as --scene names it, --set */
+    uint32_t size[2];          /* of the frame */
     uint32_t frame;
 };
 
@@ -37,9 +38,9 @@ bool identity_add(cJSON *manifest, const struct identity *identity, const struct
 /* Takes size, frame and live parameters from a manifest: what the options give must be the same,
  * the rest takes the manifest's values, the live ones in the block `live`. `folder` is named in
  * errors. */
-bool identity_take_frame(const cJSON *manifest, const char *folder, struct options *options,
+bool identity_take_frame(const cJSON *manifest, const char *folder, struct setup *setup,
                          const struct dt_log *log);
-bool identity_take_live(const cJSON *manifest, const char *folder, const struct options *options,
+bool identity_take_live(const cJSON *manifest, const char *folder, const struct setup *setup,
                         const struct dt_pipeline *pipeline, void *live, const struct dt_log *log);
 
 /* Whether the pipeline and the scene are the manifest's; the error says what differs. Another mesh

@@ -48,7 +48,7 @@ static bool check_output(struct render *render)
     const char *path = render->options.output;
     if (!path) {
         if (!render->options.show &&
-            (render->options.dump || render->options.timings || render->options.capture))
+            (render->options.dump || render->options.timings || render->options.setup.capture))
             return true;
         report_error(&render->console->log, "-o FILE is missing: the file of the picture");
         return false;
@@ -83,10 +83,10 @@ static bool check_drop(const struct render *render)
 {
     const struct options *options = &render->options;
     if (strcmp(render->side.backend, "vk") == 0 ||
-        !(options->drop_barrier || options->drop_dependency))
+        !(options->setup.drop_barrier || options->setup.drop_dependency))
         return true;
     report_error(&render->console->log, "%s: only Vulkan has barriers to drop; use --backend vk",
-                 options->drop_barrier ? "--drop-barrier" : "--drop-dependency");
+                 options->setup.drop_barrier ? "--drop-barrier" : "--drop-dependency");
     return false;
 }
 
@@ -94,8 +94,8 @@ static bool read_side(struct render *render)
 {
     const struct options *options = &render->options;
     const struct dt_log *log = &render->console->log;
-    return side_read(&render->side, options->backend, options, log) &&
-           sides_heed(&render->side, 1, options, log);
+    return side_read(&render->side, options->setup.backend, &options->setup, log) &&
+           sides_heed(&render->side, 1, &options->setup, log);
 }
 
 static bool find_shown(struct render *render)
@@ -224,18 +224,18 @@ static bool run_frames(struct render *render)
         .before_pass = before_pass, .after_pass = after_pass, .user = render};
     /* An observer makes every pass wait for all before it, which hides a dropped barrier: run a
      * frame without one first. */
-    if ((options->drop_barrier || options->drop_dependency) &&
+    if ((options->setup.drop_barrier || options->setup.drop_dependency) &&
         !session_frame(&render->session, NULL))
         return false;
-    for (uint32_t i = 0; i < options->frames; i++) {
-        bool only = options->capture && !options->output && !options->dump;
-        bool looks = render->numbered || (i + 1 == options->frames && !only);
+    for (uint32_t i = 0; i < options->setup.frames; i++) {
+        bool only = options->setup.capture && !options->output && !options->dump;
+        bool looks = render->numbered || (i + 1 == options->setup.frames && !only);
         double start = milliseconds_now();
-        render->last = i + 1 == options->frames;
-        bool captured = options->capture && render->last;
-        if ((captured && !capture_begin(options->capture, &render->console->log)) ||
+        render->last = i + 1 == options->setup.frames;
+        bool captured = options->setup.capture && render->last;
+        if ((captured && !capture_begin(options->setup.capture, &render->console->log)) ||
             !session_frame(&render->session, looks ? &observer : NULL) ||
-            (captured && !capture_end(options->capture, &render->console->log)) ||
+            (captured && !capture_end(options->setup.capture, &render->console->log)) ||
             (render->numbered && !write_numbered(render, i)))
             return false;
         /* the observer makes every pass wait, so the last frame is timed only when it is also the
@@ -279,9 +279,9 @@ static bool identify(struct render *render)
                                       .inputs = render->pipeline.input_hashes,
                                       .input_count = render->pipeline.input_hash_count,
                                       .scene = &render->scene,
-                                      .options = options,
-                                      .size = {options->size[0], options->size[1]},
-                                      .frame = options->frames - 1};
+                                      .setup = &options->setup,
+                                      .size = {options->setup.size[0], options->setup.size[1]},
+                                      .frame = options->setup.frames - 1};
     return identity_add(render->dump.manifest, &identity, &render->console->log);
 }
 
@@ -290,7 +290,7 @@ static bool open_session(struct render *render, const struct session_info *info)
 {
     if (session_open(&render->session, info))
         return true;
-    if (info->options->capture && strcmp(render->side.backend, "vk") == 0)
+    if (info->setup->capture && strcmp(render->side.backend, "vk") == 0)
         report_message(&render->console->log, DT_INFO,
                        "--capture: RenderDoc hides Vulkan 1.3 of drivers without "
                        "bufferDeviceAddressCaptureReplay, such as Mesa 22's lavapipe");
@@ -312,17 +312,18 @@ static bool prepare(struct render *render)
     const struct dt_log *log = &render->console->log;
     if (!can_write_picture(render) ||
         (options->timings && !file_can_write(options->timings, log)) ||
-        (options->capture && !file_can_write(options->capture, log)))
+        (options->setup.capture && !file_can_write(options->setup.capture, log)))
         return false;
-    if (!pipeline_load(&render->pipeline, render->console, options))
+    if (!pipeline_load(&render->pipeline, render->console, &options->setup))
         return false;
     if (!find_shown(render) || !find_fault(render) ||
-        !inputs_load(&render->pipeline, render->console, &render->options) ||
-        !session_load_scene(&render->scene, render->console, render->pipeline.info, options))
+        !inputs_load(&render->pipeline, render->console, &render->options.setup) ||
+        !session_load_scene(&render->scene, render->console, render->pipeline.info,
+                            &options->setup))
         return false;
-    render->options.frames = session_frames(options, &render->scene);
-    if (options->timings &&
-        !timings_create(&render->timings, render->pipeline.info->pass_count, options->frames, log))
+    render->options.setup.frames = session_frames(&options->setup, &render->scene);
+    if (options->timings && !timings_create(&render->timings, render->pipeline.info->pass_count,
+                                            options->setup.frames, log))
         return false;
     if (options->dump &&
         !dump_begin(&render->dump, render->console, render->pipeline.info, options->dump))
@@ -330,7 +331,7 @@ static bool prepare(struct render *render)
     const struct session_info info = {.side = &render->side,
                                       .fault = render->fault,
                                       .console = render->console,
-                                      .options = options,
+                                      .setup = &options->setup,
                                       .pipeline = &render->pipeline,
                                       .scene = &render->scene,
                                       .timing = options->timings,
@@ -346,13 +347,13 @@ static cJSON *render_json(const struct render *render)
     const struct dt_pipeline *info = render->pipeline.info;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "pipeline", info->name);
-    cJSON_AddStringToObject(root, "scene", options->scene);
+    cJSON_AddStringToObject(root, "scene", options->setup.scene);
     cJSON_AddStringToObject(root, "backend", render->side.label);
     cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
     cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
-    cJSON_AddNumberToObject(root, "width", options->size[0]);
-    cJSON_AddNumberToObject(root, "height", options->size[1]);
-    cJSON_AddNumberToObject(root, "frames", options->frames);
+    cJSON_AddNumberToObject(root, "width", options->setup.size[0]);
+    cJSON_AddNumberToObject(root, "height", options->setup.size[1]);
+    cJSON_AddNumberToObject(root, "frames", options->setup.frames);
     if (options->output) {
         cJSON_AddStringToObject(root, "output", options->output);
         cJSON_AddStringToObject(root, "resource", info->resources[render->shown].name);
@@ -361,15 +362,15 @@ static cJSON *render_json(const struct render *render)
         cJSON_AddStringToObject(root, "dump", options->dump);
     if (options->timings)
         cJSON_AddStringToObject(root, "timings", options->timings);
-    if (options->capture)
-        cJSON_AddStringToObject(root, "capture", options->capture);
+    if (options->setup.capture)
+        cJSON_AddStringToObject(root, "capture", options->setup.capture);
     return root;
 }
 
 int verb_render(struct console *console, const struct options *options)
 {
     struct render render = {.console = console, .options = *options};
-    if (options->capture && !capture_load(&console->log))
+    if (options->setup.capture && !capture_load(&console->log))
         return EXIT_FAILED;
     if (!read_side(&render) || !check_output(&render) || !check_poison(&render) ||
         !check_drop(&render)) {

@@ -16,7 +16,7 @@ static const struct dt_runtime *find_runtime(const char *backend)
 
 bool session_open(struct session *session, const struct session_info *info)
 {
-    const struct options *options = info->options;
+    const struct setup *setup = info->setup;
     const struct side *side = info->side;
     *session = (struct session){
         .info = *info, .runtime = find_runtime(side->backend), .frame = info->first_frame};
@@ -28,13 +28,13 @@ bool session_open(struct session *session, const struct session_info *info)
         .device = side->device,
         .panel = info->pipeline->vk ? info->pipeline->vk->panel : NULL,
         .context = side->context,
-        .debug = options->debug,
-        .labels = options->capture,
+        .debug = setup->debug,
+        .labels = setup->capture,
         .glsl = side->glsl,
         .timing = info->timing,
         .poison = info->poison,
-        .drop_barrier = options->drop_barrier,
-        .drop_dependency = options->drop_dependency,
+        .drop_barrier = setup->drop_barrier,
+        .drop_dependency = setup->drop_dependency,
     });
     return session->handle;
 }
@@ -44,7 +44,7 @@ bool session_prepare(struct session *session)
     const struct session_info *info = &session->info;
     const struct dt_shaders *shaders =
         session->runtime == &runtime_gl ? info->pipeline->gl : info->pipeline->vk;
-    const uint32_t *size = info->options->size;
+    const uint32_t *size = info->setup->size;
     console_status(info->console, "%s: uploading the scene", info->side->label);
     if (!session->runtime->set_scene(session->handle, &info->scene->data))
         return false;
@@ -63,8 +63,7 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
     const struct session_info *info = &session->info;
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
-    scene_frame_at(info->scene, session->frame, info->options->size[0], info->options->size[1],
-                   &frame);
+    scene_frame_at(info->scene, session->frame, info->setup->size[0], info->setup->size[1], &frame);
     session->frame++;
     if (info->frame_block)
         frame = *info->frame_block;
@@ -74,13 +73,13 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
                               .pipeline = info->pipeline->info,
                               .log = &session->log,
                               .observer = observer,
-                              .size = {info->options->size[0], info->options->size[1]},
+                              .size = {info->setup->size[0], info->setup->size[1]},
                               .frame = frame.index};
     const struct dt_observer spoiling = fault_observer(&fault);
     if (info->fault.kind != FAULT_NONE)
         observer = &spoiling;
     console_status(info->console, "%s: frame %u of %u", info->side->label, session->frame,
-                   info->options->frames);
+                   info->setup->frames);
     return session->runtime->render(session->handle, &frame, info->pipeline->live, observer);
 }
 
@@ -113,24 +112,24 @@ bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *
 }
 
 bool session_load_scene(struct scene *scene, struct console *console,
-                        const struct dt_pipeline *pipeline, const struct options *options)
+                        const struct dt_pipeline *pipeline, const struct setup *setup)
 {
-    const char *folder = options->scenes ? options->scenes : getenv("DIPTYCH_SCENES");
+    const char *folder = setup->scenes ? setup->scenes : getenv("DIPTYCH_SCENES");
     *scene = (struct scene){0};
-    if (!options->scene)
+    if (!setup->scene)
         return session_can_lack_scene(pipeline, console) && scene_none(scene, &console->log) &&
-               (!options->motion || scene_load_motion(scene, options->motion, &console->log));
-    console_status(console, "loading %s", options->scene);
-    char *path = find_scene(options->scene, &console->log);
+               (!setup->motion || scene_load_motion(scene, setup->motion, &console->log));
+    console_status(console, "loading %s", setup->scene);
+    char *path = find_scene(setup->scene, &console->log);
     bool good = path ? scene_load(scene, path, folder, true, &console->log)
                      : (report_error(&console->log, "out of memory"), false);
     free(path);
-    return good && (!options->motion || scene_load_motion(scene, options->motion, &console->log));
+    return good && (!setup->motion || scene_load_motion(scene, setup->motion, &console->log));
 }
 
-uint32_t session_frames(const struct options *options, const struct scene *scene)
+uint32_t session_frames(const struct setup *setup, const struct scene *scene)
 {
-    if (options->frames)
-        return options->frames;
+    if (setup->frames)
+        return setup->frames;
     return scene->motion ? motion_frames(scene->motion) : 1;
 }

@@ -4,7 +4,7 @@
 #define DIPTYCH_SESSION_H
 
 #include "base/console.h"
-#include "base/options.h"
+#include "base/setup.h"
 #include "build/pipeline.h"
 #include "run/fault.h"
 #include "run/side.h"
@@ -13,7 +13,7 @@
 struct session_info {
     const struct side *side; /* a live one */
     struct console *console;
-    const struct options *options;
+    const struct setup *setup;
     const struct pipeline *pipeline;
     const struct scene *scene;
     bool timing;
@@ -51,10 +51,10 @@ void session_close(struct session *session); /* takes a zeroed one */
  * Without --scene that of scene_none, if no pass of the pipeline uses the scene; NULL: the verb
  * requires --scene. */
 bool session_load_scene(struct scene *scene, struct console *console,
-                        const struct dt_pipeline *pipeline, const struct options *options);
+                        const struct dt_pipeline *pipeline, const struct setup *setup);
 /* Whether no pass uses the scene; else an error names one, and --scene. */
 bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *console);
 /* Number of frames: --frames, else all of the motion, else 1. */
-uint32_t session_frames(const struct options *options, const struct scene *scene);
+uint32_t session_frames(const struct setup *setup, const struct scene *scene);
 
 #endif

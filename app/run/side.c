@@ -62,7 +62,7 @@ static bool refine(struct side *side, const char *form, const char *device,
     return true;
 }
 
-bool side_read(struct side *side, const char *entry, const struct options *options,
+bool side_read(struct side *side, const char *entry, const struct setup *setup,
                const struct dt_log *log)
 {
     *side = (struct side){.label = strdup(entry), .text = strdup(entry)};
@@ -79,10 +79,10 @@ bool side_read(struct side *side, const char *entry, const struct options *optio
     if (!find_driver(side, side->text, log) || !refine(side, form, device, log))
         return false;
     if (strcmp(side->backend, "vk") == 0) {
-        side->device = side->device ? side->device : options->device;
+        side->device = side->device ? side->device : setup->device;
     } else {
-        side->context = side->context ? side->context : options->context;
-        side->glsl = side->glsl || options->glsl;
+        side->context = side->context ? side->context : setup->context;
+        side->glsl = side->glsl || setup->glsl;
     }
     return true;
 }
@@ -130,7 +130,7 @@ static struct side *append(struct sides *sides, const struct dt_log *log)
     return &grown[sides->count++];
 }
 
-bool sides_heed(const struct side *list, uint32_t count, const struct options *options,
+bool sides_heed(const struct side *list, uint32_t count, const struct setup *setup,
                 const struct dt_log *log)
 {
     bool vulkan = false, opengl = false;
@@ -138,18 +138,17 @@ bool sides_heed(const struct side *list, uint32_t count, const struct options *o
         vulkan |= list[i].backend && strcmp(list[i].backend, "vk") == 0;
         opengl |= list[i].backend && strcmp(list[i].backend, "gl") == 0;
     }
-    if (options->device && !vulkan)
+    if (setup->device && !vulkan)
         report_error(log, "--device %s: --backend names no side that takes a device; vk does",
-                     options->device);
-    else if ((options->context || options->glsl) && !opengl)
-        report_error(log, "%s: --backend names no OpenGL",
-                     options->context ? "--context" : "--glsl");
+                     setup->device);
+    else if ((setup->context || setup->glsl) && !opengl)
+        report_error(log, "%s: --backend names no OpenGL", setup->context ? "--context" : "--glsl");
     else
         return true;
     return false;
 }
 
-static bool read_entries(struct sides *sides, const char *list, const struct options *options,
+static bool read_entries(struct sides *sides, const char *list, const struct setup *setup,
                          const struct dt_log *log)
 {
     for (const char *at = list;; at++) {
@@ -159,7 +158,7 @@ static bool read_entries(struct sides *sides, const char *list, const struct opt
         if (entry && !length)
             report_error(log, "--backend %s: must be names with one comma between, like gl,vk",
                          list);
-        bool good = side && length && side_read(side, entry, options, log) &&
+        bool good = side && length && side_read(side, entry, setup, log) &&
                     make_label_unique(sides, sides->count - 1, log);
         free(entry);
         if (!good)
@@ -181,29 +180,29 @@ static bool add_dump(struct sides *sides, const char *folder, const struct dt_lo
     return side->label;
 }
 
-static const char *backend_list(const struct options *options)
+static const char *backend_list(const struct setup *setup)
 {
-    return options->backend ? options->backend : "gl,vk";
+    return setup->backend ? setup->backend : "gl,vk";
 }
 
-bool sides_read_each(struct sides *sides, const struct options *options, const struct dt_log *log)
+bool sides_read_each(struct sides *sides, const struct setup *setup, const struct dt_log *log)
 {
     *sides = (struct sides){0};
-    return (!options->against || add_dump(sides, options->against, log)) &&
-           read_entries(sides, backend_list(options), options, log) &&
-           sides_heed(sides->list, sides->count, options, log);
+    return (!setup->against || add_dump(sides, setup->against, log)) &&
+           read_entries(sides, backend_list(setup), setup, log) &&
+           sides_heed(sides->list, sides->count, setup, log);
 }
 
-bool sides_read(struct sides *sides, const struct options *options, const struct dt_log *log)
+bool sides_read(struct sides *sides, const struct setup *setup, const struct dt_log *log)
 {
-    if (!sides_read_each(sides, options, log))
+    if (!sides_read_each(sides, setup, log))
         return false;
     if (sides->count > 1)
         return true;
     report_error(log,
                  "--backend %s: a comparison needs two sides; name two, like gl,vk, or a dump with "
                  "--against",
-                 backend_list(options));
+                 backend_list(setup));
     return false;
 }
 

@@ -3,7 +3,8 @@
 #ifndef DIPTYCH_SIDE_H
 #define DIPTYCH_SIDE_H
 
-#include "base/options.h"
+#include "base/setup.h"
+#include "base/console.h"
 
 struct side {
     char *label;         /* as typed; used in messages, tables and JSON */
@@ -18,12 +19,12 @@ struct side {
 /* Reads one entry: `gl`, `vk`, `osmesa` or `zink`, with `+glsl` or `@DEVICE` where they apply.
  * --context, --glsl and --device set what the entry leaves open. On false the error is logged;
  * side_free either way. */
-bool side_read(struct side *side, const char *entry, const struct options *options,
+bool side_read(struct side *side, const char *entry, const struct setup *setup,
                const struct dt_log *log);
 void side_free(struct side *side); /* takes a zeroed one */
 
 /* False with the error logged when --device, --context or --glsl applies to none of these sides. */
-bool sides_heed(const struct side *list, uint32_t count, const struct options *options,
+bool sides_heed(const struct side *list, uint32_t count, const struct setup *setup,
                 const struct dt_log *log);
 
 /* The sides of a comparison; the first is compared with each of the others. --against, if given,
@@ -33,10 +34,10 @@ struct sides {
     struct side *list;
     uint32_t count; /* at least two */
 };
-bool sides_read(struct sides *sides, const struct options *options, const struct dt_log *log);
+bool sides_read(struct sides *sides, const struct setup *setup, const struct dt_log *log);
 
 /* The sides of --backend, one or more, each on its own. */
-bool sides_read_each(struct sides *sides, const struct options *options, const struct dt_log *log);
+bool sides_read_each(struct sides *sides, const struct setup *setup, const struct dt_log *log);
 void sides_free(struct sides *sides); /* takes a zeroed one */
 
 #endif

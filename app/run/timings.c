@@ -58,16 +58,16 @@ static void add_passes(cJSON *root, const struct timings *timings,
 
 bool timings_write(const struct timings *timings, const struct session *session, const char *path)
 {
-    const struct options *options = session->info.options;
+    const struct setup *setup = session->info.setup;
     const struct dt_pipeline *pipeline = session->info.pipeline->info;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "backend", session->info.side->label);
     cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
     cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
     cJSON_AddStringToObject(root, "pipeline", pipeline->name);
-    cJSON_AddStringToObject(root, "scene", options->scene);
-    cJSON_AddNumberToObject(root, "width", options->size[0]);
-    cJSON_AddNumberToObject(root, "height", options->size[1]);
+    cJSON_AddStringToObject(root, "scene", setup->scene);
+    cJSON_AddNumberToObject(root, "width", setup->size[0]);
+    cJSON_AddNumberToObject(root, "height", setup->size[1]);
     cJSON_AddNumberToObject(root, "frames", timings->frames);
     cJSON_AddNumberToObject(root, "frame_ms",
                             spread_of(timings->frame_ms, timings->frames, 1).median);

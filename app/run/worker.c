@@ -385,7 +385,7 @@ static size_t largest_exchange(const struct dt_pipeline *pipeline, const uint32_
 static bool share_memory(struct worker *worker)
 {
     const struct session_info *session = &worker->info.session;
-    worker->capacity = largest_exchange(session->pipeline->info, session->options->size);
+    worker->capacity = largest_exchange(session->pipeline->info, session->setup->size);
     worker->shared = mmap(NULL, worker->capacity, PROT_READ | PROT_WRITE,
                           MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (worker->shared != MAP_FAILED)

@@ -201,9 +201,9 @@ static cJSON *flicker_json(const struct flicker *flicker)
     const struct options *options = flicker->options;
     const struct change all = change_mean(flicker->changes, flicker->frames - 1);
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "scene", options->scene);
-    if (options->motion)
-        cJSON_AddStringToObject(root, "motion", options->motion);
+    cJSON_AddStringToObject(root, "scene", options->setup.scene);
+    if (options->setup.motion)
+        cJSON_AddStringToObject(root, "motion", options->setup.motion);
     cJSON_AddStringToObject(root, "test", options->test);
     if (options->reference)
         cJSON_AddStringToObject(root, "reference", options->reference);
@@ -254,9 +254,9 @@ static bool prepare(struct flicker *flicker)
 {
     const struct options *options = flicker->options;
     const struct dt_log *log = &flicker->console->log;
-    if (!session_load_scene(&flicker->scene, flicker->console, NULL, options))
+    if (!session_load_scene(&flicker->scene, flicker->console, NULL, &options->setup))
         return false;
-    flicker->frames = session_frames(options, &flicker->scene);
+    flicker->frames = session_frames(&options->setup, &flicker->scene);
     flicker->block = options->block ? options->block : 1;
     if (flicker->frames < 2) {
         report_error(log, "one frame has no change; give --frames 2 or more, or a --motion");

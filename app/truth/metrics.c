@@ -73,7 +73,7 @@ static bool check_options(struct metrics *metrics)
         options->pixels_per_degree > 0 ? options->pixels_per_degree : FLIP_PIXELS_PER_DEGREE;
     metrics->hdr = holds_light(options->reference);
     metrics->numbered = is_numbered(options->test, "--test", &good, log);
-    metrics->pictures = options->frames;
+    metrics->pictures = options->setup.frames;
     if (!good)
         return false;
     if (metrics->pixels_per_degree < 1 || metrics->pixels_per_degree > FLIP_MOST_PIXELS_PER_DEGREE)
@@ -85,12 +85,12 @@ static bool check_options(struct metrics *metrics)
     else if (!metrics->hdr && options->exposure > 0)
         report_error(log, "--exposure: %s holds 8-bit codes, which are exposed already",
                      options->reference);
-    else if (options->frames > 1 && !metrics->numbered)
+    else if (options->setup.frames > 1 && !metrics->numbered)
         report_error(log,
                      "--test %s: names one picture; put %%04d in place of the frame number, or "
                      "leave out --frames",
                      options->test);
-    else if (options->output && options->frames > 1)
+    else if (options->output && options->setup.frames > 1)
         report_error(log, "-o: maps are of one picture; leave out --frames");
     else
         return true;

@@ -115,7 +115,7 @@ static bool check_options(struct reference *reference)
         .seed = options->seed,
         .threads = options->threads,
     };
-    if (options->frame && !options->motion) {
+    if (options->frame && !options->setup.motion) {
         report_error(log, "--frame %u: needs a --motion", options->frame);
         return false;
     }
@@ -257,7 +257,7 @@ static bool tell_summary(const struct reference *reference, const double mean[3]
     const struct film *film = &reference->film;
     double noise = film_noise(film);
     cJSON *root = cJSON_CreateObject();
-    bool good = cJSON_AddStringToObject(root, "scene", reference->options->scene) &&
+    bool good = cJSON_AddStringToObject(root, "scene", reference->options->setup.scene) &&
                 cJSON_AddStringToObject(root, "settings", reference->settings) &&
                 cJSON_AddNumberToObject(root, "samples", film->samples) &&
                 (isfinite(noise) ? cJSON_AddNumberToObject(root, "noise", noise)
@@ -325,19 +325,19 @@ static bool prepare(struct reference *reference)
     const struct dt_log *log = &reference->console->log;
     if (!file_can_write(options->output, log) ||
         (options->checkpoint && !file_can_write(options->checkpoint, log)) ||
-        !session_load_scene(&reference->scene, reference->console, NULL, options))
+        !session_load_scene(&reference->scene, reference->console, NULL, &options->setup))
         return false;
-    scene_frame_at(&reference->scene, options->frame, options->size[0], options->size[1],
-                   &reference->frame);
-    reference->frame.width = options->size[0];
-    reference->frame.height = options->size[1];
+    scene_frame_at(&reference->scene, options->frame, options->setup.size[0],
+                   options->setup.size[1], &reference->frame);
+    reference->frame.width = options->setup.size[0];
+    reference->frame.height = options->setup.size[1];
     reference->info.box_filter = filters_pixel(reference);
     reference->settings = describe_settings(reference);
     if (!reference->settings) {
         report_error(log, "out of memory");
         return false;
     }
-    if (!film_create(&reference->film, options->size[0], options->size[1], log) ||
+    if (!film_create(&reference->film, options->setup.size[0], options->setup.size[1], log) ||
         !resume(reference))
         return false;
     console_status(reference->console, "building the hierarchy of %u triangles",

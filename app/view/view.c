@@ -19,9 +19,9 @@ static bool read_sides(struct view *view)
 {
     struct options options = *view->options;
     const struct dt_log *log = &view->console->log;
-    const char *given = options.backend ? options.backend : "gl";
-    options.backend = strcmp(given, "both") == 0 ? "gl,vk" : given;
-    if (!sides_read_each(&view->sides, &options, log))
+    const char *given = options.setup.backend ? options.setup.backend : "gl";
+    options.setup.backend = strcmp(given, "both") == 0 ? "gl,vk" : given;
+    if (!sides_read_each(&view->sides, &options.setup, log))
         return false;
     struct side *first = &view->sides.list[0];
     if (view->sides.count > VIEW_SIDES) {
@@ -41,7 +41,7 @@ bool view_open_side(struct view *view, uint32_t index)
 {
     const struct session_info info = {.side = &view->sides.list[index],
                                       .console = view->console,
-                                      .options = view->options,
+                                      .setup = &view->options->setup,
                                       .pipeline = &view->pipeline,
                                       .scene = &view->scene,
                                       .timing = true,
@@ -68,8 +68,9 @@ static bool open_overlay(struct view *view)
 
 bool view_open_window(struct view *view, int width, int height)
 {
-    char *title = format_string("diptych: %s, %s", view->pipeline.info->name,
-                                view->options->scene ? view->options->scene : "no scene");
+    char *title =
+        format_string("diptych: %s, %s", view->pipeline.info->name,
+                      view->options->setup.scene ? view->options->setup.scene : "no scene");
     view->window = view->side[0].session.runtime->window(view->side[0].session.handle);
     glfwSetWindowTitle(view->window, title ? title : "diptych");
     glfwSetWindowSize(view->window, width, height);
@@ -83,12 +84,13 @@ static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
-    int width = (int)options->size[0], height = (int)options->size[1];
-    view->own.default_size = true; /* --size is the window's; an input may set the frame's */
+    int width = (int)options->setup.size[0], height = (int)options->setup.size[1];
+    view->own.setup.default_size = true; /* --size is the window's; an input may set the frame's */
     if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
-        !pipeline_load(&view->pipeline, view->console, options) || !view_find_home(view) ||
-        !inputs_load(&view->pipeline, view->console, &view->own) || !view_outline_read(view) ||
-        !session_load_scene(&view->scene, view->console, view->pipeline.info, options))
+        !pipeline_load(&view->pipeline, view->console, &options->setup) || !view_find_home(view) ||
+        !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
+        !view_outline_read(view) ||
+        !session_load_scene(&view->scene, view->console, view->pipeline.info, &options->setup))
         return false;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!view_open_side(view, i))
@@ -96,7 +98,7 @@ static bool open_view(struct view *view)
     int panels = view->side_count > 1 ? 2 : 1;
     if (!view_open_window(view, width * panels, height))
         return false;
-    view->reload = reload_start(view->console, options, &view->pipeline);
+    view->reload = reload_start(view->console, &options->setup, &view->pipeline);
     console_status(view->console, "%s", "");
     return view->reload && view_times_create(view);
 }

@@ -4,6 +4,7 @@
 
 #include <GLFW/glfw3.h>
 
+#include "base/options.h"
 #include "build/reload.h"
 #include "result/picture.h"
 #include "run/session.h"

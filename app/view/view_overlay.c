@@ -245,7 +245,7 @@ void view_tell(const struct view *view)
 {
     cJSON *root = cJSON_CreateObject(), *sides = cJSON_CreateArray();
     cJSON_AddStringToObject(root, "pipeline", view->pipeline.info->name);
-    cJSON_AddStringToObject(root, "scene", view->options->scene);
+    cJSON_AddStringToObject(root, "scene", view->options->setup.scene);
     cJSON_AddNumberToObject(root, "width", view->size[0]);
     cJSON_AddNumberToObject(root, "height", view->size[1]);
     cJSON_AddNumberToObject(root, "frames", view->frames);

@@ -34,8 +34,9 @@ void view_set_live(struct view *view, const struct dt_param *param, const double
 static bool is_set(const struct options *options, const char *name)
 {
     size_t length = strlen(name);
-    for (uint32_t i = 0; i < options->set_count; i++)
-        if (strncmp(options->sets[i], name, length) == 0 && options->sets[i][length] == '=')
+    for (uint32_t i = 0; i < options->setup.set_count; i++)
+        if (strncmp(options->setup.sets[i], name, length) == 0 &&
+            options->setup.sets[i][length] == '=')
             return true;
     return false;
 }
@@ -110,8 +111,9 @@ static bool start(struct view *view, const char *shown, bool *offered)
     view->frame = 0; /* history starts anew */
     double begun = milliseconds_now();
     bool created =
-        (view->options->scene || session_can_lack_scene(view->pipeline.info, view->console)) &&
-        (view->pipeline.inputs || inputs_load(&view->pipeline, view->console, &view->own));
+        (view->options->setup.scene ||
+         session_can_lack_scene(view->pipeline.info, view->console)) &&
+        (view->pipeline.inputs || inputs_load(&view->pipeline, view->console, &view->own.setup));
     if (created && view->pipeline.frame_size[0])
         memcpy(view->size, view->pipeline.frame_size, sizeof view->size);
     created = created && create(view);
