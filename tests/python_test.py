@@ -443,6 +443,8 @@ def test_little_memory_ends_no_host(tmp_path, megabytes):
     (tmp_path / "fill.glsl").write_text(body + "void main() { grey_store(ivec2(0), vec4(f7(2.0))); }\n", encoding="utf-8")
     done = subprocess.run([sys.executable, "-c", LITTLE_MEMORY, spec, str(megabytes)], capture_output=True, text=True,
                           check=False, env={**os.environ, "PYTHONPATH": os.path.dirname(diptych.__file__)})
+    if "cannot allocate memory for thread-local data" in done.stderr:
+        pytest.skip("glibc ends a process that has no memory for a thread")
     assert done.returncode == 0, done.stderr
     assert "out of memory" in done.stdout
 
