@@ -8,7 +8,7 @@
 #include <sys/types.h>
 #include <time.h>
 
-#include "diptych.h"
+#include "base/log.h"
 
 /* Exit statuses that scripts rely on. Verbs that compare give EXIT_DIFFER, and EXIT_USAGE also when
  * they could not run. */
@@ -55,19 +55,6 @@ bool console_open(struct console *console);
 /* In a library: messages go to `host`. No signals are taken, nothing is printed. */
 void console_attach(struct console *console, const struct dt_log *host);
 void console_close(struct console *console);
-
-/* Logs through the console's log: printf without the trailing newline. */
-void report_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-#define report_error(log, ...) report_message(log, DT_ERROR, __VA_ARGS__)
-
-/* A log that puts "NAME: " before each message and hands it on. `source` must outlive what it is
- * given to. */
-struct log_source {
-    const struct dt_log *log;
-    const char *name;
-};
-struct dt_log log_from(struct log_source *source);
 
 /* Keeps this thread's log messages, and stderr of the tools that it runs, until console_captured,
  * which returns them: free(), NULL when out of memory. Several threads may capture at once. False

@@ -14,7 +14,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-#include "base/console.h"
+#include "base/log.h"
 #include "base/printable.h"
 #include "scenes/input.h"
 #include "scenes/scene.h"

@@ -10,7 +10,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include "base/console.h"
+#include "base/log.h"
 #include "base/files.h"
 #include "base/printable.h"
 

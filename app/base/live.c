@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "base/log.h"
 #include "base/texels.h"
 
 const struct dt_param *live_param(const struct dt_pipeline *info, const char *name)

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "base/log.h"
 
 enum { MAX_WIDTH = 9 };
 
