@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/options.h"
-#include "base/outcome.h"
+#include "console/options.h"
+#include "console/outcome.h"
 #include "compare/confine.h"
-#include "scenes/nearest.h"
+#include "base/nearest.h"
 
 static int verb_help(struct console *console, const struct options *options);
 

@@ -2,7 +2,7 @@
  * images are made of. Called by check.c after check_references. */
 #include "check.h"
 #include "plan.h"
-#include "scenes/npy.h"
+#include "base/npy.h"
 
 static void check_encoding(const struct checker *c, const struct resource *image)
 {

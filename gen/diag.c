@@ -8,8 +8,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "scenes/input.h"
-#include "scenes/yaml.h"
+#include "base/input.h"
+#include "base/yaml.h"
 
 enum { MOST_SOURCE_BYTES = 64 << 20 }; /* a spec or a GLSL file */
 

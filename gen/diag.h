@@ -7,8 +7,8 @@
 #include <stdio.h>
 
 #include "model.h"
-#include "scenes/nearest.h"
-#include "text.h"
+#include "base/nearest.h"
+#include "base/text.h"
 
 struct arena; /* one allocator for everything that lives as long as the model */
 void *

@@ -4,7 +4,7 @@
 #define DIPTYCH_GEN_DOT_H
 
 #include "model.h"
-#include "text.h"
+#include "base/text.h"
 
 /* Fill colours that differ in grey print, too. */
 #define DOT_IMAGE_FILL  "#d9e6f4"

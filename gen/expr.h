@@ -6,7 +6,7 @@
 #define DIPTYCH_GEN_EXPR_H
 
 #include "diag.h"
-#include "text.h"
+#include "base/text.h"
 
 /* Names with a meaning of their own where the expression stands: inside a group or repeat. */
 struct expr_text;

@@ -1,5 +1,5 @@
 /* The planned model as the tables that runtimes take (templates/c/panel.h). emit_panel.c and
- * emit_pipeline.c print them as C; app/build/play.c executes them. Sizes, runs and the steps of a
+ * emit_pipeline.c print them as C; app/spec/play.c executes them. Sizes, runs and the steps of a
  * pass are no tables: both use the functions below. Called by load.c. */
 #ifndef DIPTYCH_GEN_LOWER_H
 #define DIPTYCH_GEN_LOWER_H

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "command.h"
+#include "base/command.h"
 #include "load.h"
 #include "watchdog.h"
 

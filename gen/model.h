@@ -22,7 +22,7 @@ struct loc {
     int length;       /* characters to underline, at least 1 */
 };
 
-struct npy;  /* header of an array file (scenes/npy.h) */
+struct npy;  /* header of an array file (base/npy.h) */
 struct expr; /* integer over parameters, constants, frame.width and frame.height (expr.h) */
 
 /* ---- Declarations ---------------------------------------------------------------------------- */

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "plan.h"
-#include "text.h"
+#include "base/text.h"
 
 struct edge {
     bool exists;

@@ -12,7 +12,7 @@
 
 #include "stages.h"
 
-#include "scenes/temporary.h"
+#include "base/temporary.h"
 
 struct output_file {
     char *path, *temporary; /* temporary: NULL while there is none */

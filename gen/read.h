@@ -4,7 +4,7 @@
 #define DIPTYCH_GEN_READ_H
 
 #include "expr.h"
-#include "scenes/yaml.h"
+#include "base/yaml.h"
 #include "table.h"
 
 /* A node that `--set` inserted; its locations are in the text of the option. */

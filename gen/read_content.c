@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "read.h"
-#include "scenes/npy.h"
+#include "base/npy.h"
 #include "scenes/picture_size.h"
 
 /* The file's path: absolute, or relative to the file that names it. NULL: reported. */

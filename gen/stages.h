@@ -4,7 +4,7 @@
 #define DIPTYCH_GEN_STAGES_H
 
 #include "diag.h"
-#include "text.h"
+#include "base/text.h"
 
 /* read.c: YAML -> model. sets: "PATH=VALUE" strings that override values of the document. */
 bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,

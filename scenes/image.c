@@ -4,9 +4,9 @@
 
 #include "child.h"
 #include "image_oiio.h"
-#include "input.h"
+#include "base/input.h"
 #include "mesh.h"
-#include "temporary.h"
+#include "base/temporary.h"
 
 #include <dlfcn.h>
 #include <errno.h>

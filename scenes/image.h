@@ -1,7 +1,7 @@
 /* C interface to image files. libpng writes PNG, and reads PNG of 8-bit sRGB. OpenImageIO reads
  * everything else; it is loaded on first use, from a shared object beside the executable, since its
  * 260 libraries cost a quarter of a second. Called by scenes (textures) and by the app (pictures;
- * those of light by app/base/hdr.h). */
+ * those of light by app/console/hdr.h). */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H
 

@@ -5,7 +5,7 @@
 
 #include "child.h"
 #include "diptych_scene.h"
-#include "input.h"
+#include "base/input.h"
 
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>

@@ -2,7 +2,7 @@
  * through `take`, which fails at the end of the file. */
 #include "picture_size.h"
 
-#include "input.h"
+#include "base/input.h"
 
 #include <stdio.h>
 #include <string.h>

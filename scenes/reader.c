@@ -1,10 +1,10 @@
 /* YAML mappings and their diagnostics; see reader.h. */
 #include "reader.h"
 
-#include "input.h"
+#include "base/input.h"
 #include "mesh.h"
-#include "nearest.h"
-#include "yaml.h"
+#include "base/nearest.h"
+#include "base/yaml.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -20,7 +20,7 @@
 #include "child.h"
 #include "mesh.h"
 #include "motion.h"
-#include "yaml.h"
+#include "base/yaml.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -29,7 +29,7 @@ same_abi() { # tree library tree library
 same_after() { # file sed-script
     rm -rf "$work/changed"
     mkdir "$work/changed"
-    cp -r app gen runtime_gl runtime_vk scenes templates "$work/changed"
+    cp -r app base gen runtime_gl runtime_vk scenes templates "$work/changed"
     [ $# = 0 ] || sed -i "$2" "$work/changed/$1"
     [ $# = 0 ] || ! cmp -s "$1" "$work/changed/$1" || return 2
     library "$work/changed" && same_abi "$root" "$work/library.so" "$work/changed" "$work/changed/library.so"

@@ -15,16 +15,16 @@
 #include <OpenEXR/ImfCRgbaFile.h>
 #include <cmocka.h>
 
-#include "app/base/console.h"
-#include "app/base/files.h"
-#include "app/base/hdr.h"
-#include "app/base/live.h"
-#include "app/base/options.h"
-#include "app/base/texels.h"
-#include "app/base/fill.h"
+#include "app/console/console.h"
+#include "base/files.h"
+#include "app/console/hdr.h"
+#include "app/console/live.h"
+#include "app/console/options.h"
+#include "app/console/texels.h"
+#include "app/console/fill.h"
 #include "app/result/dump.h"
 #include "app/result/picture.h"
-#include "scenes/nearest.h"
+#include "base/nearest.h"
 
 /* ---- Log ------------------------------------------------------------------------------------- */
 

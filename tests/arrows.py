@@ -6,15 +6,16 @@ import re
 import sys
 
 # A room of the application may include itself and all rooms of the steps before its own.
-ROOMS = [["base"], ["result"], ["build"], ["run"], ["compare", "play", "truth"], ["measure"], ["report", "view", "bundle"]]
+ROOMS = [["console"], ["result"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["report", "view", "bundle"]]
 # A folder may include itself and these.
 BELOW = {
     "templates": [],
-    "scenes": ["templates"],
-    "gen": ["templates", "scenes"],
+    "base": ["templates"],
+    "scenes": ["templates", "base"],
+    "gen": ["templates", "base", "scenes"],
     "runtime_gl": ["templates"],
     "runtime_vk": ["templates"],
-    "app": ["templates", "scenes", "gen", "runtime_gl", "runtime_vk"],
+    "app": ["templates", "base", "scenes", "gen", "runtime_gl", "runtime_vk"],
 }
 for step in ROOMS:
     lower = BELOW["app"] + [room for room in BELOW if room.startswith("app/")]
@@ -22,7 +23,7 @@ for step in ROOMS:
 BELOW["app"] = list(BELOW)  # app/main.c
 BELOW["tests"] = list(BELOW)
 SEARCHED = ["", "app/", "templates/c/"]  # the compiler's include folders, searched after the file's own folder
-WITHOUT_GRAPHICS = ["templates", "scenes", "gen"]
+WITHOUT_GRAPHICS = ["templates", "base", "scenes", "gen"]
 GRAPHICS = re.compile(r"(vulkan|glad|GL|GLES\d*|EGL|KHR|GLFW)/|imgui")
 
 

@@ -10,10 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/base/console.h"
-#include "app/base/live.h"
-#include "app/base/options.h"
-#include "app/build/pipeline.h"
+#include "app/console/console.h"
+#include "app/console/live.h"
+#include "app/console/options.h"
+#include "app/spec/pipeline.h"
 #include "hazard.h"
 #include "runtime_vk/internal.h"
 #include "tape.h"

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-#include "app/base/spread.h"
+#include "app/console/spread.h"
 
 /* ---- Order statistics ------------------------------------------------------------------------ */
 

@@ -72,9 +72,9 @@ check "... and then there is nothing to do" nothing_to_do
 sed -i 's/\(rsm_size: .*value: \)512/\1384/' templates/rsm.yaml
 check "another value of a uniform parameter changes C, though it is a size" edges 2 6 'rsm|pipelines.a' ninja
 check "... and no shader" older build/gen/rsm/gl/* build/gen/rsm/vk/*
-echo 'int extra(void);' >app/base/extra.c
+echo 'int extra(void);' >app/console/extra.c
 # shellcheck disable=SC2016 # the variable is ninja's
-echo 'build $obj/app/extra.o: cc app/base/extra.c' >>app/build.ninja
+echo 'build $obj/app/extra.o: cc app/console/extra.c' >>app/build.ninja
 check "a new source file is one line" edges 5 5 'build/obj/app[/.]|build/diptych|build/libdiptych_play' ninja
 check "... and is linked" bash -c 'ar t build/obj/app.a | grep -Fx extra.o'
 sed -i '/extra[.]o/d' app/build.ninja

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 #include <libfyaml.h>
 
-#include "app/base/files.h"
+#include "base/files.h"
 #include "app/view/camera.h"
 
 static const struct scene_camera ahead = {{1, 2, 3}, {1, 2, -1}, {0, 1, 0}, 0.7f};

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "app/base/files.h"
-#include "app/base/options.h"
-#include "app/build/inputs.h"
+#include "base/files.h"
+#include "app/console/options.h"
+#include "app/spec/inputs.h"
 #include "app/compare/blame.h"
 #include "app/result/dump.h"
 

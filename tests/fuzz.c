@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "fuzz.h"
-#include "scenes/input.h"
+#include "base/input.h"
 
 #ifndef __AFL_LOOP
 #define __AFL_LOOP(turns) 0

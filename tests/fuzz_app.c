@@ -6,7 +6,7 @@
 #include "compare/evidence.h"
 #include "fuzz.h"
 #include "result/dump_reader.h"
-#include "scenes/npy.h"
+#include "base/npy.h"
 #include "scenes/picture_size.h"
 
 /* A scene.yaml with its files, and a motion.yaml or none. A child process reads the mesh. A library

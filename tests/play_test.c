@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-#include "build/play.h"
+#include "spec/play.h"
 #include "gen/load.h"
 #include "gen/spirv/passes.h"
 #include "recorder.h"

@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-#include "app/base/files.h"
+#include "base/files.h"
 #include "app/result/strip.h"
 #include "scenes/image.h"
 

@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-#include "app/build/inputs.h"
+#include "app/spec/inputs.h"
 #include "app/compare/blame.h"
 
 /* ---- A pipeline: numbers[i] = 10 * frame + i; doubled = 2 * numbers; kept += doubled ---------- */

@@ -1,7 +1,7 @@
 /* rays.h without Embree, for the bundle: its library alone has 44 MB. Linked in place of rays.c. */
 #include "truth/rays.h"
 
-#include "base/console.h"
+#include "console/console.h"
 
 struct ray_scene *ray_scene_open(const struct dt_scene *scene, const struct dt_log *log)
 {

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/texels.h"
+#include "console/texels.h"
 
 struct gathering {
     const struct dt_log *log;

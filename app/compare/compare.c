@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "build/inputs.h"
+#include "spec/inputs.h"
 #include "compare/bisect.h"
 
 /* Fills resources without history before the first frame: memory that no pass has written then

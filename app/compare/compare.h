@@ -3,9 +3,9 @@
 #ifndef DIPTYCH_COMPARE_H
 #define DIPTYCH_COMPARE_H
 
-#include "base/folder.h"
-#include "base/options.h"
-#include "build/pipeline.h"
+#include "console/folder.h"
+#include "console/options.h"
+#include "spec/pipeline.h"
 #include "compare/blame.h"
 #include "result/difference.h"
 #include "result/identity.h"

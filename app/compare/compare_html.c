@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/fill.h"
+#include "console/fill.h"
 #include "compare/compare.h"
 
 /* "1 ulp", "2 to 3 ulp": of floats; other numbers have codes. */

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/tool.h"
+#include "console/tool.h"
 
 extern char **environ;
 

@@ -4,8 +4,8 @@
 #ifndef DIPTYCH_CONFINE_H
 #define DIPTYCH_CONFINE_H
 
-#include "base/console.h"
-#include "base/options.h"
+#include "console/console.h"
+#include "console/options.h"
 
 /* Runs `replay` with these options in a sandbox and writes --json; *status is its exit status. False: it
  * runs here: --trust, or, with a warning, there can be no sandbox. */

@@ -17,7 +17,7 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
-#include "base/folder.h"
+#include "console/folder.h"
 #include "result/dump.h"
 
 #define OPTION "--bisect"

@@ -4,8 +4,8 @@
 #ifndef DIPTYCH_EVIDENCE_H
 #define DIPTYCH_EVIDENCE_H
 
-#include "base/setup.h"
-#include "build/pipeline.h"
+#include "console/setup.h"
+#include "spec/pipeline.h"
 #include "result/region.h"
 #include "result/rows.h"
 #include "run/side.h"

@@ -8,7 +8,7 @@
 
 #include "base/files.h"
 #include "base/foreign.h"
-#include "base/texels.h"
+#include "console/texels.h"
 #include "compare/evidence.h"
 
 static const struct dt_log *log_of(const struct evidence_case *evidence)

@@ -7,7 +7,7 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
-#include "base/options.h"
+#include "console/options.h"
 #include "compare/evidence.h"
 #include "result/difference.h"
 #include "run/worker.h"

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/tool.h"
-#include "build/inputs.h"
+#include "console/tool.h"
+#include "spec/inputs.h"
 
 enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3 };
 

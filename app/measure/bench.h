@@ -3,8 +3,8 @@
 #ifndef DIPTYCH_BENCH_H
 #define DIPTYCH_BENCH_H
 
-#include "base/options.h"
-#include "base/spread.h"
+#include "console/options.h"
+#include "console/spread.h"
 #include "measure/bench_work.h"
 #include "measure/limit.h"
 #include "run/session.h"

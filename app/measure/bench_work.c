@@ -1,7 +1,7 @@
 /* Bytes and float operations of a pass; see bench_work.h. */
 #include "measure/bench_work.h"
 
-#include "base/texels.h"
+#include "console/texels.h"
 
 static double bytes_of(const struct work_frame *frame, uint32_t resource, uint32_t mips)
 {

@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/texels.h"
-#include "base/tool.h"
+#include "console/texels.h"
+#include "console/tool.h"
 #include "front.h"
 #include "run/worker.h"
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/quote.h"
+#include "console/quote.h"
 
 bool grid_begin(struct grid *grid, struct steps *steps, uint32_t count)
 {

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/tool.h"
+#include "console/tool.h"
 
 /* Makes gnuplot's SVG follow a dark page: black becomes the text colour, white around points is
  * removed. The colours of the lines are visible on both. */

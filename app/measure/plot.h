@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#include "base/console.h"
+#include "console/console.h"
 
 enum { PLOT_WIDTH = 480, PLOT_HEIGHT = 340, PLOT_COLOURS = 6 };
 

@@ -6,10 +6,10 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/folder.h"
-#include "base/quote.h"
-#include "base/tool.h"
-#include "build/pipeline.h"
+#include "console/folder.h"
+#include "console/quote.h"
+#include "console/tool.h"
+#include "spec/pipeline.h"
 #include "scenes/scene.h"
 
 const char *step_text(const cJSON *object, const char *name)

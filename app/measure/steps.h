@@ -7,8 +7,8 @@
 #include <cjson/cJSON.h>
 #include <stdio.h>
 
-#include "base/console.h"
-#include "base/options.h"
+#include "console/console.h"
+#include "console/options.h"
 #include "run/side.h"
 
 struct step_scene {

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/quote.h"
-#include "base/tool.h"
+#include "console/quote.h"
+#include "console/tool.h"
 #include "measure/steps.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */

@@ -10,8 +10,8 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/folder.h"
-#include "base/tool.h"
+#include "console/folder.h"
+#include "console/tool.h"
 
 const char *sweep_text(const cJSON *object, const char *name)
 {

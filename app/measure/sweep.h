@@ -15,8 +15,8 @@
 
 #include <cjson/cJSON.h>
 
-#include "base/console.h"
-#include "base/options.h"
+#include "console/console.h"
+#include "console/options.h"
 
 /* sweep.c: required members. */
 const char *sweep_text(const cJSON *object, const char *name);

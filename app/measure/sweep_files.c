@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/quote.h"
+#include "console/quote.h"
 #include "measure/sweep.h"
 
 /* Most tasks of a Slurm array by default (MaxArraySize - 1). With more runs, each task does every

@@ -6,9 +6,9 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/tool.h"
-#include "build/inputs.h"
-#include "build/pipeline.h"
+#include "console/tool.h"
+#include "spec/inputs.h"
+#include "spec/pipeline.h"
 #include "measure/sweep.h"
 
 enum { MOST_RUNS = 100000, DEFAULT_MEMORY = 64 };

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "build/inputs.h"
+#include "spec/inputs.h"
 #include "measure/bench.h"
 #include "result/difference.h"
 #include "result/rows.h"

@@ -7,10 +7,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/live.h"
-#include "base/texels.h"
-#include "build/inputs.h"
-#include "build/list.h"
+#include "console/live.h"
+#include "console/texels.h"
+#include "spec/inputs.h"
+#include "spec/list.h"
 #include "result/difference.h"
 #include "result/rows.h"
 #include "run/session.h"

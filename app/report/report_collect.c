@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 
 #include "base/files.h"
-#include "base/fill.h"
+#include "console/fill.h"
 #include "base/foreign.h"
 #include "base/printable.h"
 #include "report/report.h"

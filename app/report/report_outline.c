@@ -22,7 +22,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "build/pipeline.h"
+#include "spec/pipeline.h"
 #include "report/report.h"
 #include "scenes/reader.h"
 

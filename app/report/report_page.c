@@ -6,8 +6,8 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/fill.h"
-#include "base/tool.h"
+#include "console/fill.h"
+#include "console/tool.h"
 #include "measure/plot.h"
 #include "report/report.h"
 

@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/quote.h"
+#include "console/quote.h"
 #include "report/report.h"
 
 /* ---- File names ------------------------------------------------------------------------------ */

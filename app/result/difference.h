@@ -3,7 +3,7 @@
 #ifndef DIPTYCH_DIFFERENCE_H
 #define DIPTYCH_DIFFERENCE_H
 
-#include "base/texels.h"
+#include "console/texels.h"
 #include "diptych.h"
 
 struct cJSON;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/texels.h"
+#include "console/texels.h"
 
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
                 const char *folder)

@@ -5,7 +5,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "base/folder.h"
+#include "console/folder.h"
 
 /* A dump being written. */
 struct dump {

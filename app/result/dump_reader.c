@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "console/console.h"
 #include "base/files.h"
 #include "base/foreign.h"
-#include "base/texels.h"
+#include "console/texels.h"
 #include "result/dump.h"
 
 static const char *text_of(const cJSON *object, const char *key)

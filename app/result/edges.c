@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/texels.h"
+#include "console/texels.h"
 
 static bool is_depth(const struct dt_resource *resource)
 {

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/live.h"
-#include "base/texels.h"
+#include "console/live.h"
+#include "console/texels.h"
 #include "scenes/motion.h"
 
 enum { HASH_TEXT = 17, MOST_UNASKED_FRAMES = 1000 };
@@ -19,6 +19,15 @@ enum { HASH_TEXT = 17, MOST_UNASKED_FRAMES = 1000 };
 static void write_hash(char text[HASH_TEXT], uint64_t hash)
 {
     snprintf(text, HASH_TEXT, "%016" PRIx64, hash);
+}
+
+void hash_scene(uint64_t *hash, const struct dt_scene *scene)
+{
+    hash_bytes(hash, scene->vertices, scene->vertex_count * sizeof *scene->vertices);
+    hash_bytes(hash, scene->indices, scene->index_count * sizeof *scene->indices);
+    hash_bytes(hash, scene->materials, scene->material_count * sizeof *scene->materials);
+    hash_bytes(hash, scene->objects, scene->object_count * sizeof *scene->objects);
+    hash_bytes(hash, scene->texels, scene_texel_bytes(scene));
 }
 
 /* With the motion, which has a say in what history holds. */

@@ -7,8 +7,8 @@
 
 #include <cjson/cJSON.h>
 
-#include "base/setup.h"
-#include "base/console.h"
+#include "console/setup.h"
+#include "console/console.h"
 #include "scenes/scene.h"
 
 struct input_hash {
@@ -47,5 +47,7 @@ bool identity_take_live(const cJSON *manifest, const char *folder, const struct 
  * or other mathematics of the machine's library are but a warning. */
 bool identity_check(const cJSON *manifest, const char *folder, const struct identity *identity,
                     const struct dt_log *log);
+
+void hash_scene(uint64_t *hash, const struct dt_scene *scene); /* mesh, materials and textures */
 
 #endif

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
-#include "base/texels.h"
+#include "console/console.h"
+#include "console/texels.h"
 #include "scenes/srgb.h"
 
 /* Layout of a layered image: a sheet of layers, as square as possible. */

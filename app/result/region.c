@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "console/console.h"
 #include "base/files.h"
-#include "base/texels.h"
+#include "console/texels.h"
 #include "result/difference.h"
 
 enum { AXES = 3 };

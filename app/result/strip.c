@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
-#include "base/texels.h"
+#include "console/console.h"
+#include "console/texels.h"
 #include "result/picture.h"
 #include "scenes/image.h"
 

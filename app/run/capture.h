@@ -3,7 +3,7 @@
 #ifndef DIPTYCH_CAPTURE_H
 #define DIPTYCH_CAPTURE_H
 
-#include "base/console.h"
+#include "console/console.h"
 
 /* Starts the program again with RenderDoc in it, unless it is there. False with the error logged where
  * there is no RenderDoc. Call it before a driver is loaded. */

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "console/console.h"
 #include "base/files.h"
-#include "base/texels.h"
-#include "scenes/nearest.h"
+#include "console/texels.h"
+#include "base/nearest.h"
 
 static const char *const kind_names[] = {[FAULT_BIT] = "bit",
                                          [FAULT_TEXEL] = "texel",

@@ -4,11 +4,11 @@
 #include <strings.h>
 
 #include "base/files.h"
-#include "base/hdr.h"
-#include "base/numbered.h"
-#include "base/options.h"
-#include "base/texels.h"
-#include "build/inputs.h"
+#include "console/hdr.h"
+#include "console/numbered.h"
+#include "console/options.h"
+#include "console/texels.h"
+#include "spec/inputs.h"
 #include "result/dump.h"
 #include "result/identity.h"
 #include "result/picture.h"

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/tool.h"
-#include "build/inputs.h"
+#include "console/tool.h"
+#include "spec/inputs.h"
 #include "front.h"
 #include "scenes/motion.h"
 

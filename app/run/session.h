@@ -3,9 +3,9 @@
 #ifndef DIPTYCH_SESSION_H
 #define DIPTYCH_SESSION_H
 
-#include "base/console.h"
-#include "base/setup.h"
-#include "build/pipeline.h"
+#include "console/console.h"
+#include "console/setup.h"
+#include "spec/pipeline.h"
 #include "run/fault.h"
 #include "run/side.h"
 #include "scenes/scene.h"

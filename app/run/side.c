@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "scenes/nearest.h"
+#include "base/nearest.h"
 
 static const struct {
     const char *name, *backend, *context;

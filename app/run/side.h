@@ -3,8 +3,8 @@
 #ifndef DIPTYCH_SIDE_H
 #define DIPTYCH_SIDE_H
 
-#include "base/setup.h"
-#include "base/console.h"
+#include "console/setup.h"
+#include "console/console.h"
 
 struct side {
     char *label;         /* as typed; used in messages, tables and JSON */

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "base/files.h"
-#include "base/spread.h"
+#include "console/spread.h"
 
 bool timings_create(struct timings *timings, uint32_t passes, uint32_t max_frames,
                     const struct dt_log *log)

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/texels.h"
+#include "console/texels.h"
 
 enum message_kind {
     /* from the child */

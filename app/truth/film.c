@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "console/console.h"
 #include "base/files.h"
 
 static size_t number_count(const struct film *film)

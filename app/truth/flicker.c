@@ -9,9 +9,9 @@
 #include <cjson/cJSON.h>
 
 #include "base/files.h"
-#include "base/hdr.h"
-#include "base/numbered.h"
-#include "base/options.h"
+#include "console/hdr.h"
+#include "console/numbered.h"
+#include "console/options.h"
 #include "run/session.h"
 #include "truth/change.h"
 #include "truth/rays.h"

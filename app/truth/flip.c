@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/spread.h"
+#include "console/spread.h"
 
 enum { MAX_RADIUS = 1024 }; /* more than any filter has at FLIP_MOST_PIXELS_PER_DEGREE */
 

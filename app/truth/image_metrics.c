@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "base/spread.h"
+#include "console/spread.h"
 
 static bool is_finite_pixel(const float *texel)
 {

@@ -12,7 +12,7 @@
 #include <embree3/rtcore.h>
 #endif
 
-#include "base/console.h"
+#include "console/console.h"
 #include "scenes/srgb.h"
 
 enum { SOLID, WITH_HOLES, GEOMETRIES };

@@ -3,7 +3,7 @@
 #ifndef DIPTYCH_RAYS_H
 #define DIPTYCH_RAYS_H
 
-#include "base/vector.h"
+#include "console/vector.h"
 #include "diptych.h"
 
 /* A point on a surface. Its normals are on the side that the ray came from. */

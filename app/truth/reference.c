@@ -10,8 +10,9 @@
 #include <time.h>
 
 #include "base/files.h"
-#include "base/hdr.h"
-#include "base/options.h"
+#include "result/identity.h"
+#include "console/hdr.h"
+#include "console/options.h"
 #include "run/session.h"
 #include "truth/tracer.h"
 

@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 
-#include "base/console.h"
+#include "console/console.h"
 #include "truth/rays.h"
 
 static const float pi = 3.14159265358979f;

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/console.h"
+#include "console/console.h"
 #include "base/files.h"
-#include "base/vector.h"
+#include "console/vector.h"
 
 /* Right, up and forward, unit and perpendicular. */
 struct axes {

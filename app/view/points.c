@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "base/texels.h"
+#include "console/texels.h"
 
 struct dots {
     const struct picture *picture;

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "build/inputs.h"
+#include "spec/inputs.h"
 #include "view/camera.h"
 
 /* ---- Opening --------------------------------------------------------------------------------- */

@@ -4,8 +4,8 @@
 
 #include <GLFW/glfw3.h>
 
-#include "base/options.h"
-#include "build/reload.h"
+#include "console/options.h"
+#include "spec/reload.h"
 #include "result/picture.h"
 #include "run/session.h"
 #include "view/overlay.h"

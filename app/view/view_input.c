@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#include "base/live.h"
-#include "base/texels.h"
+#include "console/live.h"
+#include "console/texels.h"
 #include "view/camera.h"
 
 static struct view *view_of(GLFWwindow *window)

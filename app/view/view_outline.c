@@ -14,7 +14,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/live.h"
+#include "console/live.h"
 #include "scenes/reader.h"
 
 /* NULL where the key is not there, or holds something else. */

@@ -9,9 +9,9 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/live.h"
-#include "base/spread.h"
-#include "base/texels.h"
+#include "console/live.h"
+#include "console/spread.h"
+#include "console/texels.h"
 
 /* ---- Times ----------------------------------------------------------------------------------- */
 

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/live.h"
-#include "base/texels.h"
-#include "build/inputs.h"
+#include "console/live.h"
+#include "console/texels.h"
+#include "spec/inputs.h"
 
 const struct dt_shaders *view_shaders_of(const struct view_side *side,
                                          const struct pipeline *pipeline)

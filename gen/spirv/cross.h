@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "../text.h"
+#include "base/text.h"
 
 /* words: of OpenGL's variant (spirv_for_opengl). NoContraction becomes `precise`. False: *why,
  * free(), says why not; NULL: out of memory. */

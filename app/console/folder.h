@@ -1,0 +1,35 @@
+/* A folder that appears whole or not at all: written under another name beside its place and
+ * renamed. Called by whatever writes folders with a manifest.json. */
+#ifndef DIPTYCH_FOLDER_H
+#define DIPTYCH_FOLDER_H
+
+#include "console/console.h"
+
+struct folder {
+    struct console *console;
+    const char *option; /* that named it, for messages */
+    const char *mark;
+    char *place;
+    char *temporary; /* NULL: nothing was begun */
+};
+
+/* True also where there is no folder; false where it cannot be listed. */
+bool folder_is_empty(const char *place);
+
+/* Refuses a place that is neither free, nor an empty folder, nor one of the same kind, whose
+ * manifest.json has the key `mark`. Strings but the place are borrowed. On false the error is logged; folder_end either way. */
+bool folder_begin(struct folder *folder, struct console *console, const char *option,
+                  const char *place, const char *mark);
+
+/* Whether what stands in that place may be replaced, asked before hours of work; logs as it would. */
+bool folder_can_write(struct console *console, const char *option, const char *place,
+                      const char *mark);
+
+/* Writes a file, whose name may lead through folders: they are made. */
+bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size);
+bool folder_write_json(const struct folder *folder, const char *name, const struct cJSON *value);
+
+/* Puts it in its place, or throws it away. Takes a zeroed one. */
+bool folder_end(struct folder *folder, bool keep);
+
+#endif

@@ -1,0 +1,41 @@
+/* What is run, on what: the part of a verb's options that the rooms below the verbs take. A library's
+ * player fills one itself. */
+#ifndef DIPTYCH_SETUP_H
+#define DIPTYCH_SETUP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "base/command.h"
+
+/* Strings are the caller's. */
+struct setup {
+    const char *spec;      /* NULL: the project's own */
+    const char *templates; /* folder of the GLSL library; NULL: the project's */
+    const char *root;      /* no option: the folder of a replay, which reads no file outside */
+    union {                /* two names of one list: the table of options stores text_list */
+        struct text_list set_list;
+        struct {
+            const char **sets; /* NAME=VALUE each */
+            uint32_t set_count;
+        };
+    };
+    struct text_list inputs; /* NAME=FILE each */
+    bool inputs_later;       /* no option: of a player, which gets inputs after inputs_load */
+    const char *scene;
+    const char *motion;  /* file; NULL: nothing moves */
+    const char *scenes;  /* folder of meshes; NULL: DIPTYCH_SCENES or none */
+    uint32_t size[2];    /* this and frames: 0 with --against where not given */
+    bool default_size;   /* size is the default, which an input may replace */
+    uint32_t frames;     /* 0 with --motion where not given: all of it */
+    const char *backend; /* see side.h */
+    const char *device;
+    const char *context;
+    bool glsl;           /* OpenGL takes text */
+    bool debug;          /* validation layers */
+    const char *against; /* folder of a dump */
+    const char *capture;
+    uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
+};
+
+#endif

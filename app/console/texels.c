@@ -1,0 +1,434 @@
+/* Types and formats as tables; see texels.h. */
+#include "console/texels.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+
+static const struct {
+    const char *name;
+    uint32_t components;
+    enum dt_type scalar;
+} types[DT_TYPE_COUNT] = {
+    [DT_TYPE_FLOAT] = {"float", 1, DT_TYPE_FLOAT}, [DT_TYPE_VEC2] = {"vec2", 2, DT_TYPE_FLOAT},
+    [DT_TYPE_VEC3] = {"vec3", 3, DT_TYPE_FLOAT},   [DT_TYPE_VEC4] = {"vec4", 4, DT_TYPE_FLOAT},
+    [DT_TYPE_INT] = {"int", 1, DT_TYPE_INT},       [DT_TYPE_IVEC2] = {"ivec2", 2, DT_TYPE_INT},
+    [DT_TYPE_IVEC3] = {"ivec3", 3, DT_TYPE_INT},   [DT_TYPE_IVEC4] = {"ivec4", 4, DT_TYPE_INT},
+    [DT_TYPE_UINT] = {"uint", 1, DT_TYPE_UINT},    [DT_TYPE_UVEC2] = {"uvec2", 2, DT_TYPE_UINT},
+    [DT_TYPE_UVEC3] = {"uvec3", 3, DT_TYPE_UINT},  [DT_TYPE_UVEC4] = {"uvec4", 4, DT_TYPE_UINT},
+    [DT_TYPE_BOOL] = {"bool", 1, DT_TYPE_BOOL},    [DT_TYPE_MAT4] = {"mat4", 16, DT_TYPE_FLOAT},
+};
+
+static const struct {
+    const char *name;
+    uint32_t channels;
+    enum number_kind kind; /* of the first channel; those of a packed texel follow */
+} formats[DT_FORMAT_COUNT] = {
+    [DT_FORMAT_R8] = {"r8", 1, NUMBER_UNORM8},
+    [DT_FORMAT_RG8] = {"rg8", 2, NUMBER_UNORM8},
+    [DT_FORMAT_RGBA8] = {"rgba8", 4, NUMBER_UNORM8},
+    [DT_FORMAT_RGBA8_SRGB] = {"rgba8_srgb", 4, NUMBER_UNORM8},
+    [DT_FORMAT_R16F] = {"r16f", 1, NUMBER_HALF},
+    [DT_FORMAT_RG16F] = {"rg16f", 2, NUMBER_HALF},
+    [DT_FORMAT_RGBA16F] = {"rgba16f", 4, NUMBER_HALF},
+    [DT_FORMAT_R32F] = {"r32f", 1, NUMBER_FLOAT},
+    [DT_FORMAT_RG32F] = {"rg32f", 2, NUMBER_FLOAT},
+    [DT_FORMAT_RGBA32F] = {"rgba32f", 4, NUMBER_FLOAT},
+    [DT_FORMAT_R32UI] = {"r32ui", 1, NUMBER_UINT},
+    [DT_FORMAT_RG32UI] = {"rg32ui", 2, NUMBER_UINT},
+    [DT_FORMAT_RGBA32UI] = {"rgba32ui", 4, NUMBER_UINT},
+    [DT_FORMAT_R32I] = {"r32i", 1, NUMBER_INT},
+    [DT_FORMAT_D32F] = {"d32f", 1, NUMBER_FLOAT},
+    [DT_FORMAT_R16] = {"r16", 1, NUMBER_UNORM16},
+    [DT_FORMAT_RG16] = {"rg16", 2, NUMBER_UNORM16},
+    [DT_FORMAT_RGBA16] = {"rgba16", 4, NUMBER_UNORM16},
+    [DT_FORMAT_R16_SNORM] = {"r16_snorm", 1, NUMBER_SNORM16},
+    [DT_FORMAT_RG16_SNORM] = {"rg16_snorm", 2, NUMBER_SNORM16},
+    [DT_FORMAT_RGBA16_SNORM] = {"rgba16_snorm", 4, NUMBER_SNORM16},
+    [DT_FORMAT_R8UI] = {"r8ui", 1, NUMBER_UINT8},
+    [DT_FORMAT_RG8UI] = {"rg8ui", 2, NUMBER_UINT8},
+    [DT_FORMAT_RGBA8UI] = {"rgba8ui", 4, NUMBER_UINT8},
+    [DT_FORMAT_R16UI] = {"r16ui", 1, NUMBER_UINT16},
+    [DT_FORMAT_RG16UI] = {"rg16ui", 2, NUMBER_UINT16},
+    [DT_FORMAT_RGBA16UI] = {"rgba16ui", 4, NUMBER_UINT16},
+    [DT_FORMAT_R8I] = {"r8i", 1, NUMBER_INT8},
+    [DT_FORMAT_RG8I] = {"rg8i", 2, NUMBER_INT8},
+    [DT_FORMAT_RGBA8I] = {"rgba8i", 4, NUMBER_INT8},
+    [DT_FORMAT_R16I] = {"r16i", 1, NUMBER_INT16},
+    [DT_FORMAT_RG16I] = {"rg16i", 2, NUMBER_INT16},
+    [DT_FORMAT_RGBA16I] = {"rgba16i", 4, NUMBER_INT16},
+    [DT_FORMAT_RG32I] = {"rg32i", 2, NUMBER_INT},
+    [DT_FORMAT_RGBA32I] = {"rgba32i", 4, NUMBER_INT},
+    [DT_FORMAT_R11G11B10F] = {"r11g11b10f", 3, NUMBER_R11F},
+    [DT_FORMAT_RGB10A2] = {"rgb10a2", 4, NUMBER_R10},
+};
+
+const char *type_name(enum dt_type type)
+{
+    return types[type].name;
+}
+
+uint32_t type_components(enum dt_type type)
+{
+    return types[type].components;
+}
+
+enum dt_type type_scalar(enum dt_type type)
+{
+    return types[type].scalar;
+}
+
+const char *format_name(enum dt_format format)
+{
+    return formats[format].name;
+}
+
+uint32_t format_channels(enum dt_format format)
+{
+    return formats[format].channels;
+}
+
+enum number_kind format_number(enum dt_format format)
+{
+    return formats[format].kind;
+}
+
+static bool is_packed(enum number_kind kind)
+{
+    return kind >= NUMBER_R11F && kind <= NUMBER_A2;
+}
+
+uint32_t format_size(enum dt_format format)
+{
+    enum number_kind kind = formats[format].kind;
+    return is_packed(kind) ? number_size(kind) : formats[format].channels * number_size(kind);
+}
+
+struct component format_component(enum dt_format format, uint32_t channel)
+{
+    enum number_kind kind = formats[format].kind;
+    struct component component = {.kind = kind, .offset = channel * number_size(kind)};
+    if (is_packed(kind))
+        component = (struct component){.kind = (enum number_kind)(kind + channel)};
+    component.name[0] = format == DT_FORMAT_D32F ? 'd' : "rgba"[channel];
+    return component;
+}
+
+/* ---- Numbers --------------------------------------------------------------------------------- */
+
+static const struct {
+    uint8_t bytes, shift, width; /* the number: `width` bits from `shift` on */
+    double least, most;
+} numbers[] = {
+    [NUMBER_UNORM8] = {1, 0, 8, 0, 1},
+    [NUMBER_UNORM16] = {2, 0, 16, 0, 1},
+    [NUMBER_SNORM16] = {2, 0, 16, -1, 1},
+    [NUMBER_HALF] = {2, 0, 16, -65519.99, 65519.99},
+    [NUMBER_FLOAT] = {4, 0, 32, -FLT_MAX, FLT_MAX},
+    [NUMBER_R11F] = {4, 0, 11, 0, 65279.99},
+    [NUMBER_G11F] = {4, 11, 11, 0, 65279.99},
+    [NUMBER_B10F] = {4, 22, 10, 0, 65023.99},
+    [NUMBER_R10] = {4, 0, 10, 0, 1},
+    [NUMBER_G10] = {4, 10, 10, 0, 1},
+    [NUMBER_B10] = {4, 20, 10, 0, 1},
+    [NUMBER_A2] = {4, 30, 2, 0, 1},
+    [NUMBER_UINT] = {4, 0, 32, 0, UINT32_MAX},
+    [NUMBER_INT] = {4, 0, 32, INT32_MIN, INT32_MAX},
+    [NUMBER_UINT8] = {1, 0, 8, 0, UINT8_MAX},
+    [NUMBER_INT8] = {1, 0, 8, INT8_MIN, INT8_MAX},
+    [NUMBER_UINT16] = {2, 0, 16, 0, UINT16_MAX},
+    [NUMBER_INT16] = {2, 0, 16, INT16_MIN, INT16_MAX},
+};
+
+uint32_t number_size(enum number_kind kind)
+{
+    return numbers[kind].bytes;
+}
+
+uint32_t number_width(enum number_kind kind)
+{
+    return numbers[kind].width;
+}
+
+bool number_is_integer(enum number_kind kind)
+{
+    return kind >= NUMBER_UINT;
+}
+
+bool number_is_float(enum number_kind kind)
+{
+    return kind >= NUMBER_HALF && kind <= NUMBER_B10F;
+}
+
+uint32_t number_one(enum number_kind kind)
+{
+    if (kind == NUMBER_SNORM16)
+        return INT16_MAX;
+    bool unorm = kind <= NUMBER_UNORM16 || (kind >= NUMBER_R10 && kind <= NUMBER_A2);
+    return unorm ? (1u << numbers[kind].width) - 1 : 0;
+}
+
+static uint32_t mask_of(enum number_kind kind)
+{
+    return UINT32_MAX >> (32 - numbers[kind].width);
+}
+
+uint32_t number_bits(enum number_kind kind, const uint8_t *place)
+{
+    uint32_t bits = 0;
+    memcpy(&bits, place, number_size(kind)); /* little-endian, as all of diptych's machines are */
+    return bits >> numbers[kind].shift & mask_of(kind);
+}
+
+void number_set_bits(enum number_kind kind, uint32_t bits, uint8_t *place)
+{
+    uint32_t all = 0;
+    memcpy(&all, place, number_size(kind));
+    all &= ~(mask_of(kind) << numbers[kind].shift);
+    all |= bits << numbers[kind].shift;
+    memcpy(place, &all, number_size(kind));
+}
+
+static double half_value(uint32_t bits)
+{
+    uint32_t exponent = bits >> 10 & 31;
+    double fraction = bits & 1023;
+    double size = exponent == 0   ? ldexp(fraction, -24)
+                  : exponent < 31 ? ldexp(fraction + 1024, (int)exponent - 25)
+                  : fraction == 0 ? INFINITY
+                                  : NAN;
+    return bits & 0x8000 ? -size : size;
+}
+
+double number_of_bits(enum number_kind kind, uint32_t bits)
+{
+    float number;
+    memcpy(&number, &bits, sizeof number);
+    switch (kind) {
+    case NUMBER_UNORM8:
+    case NUMBER_UNORM16:
+    case NUMBER_R10:
+    case NUMBER_G10:
+    case NUMBER_B10:
+    case NUMBER_A2:
+        return (double)bits / number_one(kind);
+    case NUMBER_SNORM16: /* -32768 is -1, too */
+        return fmax((double)(int16_t)bits / INT16_MAX, -1);
+    case NUMBER_HALF:
+        return half_value(bits);
+    case NUMBER_R11F: /* halves without a sign, and with a shorter fraction */
+    case NUMBER_G11F:
+    case NUMBER_B10F:
+        return half_value(bits << (15 - numbers[kind].width));
+    case NUMBER_FLOAT:
+        return (double)number;
+    case NUMBER_UINT:
+    case NUMBER_UINT8:
+    case NUMBER_UINT16:
+        return bits;
+    case NUMBER_INT:
+        return (int32_t)bits;
+    case NUMBER_INT8:
+        return (int8_t)bits;
+    case NUMBER_INT16:
+        return (int16_t)bits;
+    }
+    return 0;
+}
+
+double number_value(enum number_kind kind, const uint8_t *place)
+{
+    return number_of_bits(kind, number_bits(kind, place));
+}
+
+/* Of a fraction of so many bits. Ties go to the even one; from 65520 on a half is infinity. */
+static uint32_t half_bits(double value, int fraction)
+{
+    double size = fabs(value);
+    int exponent;
+    uint32_t bits;
+    frexp(size, &exponent); /* size is 0.5 to 1 times 2 to the exponent */
+    if (size < 0x1p-14)
+        bits = (uint32_t)lrint(ldexp(size, 14 + fraction));
+    else
+        bits = ((uint32_t)(exponent + 13) << fraction) +
+               (uint32_t)lrint(ldexp(size, fraction + 1 - exponent));
+    return bits | (signbit(value) && fraction == 10 ? 0x8000 : 0);
+}
+
+bool number_store(enum number_kind kind, double value, uint8_t *place)
+{
+    float number = (float)value;
+    uint32_t bits = 0;
+    if (!(value >= numbers[kind].least && value <= numbers[kind].most))
+        return false;
+    switch (kind) {
+    case NUMBER_UNORM8:
+    case NUMBER_UNORM16:
+    case NUMBER_SNORM16:
+    case NUMBER_R10:
+    case NUMBER_G10:
+    case NUMBER_B10:
+    case NUMBER_A2:
+        bits = (uint32_t)lrint(number_one(kind) * value);
+        break;
+    case NUMBER_HALF:
+        bits = half_bits(value, 10);
+        break;
+    case NUMBER_R11F:
+    case NUMBER_G11F:
+    case NUMBER_B10F:
+        bits = half_bits(value, (int)numbers[kind].width - 5);
+        break;
+    case NUMBER_FLOAT:
+        memcpy(&bits, &number, sizeof bits);
+        break;
+    case NUMBER_UINT:
+    case NUMBER_INT:
+    case NUMBER_UINT8:
+    case NUMBER_INT8:
+    case NUMBER_UINT16:
+    case NUMBER_INT16:
+        bits = (uint32_t)llrint(value);
+        break;
+    }
+    number_set_bits(kind, bits & mask_of(kind), place);
+    return true;
+}
+
+uint32_t resource_stride(const struct dt_resource *resource)
+{
+    return resource->kind == DT_BUFFER ? resource->stride : format_size(resource->format);
+}
+
+void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, const uint32_t size[2],
+                     uint32_t mip, uint32_t extent[3])
+{
+    const struct dt_resource *what = &pipeline->resources[resource];
+    int halved = what->kind == DT_BUFFER ? 0 : what->shape == DT_SHAPE_3D ? 3 : 2;
+    pipeline->extent(pipeline, resource, size[0], size[1], extent);
+    for (int axis = 0; axis < halved; axis++)
+        extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
+}
+
+uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3])
+{
+    return resource->kind == DT_BUFFER ? extent[0] : (uint64_t)extent[0] * extent[1] * extent[2];
+}
+
+static enum number_kind type_number(enum dt_type type)
+{
+    enum dt_type scalar = type_scalar(type);
+    return scalar == DT_TYPE_FLOAT ? NUMBER_FLOAT
+           : scalar == DT_TYPE_INT ? NUMBER_INT
+                                   : NUMBER_UINT;
+}
+
+static void name_component(struct component *component, const struct dt_field *field, uint32_t item,
+                           uint32_t index)
+{
+    char place[16] = "";
+    char part[16] = "";
+    if (field->array_count)
+        snprintf(place, sizeof place, "[%u]", item);
+    if (field->type == DT_TYPE_MAT4)
+        snprintf(part, sizeof part, "[%u].%c", index / 4, "xyzw"[index % 4]);
+    else if (type_components(field->type) > 1)
+        snprintf(part, sizeof part, "%s%c", field->name[0] ? "." : "", "xyzw"[index]);
+    snprintf(component->name, sizeof component->name, "%.39s%s%s", field->name, place, part);
+}
+
+static uint32_t field_components(const struct dt_field *field, struct component *list)
+{
+    uint32_t items = field->array_count ? field->array_count : 1;
+    uint32_t each = type_components(field->type);
+    for (uint32_t item = 0; list && item < items; item++) {
+        for (uint32_t i = 0; i < each; i++) {
+            struct component *component = &list[item * each + i];
+            component->kind = type_number(field->type);
+            component->offset = field->offset + item * field->array_stride + i * 4;
+            name_component(component, field, item, i);
+        }
+    }
+    return items * each;
+}
+
+static uint32_t buffer_components(const struct dt_resource *resource, struct component *list)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < resource->field_count; i++)
+        count += field_components(&resource->fields[i], list ? list + count : NULL);
+    return count;
+}
+
+static uint32_t image_components(const struct dt_resource *resource, struct component *list)
+{
+    uint32_t channels = format_channels(resource->format);
+    for (uint32_t i = 0; list && i < channels; i++)
+        list[i] = format_component(resource->format, i);
+    return channels;
+}
+
+uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+{
+    const struct dt_resource *what = &pipeline->resources[resource];
+    uint32_t all = what->kind == DT_IMAGE ? (1u << what->mips) - 1 : 1;
+    uint32_t mask = what->history ? all : 0;
+    for (uint32_t i = 0; i < pass; i++) {
+        const struct dt_pass *writer = &pipeline->passes[i];
+        for (uint32_t j = 0; j < writer->write_count; j++)
+            if (writer->writes[j] == resource)
+                mask |= writer->write_mips ? writer->write_mips[j] : 1;
+    }
+    return mask;
+}
+
+char *element_place(const struct dt_resource *resource, const uint32_t extent[3], uint64_t element)
+{
+    if (resource->kind == DT_BUFFER)
+        return format_string("[%llu]", (unsigned long long)element);
+    uint64_t width = extent[0];
+    uint64_t area = width * extent[1];
+    unsigned long long x = element % width, y = element % area / width, layer = element / area;
+    return resource->layered ? format_string("(%llu, %llu, layer %llu)", x, y, layer)
+                             : format_string("(%llu, %llu)", x, y);
+}
+
+uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
+{
+    return resource_mips_before(pipeline, pass + 1, resource);
+}
+
+uint32_t resource_components(const struct dt_resource *resource, struct component **list)
+{
+    bool buffer = resource->kind == DT_BUFFER;
+    uint32_t count = buffer ? buffer_components(resource, NULL) : image_components(resource, NULL);
+    *list = calloc(count ? count : 1, sizeof **list);
+    if (!*list)
+        return 0;
+    return buffer ? buffer_components(resource, *list) : image_components(resource, *list);
+}
+
+bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes)
+{
+    struct component *list = NULL;
+    uint32_t stride = resource_stride(resource);
+    uint32_t count = resource_components(resource, &list);
+    uint8_t *kept = calloc(stride, 1); /* 0xff where a number lies */
+    uint32_t numbers = 0;
+    for (uint32_t i = 0; i < count && kept; i++) {
+        memset(kept + list[i].offset, 0xff, number_size(list[i].kind));
+        numbers += number_size(list[i].kind);
+    }
+    for (size_t at = 0; kept && numbers < stride && at + stride <= bytes->size; at += stride)
+        for (uint32_t i = 0; i < stride; i++)
+            bytes->data[at + i] &= kept[i];
+    bool good = count && kept;
+    free(kept);
+    free(list);
+    return good;
+}

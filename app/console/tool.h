@@ -1,0 +1,58 @@
+/* Programs that the command line runs: the generator, the C compiler, ninja. Called by pipeline.c, limit.c,
+ * sweep.c and steps*.c. */
+#ifndef DIPTYCH_TOOL_H
+#define DIPTYCH_TOOL_H
+
+#include <sys/types.h>
+
+#include "console/console.h"
+
+struct tool {
+    const char *what; /* for messages: "compiling the limits" */
+    const char *hint; /* what to do when it cannot be started */
+    bool explains;    /* its own messages explain a failure */
+};
+
+/* Runs argv[0] and waits; true when it ends with status 0. A signal that ends this process first
+ * ends the tool and its children. Its stderr is ours; its stdout is the descriptor `output`, or -1:
+ * dropped, to keep our own output clean. Logs an error unless tool->explains. */
+bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console);
+
+/* The same without any message, and with the program's streams dropped. */
+bool tool_quiet(char *const argv[], struct console *console);
+/* Runs argv[0] with our streams; its exit status, or -1, logged. */
+int tool_status(char *const argv[], struct console *console);
+
+/* Prints messages of another program, or of gen/, from a file: to stderr, or to the capture; and
+ * keeps them for --json: one per place that they name, or all as the reason where it `failed`
+ * without naming one. Closes the file. */
+void tool_tell(int file, bool failed, struct console *console);
+
+/* Runs one and returns its stdout; NULL on failure; free(). */
+char *tool_read(const struct tool *tool, char *const argv[], struct console *console);
+
+/* The same, but calls `take` for each line of stdout, from a thread of its own. */
+bool tool_lines(const struct tool *tool, char *const argv[],
+                void (*take)(void *user, const char *line), void *user, struct console *console);
+
+/* Whether there is a program of that name in a folder of PATH. */
+bool tool_is_there(const char *name);
+
+/* Folder of the executable, of diptych-gen, glad and the cache; in a library, its own folder; NULL with the error logged;
+ * free(). */
+char *tools_folder(const struct dt_log *log);
+
+/* Whether this is the bin folder of an installation, not the project's build folder. */
+bool tools_installed(const char *tools);
+
+/* Folders that belong to the executable: in the project, or share and include of the installation.
+ * free(). */
+char *templates_folder(const struct dt_log *log);
+char *headers_folder(const struct dt_log *log); /* diptych.h and limit.h */
+
+/* The path of a spec or scene file that the user names: `rsm` and `cornell` are files that came with the
+ * executable, unless the working folder has files of these names. free(); NULL: out of memory. */
+char *find_spec(const char *path, const struct dt_log *log);
+char *find_scene(const char *path, const struct dt_log *log);
+
+#endif

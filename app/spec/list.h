@@ -1,0 +1,12 @@
+/* The parameters, resources and passes of a pipeline as JSON. Called by the verb list and by players. */
+#ifndef DIPTYCH_LIST_H
+#define DIPTYCH_LIST_H
+
+#include <cjson/cJSON.h>
+
+#include "spec/pipeline.h"
+
+/* As `list --json` has it, for a frame size in pixels; cJSON_Delete. */
+cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2]);
+
+#endif

@@ -1,0 +1,245 @@
+/* The app's way into gen/; see plan.h. */
+#include "spec/plan.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "base/files.h"
+#include "console/tool.h"
+#include "spec/play.h"
+#include "gen/body_files.h"
+#include "gen/load.h"
+#include "gen/spirv/cross.h"
+#include "gen/watchdog.h"
+
+struct plan {
+    struct spec spec;
+};
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+/* They go where those of a child process would go: to the terminal, a window, or --json. */
+static void tell(struct diag *diag, bool failed, struct console *console)
+{
+    int file = memfd_create("messages", MFD_CLOEXEC);
+    int copy = file >= 0 ? dup(file) : -1;
+    FILE *out = copy >= 0 ? fdopen(copy, "w") : NULL;
+    diag_write(diag, out ? out : stderr);
+    if (out)
+        fclose(out);
+    else if (copy >= 0)
+        close(copy);
+    if (file >= 0)
+        tool_tell(file, failed, console);
+}
+
+/* ---- Load ------------------------------------------------------------------------------------ */
+
+struct plan *plan_load(const struct plan_request *request, struct console *console)
+{
+    const struct spec_request wanted = {.path = request->spec,
+                                        .sets = request->sets,
+                                        .set_count = request->set_count,
+                                        .templates = request->templates,
+                                        .root = request->root,
+                                        .cache = request->cache,
+                                        .text = request->text};
+    struct plan *plan = calloc(1, sizeof *plan);
+    struct diag *diag = diag_create();
+    bool good = plan && diag;
+    if (good) {
+        /* the library has no limits: they would end its host */
+        bool limited = !console->attached && watchdog_start(SPEC_SECONDS);
+        good = spec_load(&plan->spec, &wanted, true, diag);
+        if (limited)
+            watchdog_stop();
+        tell(diag, !good, console);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    diag_free(diag);
+    if (good) {
+        play_prepare(plan->spec.tables);
+        return plan;
+    }
+    plan_free(plan);
+    return NULL;
+}
+
+void plan_free(struct plan *plan)
+{
+    if (plan)
+        spec_free(&plan->spec);
+    free(plan);
+}
+
+const struct dt_pipeline *plan_pipeline(const struct plan *plan)
+{
+    return &plan->spec.tables->pipeline;
+}
+
+static enum backend backend_of(const char *name)
+{
+    return strcmp(name, "gl") == 0 ? BACKEND_GL : BACKEND_VK;
+}
+
+const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend)
+{
+    return &plan->spec.tables->shaders[backend_of(backend)];
+}
+
+const char *const *plan_sources(const struct plan *plan, uint32_t *count)
+{
+    *count = plan->spec.model.input_count;
+    return plan->spec.model.inputs;
+}
+
+bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl)
+{
+    struct shader *shader = &plan->spec.shaders[backend_of(backend)][pass].stage[stage];
+    bool good = true;
+    if (shader->word_count && !shader->glsl.length) { /* loaded without OpenGL's text */
+        char *why = NULL;
+        good = spirv_cross(shader->words, shader->word_count, &shader->glsl, &why);
+        free(why);
+    }
+    *glsl = shader->glsl.data;
+    return good;
+}
+
+char *plan_limit(const struct plan *plan, uint32_t pass)
+{
+    struct text text = {0};
+    const struct pipeline *pipeline = &plan->spec.model.pipeline;
+    if (!pipeline->order[pass]->limit_body)
+        return NULL;
+    emit_limit(pipeline, pipeline->order[pass], &text);
+    if (text.failed)
+        text_free(&text);
+    return text.data;
+}
+
+struct plan_input plan_input(const struct plan *plan, uint32_t resource)
+{
+    const struct resource *of = &plan->spec.model.pipeline.resources[resource];
+    return (struct plan_input){.file = of->file_path, .srgb = of->srgb};
+}
+
+void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
+                     struct console *console)
+{
+    struct diag *diag = diag_create();
+    if (diag) {
+        diag_error(diag, plan->spec.model.pipeline.resources[resource].file_loc, "%s", text);
+        tell(diag, true, console);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    diag_free(diag);
+}
+
+/* ---- Choices --------------------------------------------------------------------------------- */
+
+struct chooser {
+    bool (*take)(void *user, uint32_t pass, const char *path, const char *value);
+    void *user;
+    uint32_t pass;
+};
+
+/* All words but the one in force. Frees the path. */
+static bool choose(const struct chooser *chooser, char *path, const char *const *words,
+                   const char *in_force)
+{
+    bool good = path;
+    for (; *words && good; words++)
+        good = strcmp(*words, in_force) == 0 ||
+               chooser->take(chooser->user, chooser->pass, path, *words);
+    free(path);
+    return good;
+}
+
+static bool choose_range(const struct chooser *chooser, const struct pass *pass,
+                         const struct range *range)
+{
+    static const char *const storages[] = {"shared", "buffer", "uniform", NULL}, *const loops[] = {
+                                                                                     "unroll",
+                                                                                     "roll", NULL};
+    static const char *const storage_names[] = {[STORAGE_AUTO] = "",
+                                                [STORAGE_SHARED] = "shared",
+                                                [STORAGE_BUFFER] = "buffer",
+                                                [STORAGE_UNIFORM] = "uniform"},
+                             *const loop_names[] = {
+                                 [LOOP_AUTO] = "", [LOOP_UNROLL] = "unroll", [LOOP_ROLL] = "roll"};
+    const char *const format = "passes.%s.ranges.%s.%s";
+    return choose(chooser, format_string(format, pass->name, range->name, "storage"), storages,
+                  storage_names[range->storage]) &&
+           choose(chooser, format_string(format, pass->name, range->name, "loop"), loops,
+                  loop_names[range->loop]);
+}
+
+/* Of dispatches of invocations, whose workgroups are only their number. */
+static bool choose_local(const struct chooser *chooser, const struct pass *pass)
+{
+    static const char *const lines[] = {"32", "64", "128", "256", "512", NULL},
+                             *const planes[] = {"[8,8]",  "[16,8]", "[32,4]", "[64,2]",  "[16,16]",
+                                                "[32,8]", "[64,4]", "[64,8]", "[32,16]", NULL};
+    char in_force[32];
+    bool line = pass->size == SIZE_INVOCATIONS && !pass->dispatch[1];
+    if (pass->kind != PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
+        pass->size == SIZE_INDIRECT)
+        return true;
+    snprintf(in_force, sizeof in_force, line ? "%u" : "[%u,%u]", pass->local[0], pass->local[1]);
+    return choose(chooser, format_string("passes.%s.local", pass->name), line ? lines : planes,
+                  in_force);
+}
+
+bool plan_choices(const struct plan *plan,
+                  bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
+                  void *user)
+{
+    const struct pipeline *pipeline = &plan->spec.model.pipeline;
+    bool good = true;
+    for (uint32_t i = 0; i < pipeline->pass_count && good; i++) {
+        const struct pass *pass = pipeline->order[i];
+        const struct chooser chooser = {take, user, i};
+        for (uint32_t k = 0; k < pass->range_count && good; k++)
+            good = choose_range(&chooser, pass, &pass->ranges[k]);
+        good = good && choose_local(&chooser, pass);
+    }
+    return good;
+}
+
+uint64_t plan_hash(const struct plan *plan)
+{
+    const struct spec *spec = &plan->spec;
+    struct text text = {0};
+    emit_c_panel(spec->tables, &text);
+    for (uint32_t i = 0; i < spec->model.pipeline.pass_count; i++)
+        for (int stage = 0; stage < 3; stage++)
+            for (int backend = 0; backend < 2; backend++) {
+                const struct shader *shader = &spec->shaders[backend][i].stage[stage];
+                /* OpenGL's text, which not every plan has, follows from these */
+                const struct text *code = backend == BACKEND_GL ? &shader->code : &shader->glsl;
+                text_add_bytes(&text, code->data ? code->data : "", code->length);
+                for (uint32_t k = 1; shader->files && k < shader->files->count; k++)
+                    text_add(&text, "%s", shader->files->list[k].code);
+            }
+    uint64_t hash = text.failed ? 0 : XXH3_64bits(text.data, text.length);
+    for (uint32_t i = 0; hash && i < spec->model.pipeline.resource_count; i++)
+        if (spec->model.pipeline.resources[i].file_path)
+            hash_file(&hash, spec->model.pipeline.resources[i].file_path);
+    text_free(&text);
+    return hash;
+}
+
+char *plan_header(const struct plan *plan)
+{
+    struct text text = {0};
+    emit_header(&plan->spec.model, &text);
+    if (text.failed)
+        text_free(&text);
+    return text.data;
+}

@@ -1,0 +1,55 @@
+/* A spec, read, checked and planned in this process, ready to be played: the one file of the app's
+ * headers that stands for gen/, whose own names stay behind it. Called by pipeline.c. */
+#ifndef DIPTYCH_PLAN_BUILD_H
+#define DIPTYCH_PLAN_BUILD_H
+
+#include "console/console.h"
+
+struct plan;
+
+struct plan_request {
+    const char *spec, *templates; /* real paths */
+    const char *const *sets;
+    uint32_t set_count;
+    const char *cache; /* folder of compiled shaders; NULL: none */
+    const char *root;  /* real path: files outside are not read; NULL: no limit */
+    bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
+};
+
+/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
+struct plan *plan_load(const struct plan_request *request, struct console *console);
+void plan_free(struct plan *plan); /* takes NULL */
+
+const struct dt_pipeline *plan_pipeline(const struct plan *plan);
+const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
+/* The paths of all files that were read. */
+const char *const *plan_sources(const struct plan *plan, uint32_t *count);
+/* The GLSL of a pass for a backend ("gl", "vk"); stage: 0 compute, 1 vertex, 2 fragment. *glsl is
+ * NULL where the pass has none, and belongs to the plan. False when out of memory. */
+bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
+/* The pass's `limit` file with a #line that names it; free(). NULL: none, or out of memory. */
+char *plan_limit(const struct plan *plan, uint32_t pass);
+
+/* Of a resource with `input` or `file` in the spec. */
+struct plan_input {
+    const char *file; /* path; NULL: `input` */
+    bool srgb;        /* its picture holds sRGB codes, the image linear light */
+};
+struct plan_input plan_input(const struct plan *plan, uint32_t resource);
+/* An error at the `file` of the resource, printed as diptych-gen prints it. */
+void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
+                     struct console *console);
+
+/* Sizes of workgroups, and storage and loops of ranges: other values than those in force. They change times, not results.
+ * Calls `take` for each, by pass in order of execution; some may be refused. False: `take` has returned false, or out of
+ * memory. */
+bool plan_choices(const struct plan *plan,
+                  bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
+                  void *user);
+
+/* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
+uint64_t plan_hash(const struct plan *plan);
+/* NAME.h, for such a file; free(). */
+char *plan_header(const struct plan *plan);
+
+#endif

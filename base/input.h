@@ -1,0 +1,20 @@
+/* Reads files that a user names: regular files alone, so that no device and no pipe makes a
+ * program wait. Called by reader.c, by gen/diag.c and by base/files.c. */
+#ifndef DIPTYCH_SCENES_INPUT_H
+#define DIPTYCH_SCENES_INPUT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+/* The whole file and a terminating zero that *length does not count; free(). NULL: *reason says
+ * why; it is valid until the next call in this thread. `most` is the limit in bytes. */
+char *input_read(const char *path, size_t most, size_t *length, const char **reason);
+
+/* Opens such a file; NULL: *reason, as above. */
+FILE *input_open(const char *path, size_t most, const char **reason);
+
+/* For a library that opens the file by its name. False: *reason, as above. */
+bool input_check(const char *path, size_t most, const char **reason);
+
+#endif
