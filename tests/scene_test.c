@@ -447,6 +447,35 @@ static void opacity_map_becomes_alpha(void **state)
     scene_free(&scene);
 }
 
+/* One file by three names, of which one is a link, is one layer; what takes too much memory is refused
+ * before a texture is read. */
+static void textures_have_a_budget(void **state)
+{
+    (void)state;
+    char mtl[2048] = "newmtl a\nmap_Kd opaque.png\nnewmtl b\nmap_Kd ././opaque.png\nnewmtl c\n"
+                     "map_Kd link.png\n";
+    write_checker("opaque.png", 255);
+    assert_int_equal(symlink("opaque.png", at("link.png")), 0);
+    put("t.obj", textured_obj);
+    put("t.mtl", mtl);
+    put("t.yaml", "mesh: t.obj\ntexture_size: 8\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    load(&scene, at("t.yaml"), &heard);
+    assert_int_equal(scene.data.texture_layers, 1);
+    assert_int_equal(material_of(&scene, 0)->texture, material_of(&scene, 2)->texture);
+    scene_free(&scene);
+    for (int i = 0; i < 25; i++)
+        sprintf(mtl + strlen(mtl), "newmtl m%d\nmap_Kd none%d.png\n", i, i);
+    put("t.mtl", mtl);
+    put("t.yaml", "mesh: t.obj\ntexture_size: 4096\n" CAMERA SUN);
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_non_null(
+        strstr(heard.text, "26 textures of 4096x4096 take 2218 MiB; 2048 is the limit"));
+    assert_int_equal(heard.count[DT_WARNING], 0);
+}
+
 static void untextured_scene_has_one_white_texel(void **state)
 {
     (void)state;
@@ -1068,6 +1097,7 @@ int main(void)
         cmocka_unit_test(gltf_brings_camera_and_light),
         cmocka_unit_test(textures_fill_the_array),
         cmocka_unit_test(opacity_map_becomes_alpha),
+        cmocka_unit_test(textures_have_a_budget),
         cmocka_unit_test(untextured_scene_has_one_white_texel),
         cmocka_unit_test(cornell_box_has_the_published_measures),
         cmocka_unit_test(atrium_is_heavy_and_faces_outward),
