@@ -273,6 +273,8 @@ static bool load_layer(const struct layers *layers, const struct mesh_texture *t
     if (!open_texture(texture, &opened, warn))
         return false;
     bool good = image_read_rgba8(opened.name, &width, &height, &image, warn);
+    if (good)
+        image_check_space(opened.name, IMAGE_AS_SRGB, warn);
     close_texture(&opened);
     if (!good)
         return false;

@@ -429,6 +429,48 @@ static void textures_fill_the_array(void **state)
     scene_free(&scene);
 }
 
+/* Grey codes of linear light, as the file says. */
+static void write_linear(const char *name)
+{
+    const uint8_t codes[2] = {10, 200};
+    FILE *file = fopen(at(name), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    assert_true(file && png && info && setjmp(png_jmpbuf(png)) == 0);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, 2, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_gAMA_fixed(png, info, 100000);
+    png_write_info(png, info);
+    png_write_row(png, codes);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void textures_keep_their_numbers(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    uint8_t *codes;
+    uint32_t width = 0, height = 0;
+    write_linear("linear.png");
+    assert_true(image_read_rgba8(at("linear.png"), &width, &height, &codes, &log));
+    assert_true(codes[0] == 10 && codes[4] == 200);
+    free(codes);
+    put("g.obj", textured_obj);
+    put("t.mtl", "newmtl a\nmap_Kd linear.png\n");
+    put("g.yaml", "mesh: g.obj\ntexture_size: 2\n" CAMERA SUN);
+    load(&scene, at("g.yaml"), &heard);
+    assert_int_equal(heard.count[DT_WARNING], 1);
+    assert_non_null(strstr(heard.text, "linear.png: its colour space is linear; its numbers are "
+                                       "taken as sRGB codes"));
+    assert_true(scene.data.texels[0] == 10 && scene.data.texels[4] == 200);
+    scene_free(&scene);
+}
+
 static void opacity_map_becomes_alpha(void **state)
 {
     (void)state;
@@ -1096,6 +1138,7 @@ int main(void)
         cmocka_unit_test(gltf_nodes_are_flattened),
         cmocka_unit_test(gltf_brings_camera_and_light),
         cmocka_unit_test(textures_fill_the_array),
+        cmocka_unit_test(textures_keep_their_numbers),
         cmocka_unit_test(opacity_map_becomes_alpha),
         cmocka_unit_test(textures_have_a_budget),
         cmocka_unit_test(untextured_scene_has_one_white_texel),
