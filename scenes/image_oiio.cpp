@@ -27,9 +27,11 @@ bool fail(image_error *error, const std::string &reason)
 
 void map_color(OIIO::ImageBuf &image, float (*map)(float))
 {
-    for (OIIO::ImageBuf::Iterator<float> texel(image); !texel.done(); ++texel)
-        for (int channel = 0; channel < 3; channel++)
-            texel[channel] = map(texel[channel]);
+    float *texels =
+        (float *)image.localpixels(); /* four channels; iterators take ten times as long */
+    for (OIIO::imagesize_t i = 0; i < 4 * image.spec().image_pixels(); i++)
+        if (i % 4 < 3)
+            texels[i] = map(texels[i]);
 }
 
 /* Averages light, not codes. */

@@ -299,15 +299,30 @@ static bool import(struct mesh *mesh, const char *path, float scale, const struc
     return good && (weld(mesh) || out_of_memory(path, log));
 }
 
+/* Adds to errors what the file seems to be. */
+struct naming {
+    const struct dt_log *log;
+    const char *path;
+};
+
+static void name_kind(void *user, enum dt_level level, const char *message)
+{
+    const struct naming *naming = user;
+    const char *seen = level == DT_ERROR ? input_seen(naming->path) : NULL;
+    log_message(naming->log, level, seen ? "%s; the file is %s" : "%s", message, seen);
+}
+
 bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
 {
     *mesh = (struct mesh){0};
+    struct naming naming = {log, path};
+    const struct dt_log named = {name_kind, &naming};
     const char *reason;
     if (!input_check(path, MESH_MOST_BYTES, &reason)) {
         log_message(log, DT_ERROR, "%s: %s", path, reason);
         return false;
     }
-    bool good = import(mesh, path, scale, log);
+    bool good = import(mesh, path, scale, &named);
     if (!good)
         mesh_free(mesh);
     else if (mesh->degenerate_triangles)

@@ -85,6 +85,8 @@ void mesh_check_camera(struct mesh_view *view);
 void mesh_check_light(struct mesh_view *view);
 /* mesh_import for all files but glTF. */
 bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
+/* Whether the faces of an OBJ file name vertices, texture coordinates and normals that it has. */
+bool obj_check(const char *path, const struct dt_log *log);
 /* Fills the mesh's views. False when out of memory. */
 bool mesh_views(struct mesh *mesh, const struct aiScene *source, float scale);
 

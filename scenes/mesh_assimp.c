@@ -10,9 +10,11 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -253,15 +255,50 @@ static void flush_file(struct aiFile *file)
     (void)file;
 }
 
-/* assimp opens whatever a mesh names: here regular files alone, for reading. */
+/* The files that assimp opens. */
+struct opening {
+    const struct dt_log *log;
+    char *no_materials; /* a material library that is not there; NULL: none, or another was found */
+    bool failed;        /* an error was logged */
+};
+
+static bool has_ending(const char *path, const char *ending)
+{
+    const char *end = strrchr(path, '.');
+    return end && strcasecmp(end, ending) == 0;
+}
+
+static bool is_material_library(const char *path)
+{
+    return has_ending(path, ".mtl");
+}
+
+/* What a material library is, if it is no text that assimp reads right. */
+static const char *other_kind(const char *path)
+{
+    const char *seen = is_material_library(path) ? input_seen(path) : NULL;
+    return seen && strcmp(seen, "empty") != 0 ? seen : NULL;
+}
+
+/* assimp opens whatever a mesh names: here regular files alone, for reading. It tries names, but
+ * goes on without a file that is there and cannot be read. */
 static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
 {
-    const struct dt_log *log = (const struct dt_log *)io->UserData;
+    struct opening *opening = (struct opening *)io->UserData;
     const char *reason;
-    if (*mode != 'r' || access(path, F_OK) != 0)
-        return NULL; /* assimp tries names */
+    if (*mode != 'r')
+        return NULL;
+    if (access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR)) {
+        if (is_material_library(path) && !opening->no_materials)
+            opening->no_materials = strdup(path);
+        return NULL;
+    }
     child_opens(path);
     FILE *stream = input_open(path, MESH_MOST_BYTES, &reason);
+    if (stream && (reason = other_kind(path))) {
+        fclose(stream);
+        stream = NULL;
+    }
     struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
     if (file)
         *file = (struct aiFile){.ReadProc = read_file,
@@ -273,8 +310,15 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
                                 .UserData = (aiUserData)stream};
     else if (stream)
         fclose(stream);
-    else
-        log_message(log, DT_WARNING, "%s: not read: %s", path, reason);
+    else if (!opening->failed)
+        log_message(opening->log, DT_ERROR, "%s: %s", path, reason);
+    opening->failed = opening->failed || !file;
+    if (file && !opening->failed && opening->no_materials && is_material_library(path)) {
+        log_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
+                    opening->no_materials, path);
+        free(opening->no_materials);
+        opening->no_materials = NULL;
+    }
     return file;
 }
 
@@ -287,21 +331,35 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
+/* Logs why the import cannot be used, unless that was logged. */
+static bool is_whole(const struct aiScene *source, struct opening *opening, const char *path,
+                     const struct dt_log *log)
 {
-    struct aiFileIO io = {open_file, close_file, (aiUserData)(void *)log};
-    const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
-    if (!source || !source->mRootNode) {
+    bool good = source && source->mRootNode;
+    if (!good && !opening->failed)
         log_message(log, DT_ERROR, "%s: %s", path,
                     source ? "an empty mesh file" : aiGetErrorString());
-        if (source)
-            aiReleaseImport(source);
+    else if (opening->no_materials && !opening->failed)
+        log_message(log, DT_ERROR, "%s: not found; %s takes its materials from it",
+                    opening->no_materials, path);
+    good = good && !opening->failed && !opening->no_materials;
+    free(opening->no_materials);
+    return good;
+}
+
+bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
+{
+    struct opening opening = {.log = log};
+    if (has_ending(path, ".obj") && !obj_check(path, log))
         return false;
-    }
+    struct aiFileIO io = {open_file, close_file, (aiUserData)(void *)&opening};
+    const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
+    bool good = is_whole(source, &opening, path, log);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
-    bool good = import_materials(&import) && import_triangles(&import) &&
-                (mesh_views(mesh, source, scale) || out_of_memory(&import));
-    aiReleaseImport(source);
+    good = good && import_materials(&import) && import_triangles(&import) &&
+           (mesh_views(mesh, source, scale) || out_of_memory(&import));
+    if (source)
+        aiReleaseImport(source);
     return good;
 }

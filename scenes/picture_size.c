@@ -342,7 +342,11 @@ static FILE *open_kind(const char *path, const struct kind **kind, const char **
             memcmp(start, kinds[i].magic, strlen(kinds[i].magic)) == 0)
             *kind = &kinds[i];
     if (file && !*kind) {
-        *reason = "it is no PNG, JPEG, OpenEXR or HDR picture";
+        static _Thread_local char text[128];
+        const char *seen = input_seen(path);
+        snprintf(text, sizeof text, "it is no PNG, JPEG, OpenEXR or HDR picture%s%s",
+                 seen ? "; it is " : "", seen ? seen : "");
+        *reason = text;
         fclose(file);
         return NULL;
     }

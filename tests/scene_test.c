@@ -256,6 +256,94 @@ static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
     scene_free(&scene);
 }
 
+static const struct dt_material *material_of(const struct scene *scene, uint32_t triangle)
+{
+    return &scene->data.materials[scene->data.vertices[scene->data.indices[3 * triangle]].material];
+}
+
+/* The file must not load; the one error has the text. */
+static void assert_no_mesh(const char *name, const char *text)
+{
+    char yaml[512];
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    snprintf(yaml, sizeof yaml, "mesh: %s\n" CAMERA SUN, name);
+    put("wrong.yaml", yaml);
+    assert_false(scene_load(&scene, at("wrong.yaml"), NULL, false, &log));
+    if (!strstr(heard.text, text))
+        fail_msg("no '%s' in\n%s", text, heard.text);
+    assert_int_equal(heard.count[DT_ERROR], 1);
+}
+
+static void wrong_indices_have_a_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *face, *text;
+    } cases[] = {
+        {"f 1 2 9", "i.obj:6: error: a face has the vertex 9, and the file has 3"},
+        {"f 3 2 -4", "i.obj:6: error: a face has the vertex -4, and the file has 3"},
+        {"f 0 1 2", "i.obj:6: error: a face has the vertex 0, and the file has 3"},
+        {"f 1/1 2/2 3/1",
+         "i.obj:6: error: a face has the texture coordinate 2, and the file has 1"},
+        {"f 1//1 2//7 3//1", "i.obj:6: error: a face has the normal 7, and the file has 1"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        char text[256];
+        snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n%s\n",
+                 cases[i].face);
+        put("i.obj", text);
+        assert_no_mesh("i.obj", cases[i].text);
+    }
+    put("i.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
+    assert_no_mesh("i.ply", "i.ply: a face has the index 7, and there are 3 vertices");
+}
+
+/* Materials that cannot be read are not left out. */
+static void material_libraries_are_found(void **state)
+{
+    (void)state;
+    static const uint8_t wide[] = {0xff, 0xfe, 'n', 0, 'e', 0, 'w', 0};
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    put("l.obj", "mtllib k.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    assert_no_mesh("l.obj", "k.mtl: not found; ");
+    put("l.mtl", "newmtl a\nKd 1 0 0\n"); /* assimp tries the name of the mesh */
+    put("l.yaml", "mesh: l.obj\n" CAMERA SUN);
+    load(&scene, at("l.yaml"), &heard);
+    assert_non_null(strstr(heard.text, "k.mtl: not found; "));
+    assert_true(material_of(&scene, 0)->albedo[1] == 0);
+    scene_free(&scene);
+    assert_int_equal(mkdir(at("k.mtl"), 0777), 0);
+    assert_no_mesh("l.obj", "k.mtl: Is a directory");
+    assert_int_equal(rmdir(at("k.mtl")), 0);
+    FILE *file = fopen(at("k.mtl"), "wb");
+    assert_true(file && fwrite(wide, sizeof wide, 1, file) == 1 && fclose(file) == 0);
+    assert_no_mesh("l.obj", "k.mtl: UTF-16 text");
+}
+
+static void refused_models_are_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *start, *text;
+    } cases[] = {
+        {"w.obj", "\xfe\xff", "; the file is UTF-16 text"},
+        {"w.obj", "<!DOCTYPE html>", "; the file is a web page"},
+        {"w.obj", "version https://git-lfs.github.com/spec/v1\n",
+         "the file is a pointer of Git LFS"},
+        {"w.ply", "\x1f\x8b\b", "; the file is compressed by gzip"},
+        {"w.gltf", "", "; the file is empty"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        put(cases[i].name, cases[i].start);
+        assert_no_mesh(cases[i].name, cases[i].text);
+    }
+}
+
 static void assert_vector(const float v[3], double x, double y, double z)
 {
     const double expected[3] = {x, y, z};
@@ -385,11 +473,6 @@ static void write_checker(const char *name, uint8_t alpha_of_black)
     const struct dt_log log = {hear, &heard};
     if (!image_write_png(at(name), 4, 4, 4, texels, &log))
         fail_msg("%s", heard.text);
-}
-
-static const struct dt_material *material_of(const struct scene *scene, uint32_t triangle)
-{
-    return &scene->data.materials[scene->data.vertices[scene->data.indices[3 * triangle]].material];
 }
 
 static void textures_fill_the_array(void **state)
@@ -1135,6 +1218,9 @@ int main(void)
         cmocka_unit_test(box_is_closed_and_faces_outwards),
         cmocka_unit_test(triangles_are_numbered_by_their_first_vertex),
         cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
+        cmocka_unit_test(wrong_indices_have_a_line),
+        cmocka_unit_test(material_libraries_are_found),
+        cmocka_unit_test(refused_models_are_named),
         cmocka_unit_test(gltf_nodes_are_flattened),
         cmocka_unit_test(gltf_brings_camera_and_light),
         cmocka_unit_test(textures_fill_the_array),
