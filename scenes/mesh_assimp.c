@@ -18,6 +18,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* What assimp may take, besides 64 times the size of the file: nodes of nodes double without end. */
+#define LIBRARY_BYTES ((size_t)1 << 30)
+
 /* State of an import. */
 struct import {
     const struct aiScene *source;
@@ -336,7 +339,12 @@ static bool is_whole(const struct aiScene *source, struct opening *opening, cons
                      const struct dt_log *log)
 {
     bool good = source && source->mRootNode;
-    if (!good && !opening->failed)
+    if (!source && !opening->failed && strstr(aiGetErrorString(), "bad_alloc"))
+        log_message(log, DT_ERROR,
+                    "%s: reading it takes more memory than there is, or more than "
+                    "a file of its size should",
+                    path);
+    else if (!good && !opening->failed)
         log_message(log, DT_ERROR, "%s: %s", path,
                     source ? "an empty mesh file" : aiGetErrorString());
     else if (opening->no_materials && !opening->failed)
@@ -353,7 +361,11 @@ bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const 
     if (has_ending(path, ".obj") && !obj_check(path, log))
         return false;
     struct aiFileIO io = {open_file, close_file, (aiUserData)(void *)&opening};
+    struct stat status = {0};
+    stat(path, &status);
+    child_limit_memory(LIBRARY_BYTES + 64 * (size_t)status.st_size);
     const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
+    child_limit_memory(0);
     bool good = is_whole(source, &opening, path, log);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
