@@ -91,7 +91,7 @@ put_output "$lib"/pkgconfig/diptych-gl.pc package diptych-gl "pipelines of dipty
 put_output "$lib"/pkgconfig/diptych-vk.pc package diptych-vk "pipelines of diptych in a Vulkan renderer" "-ldiptych_vk" ""
 put_output "$lib"/pkgconfig/diptych-play.pc package diptych-play "plays pipelines of diptych" "-ldiptych_play" ""
 put_output "$lib"/pkgconfig/diptych-scene.pc package diptych-scene "scene files of diptych" "-ldiptych_scene" \
-    "-lpng -lassimp -lfyaml -ldl -lm -Wl,-rpath,\${prefix}/lib/diptych"
+    "-lpng -lassimp -lmeshoptimizer -lfyaml -lcjson -ldl -lm -Wl,-rpath,\${prefix}/lib/diptych"
 
 put 644 app/diptych-config.cmake "$lib"/cmake/diptych/diptych-config.cmake
 put_output "$lib"/cmake/diptych/diptych-config-version.cmake cat <<END

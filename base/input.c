@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,6 +73,15 @@ static int open_regular(const char *path, size_t most, size_t *length, const cha
     return -1;
 }
 
+bool input_room(int count)
+{
+    int file = count > 0 ? open("/dev/null", O_RDONLY | O_CLOEXEC) : -1;
+    bool good = count <= 0 || (file >= 0 && input_room(count - 1));
+    if (file >= 0)
+        close(file);
+    return good;
+}
+
 bool input_check(const char *path, size_t most, const char **reason)
 {
     size_t length;
@@ -104,4 +114,49 @@ char *input_read(const char *path, size_t most, size_t *length, const char **rea
         *reason = errno == EFBIG ? too_large(most) : strerror(errno);
     close(file);
     return text;
+}
+
+const char *input_seen(const char *path)
+{
+    static const struct {
+        const char *start;
+        size_t length;
+        const char *name;
+    } kinds[] = {{"\xff\xfe\0\0", 4, "UTF-32 text"},
+                 {"\0\0\xfe\xff", 4, "UTF-32 text"},
+                 {"\xff\xfe", 2, "UTF-16 text"},
+                 {"\xfe\xff", 2, "UTF-16 text"},
+                 {"\x1f\x8b", 2, "compressed by gzip"},
+                 {"\xfd"
+                  "7zXZ",
+                  5, "compressed by xz"},
+                 {"\x28\xb5\x2f\xfd", 4, "compressed by zstd"},
+                 {"BZh", 3, "compressed by bzip2"},
+                 {"PK\3\4", 4, "a ZIP archive"},
+                 {"7z\xbc\xaf", 4, "a 7z archive"},
+                 {"Rar!", 4, "a RAR archive"},
+                 {"version https://git-lfs", 23, "a pointer of Git LFS, without the file"},
+                 {"<!DOCTYPE html", 14, "a web page"},
+                 {"<!doctype html", 14, "a web page"},
+                 {"<html", 5, "a web page"},
+                 {"\x89PNG", 4, "a PNG picture"},
+                 {"\xff\xd8\xff", 3, "a JPEG picture"},
+                 {"%PDF", 4, "a PDF document"},
+                 {"\x7f"
+                  "ELF",
+                  4, "a program"}};
+    char start[32];
+    const char *reason;
+    FILE *file = input_open(path, SIZE_MAX, &reason);
+    size_t got = file ? fread(start, 1, sizeof start, file) : 0;
+    if (!file)
+        return NULL;
+    fclose(file);
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (got >= kinds[i].length && memcmp(start, kinds[i].start, kinds[i].length) == 0)
+            return kinds[i].name;
+    bool wide = got >= 8 && (start[0] == 0) != (start[1] == 0);
+    for (size_t i = 2; wide && i + 1 < got; i += 2)
+        wide = (start[i] == 0) == (start[0] == 0) && (start[i + 1] == 0) == (start[1] == 0);
+    return got == 0 ? "empty" : wide ? "UTF-16 text" : NULL;
 }

@@ -116,6 +116,7 @@ struct resource {
     struct expr *width, *height, *layers, *mips;
     double clear[4]; /* `clear`, default 0; depth: 1 */
     bool srgb;       /* `encoding: srgb`: pictures from outside hold sRGB codes */
+    bool encoding_is_given;
     struct loc encoding_loc;
     /* plan */
     uint32_t index;            /* in pipeline->resources */

@@ -170,6 +170,7 @@ static void read_image(struct reader *reader, const struct named *named, struct 
     image->mips = field_expr(reader, &fields, "mips");
     image->history = field_bool(reader, &fields, "history", false);
     image->srgb = field_choice(reader, &fields, "encoding", 0) == 1;
+    image->encoding_is_given = field_given(&fields, "encoding");
     image->encoding_loc = field_loc(reader, &fields, "encoding");
     read_content(reader, &fields, image);
     if (!field_given(&fields, "size") && !image->input)

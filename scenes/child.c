@@ -24,6 +24,24 @@ void child_opens(const char *path)
         snprintf(shared_with_parent->path, sizeof shared_with_parent->path, "%s", path);
 }
 
+void child_limit_memory(size_t bytes)
+{
+#ifndef __SANITIZE_ADDRESS__
+    FILE *file = shared_with_parent ? fopen("/proc/self/statm", "r") : NULL;
+    struct rlimit limit;
+    unsigned long pages = 0;
+    if (file && fscanf(file, "%lu", &pages) == 1 && getrlimit(RLIMIT_AS, &limit) == 0) {
+        rlim_t all = pages * (rlim_t)sysconf(_SC_PAGESIZE) + bytes;
+        limit.rlim_cur = bytes && all < limit.rlim_max ? all : limit.rlim_max;
+        setrlimit(RLIMIT_AS, &limit);
+    }
+    if (file)
+        fclose(file);
+#else
+    (void)bytes;
+#endif
+}
+
 /* ---- Messages: level and text, as many as there are ------------------------------------------ */
 
 static void send_message(void *user, enum dt_level level, const char *message)

@@ -17,6 +17,10 @@ enum { CHILD_SECONDS = 600 }; /* of processor time */
  * file of the last child_opens. No other thread may load libraries or hold their locks. */
 FILE *child_run(child_work *work, void *user, const struct dt_log *log);
 
+/* Limits the memory that the work may take from here on; 0: no longer. Does nothing outside a child,
+ * and under AddressSanitizer, which takes more than there is. */
+void child_limit_memory(size_t bytes);
+
 /* The file that the work opens next. Does nothing outside a child. */
 void child_opens(const char *path);
 

@@ -1,4 +1,4 @@
-/* Implements image.h: PNG by libpng; everything else by the OpenImageIO shim, which it finds and
+/* Implements image.h: PNG of up to 8 bits by libpng; everything else by the OpenImageIO shim, which it finds and
  * loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
 #include "image.h"
 
@@ -7,11 +7,13 @@
 #include "base/input.h"
 #include "mesh.h"
 #include "base/temporary.h"
+#include "picture_size.h"
 
 #include <dlfcn.h>
 #include <errno.h>
 #include <limits.h>
 #include <png.h>
+#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,50 +70,156 @@ bool image_may_open(const char *path, const struct dt_log *log)
 {
     const char *reason;
     child_opens(path);
-    if (input_check(path, MOST_IMAGE_BYTES, &reason))
+    if (input_check(path, MOST_IMAGE_BYTES, &reason) && picture_check(path, &reason))
         return true;
     log_message(log, DT_ERROR, "cannot read image %s: %s", path, reason);
     return false;
 }
 
-/* Begins to read a PNG of 8-bit sRGB by libpng's simplified interface; png_image_free(). False for
- * all else, for damaged files, and for a size that is not the one wanted: OpenImageIO reads these,
- * or tells why not. */
-static bool png_begin(png_image *png, const char *path, uint32_t width, uint32_t height)
+/* ---- PNG ------------------------------------------------------------------------------------- */
+
+struct png_file {
+    uint32_t width, height, bits; /* of a channel */
+    char space[PICTURE_SPACE];    /* as picture_space */
+};
+
+static _Noreturn void png_fail(png_structp png, png_const_charp text)
 {
-    *png = (png_image){.version = PNG_IMAGE_VERSION};
-    return png_image_begin_read_from_file(png, path) && !(png->format & PNG_FORMAT_FLAG_LINEAR) &&
-           !(png->flags & PNG_IMAGE_FLAG_COLORSPACE_NOT_sRGB) &&
-           (uint64_t)png->width * png->height <= IMAGE_MOST_PIXELS &&
-           (width == 0 || (width == png->width && height == png->height));
+    (void)text;
+    png_longjmp(png, 1);
 }
 
-static bool read_png(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels)
+static void png_ignore(png_structp png, png_const_charp text)
 {
-    png_image png;
-    uint8_t *codes = NULL;
-    bool good = png_begin(&png, path, *width, *height);
-    png.format = PNG_FORMAT_RGBA;
-    good = good && (codes = malloc(PNG_IMAGE_SIZE(png))) &&
-           png_image_finish_read(&png, NULL, codes, 0, NULL);
-    if (good)
-        *width = png.width, *height = png.height, *texels = codes;
+    (void)png, (void)text;
+}
+
+/* What the chunks before the pixels declare; the first of these counts. */
+static void take_space(png_structp png, png_infop info, char space[PICTURE_SPACE])
+{
+    /* white, red, green and blue of Rec. 709, in 1/100000 */
+    static const png_fixed_point rec709[8] = {31270, 32900, 64000, 33000,
+                                              30000, 60000, 15000, 6000};
+    png_charp name;
+    png_bytep profile;
+    png_uint_32 size;
+    png_fixed_point gamma = 0, at[8];
+    int number;
+    if (png_get_iCCP(png, info, &name, &number, &profile, &size)) {
+        picture_profile(profile, size, space);
+        return;
+    }
+    if (png_get_sRGB(png, info, &number)) {
+        snprintf(space, PICTURE_SPACE, "sRGB");
+        return;
+    }
+    bool far = false;
+    if (png_get_cHRM_fixed(png, info, &at[0], &at[1], &at[2], &at[3], &at[4], &at[5], &at[6],
+                           &at[7]))
+        for (int i = 0; i < 8; i++)
+            far = far || abs(at[i] - rec709[i]) > 1000;
+    if (far)
+        snprintf(space, PICTURE_SPACE, "one of the primaries (%g, %g), (%g, %g), (%g, %g)",
+                 at[2] / 1e5, at[3] / 1e5, at[4] / 1e5, at[5] / 1e5, at[6] / 1e5, at[7] / 1e5);
+    else if (!png_get_gAMA_fixed(png, info, &gamma))
+        return;
+    else if (abs(gamma - 45455) < 1000)
+        snprintf(space, PICTURE_SPACE, "sRGB");
+    else if (abs(gamma - 100000) < 1000)
+        snprintf(space, PICTURE_SPACE, "linear");
+    else
+        snprintf(space, PICTURE_SPACE, "one of gamma %.3g", 1e5 / gamma);
+}
+
+/* As RGBA, the numbers of the file. libpng jumps out where the file is damaged. */
+static void read_codes(png_structp png, png_infop info, uint32_t width, uint32_t height,
+                       uint8_t *codes, png_bytepp rows)
+{
+    png_set_expand(png);
+    png_set_gray_to_rgb(png);
+    png_set_filler(png, 255, PNG_FILLER_AFTER);
+    png_set_interlace_handling(png);
+    png_read_update_info(png, info);
+    for (uint32_t y = 0; y < height; y++)
+        rows[y] = codes + (size_t)4 * width * y;
+    png_read_image(png, rows);
+    png_read_end(png, NULL);
+}
+
+/* Reads the header of a PNG and, with `texels`, its pixels if they are of 8 bits or less and of the
+ * size wanted (0: any). False for all else, and for damaged files: OpenImageIO reads these, or tells
+ * why not. */
+static bool read_png(const char *path, const uint32_t wanted[2], struct png_file *read,
+                     uint8_t **texels)
+{
+    FILE *file = fopen(path, "rb");
+    png_structp png =
+        file ? png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL, png_fail, png_ignore) : NULL;
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    uint8_t *volatile codes = NULL;
+    png_bytepp volatile rows = NULL;
+    volatile bool good = false;
+    *read = (struct png_file){0};
+    if (info && setjmp(png_jmpbuf(png)) == 0) {
+        png_init_io(png, file);
+        png_read_info(png, info);
+        read->width = png_get_image_width(png, info);
+        read->height = png_get_image_height(png, info);
+        read->bits = png_get_bit_depth(png, info);
+        take_space(png, info, read->space);
+        uint64_t count = (uint64_t)read->width * read->height;
+        bool fits = !wanted || wanted[0] == 0 || wanted[1] == 0 ||
+                    (wanted[0] == read->width && wanted[1] == read->height);
+        if (texels && fits && read->bits <= 8 && count <= IMAGE_MOST_PIXELS) {
+            codes = malloc(4 * count);
+            rows = malloc(read->height * sizeof *rows);
+            if (codes && rows) {
+                read_codes(png, info, read->width, read->height, codes, rows);
+                good = true;
+            }
+        }
+        good = good || !texels;
+    }
+    free(rows);
+    if (good && texels)
+        *texels = codes;
     else
         free(codes);
-    png_image_free(&png);
+    png_destroy_read_struct(&png, &info, NULL);
+    if (file)
+        fclose(file);
     return good;
 }
+
+/* ---- Colour spaces --------------------------------------------------------------------------- */
+
+void image_check_space(const char *path, enum image_encoding encoding, const struct dt_log *log)
+{
+    static const char *const taken[] = {[IMAGE_AS_NUMBERS] = "are kept",
+                                        [IMAGE_AS_LIGHT] = "are taken as linear",
+                                        [IMAGE_AS_SRGB] = "are taken as sRGB codes"};
+    struct png_file png = {.space = ""};
+    char space[PICTURE_SPACE];
+    picture_space(path, space);
+    if (!*space && read_png(path, NULL, &png, NULL))
+        memcpy(space, png.space, sizeof space);
+    bool srgb = strcmp(space, "sRGB") == 0, linear = strcmp(space, "linear") == 0;
+    if (*space && !(srgb && encoding != IMAGE_AS_LIGHT) && !(linear && encoding != IMAGE_AS_SRGB))
+        log_message(log, DT_WARNING, "%s: its colour space is %s; its numbers %s", path, space,
+                    taken[encoding]);
+}
+
+/* ---- Reading --------------------------------------------------------------------------------- */
 
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
 {
     if (!image_may_open(path, log))
         return false;
-    png_image png;
-    bool is_png = png_begin(&png, path, 0, 0);
-    *width = png.width, *height = png.height;
-    png_image_free(&png);
-    if (is_png)
+    struct png_file png;
+    if (read_png(path, NULL, &png, NULL)) {
+        *width = png.width, *height = png.height;
         return true;
+    }
     void *shim = shim_open(log);
     if (!shim)
         return false;
@@ -142,11 +250,15 @@ static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_
 bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,
                       const struct dt_log *log)
 {
+    const uint32_t wanted[2] = {*width, *height};
+    struct png_file png;
     void *bytes = NULL;
     if (!image_may_open(path, log))
         return false;
-    if (read_png(path, width, height, texels))
+    if (read_png(path, wanted, &png, texels)) {
+        *width = png.width, *height = png.height;
         return true;
+    }
     if (!image_read(path, false, width, height, &bytes, log))
         return false;
     *texels = bytes;
@@ -156,16 +268,18 @@ bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8
 bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
                       const struct dt_log *log)
 {
+    struct png_file png;
     void *bytes = NULL;
     uint8_t *codes;
     *width = *height = 0;
     if (!image_may_open(path, log))
         return false;
-    if (!read_png(path, width, height, &codes)) {
+    if (!read_png(path, NULL, &png, &codes)) {
         bool good = image_read(path, true, width, height, &bytes, log);
         *texels = bytes;
         return good;
     }
+    *width = png.width, *height = png.height;
     size_t count = (size_t)*width * *height * 4;
     *texels = malloc(count * sizeof **texels);
     for (size_t i = 0; i < count && *texels; i++)

@@ -1,4 +1,4 @@
-/* C interface to image files. libpng writes PNG, and reads PNG of 8-bit sRGB. OpenImageIO reads
+/* C interface to image files. libpng writes PNG, and reads PNG of up to 8 bits. OpenImageIO reads
  * everything else; it is loaded on first use, from a shared object beside the executable, since its
  * 260 libraries cost a quarter of a second. Called by scenes (textures) and by the app (pictures;
  * those of light by app/console/hdr.h). */
@@ -14,6 +14,13 @@ extern "C" {
 /* Whether the file can be an image: it is regular and not too large. Tells the parent of a child
  * (child.h) that it is read now. */
 bool image_may_open(const char *path, const struct dt_log *log);
+
+/* What the numbers of a file are taken for: left as they are, light, or sRGB codes. */
+enum image_encoding { IMAGE_AS_NUMBERS, IMAGE_AS_LIGHT, IMAGE_AS_SRGB };
+
+/* Warns, with the name, of a colour space that the file declares and that is not the encoding's. No
+ * reader converts colours. IMAGE_AS_NUMBERS: linear and sRGB are both right. */
+void image_check_space(const char *path, enum image_encoding encoding, const struct dt_log *log);
 
 /* Reads any image file as RGBA8, row 0 at the top, resized to width x height if
  * both are non-zero. *texels is malloc'ed, width * height * 4 bytes. Colour stays as encoded in

@@ -8,6 +8,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <string>
@@ -26,9 +27,11 @@ bool fail(image_error *error, const std::string &reason)
 
 void map_color(OIIO::ImageBuf &image, float (*map)(float))
 {
-    for (OIIO::ImageBuf::Iterator<float> texel(image); !texel.done(); ++texel)
-        for (int channel = 0; channel < 3; channel++)
-            texel[channel] = map(texel[channel]);
+    float *texels =
+        (float *)image.localpixels(); /* four channels; iterators take ten times as long */
+    for (OIIO::imagesize_t i = 0; i < 4 * image.spec().image_pixels(); i++)
+        if (i % 4 < 3)
+            texels[i] = map(texels[i]);
 }
 
 /* Averages light, not codes. */
@@ -57,6 +60,23 @@ OIIO::ImageBuf to_rgba(const OIIO::ImageBuf &image)
     return OIIO::ImageBufAlgo::channels(image, 4, order, values);
 }
 
+/* Whether the file has a data window apart from its display window. */
+bool has_windows(const OIIO::ImageInput &input)
+{
+    return std::strcmp(input.format_name(), "openexr") == 0;
+}
+
+/* The display window, moved to the origin: zeros where there is no data. */
+OIIO::ImageBuf whole_window(const OIIO::ImageBuf &image)
+{
+    const OIIO::ImageSpec &from = image.spec();
+    OIIO::ImageSpec spec(from.full_width, from.full_height, from.nchannels, OIIO::TypeDesc::FLOAT);
+    OIIO::ImageBuf whole(spec);
+    OIIO::ImageBufAlgo::zero(whole);
+    OIIO::ImageBufAlgo::paste(whole, from.x - from.full_x, from.y - from.full_y, 0, 0, image);
+    return whole;
+}
+
 } // namespace
 
 extern "C" bool image_oiio_size(const char *path, uint32_t *width, uint32_t *height,
@@ -65,8 +85,8 @@ try {
     auto input = OIIO::ImageInput::open(path);
     if (!input)
         return fail(error, OIIO::geterror());
-    *width = (uint32_t)input->spec().width;
-    *height = (uint32_t)input->spec().height;
+    *width = (uint32_t)(has_windows(*input) ? input->spec().full_width : input->spec().width);
+    *height = (uint32_t)(has_windows(*input) ? input->spec().full_height : input->spec().height);
     return true;
 } catch (const std::exception &exception) {
     return fail(error, exception.what());
@@ -75,21 +95,32 @@ try {
 extern "C" bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                                 void **texels, image_error *error)
 try {
-    auto header = OIIO::ImageInput::open(path);
-    if (!header)
-        return fail(error, OIIO::geterror());
-    uint64_t pixels = header->spec().image_pixels();
-    if (pixels > IMAGE_MOST_PIXELS)
-        return fail(error, std::to_string(header->spec().width) + "x" +
-                               std::to_string(header->spec().height) + " pixels are too many; " +
-                               std::to_string(IMAGE_MOST_PIXELS) + " is the limit");
-    header->close();
     OIIO::ImageSpec hints;
     hints.attribute("oiio:UnassociatedAlpha", 1);
-    OIIO::ImageBuf source(path, 0, 0, nullptr, &hints);
-    if (!source.read(0, 0, true, OIIO::TypeDesc::FLOAT))
-        return fail(error, source.geterror());
+    auto input = OIIO::ImageInput::open(path, &hints);
+    if (!input)
+        return fail(error, OIIO::geterror());
+    OIIO::ImageSpec spec = input->spec();
+    if (!has_windows(*input)) { /* others have a place on a page, or none */
+        spec.x = spec.y = spec.full_x = spec.full_y = 0;
+        spec.full_width = spec.width;
+        spec.full_height = spec.height;
+    }
+    uint64_t whole = (uint64_t)spec.full_width * (uint64_t)spec.full_height;
+    if (spec.image_pixels() > IMAGE_MOST_PIXELS || whole > IMAGE_MOST_PIXELS)
+        return fail(error, std::to_string(spec.full_width) + "x" +
+                               std::to_string(spec.full_height) + " pixels are too many; " +
+                               std::to_string(IMAGE_MOST_PIXELS) + " is the limit");
+    spec.set_format(OIIO::TypeDesc::FLOAT);
+    spec.channelformats.clear();
+    OIIO::ImageBuf source(spec);
+    /* A warning of a library, such as that the file ends too early, is an error with pixels. */
+    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, source.localpixels()) ||
+        input->has_error())
+        return fail(error, input->geterror());
     OIIO::ImageBuf image = to_rgba(source);
+    if (!image.has_error() && has_windows(*input))
+        image = whole_window(image);
     if (image.has_error())
         return fail(error, image.geterror());
     if (*width == 0 || *height == 0) {

@@ -1,34 +1,18 @@
-/* Mesh files to one flat triangle list, through assimp's C interface: nodes flattened, normals
- * completed, degenerate triangles dropped, equal vertices welded, materials and texture names
- * collected. Called by scene.c. */
+/* Mesh files to one flat triangle list: nodes flattened, normals completed, degenerate triangles
+ * dropped, equal vertices welded. gltf.c and mesh_assimp.c read the files. Called by scene.c. */
 #include "mesh.h"
 
-#include "child.h"
 #include "diptych_scene.h"
 #include "base/input.h"
-
-#include <assimp/cfileio.h>
-#include <assimp/cimport.h>
-#include <assimp/material.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
+#include "gltf.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-/* State of an import. */
-struct import {
-    const struct aiScene *source;
-    const char *path;
-    float scale;
-    struct mesh *mesh;
-    const struct dt_log *log;
-};
+/* Corners are five times as large as what a GPU gets of them: 6 GiB. */
+enum { MOST_TRIANGLES = 1 << 25 };
 
 void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
 {
@@ -47,22 +31,15 @@ void log_message(const struct dt_log *log, enum dt_level level, const char *form
         free(text);
 }
 
-static bool out_of_memory(const struct import *import)
+static bool out_of_memory(const char *path, const struct dt_log *log)
 {
-    log_message(import->log, DT_ERROR, "%s: out of memory; the mesh is too large for this machine",
-                import->path);
+    log_message(log, DT_ERROR, "%s: out of memory; the mesh is too large for this machine", path);
     return false;
 }
 
-/* ---- Materials ------------------------------------------------------------------------------- */
+/* ---- Textures -------------------------------------------------------------------------------- */
 
-static float clamp_unit(float x)
-{
-    return x > 0 ? (x < 1 ? x : 1) : 0; /* NaN becomes 0 */
-}
-
-/* The path of the texture `name`, which is relative to the mesh file and has either slash. */
-static char *beside_mesh(const char *mesh_path, const char *name)
+char *mesh_path_beside(const char *mesh_path, const char *name)
 {
     const char *slash = strrchr(mesh_path, '/');
     int folder = name[0] == '/' || !slash ? 0 : (int)(slash - mesh_path + 1);
@@ -75,146 +52,34 @@ static char *beside_mesh(const char *mesh_path, const char *name)
     return path;
 }
 
-/* "*3" names the fourth texture inside the mesh file. Its bytes (a PNG or JPEG file as it
- * stands) go to an anonymous file, so that all textures are read by path. */
-static char *embedded_path(const struct import *import, const char *name, int *fd)
+int32_t mesh_add_texture(struct mesh *mesh, struct mesh_texture texture)
 {
-    unsigned long index = strtoul(name + 1, NULL, 10);
-    if (index >= import->source->mNumTextures || import->source->mTextures[index]->mHeight != 0)
-        return NULL;
-    const struct aiTexture *texture = import->source->mTextures[index];
-    *fd = memfd_create("texture", MFD_CLOEXEC);
-    const char *bytes = (const char *)texture->pcData;
-    for (size_t done = 0; *fd >= 0 && done < texture->mWidth;) {
-        ssize_t written = write(*fd, bytes + done, texture->mWidth - done);
-        if (written <= 0)
-            return NULL;
-        done += (size_t)written;
-    }
-    char *path = NULL;
-    return *fd >= 0 && asprintf(&path, "/proc/self/fd/%d", *fd) >= 0 ? path : NULL;
-}
-
-static bool texture_name(const struct aiMaterial *material, enum aiTextureType type,
-                         struct aiString *name)
-{
-    return aiGetMaterialTexture(material, type, 0, name, NULL, NULL, NULL, NULL, NULL, NULL) ==
-               aiReturn_SUCCESS &&
-           name->length > 0;
-}
-
-/* Index of the texture with this colour and opacity map, added if new; -1, with a warning, if it
- * cannot be used. */
-static int32_t texture_index(struct import *import, const char *color, const char *opacity)
-{
-    struct mesh *mesh = import->mesh;
-    struct mesh_texture texture = {.fd = -1};
-    texture.color = color[0] == '*' ? embedded_path(import, color, &texture.fd)
-                                    : beside_mesh(import->path, color);
-    texture.opacity = opacity ? beside_mesh(import->path, opacity) : NULL;
-    for (uint32_t i = 0; texture.color && texture.fd < 0 && i < mesh->texture_count; i++) {
-        const struct mesh_texture *other = &mesh->textures[i];
-        bool same_opacity = texture.opacity && other->opacity
-                                ? strcmp(texture.opacity, other->opacity) == 0
-                                : !texture.opacity && !other->opacity;
-        if (same_opacity && strcmp(texture.color, other->color) == 0) {
-            free(texture.color);
-            free(texture.opacity);
-            return (int32_t)i;
-        }
-    }
     struct mesh_texture *textures =
         realloc(mesh->textures, (mesh->texture_count + 1) * sizeof *textures);
     if (textures)
         mesh->textures = textures;
-    if (!texture.color || !textures) {
-        log_message(import->log, DT_WARNING, "%s: texture %s cannot be used; plain colour instead",
-                    import->path, color);
-        free(texture.color);
-        free(texture.opacity);
-        if (texture.fd >= 0)
-            close(texture.fd);
-        return -1;
+    if (textures && texture.color) {
+        textures[mesh->texture_count] = texture;
+        return (int32_t)mesh->texture_count++;
     }
-    mesh->textures[mesh->texture_count] = texture;
-    return (int32_t)mesh->texture_count++;
-}
-
-/* glTF says whether alpha counts; other formats leave it to the texture. */
-static float alpha_cutoff(const struct aiMaterial *material)
-{
-    struct aiString mode;
-    if (aiGetMaterialString(material, "$mat.gltf.alphaMode", 0, 0, &mode) != aiReturn_SUCCESS)
-        return 0.5f;
-    if (strcmp(mode.data, "OPAQUE") == 0)
-        return 0;
-    float cutoff = 0.5f;
-    aiGetMaterialFloatArray(material, "$mat.gltf.alphaCutoff", 0, 0, &cutoff, NULL);
-    return clamp_unit(cutoff);
-}
-
-static struct dt_material import_material(struct import *import, const struct aiMaterial *material)
-{
-    struct dt_material result = {.albedo = {0.6f, 0.6f, 0.6f}, .texture = -1};
-    struct aiColor4D color;
-    if (aiGetMaterialColor(material, AI_MATKEY_BASE_COLOR, &color) == aiReturn_SUCCESS ||
-        aiGetMaterialColor(material, AI_MATKEY_COLOR_DIFFUSE, &color) == aiReturn_SUCCESS)
-        memcpy(result.albedo,
-               (float[]){clamp_unit(color.r), clamp_unit(color.g), clamp_unit(color.b)},
-               sizeof result.albedo);
-    if (aiGetMaterialColor(material, AI_MATKEY_COLOR_EMISSIVE, &color) == aiReturn_SUCCESS)
-        memcpy(result.emission, (float[]){color.r, color.g, color.b}, sizeof result.emission);
-    struct aiString name, opacity;
-    if (texture_name(material, aiTextureType_BASE_COLOR, &name) ||
-        texture_name(material, aiTextureType_DIFFUSE, &name)) {
-        bool has_opacity =
-            texture_name(material, aiTextureType_OPACITY, &opacity) && opacity.data[0] != '*';
-        result.texture = texture_index(import, name.data, has_opacity ? opacity.data : NULL);
-        /* Many exporters write Kd 0 beside a map. */
-        if (result.texture >= 0 && result.albedo[0] + result.albedo[1] + result.albedo[2] == 0)
-            result.albedo[0] = result.albedo[1] = result.albedo[2] = 1;
-        result.alpha_cutoff = result.texture >= 0 ? alpha_cutoff(material) : 0;
-    }
-    return result;
-}
-
-static bool import_materials(struct import *import)
-{
-    struct mesh *mesh = import->mesh;
-    uint32_t count = import->source->mNumMaterials;
-    mesh->materials = calloc(count ? count : 1, sizeof *mesh->materials);
-    if (!mesh->materials)
-        return out_of_memory(import);
-    for (uint32_t i = 0; i < count; i++)
-        mesh->materials[i] = import_material(import, import->source->mMaterials[i]);
-    mesh->material_count = count;
-    if (count == 0) {
-        mesh->materials[0] = (struct dt_material){.albedo = {0.6f, 0.6f, 0.6f}, .texture = -1};
-        mesh->material_count = 1;
-    }
-    return true;
+    free(texture.color);
+    free(texture.opacity);
+    free(texture.bytes);
+    return -1;
 }
 
 /* ---- Triangles ------------------------------------------------------------------------------- */
 
-static struct aiVector3D transform(const struct aiMatrix4x4 *m, struct aiVector3D p)
-{
-    return (struct aiVector3D){m->a1 * p.x + m->a2 * p.y + m->a3 * p.z + m->a4,
-                               m->b1 * p.x + m->b2 * p.y + m->b3 * p.z + m->b4,
-                               m->c1 * p.x + m->c2 * p.y + m->c3 * p.z + m->c4};
-}
-
 /* Cofactors of the upper 3x3: the inverse transpose times the determinant, which is enough for a
  * direction once the sign of the determinant is taken out. Returns that determinant. */
-static double normal_matrix(const struct aiMatrix4x4 *m, double n[3][3])
+static double normal_matrix(const double m[4][4], double n[3][3])
 {
-    const double a[3][3] = {{m->a1, m->a2, m->a3}, {m->b1, m->b2, m->b3}, {m->c1, m->c2, m->c3}};
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            n[i][j] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
+            n[i][j] = m[j1][i1] * m[j2][i2] - m[j2][i1] * m[j1][i2];
         }
-    double determinant = a[0][0] * n[0][0] + a[0][1] * n[0][1] + a[0][2] * n[0][2];
+    double determinant = m[0][0] * n[0][0] + m[1][0] * n[0][1] + m[2][0] * n[0][2];
     for (int i = 0; i < 9 && determinant < 0; i++)
         n[i / 3][i % 3] = -n[i / 3][i % 3];
     return determinant;
@@ -251,46 +116,59 @@ static bool face_normal(const struct dt_vertex corner[3], float out[3])
     return area > 1e-7 * longest && normalize(cross, out);
 }
 
-static void import_corner(const struct import *import, const struct aiMesh *part, uint32_t index,
-                          const struct aiMatrix4x4 *matrix, double normals[3][3],
-                          struct dt_vertex *vertex)
+/* How the corners of a part come into the scene. */
+struct placing {
+    const struct mesh_part *part;
+    const double (*matrix)[4];
+    double normals[3][3];
+    float scale;
+};
+
+/* False if a number is not finite. */
+static bool place_corner(const struct placing *placing, uint32_t index, struct dt_vertex *vertex)
 {
-    struct aiVector3D p = transform(matrix, part->mVertices[index]);
-    memcpy(vertex->position,
-           (float[]){p.x * import->scale, p.y * import->scale, p.z * import->scale},
-           sizeof vertex->position);
+    const struct mesh_part *part = placing->part;
+    const double(*m)[4] = placing->matrix;
+    const float *p = part->positions + 3 * (size_t)index;
+    bool finite = true;
+    for (int i = 0; i < 3; i++) {
+        double moved = m[0][i] * (double)p[0] + m[1][i] * (double)p[1] + m[2][i] * (double)p[2];
+        vertex->position[i] = (float)(moved + m[3][i]) * placing->scale;
+        finite = finite && isfinite(vertex->position[i]);
+    }
     memset(vertex->normal, 0, sizeof vertex->normal);
-    if (part->mNormals) {
-        struct aiVector3D n = part->mNormals[index];
+    if (part->normals) {
+        const float *n = part->normals + 3 * (size_t)index;
         double turned[3];
         for (int i = 0; i < 3; i++)
-            turned[i] = normals[i][0] * n.x + normals[i][1] * n.y + normals[i][2] * n.z;
+            turned[i] = placing->normals[i][0] * (double)n[0] +
+                        placing->normals[i][1] * (double)n[1] +
+                        placing->normals[i][2] * (double)n[2];
         normalize(turned, vertex->normal);
     }
-    /* assimp counts v from the bottom of the image; here row 0, v = 0, is the top. */
-    if (part->mTextureCoords[0]) {
-        vertex->uv[0] = part->mTextureCoords[0][index].x;
-        vertex->uv[1] = 1 - part->mTextureCoords[0][index].y;
-    } else {
-        vertex->uv[0] = vertex->uv[1] = 0;
+    vertex->uv[0] = vertex->uv[1] = 0;
+    if (part->uvs) {
+        const float *uv = part->uvs + 2 * (size_t)index;
+        vertex->uv[0] = part->u[0] * uv[0] + part->u[1] * uv[1] + part->u[2];
+        vertex->uv[1] = part->v[0] * uv[0] + part->v[1] * uv[1] + part->v[2];
     }
-    vertex->material =
-        part->mMaterialIndex < import->mesh->material_count ? part->mMaterialIndex : 0;
-    vertex->triangle = import->mesh->object_count;
+    return finite && isfinite(vertex->uv[0]) && isfinite(vertex->uv[1]);
 }
 
 /* Adds an object, without bounds and triangles. */
-static void import_object(struct import *import, uint32_t index, const struct aiMatrix4x4 *m)
+static bool add_object(struct mesh *mesh, const struct mesh_part *part, const double m[4][4],
+                       double scale)
 {
-    struct mesh *mesh = import->mesh;
-    const struct aiMesh *part = import->source->mMeshes[index];
-    struct dt_object *object = &mesh->objects[mesh->object_count];
-    const double scale = import->scale;
-    const double columns[4][4] = {{m->a1 * scale, m->b1 * scale, m->c1 * scale, 0},
-                                  {m->a2 * scale, m->b2 * scale, m->c2 * scale, 0},
-                                  {m->a3 * scale, m->b3 * scale, m->c3 * scale, 0},
-                                  {m->a4 * scale, m->b4 * scale, m->c4 * scale, 1}};
+    struct dt_object *objects = realloc(mesh->objects, (mesh->object_count + 1) * sizeof *objects);
+    if (!objects)
+        return false;
+    mesh->objects = objects;
+    struct dt_object *object = &objects[mesh->object_count++];
+    *object = (struct dt_object){.mesh = part->mesh, .material = part->material};
+    double columns[4][4];
     bool finite = true;
+    for (int i = 0; i < 16; i++)
+        columns[i / 4][i % 4] = i % 4 < 3 ? m[i / 4][i % 4] * scale : i == 15;
     invert(columns, object->inverse);
     for (int i = 0; i < 16; i++) {
         object->transform[i / 4][i % 4] = (float)columns[i / 4][i % 4];
@@ -298,26 +176,42 @@ static void import_object(struct import *import, uint32_t index, const struct ai
     }
     if (!finite)
         memset(object->inverse, 0, sizeof object->inverse);
-    object->mesh = index;
-    object->material = part->mMaterialIndex < mesh->material_count ? part->mMaterialIndex : 0;
+    return true;
 }
 
-static bool import_part(struct import *import, const struct aiMesh *part,
-                        const struct aiMatrix4x4 *matrix)
+bool mesh_reserve(struct mesh *mesh, uint64_t triangles, const char *path, const struct dt_log *log)
 {
-    struct mesh *mesh = import->mesh;
-    double normals[3][3];
-    bool mirrored = normal_matrix(matrix, normals) < 0;
-    for (uint32_t f = 0; f < part->mNumFaces; f++) {
-        const struct aiFace *face = &part->mFaces[f];
-        if (face->mNumIndices != 3)
-            continue; /* points and lines */
-        mesh->source_triangles++;
+    if (triangles > MOST_TRIANGLES) {
+        log_message(log, DT_ERROR, "%s: %llu triangles are too many; %d is the limit", path,
+                    (unsigned long long)triangles, MOST_TRIANGLES);
+        return false;
+    }
+    mesh->vertices = calloc(3 * triangles + 1, sizeof *mesh->vertices);
+    return mesh->vertices || out_of_memory(path, log);
+}
+
+bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matrix[4][4],
+              float scale, const char *path, const struct dt_log *log)
+{
+    struct placing placing = {.part = part, .matrix = matrix, .scale = scale};
+    bool mirrored = normal_matrix(matrix, placing.normals) < 0;
+    if (!add_object(mesh, part, matrix, (double)scale))
+        return out_of_memory(path, log);
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
         struct dt_vertex corner[3];
-        for (int k = 0; k < 3; k++)
-            import_corner(import, part, face->mIndices[mirrored ? 2 - k : k], matrix, normals,
-                          &corner[k]);
         float flat[3];
+        for (int k = 0; k < 3; k++) {
+            uint32_t index = part->indices[3 * (size_t)t + (size_t)(mirrored ? 2 - k : k)];
+            corner[k].material = part->material;
+            corner[k].triangle = mesh->object_count - 1;
+            if (!place_corner(&placing, index, &corner[k])) {
+                log_message(log, DT_ERROR,
+                            "%s: vertex %u of mesh %u has a number that is not finite", path, index,
+                            part->mesh);
+                return false;
+            }
+        }
+        mesh->source_triangles++;
         if (!face_normal(corner, flat)) {
             mesh->degenerate_triangles++;
             continue;
@@ -330,31 +224,6 @@ static bool import_part(struct import *import, const struct aiMesh *part,
         }
     }
     return true;
-}
-
-static struct aiMatrix4x4 multiply(const struct aiMatrix4x4 *a, const struct aiMatrix4x4 *b)
-{
-    struct aiMatrix4x4 product = *a;
-    aiMultiplyMatrix4(&product, b);
-    return product;
-}
-
-/* Counts with vertices == NULL, then fills. An object is a mesh of a node. */
-static void walk(struct import *import, const struct aiNode *node, const struct aiMatrix4x4 *parent,
-                 uint64_t *corners)
-{
-    struct aiMatrix4x4 matrix = multiply(parent, &node->mTransformation);
-    for (uint32_t i = 0; i < node->mNumMeshes; i++) {
-        const struct aiMesh *part = import->source->mMeshes[node->mMeshes[i]];
-        *corners += 3ull * part->mNumFaces;
-        if (import->mesh->vertices) {
-            import_object(import, node->mMeshes[i], &matrix);
-            import_part(import, part, &matrix);
-        }
-        import->mesh->object_count++;
-    }
-    for (uint32_t i = 0; i < node->mNumChildren; i++)
-        walk(import, node->mChildren[i], &matrix, corners);
 }
 
 /* ---- Welding --------------------------------------------------------------------------------- */
@@ -384,9 +253,8 @@ static bool has_bits(const struct dt_vertex *vertex, const uint32_t bits[VERTEX_
 }
 
 /* One vertex for all corners with the same bits, in order of first use; fills the indices. */
-static bool weld(struct import *import)
+static bool weld(struct mesh *mesh)
 {
-    struct mesh *mesh = import->mesh;
     uint32_t slots = 16;
     while (slots < 2 * (uint64_t)mesh->vertex_count && slots < 1u << 31)
         slots *= 2;
@@ -394,7 +262,7 @@ static bool weld(struct import *import)
     mesh->indices = malloc((mesh->vertex_count ? mesh->vertex_count : 1) * sizeof *mesh->indices);
     if (!table || !mesh->indices) {
         free(table);
-        return out_of_memory(import);
+        return false;
     }
     memset(table, 0xff, (size_t)slots * sizeof *table);
     uint32_t count = 0;
@@ -417,135 +285,50 @@ static bool weld(struct import *import)
     return true;
 }
 
-/* ---- Files ----------------------------------------------------------------------------------- */
-
-/* Meshes with what they name, such as .mtl and .bin. */
-#define MOST_MESH_BYTES ((size_t)4 << 30)
-
-static size_t read_file(struct aiFile *file, char *buffer, size_t size, size_t count)
-{
-    return fread(buffer, size, count, (FILE *)file->UserData);
-}
-
-static size_t write_file(struct aiFile *file, const char *buffer, size_t size, size_t count)
-{
-    (void)file, (void)buffer, (void)size, (void)count;
-    return 0; /* an import writes nothing */
-}
-
-static size_t tell_file(struct aiFile *file)
-{
-    long at = ftell((FILE *)file->UserData);
-    return at < 0 ? 0 : (size_t)at;
-}
-
-static size_t file_size(struct aiFile *file)
-{
-    struct stat status;
-    return fstat(fileno((FILE *)file->UserData), &status) == 0 ? (size_t)status.st_size : 0;
-}
-
-static aiReturn seek_file(struct aiFile *file, size_t offset, enum aiOrigin origin)
-{
-    int whence = origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END;
-    return fseek((FILE *)file->UserData, (long)offset, whence) == 0 ? aiReturn_SUCCESS
-                                                                    : aiReturn_FAILURE;
-}
-
-static void flush_file(struct aiFile *file)
-{
-    (void)file;
-}
-
-/* assimp opens whatever a mesh names: here regular files alone, for reading. */
-static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
-{
-    const struct dt_log *log = (const struct dt_log *)io->UserData;
-    const char *reason;
-    if (*mode != 'r' || access(path, F_OK) != 0)
-        return NULL; /* assimp tries names */
-    child_opens(path);
-    FILE *stream = input_open(path, MOST_MESH_BYTES, &reason);
-    struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
-    if (file)
-        *file = (struct aiFile){.ReadProc = read_file,
-                                .WriteProc = write_file,
-                                .TellProc = tell_file,
-                                .FileSizeProc = file_size,
-                                .SeekProc = seek_file,
-                                .FlushProc = flush_file,
-                                .UserData = (aiUserData)stream};
-    else if (stream)
-        fclose(stream);
-    else
-        log_message(log, DT_WARNING, "%s: not read: %s", path, reason);
-    return file;
-}
-
-static void close_file(struct aiFileIO *io, struct aiFile *file)
-{
-    (void)io;
-    fclose((FILE *)file->UserData);
-    free(file);
-}
-
 /* ---- The whole ------------------------------------------------------------------------------- */
 
-static bool import_triangles(struct import *import)
+static bool import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
 {
-    struct mesh *mesh = import->mesh;
-    struct aiMatrix4x4 identity;
-    aiIdentityMatrix4(&identity);
-    uint64_t corners = 0;
-    walk(import, import->source->mRootNode, &identity, &corners);
-    if (corners > INT32_MAX) {
-        log_message(import->log, DT_ERROR,
-                    "%s: %llu triangles are too many; 715 million is the limit", import->path,
-                    (unsigned long long)corners / 3);
+    bool good = gltf_is(path) ? gltf_import(mesh, path, scale, log)
+                              : mesh_import_assimp(mesh, path, scale, log);
+    if (good && mesh->vertex_count == 0) {
+        log_message(log, DT_ERROR, "%s: no triangle in this mesh (%u degenerate)", path,
+                    mesh->degenerate_triangles);
         return false;
     }
-    mesh->vertices = calloc(corners ? corners : 1, sizeof *mesh->vertices);
-    mesh->objects = calloc(mesh->object_count + 1, sizeof *mesh->objects);
-    if (!mesh->vertices || !mesh->objects)
-        return out_of_memory(import);
-    corners = mesh->object_count = 0;
-    walk(import, import->source->mRootNode, &identity, &corners);
-    if (mesh->vertex_count == 0) {
-        log_message(import->log, DT_ERROR, "%s: no triangle in this mesh (%u degenerate)",
-                    import->path, mesh->degenerate_triangles);
-        return false;
-    }
-    return weld(import);
+    return good && (weld(mesh) || out_of_memory(path, log));
+}
+
+/* Adds to errors what the file seems to be. */
+struct naming {
+    const struct dt_log *log;
+    const char *path;
+};
+
+static void name_kind(void *user, enum dt_level level, const char *message)
+{
+    const struct naming *naming = user;
+    const char *seen = level == DT_ERROR ? input_seen(naming->path) : NULL;
+    log_message(naming->log, level, seen ? "%s; the file is %s" : "%s", message, seen);
 }
 
 bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
 {
     *mesh = (struct mesh){0};
-    struct aiFileIO io = {open_file, close_file, (aiUserData)(void *)log};
+    struct naming naming = {log, path};
+    const struct dt_log named = {name_kind, &naming};
     const char *reason;
-    if (!input_check(path, MOST_MESH_BYTES, &reason)) {
+    if (!input_check(path, MESH_MOST_BYTES, &reason)) {
         log_message(log, DT_ERROR, "%s: %s", path, reason);
         return false;
     }
-    const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
-    if (!source || !source->mRootNode) {
-        log_message(log, DT_ERROR, "%s: %s", path,
-                    source ? "an empty mesh file" : aiGetErrorString());
-        if (source)
-            aiReleaseImport(source);
-        return false;
-    }
-    struct import import = {
-        .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
-    bool ok = import_materials(&import) && import_triangles(&import) &&
-              (mesh_views(mesh, source, path, scale) || out_of_memory(&import));
-    aiReleaseImport(source);
-    if (!ok)
+    bool good = import(mesh, path, scale, &named);
+    if (!good)
         mesh_free(mesh);
     else if (mesh->degenerate_triangles)
         log_message(log, DT_INFO, "%s: dropped %u degenerate triangles of %u", path,
                     mesh->degenerate_triangles, mesh->source_triangles);
-    return ok;
+    return good;
 }
 
 void mesh_free(struct mesh *mesh)
@@ -553,8 +336,7 @@ void mesh_free(struct mesh *mesh)
     for (uint32_t i = 0; i < mesh->texture_count; i++) {
         free(mesh->textures[i].color);
         free(mesh->textures[i].opacity);
-        if (mesh->textures[i].fd >= 0)
-            close(mesh->textures[i].fd);
+        free(mesh->textures[i].bytes);
     }
     for (uint32_t i = 0; i < mesh->view_count; i++)
         free(mesh->views[i].name);

@@ -9,12 +9,13 @@
 struct aiScene;
 
 /* One layer of the texture array: colour, and an opacity map if the material names one (its red
- * replaces the alpha). The paths are owned. If the texture is embedded in the mesh file, `fd` holds
- * its bytes and `color` is the path of that descriptor. */
+ * replaces the alpha). All pointers are owned. Of a texture inside the mesh file, `bytes` are the
+ * picture file, and `color` is what messages call it. */
 struct mesh_texture {
     char *color;
-    char *opacity; /* or NULL */
-    int fd;        /* or -1 */
+    char *opacity;  /* or NULL */
+    uint8_t *bytes; /* or NULL */
+    size_t size;
 };
 
 /* A camera or light of the mesh file, in the scene's unit. */
@@ -44,14 +45,52 @@ struct mesh {
     uint32_t degenerate_triangles;
 };
 
-/* Reads any file that assimp knows; node transforms are flattened, positions multiplied by
+/* Of a mesh file, and of each file that it names, such as .mtl and .bin. */
+#define MESH_MOST_BYTES ((size_t)4 << 30)
+
+/* Triangles of one material, in axes of their own. */
+struct mesh_part {
+    uint32_t mesh, material;
+    uint32_t vertex_count, triangle_count;
+    const float *positions;  /* three each */
+    const float *normals;    /* likewise, or NULL */
+    const float *uvs;        /* two each, or NULL */
+    float u[3], v[3];        /* mapping: u = u[0] u + u[1] v + u[2], and v likewise */
+    const uint32_t *indices; /* three per triangle, below vertex_count */
+};
+
+/* Reads glTF, and any other file that assimp knows; node transforms are flattened, positions multiplied by
  * `scale`. Missing normals become those of the faces, missing texture coordinates 0; degenerate
  * triangles are dropped and counted. On false the mesh is empty. */
 bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
 void mesh_free(struct mesh *mesh); /* takes a zeroed mesh */
 
+/* ---- For the readers of file formats: gltf.c and mesh_assimp.c ------------------------------- */
+
+/* Makes room for this many triangles, or logs that they are too many. */
+bool mesh_reserve(struct mesh *mesh, uint64_t triangles, const char *path,
+                  const struct dt_log *log);
+/* Adds an object with the part's triangles; `matrix`: by columns, to the scene before `scale`. Fails,
+ * with an error, at numbers that are not finite. */
+bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matrix[4][4],
+              float scale, const char *path, const struct dt_log *log);
+/* Returns the index, -1 when out of memory. Takes the pointers in either case. */
+int32_t mesh_add_texture(struct mesh *mesh, struct mesh_texture texture);
+/* The path of a file that a mesh file names: relative to that file, with either slash. NULL: out of
+ * memory. For free(). */
+char *mesh_path_beside(const char *mesh_path, const char *name);
+/* Make directions unit vectors and check ranges; a camera's `target` is the direction that it looks
+ * in, until then. Set `trouble` if it cannot be used. */
+void mesh_check_camera(struct mesh_view *view);
+void mesh_check_light(struct mesh_view *view);
+/* mesh_import for all files but glTF. */
+bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
+/* Whether the faces of an OBJ file name vertices, texture coordinates and normals that it has. */
+bool obj_check(const char *path, const struct dt_log *log);
 /* Fills the mesh's views. False when out of memory. */
-bool mesh_views(struct mesh *mesh, const struct aiScene *source, const char *path, float scale);
+bool mesh_views(struct mesh *mesh, const struct aiScene *source, float scale);
+
+/* ---- For scene.c ----------------------------------------------------------------------------- */
 
 /* Bounding box of the triangles, and a sphere about its centre that holds them all. */
 void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],

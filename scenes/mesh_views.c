@@ -1,22 +1,14 @@
-/* Cameras and lights of a mesh file, for scene files without their own. Called by mesh.c. */
+/* Cameras and lights of a mesh file, for scene files without their own. Called by mesh_assimp.c, and
+ * the checks by gltf_views.c. */
 #include "camera_light.h"
 #include "mesh.h"
 
 #include <assimp/cimport.h>
 #include <assimp/scene.h>
-#include <assimp/version.h>
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
-
-#define LUMENS_PER_WATT 683.0f /* glTF: light is photometric */
-
-struct views {
-    bool gltf;
-    float scale;
-};
 
 /* ---- Places ---------------------------------------------------------------------------------- */
 
@@ -34,24 +26,30 @@ static bool find_node(const struct aiNode *node, const struct aiString *name,
     return found;
 }
 
-static void set_place(const struct views *views, const struct aiMatrix4x4 *matrix,
-                      struct aiVector3D place, float out[3])
+static void set_place(float scale, const struct aiMatrix4x4 *matrix, struct aiVector3D place,
+                      float out[3])
 {
     aiTransformVecByMatrix4(&place, matrix);
-    memcpy(out, (float[]){place.x * views->scale, place.y * views->scale, place.z * views->scale},
-           3 * sizeof *out);
+    memcpy(out, (float[]){place.x * scale, place.y * scale, place.z * scale}, 3 * sizeof *out);
 }
 
-/* A unit vector; false if the transform leaves none. */
-static bool set_direction(const struct aiMatrix4x4 *matrix, struct aiVector3D direction,
+static void set_direction(const struct aiMatrix4x4 *matrix, struct aiVector3D direction,
                           float out[3])
 {
     struct aiMatrix3x3 turn;
     aiMatrix3FromMatrix4(&turn, matrix);
     aiTransformVecByMatrix3(&direction, &turn);
-    float length = hypotf(hypotf(direction.x, direction.y), direction.z);
-    memcpy(out, (float[]){direction.x / length, direction.y / length, direction.z / length},
-           3 * sizeof *out);
+    memcpy(out, &direction, 3 * sizeof *out);
+}
+
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+/* Makes a unit vector; false if it has no direction. */
+static bool normalize(float v[3])
+{
+    float length = hypotf(hypotf(v[0], v[1]), v[2]);
+    for (int i = 0; i < 3; i++)
+        v[i] /= length;
     return length > 1e-12f && isfinite(length);
 }
 
@@ -63,78 +61,73 @@ static bool in_range(const struct key *keys, int count)
     return true;
 }
 
-/* ---- Cameras --------------------------------------------------------------------------------- */
-
-/* For glTF, assimp up to 5.2 repeats the node's translation as the position, and multiplies angle
- * and aspect where later versions multiply tangents. */
-static float vertical_angle(const struct views *views, const struct aiCamera *from)
+void mesh_check_camera(struct mesh_view *view)
 {
-    bool old = aiGetVersionMajor() * 100 + aiGetVersionMinor() <= 502;
-    float aspect = from->mAspect > 0 ? from->mAspect : 1;
-    return views->gltf && old ? from->mHorizontalFOV / aspect
-                              : 2 * atanf(tanf(0.5f * from->mHorizontalFOV) / aspect);
-}
-
-/* NULL, or why it cannot be used. */
-static const char *take_camera(const struct views *views, const struct aiCamera *from,
-                               const struct aiMatrix4x4 *matrix, struct scene_camera *camera)
-{
-    const struct aiVector3D origin = {0, 0, 0};
+    struct scene_camera *camera = &view->camera;
     struct key keys[CAMERA_KEYS];
-    float view[3];
-    if (from->mOrthographicWidth > 0)
-        return "it is orthographic";
-    bool good =
-        set_direction(matrix, from->mLookAt, view) && set_direction(matrix, from->mUp, camera->up);
-    set_place(views, matrix, views->gltf ? origin : from->mPosition, camera->eye);
     float along = 0;
+    bool good = normalize(camera->target), upright = normalize(camera->up);
     for (int i = 0; i < 3; i++) {
-        camera->target[i] = camera->eye[i] + view[i];
-        along += view[i] * camera->up[i];
+        along += camera->target[i] * camera->up[i];
+        camera->target[i] += camera->eye[i];
     }
-    camera->fov_y = vertical_angle(views, from);
     camera_keys(keys);
     camera_tell(camera, keys);
-    return good && fabsf(along) < 0.9999f && in_range(keys, CAMERA_KEYS)
-               ? NULL
-               : "its numbers are out of range";
+    if (!good || !upright || !(fabsf(along) < 0.9999f) || !in_range(keys, CAMERA_KEYS))
+        view->trouble = "its numbers are out of range";
 }
 
-/* ---- Lights ---------------------------------------------------------------------------------- */
-
-static const char *take_light(const struct views *views, const struct aiLight *from,
-                              const struct aiMatrix4x4 *matrix, struct scene_light *light)
+void mesh_check_light(struct mesh_view *view)
 {
-    const float *color = &from->mColorDiffuse.r;
+    struct scene_light *light = &view->light;
     struct key keys[LIGHT_KEYS];
-    if (from->mType != aiLightSource_SPOT && from->mType != aiLightSource_DIRECTIONAL)
-        return "it is neither directional nor a spot";
-    light->kind = from->mType == aiLightSource_SPOT ? DT_LIGHT_SPOT : DT_LIGHT_DIRECTIONAL;
-    light->cone[0] = from->mAngleInnerCone;
-    light->cone[1] = from->mAngleOuterCone;
-    bool good = set_direction(matrix, from->mDirection, light->direction) &&
+    int count = light_keys(light->kind, keys);
+    bool good = normalize(light->direction) &&
                 (light->kind == DT_LIGHT_DIRECTIONAL ||
                  (light->cone[1] > 0.002f && light->cone[0] <= light->cone[1]));
-    set_place(views, matrix, from->mPosition, light->position);
     for (int i = 0; i < 3; i++) {
-        light->color[i] = views->gltf ? color[i] / LUMENS_PER_WATT : color[i];
         light->opening_min[i] = -(float)FAR;
         light->opening_max[i] = (float)FAR;
     }
-    int count = light_keys(light->kind, keys);
     light_tell(light, keys);
-    return good && in_range(keys, count) ? NULL
-                                         : "its numbers are out of range (a cone has at most 85 "
-                                           "degrees to either side)";
+    if (!good || !in_range(keys, count))
+        view->trouble = "its numbers are out of range (a cone has at most 85 degrees to either "
+                        "side)";
+}
+
+/* ---- Cameras and lights ---------------------------------------------------------------------- */
+
+static void take_camera(struct mesh_view *view, const struct aiCamera *from,
+                        const struct aiMatrix4x4 *matrix, float scale)
+{
+    float aspect = from->mAspect > 0 ? from->mAspect : 1;
+    set_direction(matrix, from->mLookAt, view->camera.target);
+    set_direction(matrix, from->mUp, view->camera.up);
+    set_place(scale, matrix, from->mPosition, view->camera.eye);
+    view->camera.fov_y = 2 * atanf(tanf(0.5f * from->mHorizontalFOV) / aspect);
+    if (from->mOrthographicWidth > 0)
+        view->trouble = "it is orthographic";
+    else
+        mesh_check_camera(view);
+}
+
+static void take_light(struct mesh_view *view, const struct aiLight *from,
+                       const struct aiMatrix4x4 *matrix, float scale)
+{
+    struct scene_light *light = &view->light;
+    light->kind = from->mType == aiLightSource_SPOT ? DT_LIGHT_SPOT : DT_LIGHT_DIRECTIONAL;
+    light->cone[0] = from->mAngleInnerCone;
+    light->cone[1] = from->mAngleOuterCone;
+    memcpy(light->color, &from->mColorDiffuse, sizeof light->color);
+    set_direction(matrix, from->mDirection, light->direction);
+    set_place(scale, matrix, from->mPosition, light->position);
+    if (from->mType != aiLightSource_SPOT && from->mType != aiLightSource_DIRECTIONAL)
+        view->trouble = "it is neither directional nor a spot";
+    else
+        mesh_check_light(view);
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */
-
-static bool is_gltf(const char *path)
-{
-    const char *end = strrchr(path, '.');
-    return end && (strcasecmp(end, ".gltf") == 0 || strcasecmp(end, ".glb") == 0);
-}
 
 /* Appends the view; there is room. */
 static bool add_view(struct mesh *mesh, const struct aiString *name, struct mesh_view view)
@@ -144,9 +137,8 @@ static bool add_view(struct mesh *mesh, const struct aiString *name, struct mesh
     return view.name;
 }
 
-bool mesh_views(struct mesh *mesh, const struct aiScene *source, const char *path, float scale)
+bool mesh_views(struct mesh *mesh, const struct aiScene *source, float scale)
 {
-    const struct views views = {is_gltf(path), scale};
     struct aiMatrix4x4 identity, matrix;
     aiIdentityMatrix4(&identity);
     mesh->views = calloc(source->mNumCameras + source->mNumLights + 1, sizeof *mesh->views);
@@ -157,7 +149,7 @@ bool mesh_views(struct mesh *mesh, const struct aiScene *source, const char *pat
         struct mesh_view view = {.is_light = false};
         if (!find_node(source->mRootNode, &camera->mName, &identity, &matrix))
             continue;
-        view.trouble = take_camera(&views, camera, &matrix, &view.camera);
+        take_camera(&view, camera, &matrix, scale);
         good = add_view(mesh, &camera->mName, view);
     }
     for (uint32_t i = 0; good && i < source->mNumLights; i++) {
@@ -165,7 +157,7 @@ bool mesh_views(struct mesh *mesh, const struct aiScene *source, const char *pat
         struct mesh_view view = {.is_light = true};
         if (!find_node(source->mRootNode, &light->mName, &identity, &matrix))
             continue;
-        view.trouble = take_light(&views, light, &matrix, &view.light);
+        take_light(&view, light, &matrix, scale);
         good = add_view(mesh, &light->mName, view);
     }
     return good;

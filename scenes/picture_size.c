@@ -45,6 +45,27 @@ static bool png(FILE *file, uint32_t size[2])
     return true;
 }
 
+/* Of the chunk cICP, which has precedence over those that libpng reads. */
+static void png_space(FILE *file, char space[PICTURE_SPACE])
+{
+    uint8_t head[8], codes[4];
+    if (!skip(file, 8))
+        return;
+    while (take(file, head, sizeof head) && memcmp(head + 4, "IDAT", 4) != 0) {
+        if (memcmp(head + 4, "cICP", 4) != 0 || big(head, 4) != sizeof codes) {
+            if (!skip(file, (uint64_t)big(head, 4) + 4))
+                return;
+        } else if (take(file, codes, sizeof codes)) {
+            snprintf(space, PICTURE_SPACE,
+                     codes[0] == 1 && codes[1] == 13  ? "sRGB"
+                     : codes[0] == 1 && codes[1] == 8 ? "linear"
+                                                      : "one of primaries %d, transfer %d (cICP)",
+                     codes[0], codes[1]);
+            return;
+        }
+    }
+}
+
 /* ---- JPEG: segments up to the start of a frame ----------------------------------------------- */
 
 static bool is_frame(uint8_t marker)
@@ -52,34 +73,97 @@ static bool is_frame(uint8_t marker)
     return marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
 }
 
+/* Goes to the content of the next segment. */
+static bool next_segment(FILE *file, uint8_t *marker, uint32_t *length)
+{
+    uint8_t head[2] = {0};
+    if (!take(file, head, 2) || head[0] != 0xff)
+        return false;
+    while (head[1] == 0xff) /* fill bytes */
+        if (!take(file, head + 1, 1))
+            return false;
+    *marker = head[1];
+    if (!take(file, head, 2) || big(head, 2) < 2)
+        return false;
+    *length = big(head, 2) - 2;
+    return true;
+}
+
 static bool jpeg(FILE *file, uint32_t size[2])
 {
-    uint8_t head[7] = {0};
+    uint8_t marker, head[5];
+    uint32_t length;
     if (!skip(file, 2))
         return false;
-    for (;;) {
-        if (!take(file, head, 2) || head[0] != 0xff)
-            return false;
-        while (head[1] == 0xff) /* fill bytes */
-            if (!take(file, head + 1, 1))
-                return false;
-        uint8_t marker = head[1];
-        if (!take(file, head, 2) || big(head, 2) < 2)
-            return false;
-        if (!is_frame(marker)) {
-            if (!skip(file, big(head, 2) - 2))
-                return false;
+    while (next_segment(file, &marker, &length)) {
+        if (!is_frame(marker) && skip(file, length))
             continue;
-        }
-        if (!take(file, head, 5))
+        if (!is_frame(marker) || !take(file, head, sizeof head))
             return false;
         size[0] = big(head + 3, 2);
         size[1] = big(head + 1, 2);
         return true;
     }
+    return false;
 }
 
-/* ---- OpenEXR: attributes up to dataWindow ---------------------------------------------------- */
+/* Of the ICC profile, whose description stands in its first segment. */
+static void jpeg_space(FILE *file, char space[PICTURE_SPACE])
+{
+    static const char mark[] = "ICC_PROFILE";
+    enum { HEAD = sizeof mark + 2 };
+    uint8_t marker, content[1 << 16];
+    uint32_t length;
+    if (!skip(file, 2))
+        return;
+    while (next_segment(file, &marker, &length) && !is_frame(marker) && take(file, content, length))
+        if (marker == 0xe2 && length > HEAD && memcmp(content, mark, sizeof mark) == 0) {
+            picture_profile(content + HEAD, length - HEAD, space);
+            return;
+        }
+}
+
+/* ---- ICC profiles: a table of tags at byte 128, `desc` is text --------------------------------- */
+
+static bool find_tag(const uint8_t *profile, size_t size, const char *name, size_t *at,
+                     size_t *length)
+{
+    uint32_t count = size >= 132 ? big(profile + 128, 4) : 0;
+    for (size_t i = 0; i < count && 144 + 12 * i <= size; i++) {
+        const uint8_t *tag = profile + 132 + 12 * i;
+        *at = big(tag + 4, 4);
+        *length = big(tag + 8, 4);
+        if (memcmp(tag, name, 4) == 0)
+            return *at <= size && *length <= size - *at;
+    }
+    return false;
+}
+
+void picture_profile(const uint8_t *profile, size_t size, char space[PICTURE_SPACE])
+{
+    size_t at, length, step = 1, used = 0;
+    snprintf(space, PICTURE_SPACE, "that of an ICC profile without a name");
+    if (!find_tag(profile, size, "desc", &at, &length) || length < 28)
+        return;
+    const uint8_t *tag = profile + at, *text = tag + 12;
+    size_t count = big(tag + 8, 4);
+    if (memcmp(tag, "mluc", 4) == 0) { /* UTF-16, big-endian: the first language */
+        size_t from = big(tag + 24, 4);
+        count = big(tag + 20, 4);
+        if (from >= length)
+            return;
+        text = tag + from + 1;
+        step = 2;
+    }
+    for (size_t i = 0; i < count && (size_t)(text - tag) + i < length && text[i]; i += step)
+        if (used < PICTURE_SPACE - 1 && text[i] >= ' ' && text[i] < 127)
+            space[used++] = (char)text[i];
+    space[used] = '\0';
+    if (strstr(space, "sRGB"))
+        snprintf(space, PICTURE_SPACE, "sRGB");
+}
+
+/* ---- OpenEXR: attributes --------------------------------------------------------------------- */
 
 static bool take_word(FILE *file, char word[MOST_WORD])
 {
@@ -94,71 +178,224 @@ static bool take_word(FILE *file, char word[MOST_WORD])
     return false;
 }
 
-static bool exr(FILE *file, uint32_t size[2])
+/* Reads an attribute of this name and length. */
+static bool attribute(FILE *file, const char *wanted, uint8_t *value, uint32_t size)
 {
     char name[MOST_WORD], type[MOST_WORD];
-    uint8_t box[16];
+    uint8_t box[4];
     if (!skip(file, 8))
         return false;
     while (take_word(file, name) && *name && take_word(file, type) && take(file, box, 4)) {
         uint32_t length = little(box);
-        if (strcmp(name, "dataWindow") != 0 || length != sizeof box) {
-            if (!skip(file, length))
-                return false;
-            continue;
-        }
-        if (!take(file, box, sizeof box))
+        if (strcmp(name, wanted) == 0 && length == size)
+            return take(file, value, size);
+        if (!skip(file, length))
             return false;
-        for (int i = 0; i < 2; i++)
-            size[i] = little(box + 8 + 4 * i) - little(box + 4 * i) + 1;
-        return true;
     }
     return false;
 }
 
-/* ---- Radiance HDR: lines, an empty one, then the size ---------------------------------------- */
+/* Of the display window: what lies in it and not in the data window is zero. */
+static bool exr(FILE *file, uint32_t size[2])
+{
+    uint8_t box[16];
+    if (!attribute(file, "displayWindow", box, sizeof box))
+        return false;
+    for (int i = 0; i < 2; i++)
+        size[i] = little(box + 8 + 4 * i) - little(box + 4 * i) + 1;
+    return true;
+}
+
+/* Linear, with the primaries of Rec. 709 unless it says otherwise. */
+static void exr_space(FILE *file, char space[PICTURE_SPACE])
+{
+    static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
+    uint8_t bytes[32];
+    float at[8];
+    bool far = false;
+    snprintf(space, PICTURE_SPACE, "linear");
+    if (!attribute(file, "chromaticities", bytes, sizeof bytes))
+        return;
+    memcpy(at, bytes, sizeof at); /* little-endian */
+    for (int i = 0; i < 8; i++)
+        far = far || !(at[i] > rec709[i] - 0.01f && at[i] < rec709[i] + 0.01f);
+    if (far)
+        snprintf(space, PICTURE_SPACE, "one of the chromaticities (%g, %g), (%g, %g), (%g, %g)",
+                 (double)at[0], (double)at[1], (double)at[2], (double)at[3], (double)at[4],
+                 (double)at[5]);
+}
+
+/* ---- Radiance HDR: lines, an empty one, the size, rows ----------------------------------------- */
+
+/* Reads a line without its end. */
+static bool take_line(FILE *file, char line[MOST_WORD])
+{
+    if (!fgets(line, MOST_WORD, file))
+        return false;
+    line[strcspn(line, "\r\n")] = '\0';
+    return true;
+}
 
 static bool hdr(FILE *file, uint32_t size[2])
 {
     char line[MOST_WORD];
-    while (fgets(line, sizeof line, file) && *line != '\n')
+    while (take_line(file, line) && *line)
         continue;
-    return fgets(line, sizeof line, file) && sscanf(line, "-Y %u +X %u", &size[1], &size[0]) == 2;
+    return take_line(file, line) && sscanf(line, "-Y %u +X %u", &size[1], &size[0]) == 2;
+}
+
+/* Linear, unless a line says that the numbers were changed or have other primaries. */
+static void hdr_space(FILE *file, char space[PICTURE_SPACE])
+{
+    static const char *const keys[] = {"EXPOSURE=", "COLORCORR=", "PRIMARIES=", "GAMMA="};
+    char line[MOST_WORD];
+    snprintf(space, PICTURE_SPACE, "linear");
+    while (take_line(file, line) && *line)
+        for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+            const char *value = line + strlen(keys[i]);
+            double number;
+            int end = 0;
+            if (strncmp(line, keys[i], strlen(keys[i])) == 0 &&
+                !(sscanf(value, "%lf %n", &number, &end) == 1 && number == 1 && !value[end]))
+                snprintf(space, PICTURE_SPACE, "linear, changed by `%.*s`", PICTURE_SPACE - 24,
+                         line);
+        }
+}
+
+/* Skips a row of the run lengths in use since 1991: the bytes of each channel apart. */
+static bool skip_runs(FILE *file, uint32_t width)
+{
+    for (uint32_t at = 0; at < 4 * width;) {
+        int count = fgetc(file);
+        bool run = count > 128;
+        if (count == EOF || !skip(file, run ? 1 : (uint64_t)count))
+            return false;
+        at += (uint32_t)(run ? count - 128 : count);
+        if (count == 0)
+            return false;
+    }
+    return true;
+}
+
+/* Whether a pixel of (1, 1, 1), a run length of the first version, is among the rows. */
+static bool has_old_runs(FILE *file, const uint32_t size[2])
+{
+    uint8_t pixel[4];
+    for (uint32_t y = 0; y < size[1]; y++)
+        for (uint32_t x = 0; x < size[0]; x++) {
+            if (!take(file, pixel, sizeof pixel))
+                return false;
+            bool runs = x == 0 && size[0] >= 8 && size[0] < 32768 && pixel[0] == 2 &&
+                        pixel[1] == 2 && pixel[2] < 128;
+            if (runs && !skip_runs(file, size[0]))
+                return false;
+            if (runs)
+                break;
+            if (pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1)
+                return true;
+        }
+    return false;
+}
+
+static const char *hdr_trouble(FILE *file)
+{
+    static _Thread_local char text[MOST_WORD + 64];
+    char line[MOST_WORD];
+    uint32_t size[2];
+    while (take_line(file, line) && *line)
+        if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line, "FORMAT=32-bit_rle_rgbe") != 0) {
+            snprintf(text, sizeof text, "its `%s` is not supported; 32-bit_rle_rgbe is", line);
+            return text;
+        }
+    if (!take_line(file, line))
+        return NULL; /* damaged: its readers say so */
+    if (sscanf(line, "-Y %u +X %u", &size[1], &size[0]) != 2) {
+        snprintf(text, sizeof text,
+                 "its rows and columns are `%s`; `-Y height +X width` is supported", line);
+        return text;
+    }
+    return has_old_runs(file, size)
+               ? "it has run lengths of Radiance's first version, which are not supported"
+               : NULL;
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */
 
-static const struct {
+static const struct kind {
     const char *name, *magic;
     bool (*read)(FILE *file, uint32_t size[2]);
-} kinds[] = {{"PNG", "\x89PNG", png},
-             {"JPEG", "\xff\xd8\xff", jpeg},
-             {"OpenEXR", "\x76\x2f\x31\x01", exr},
-             {"HDR", "#?", hdr}};
+    void (*space)(FILE *file, char space[PICTURE_SPACE]);
+} kinds[] = {{"PNG", "\x89PNG", png, png_space},
+             {"JPEG", "\xff\xd8\xff", jpeg, jpeg_space},
+             {"OpenEXR", "\x76\x2f\x31\x01", exr, exr_space},
+             {"HDR", "#?", hdr, hdr_space}};
+
+/* Opens a file of a kind, at its start. NULL: *reason; *kind is NULL for another kind. */
+static FILE *open_kind(const char *path, const struct kind **kind, const char **reason)
+{
+    char start[8] = "";
+    *kind = NULL;
+    FILE *file = input_open(path, MOST_BYTES, reason);
+    size_t got = file ? fread(start, 1, sizeof start, file) : 0;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (got >= strlen(kinds[i].magic) &&
+            memcmp(start, kinds[i].magic, strlen(kinds[i].magic)) == 0)
+            *kind = &kinds[i];
+    if (file && !*kind) {
+        static _Thread_local char text[128];
+        const char *seen = input_seen(path);
+        snprintf(text, sizeof text, "it is no PNG, JPEG, OpenEXR or HDR picture%s%s",
+                 seen ? "; it is " : "", seen ? seen : "");
+        *reason = text;
+        fclose(file);
+        return NULL;
+    }
+    if (file)
+        rewind(file);
+    return file;
+}
 
 bool picture_size(const char *path, uint32_t *width, uint32_t *height, const char **reason)
 {
-    enum { KINDS = sizeof kinds / sizeof *kinds };
     static _Thread_local char text[64];
-    char start[8] = "";
     uint32_t size[2] = {0};
-    FILE *file = input_open(path, MOST_BYTES, reason);
+    const struct kind *kind;
+    if (!picture_check(path, reason))
+        return false;
+    FILE *file = open_kind(path, &kind, reason);
     if (!file)
         return false;
-    size_t got = fread(start, 1, sizeof start, file), kind = 0;
-    while (kind < KINDS && (got < strlen(kinds[kind].magic) ||
-                            memcmp(start, kinds[kind].magic, strlen(kinds[kind].magic)) != 0))
-        kind++;
-    bool good = kind < KINDS;
-    *reason = "it is no PNG, JPEG, OpenEXR or HDR picture";
-    if (good) {
-        rewind(file);
-        good = kinds[kind].read(file, size) && size[0] && size[1];
-        snprintf(text, sizeof text, "its %s header is damaged", kinds[kind].name);
-        *reason = text;
-    }
+    bool good = kind->read(file, size) && size[0] && size[1];
+    snprintf(text, sizeof text, "its %s header is damaged", kind->name);
+    *reason = text;
     fclose(file);
     *width = size[0];
     *height = size[1];
     return good;
+}
+
+bool picture_check(const char *path, const char **reason)
+{
+    const struct kind *kind;
+    const char *other, *trouble = NULL;
+    FILE *file = open_kind(path, &kind, &other);
+    if (file && kind->read == hdr)
+        trouble = hdr_trouble(file);
+    if (file)
+        fclose(file);
+    if (trouble)
+        *reason = trouble;
+    return !trouble;
+}
+
+void picture_space(const char *path, char space[PICTURE_SPACE])
+{
+    const struct kind *kind;
+    const char *reason;
+    FILE *file = open_kind(path, &kind, &reason);
+    *space = '\0';
+    if (file)
+        kind->space(file, space);
+    if (file)
+        fclose(file);
 }

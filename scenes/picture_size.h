@@ -1,13 +1,27 @@
-/* The size of a picture, from its header alone and without an image library: what a spec needs to
- * know of a file. Called by gen and by the app. */
+/* What the header of a picture says, without an image library: its size, which a spec needs to know,
+ * its colour space, and kinds that no reader here reads right. Called by gen, by the app and by
+ * image.c. */
 #ifndef DIPTYCH_SCENES_PICTURE_SIZE_H
 #define DIPTYCH_SCENES_PICTURE_SIZE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
-/* Knows PNG, JPEG, OpenEXR and Radiance HDR by their first bytes. False: *reason, valid until the
- * next call in this thread. */
+enum { PICTURE_SPACE = 128 };
+
+/* Knows PNG, JPEG, OpenEXR (its display window) and Radiance HDR by their first bytes. False:
+ * *reason, valid until the next call in this thread. */
 bool picture_size(const char *path, uint32_t *width, uint32_t *height, const char **reason);
+
+/* Whether a Radiance HDR file has a form that the image libraries read right: rows from the top, RGB,
+ * no run lengths of the first version. True for all other files. False: *reason, as above. */
+bool picture_check(const char *path, const char **reason);
+
+/* Writes the colour space that a JPEG, OpenEXR or Radiance HDR file declares, or the chunk cICP of a
+ * PNG: `sRGB`, `linear`, or words that name it; nothing where it declares none. */
+void picture_space(const char *path, char space[PICTURE_SPACE]);
+/* The same of an ICC profile: `sRGB`, or its description. */
+void picture_profile(const uint8_t *profile, size_t size, char space[PICTURE_SPACE]);
 
 #endif

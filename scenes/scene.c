@@ -18,6 +18,7 @@
  * Irradiance is perpendicular to the rays (W/m2), intensity that on the axis (W/sr). */
 #include "camera_light.h"
 #include "child.h"
+#include "base/input.h"
 #include "mesh.h"
 #include "motion.h"
 #include "base/yaml.h"
@@ -27,7 +28,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { MAX_TEXTURE_SIZE = 4096 };
+enum { MAX_TEXTURE_SIZE = 4096, MOST_OPEN_FILES = 8 };
 
 /* ---- Camera and light ------------------------------------------------------------------------ */
 
@@ -236,6 +237,13 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
 {
     struct mesh mesh;
     child_opens(settings->mesh_path);
+    if (!input_room(MOST_OPEN_FILES)) {
+        log_message(log, DT_ERROR,
+                    "%s: reading it takes up to %d open files, and this process may not open so "
+                    "many; see `ulimit -n`",
+                    settings->mesh_path, MOST_OPEN_FILES);
+        return false;
+    }
     if (!mesh_import(&mesh, settings->mesh_path, settings->scale, log))
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);

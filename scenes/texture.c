@@ -2,14 +2,23 @@
  * Called by scene.c. */
 #include "image.h"
 #include "mesh.h"
+#include "picture_size.h"
 #include "scene.h"
 #include "srgb.h"
 
+#include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 enum { DEFAULT_LIMIT = 1024, ENCODE_STEPS = 65536 };
+/* Of all layers together, with mips; and of the pictures that become layers. */
+#define MOST_BYTES  ((size_t)2 << 30)
+#define MOST_PIXELS ((uint64_t)1 << 32)
 
 /* sRGB codes to linear light and back (IEC 61966-2-1). `encode` is so fine that every code survives
  * the round trip. */
@@ -87,43 +96,213 @@ static void as_warning(void *user, enum dt_level level, const char *message)
         log_message(log, level, "%s", message);
 }
 
-static uint32_t default_size(const struct mesh *mesh, const struct dt_log *quiet)
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/* A picture that is open for reading by name. */
+struct opened {
+    char path[64];    /* of the descriptor */
+    const char *name; /* that path, or that of the texture's file */
+    int file;         /* -1: none */
+};
+
+/* A picture inside the mesh file goes to a file in memory, so that all are read by name. */
+static bool open_texture(const struct mesh_texture *texture, struct opened *opened,
+                         const struct dt_log *log)
 {
-    uint32_t size = 1;
-    for (uint32_t i = 0; i < mesh->texture_count; i++) {
-        uint32_t width, height;
-        if (!image_size(mesh->textures[i].color, &width, &height, quiet))
-            continue;
-        while (size < DEFAULT_LIMIT && (size < width || size < height))
-            size *= 2;
+    *opened = (struct opened){.name = texture->color, .file = -1};
+    if (!texture->bytes)
+        return true;
+    size_t done = 0;
+    opened->file = memfd_create("texture", MFD_CLOEXEC);
+    for (ssize_t got = 0;
+         opened->file >= 0 && got >= 0 && done<texture->size; done += got> 0 ? (size_t)got : 0)
+        got = write(opened->file, texture->bytes + done, texture->size - done);
+    if (opened->file < 0 || done < texture->size) {
+        log_message(log, DT_ERROR, "%s: %s", texture->color, strerror(errno));
+        if (opened->file >= 0)
+            close(opened->file);
+        return false;
     }
-    return size;
+    snprintf(opened->path, sizeof opened->path, "/proc/self/fd/%d", opened->file);
+    opened->name = opened->path;
+    return true;
 }
 
-/* Loads layer after layer into mip 0; layer_of[i] is the layer of texture i, -1 if it could not be
- * read. Returns the number of layers. */
-static uint32_t load_layers(uint8_t *texels, uint32_t size, const struct mesh *mesh,
-                            int32_t *layer_of, bool *has_holes, const struct dt_log *warn)
+static void close_texture(const struct opened *opened)
 {
-    uint32_t layers = 0;
-    size_t bytes = (size_t)4 * size * size;
+    if (opened->file >= 0)
+        close(opened->file);
+}
+
+/* ---- Layers ---------------------------------------------------------------------------------- */
+
+/* The layers of the array: one for each distinct texture. */
+struct layers {
+    struct mesh *mesh;
+    const struct dt_log *log;
+    struct stat *files; /* of colour and opacity of each texture; a device and inode of 0: none */
+    uint32_t *textures; /* of layers */
+    int32_t *layer_of;  /* of textures; -1: it cannot be read */
+    bool *has_holes;
+    uint32_t count, size, mips;
+    size_t chain; /* bytes of a layer with its mips */
+};
+
+static void free_layers(struct layers *layers)
+{
+    free(layers->files);
+    free(layers->textures);
+    free(layers->layer_of);
+    free(layers->has_holes);
+}
+
+static bool allocate_layers(struct layers *layers)
+{
+    size_t count = (size_t)layers->mesh->texture_count + 1;
+    layers->files = calloc(2 * count, sizeof *layers->files);
+    layers->textures = calloc(count, sizeof *layers->textures);
+    layers->layer_of = calloc(count, sizeof *layers->layer_of);
+    layers->has_holes = calloc(count, sizeof *layers->has_holes);
+    return layers->files && layers->textures && layers->layer_of && layers->has_holes;
+}
+
+/* A file may have many names. Two that are missing are the same if their names are. */
+static bool same_file(const char *a, const char *b, const struct stat *of_a,
+                      const struct stat *of_b)
+{
+    if (!a || !b)
+        return a == b;
+    return of_a->st_dev == of_b->st_dev && of_a->st_ino == of_b->st_ino &&
+           (of_a->st_ino || strcmp(a, b) == 0);
+}
+
+static bool same_texture(const struct layers *layers, uint32_t i, uint32_t j)
+{
+    const struct mesh_texture *a = &layers->mesh->textures[i], *b = &layers->mesh->textures[j];
+    const struct stat *files = layers->files;
+    if (a->bytes || b->bytes)
+        return a->bytes && b->bytes && a->size == b->size &&
+               memcmp(a->bytes, b->bytes, a->size) == 0;
+    return same_file(a->color, b->color, &files[2 * i], &files[2 * j]) &&
+           same_file(a->opacity, b->opacity, &files[2 * i + 1], &files[2 * j + 1]);
+}
+
+/* Gives every distinct texture a layer. */
+static void assign_layers(struct layers *layers)
+{
+    const struct mesh *mesh = layers->mesh;
     for (uint32_t i = 0; i < mesh->texture_count; i++) {
         const struct mesh_texture *texture = &mesh->textures[i];
-        uint32_t width = size, height = size;
-        uint8_t *image;
-        layer_of[i] = -1;
-        if (!image_read_rgba8(texture->color, &width, &height, &image, warn))
-            continue;
-        uint8_t *layer = texels + layers * bytes;
-        memcpy(layer, image, bytes);
-        free(image);
+        uint32_t layer = 0;
+        if (!texture->bytes)
+            stat(texture->color, &layers->files[2 * i]);
         if (texture->opacity)
-            merge_opacity(layer, texture->opacity, size, warn);
-        for (size_t t = 3; t < bytes; t += 4)
-            has_holes[layers] |= layer[t] < 255;
-        layer_of[i] = (int32_t)layers++;
+            stat(texture->opacity, &layers->files[2 * i + 1]);
+        while (layer < layers->count && !same_texture(layers, i, layers->textures[layer]))
+            layer++;
+        if (layer == layers->count)
+            layers->textures[layers->count++] = i;
+        layers->layer_of[i] = (int32_t)layer;
     }
-    return layers;
+}
+
+/* The size of a picture, from its header; 0: unknown. */
+static uint64_t header_size(const char *path, uint32_t *side)
+{
+    const struct dt_log quiet = {0};
+    uint32_t width, height;
+    const char *reason;
+    if (!picture_size(path, &width, &height, &reason) && !image_size(path, &width, &height, &quiet))
+        return 0;
+    *side = width > *side ? width : *side;
+    *side = height > *side ? height : *side;
+    return (uint64_t)width * height;
+}
+
+static void choose_size(struct layers *layers, uint32_t size)
+{
+    layers->size = size;
+    layers->mips = 1;
+    layers->chain = 4;
+    for (uint32_t s = size; s > 1; s /= 2, layers->mips++)
+        layers->chain += (size_t)4 * s * s;
+}
+
+/* Chooses the size of the layers; 0: by the largest picture, or what the limit leaves. Refuses, before
+ * any picture is decoded, what takes too much. */
+static bool plan_layers(struct layers *layers, uint32_t wanted)
+{
+    uint64_t pixels = 0;
+    uint32_t largest = 1, size = 1;
+    for (uint32_t i = 0; i < layers->count; i++) {
+        const struct mesh_texture *texture = &layers->mesh->textures[layers->textures[i]];
+        struct opened opened;
+        if (!open_texture(texture, &opened, layers->log))
+            return false;
+        pixels += header_size(opened.name, &largest);
+        close_texture(&opened);
+        pixels += texture->opacity ? header_size(texture->opacity, &(uint32_t){0}) : 0;
+    }
+    while (size < DEFAULT_LIMIT && size < largest)
+        size *= 2;
+    choose_size(layers, wanted ? wanted : size);
+    while (!wanted && layers->size > 1 && layers->count > MOST_BYTES / layers->chain)
+        choose_size(layers, layers->size / 2);
+    if (pixels > MOST_PIXELS)
+        log_message(layers->log, DT_ERROR,
+                    "the scene's textures have %llu pixels; %llu is the limit",
+                    (unsigned long long)pixels, (unsigned long long)MOST_PIXELS);
+    else if (layers->count > MOST_BYTES / layers->chain)
+        log_message(layers->log, DT_ERROR,
+                    "%u textures of %ux%u take %zu MiB; %zu is the limit; lower `texture_size` in "
+                    "the scene file",
+                    layers->count, layers->size, layers->size,
+                    (layers->count * layers->chain) >> 20, MOST_BYTES >> 20);
+    else
+        return true;
+    return false;
+}
+
+/* Reads a texture into a layer. */
+static bool load_layer(const struct layers *layers, const struct mesh_texture *texture,
+                       uint8_t *layer, const struct dt_log *warn)
+{
+    uint32_t width = layers->size, height = layers->size;
+    struct opened opened;
+    uint8_t *image;
+    if (!open_texture(texture, &opened, warn))
+        return false;
+    bool good = image_read_rgba8(opened.name, &width, &height, &image, warn);
+    if (good)
+        image_check_space(opened.name, IMAGE_AS_SRGB, warn);
+    close_texture(&opened);
+    if (!good)
+        return false;
+    memcpy(layer, image, (size_t)4 * width * height);
+    free(image);
+    if (texture->opacity)
+        merge_opacity(layer, texture->opacity, layers->size, warn);
+    return true;
+}
+
+/* Loads layer after layer into mip 0. Layers that cannot be read are left out. */
+static void load_layers(struct layers *layers, uint8_t *texels)
+{
+    const struct dt_log warn = {as_warning, (void *)layers->log};
+    struct mesh *mesh = layers->mesh;
+    size_t bytes = (size_t)4 * layers->size * layers->size;
+    uint32_t loaded = 0;
+    for (uint32_t i = 0; i < layers->count; i++) {
+        uint8_t *layer = texels + loaded * bytes;
+        bool good = load_layer(layers, &mesh->textures[layers->textures[i]], layer, &warn);
+        for (size_t t = 3; good && t < bytes; t += 4)
+            layers->has_holes[loaded] |= layer[t] < 255;
+        for (uint32_t k = layers->textures[i]; k < mesh->texture_count; k++)
+            if (layers->layer_of[k] == (int32_t)i)
+                layers->layer_of[k] = good ? (int32_t)loaded : -1;
+        loaded += good;
+    }
+    layers->count = loaded;
 }
 
 static void complete_materials(struct mesh *mesh, const int32_t *layer_of, const bool *has_holes)
@@ -156,43 +335,48 @@ static void set_white(uint8_t *texels, struct dt_scene *scene)
     scene->texture_width = scene->texture_height = scene->texture_layers = scene->texture_mips = 1;
 }
 
+static bool out_of_memory(const struct layers *layers)
+{
+    log_message(layers->log, DT_ERROR,
+                "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
+                layers->count, layers->size, layers->size);
+    return false;
+}
+
+/* Fills the scene's texels. */
+static bool fill(struct layers *layers, struct dt_scene *scene)
+{
+    uint8_t *texels = malloc((layers->count ? layers->count : 1) * layers->chain);
+    struct srgb *srgb = srgb_tables();
+    if (!texels || !srgb) {
+        free(texels);
+        free(srgb);
+        return out_of_memory(layers);
+    }
+    load_layers(layers, texels);
+    complete_materials(layers->mesh, layers->layer_of, layers->has_holes);
+    build_mips(srgb, texels, layers->size, layers->count);
+    scene->texture_width = scene->texture_height = layers->size;
+    scene->texture_layers = layers->count;
+    scene->texture_mips = layers->mips;
+    if (layers->count == 0)
+        set_white(texels, scene);
+    scene->texels = texels;
+    free(srgb);
+    return true;
+}
+
 bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
                    const struct dt_log *log)
 {
-    const struct dt_log warn = {as_warning, (void *)log}, quiet = {0};
-    if (size == 0)
-        size = default_size(mesh, &quiet);
-    uint32_t mips = 1;
-    size_t chain = 4; /* bytes of one layer with its mips */
-    for (uint32_t s = size; s > 1; s /= 2, mips++)
-        chain += (size_t)4 * s * s;
-    uint32_t count = mesh->texture_count ? mesh->texture_count : 1;
-    uint8_t *texels = malloc(count * chain);
-    int32_t *layer_of = calloc(count, sizeof *layer_of);
-    bool *has_holes = calloc(count, sizeof *has_holes);
-    struct srgb *srgb = srgb_tables();
-    bool ok = texels && layer_of && has_holes && srgb;
-    if (ok) {
-        uint32_t layers = load_layers(texels, size, mesh, layer_of, has_holes, &warn);
-        complete_materials(mesh, layer_of, has_holes);
-        build_mips(srgb, texels, size, layers);
-        scene->texture_width = scene->texture_height = size;
-        scene->texture_layers = layers;
-        scene->texture_mips = mips;
-        if (layers == 0)
-            set_white(texels, scene);
-        scene->texels = texels;
-    } else {
-        log_message(
-            log, DT_ERROR,
-            "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
-            mesh->texture_count, size, size);
-        free(texels);
+    struct layers layers = {.mesh = mesh, .log = log};
+    bool good = allocate_layers(&layers) || out_of_memory(&layers);
+    if (good) {
+        assign_layers(&layers);
+        good = plan_layers(&layers, size) && fill(&layers, scene);
     }
-    free(layer_of);
-    free(has_holes);
-    free(srgb);
-    return ok;
+    free_layers(&layers);
+    return good;
 }
 
 size_t scene_texel_bytes(const struct dt_scene *data)

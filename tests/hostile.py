@@ -90,4 +90,11 @@ scene("zero_map", "newmtl m\nmap_Kd /dev/zero\n")
 scene("huge_map", "newmtl m\nmap_Kd huge.png\n")
 scene("zero_mtl", "", "mtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
 png("huge.png", 30000)
+# Each node has the next one twice: 2 to the 24th nodes.
+NODE = '<node id="n{0}"><instance_node url="#n{1}"/><instance_node url="#n{1}"/></node>'
+put("doubling.dae", '<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/>'
+    "<library_nodes>" + "".join(NODE.format(i, i + 1) for i in range(24)) + '<node id="n24"/></library_nodes>'
+    '<library_visual_scenes><visual_scene id="s"><node><instance_node url="#n0"/></node></visual_scene></library_visual_scenes>'
+    '<scene><instance_visual_scene url="#s"/></scene></COLLADA>')
+put("doubling_nodes.yaml", SCENE.format(mesh="doubling.dae"))
 put("zero_mesh.yaml", SCENE.format(mesh="/dev/zero"))

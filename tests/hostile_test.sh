@@ -147,7 +147,9 @@ crash_is_told() { # command...: assimp 5.2 crashes, 5.4 does not
 }
 check "materials at which a library crashes" crash_is_told "${scene[@]}" --scene "$work/early_map.yaml"
 check "a mesh that is a device" refuses "/dev/zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mesh.yaml"
-check "materials" warns "zero: not read: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
+check "materials" refuses "zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
+check "nodes that double" refuses "doubling.dae: reading it takes more memory than there is" "${scene[@]}" --scene "$work/doubling_nodes.yaml"
+check "too few open files" refuses "this process may not open so many" bash -c 'ulimit -n 7 && exec "$@"' bash "${scene[@]}" --scene scenes/cornell.yaml
 check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
 

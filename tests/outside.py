@@ -10,8 +10,8 @@ import zlib
 WIDTH, HEIGHT = 45, 21  # odd, for mips
 
 
-def write_png(path, width, height, texel):
-    """8 bit RGB; texel(x, y) is three codes, row 0 at the top."""
+def write_png(path, width, height, texel, before=()):
+    """8 bit RGB; texel(x, y) is three codes, row 0 at the top. before: chunks before the pixels, name and content."""
     rows = b"".join(b"\0" + b"".join(bytes(texel(x, y)) for x in range(width)) for y in range(height))
 
     def chunk(kind, data):
@@ -19,11 +19,12 @@ def write_png(path, width, height, texel):
 
     head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     with open(path, "wb") as out:
-        out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+        chunks = b"".join(chunk(*each) for each in before)
+        out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunks + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
-def write_exr(path, width, height, texel, corner=(0, 0)):
-    """Three channels of float, not compressed; the data window begins at the corner."""
+def write_exr(path, width, height, texel, corner=(0, 0), display=None):
+    """Three channels of float, not compressed; the data window begins at the corner. display: left, top, right, bottom."""
     def attribute(name, kind, data):
         return name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data
 
@@ -32,7 +33,7 @@ def write_exr(path, width, height, texel, corner=(0, 0)):
     channels = b"".join(n + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for n in (b"B", b"G", b"R")) + b"\0"
     head = b"\x76\x2f\x31\x01\x02\0\0\0" + attribute(b"channels", b"chlist", channels)
     head += attribute(b"compression", b"compression", b"\0") + attribute(b"dataWindow", b"box2i", box)
-    head += attribute(b"displayWindow", b"box2i", box) + attribute(b"lineOrder", b"lineOrder", b"\0")
+    head += attribute(b"displayWindow", b"box2i", struct.pack("<4i", *display) if display else box) + attribute(b"lineOrder", b"lineOrder", b"\0")
     head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
     head += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
     head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
@@ -47,10 +48,10 @@ def write_exr(path, width, height, texel, corner=(0, 0)):
         out.write(head + table + lines)
 
 
-def write_hdr(path, width, height, texel):
+def write_hdr(path, width, height, texel, head=b"", order=b"-Y %d +X %d"):
     """RGBE without runs; a component is the code times 2 to the exponent less 136."""
     with open(path, "wb") as out:
-        out.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width))
+        out.write(b"#?RADIANCE\n" + head + b"FORMAT=32-bit_rle_rgbe\n\n" + order % (height, width) + b"\n")
         for y in range(height):
             for x in range(width):
                 out.write(bytes(texel(x, y)))
@@ -229,6 +230,58 @@ def check_formats(folder):
         expect(found, numbers, 0, "bone %d" % i)
 
 
+def profile(name):
+    """An ICC profile with its description alone."""
+    text = name.encode("utf-16-be")
+    tag = b"mluc" + struct.pack(">4xII2s2sII", 1, 12, b"en", b"US", len(text), 28) + text
+    tag += bytes(-len(tag) % 4)
+    head = bytearray(128)
+    head[8:40] = b"\x04\0\0\0mntrRGB XYZ " + bytes(12) + b"acsp"
+    head[68:80] = bytes.fromhex("0000f6d6000100000000d32d")
+    body = bytes(head) + struct.pack(">I4sII", 1, b"desc", 144, len(tag)) + tag
+    return struct.pack(">I", len(body)) + body[4:]
+
+
+GREYS = (10, 50, 100, 200)
+CROP = (2.0, 0.5, 0.25)
+
+
+def make_pictures(folder):
+    """Pictures that say of their numbers what readers may pass over, and a JPEG with a profile of ramp.jpg."""
+    grey = lambda x, y: (GREYS[x],) * 3
+    gamma = lambda value: (b"gAMA", struct.pack(">I", value))
+    icc = lambda name: (b"iCCP", b"icc\0\0" + zlib.compress(profile(name)))
+    primaries = lambda x: (b"cHRM", struct.pack(">8I", 31270, 32900, x, 32000, 26500, 69000, 15000, 6000))
+    for name, chunks in (("linear", [gamma(100000)]), ("gamma_18", [gamma(55556)]), ("gamma_22", [gamma(45455)]),
+                         ("wide", [primaries(68000)]), ("p3", [icc("Display P3")]), ("srgb", [icc("sRGB IEC61966-2.1")]),
+                         ("pq", [(b"cICP", bytes((9, 16, 0, 1)))]), ("first", [(b"sRGB", b"\0"), gamma(45455)])):
+        write_png(folder + "/%s.png" % name, 4, 1, grey, chunks)
+    for name, head, order in (("bottom", b"", b"+Y %d +X %d"), ("exposed", b"EXPOSURE= 2.0\n", b"-Y %d +X %d"),
+                              ("once", b"EXPOSURE=1\n", b"-Y %d +X %d")):
+        write_hdr(folder + "/%s.hdr" % name, 4, 1, lambda x, y: (64, 64, 64, 129), head, order)
+    write_hdr(folder + "/runs.hdr", 2, 1, lambda x, y: (1, 1, 1, 3) if x else (64, 64, 64, 129))
+    # texels (2, 1) to (5, 2) of 4x4: half of the data lies beyond
+    write_exr(folder + "/window.exr", 4, 2, lambda x, y: CROP if x < 2 else (9, 9, 9), corner=(12, 21), display=(10, 20, 13, 23))
+    with open(folder + "/ramp.jpg", "rb") as file:
+        ramp = file.read()
+    segment = b"ICC_PROFILE\0\1\1" + profile("Adobe RGB (1998)")
+    with open(folder + "/adobe.jpg", "wb") as out:
+        out.write(ramp[:2] + b"\xff\xe2" + struct.pack(">H", len(segment) + 2) + segment + ramp[2:])
+    with open(folder + "/half.jpg", "wb") as out:
+        out.write(ramp[:-20])
+
+
+def check_greys(folder):
+    """Codes over 255, as they stand in the file."""
+    expect(Dump(folder).numbers("copied"), [v for grey in GREYS for v in [grey / 255] * 3 + [1]], 1e-6, "greys")
+
+
+def check_window(folder):
+    """The display window, from the bottom: rows 2 and 1 of the four hold the data, which begins at column 2."""
+    row = [0] * 8 + [*CROP, 1] * 2
+    expect(Dump(folder).numbers("copied"), [0] * 16 + row * 2 + [0] * 16, 0, "window")
+
+
 # Ties, both neighbours of ties, the smallest and the largest halves.
 EXR_VALUES = [1.0, 1 + 2**-11, 1 + 3 * 2**-11, 1 + 2**-11 + 2**-20, -0.3, 2.0**-24, 2.0**-25, 3 * 2.0**-25, 2.0**-14 - 2.0**-26,
               65504.0, 65519.0, -0.0]
@@ -265,5 +318,5 @@ def make(folder):
         out.write(file.read()[:60])
 
 
-COMMANDS = {"make": make, "dump": check_dump, "mips": check_mips, "formats": check_formats}
+COMMANDS = {"make": make, "pictures": make_pictures, "greys": check_greys, "window": check_window, "dump": check_dump, "mips": check_mips, "formats": check_formats}
 COMMANDS[sys.argv[1]](*sys.argv[2:])

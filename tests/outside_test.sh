@@ -62,6 +62,53 @@ END
 check "OpenEXR, HDR and JPEG are read" "$diptych" render --spec formats.yaml --input bones=bones.npy --backend gl --size 4x4 --dump formats
 check "... to the nearest half, and structs as std430 has them" /usr/bin/python3 "$root/tests/outside.py" formats formats
 
+# ---- What pictures say of their numbers
+
+/usr/bin/python3 "$root/tests/outside.py" pictures . || exit 1
+cat >as_is.yaml <<'END'
+pipeline: as_is
+images:
+  picture: {input: true, format: rgba32f, mips: 1}
+  copied: {format: rgba32f, size: frame}
+passes:
+  - {name: copy, dispatch: copied, reads: [picture], writes: [copied], shader: as_is.glsl}
+END
+cat >as_is.glsl <<'END'
+void main() { if (all(lessThan(invocation().xy, copied_size()))) copied_store(invocation().xy, picture(invocation().xy)); }
+END
+sed 's/mips: 1/encoding: srgb/' as_is.yaml >as_codes.yaml
+sed 's/mips: 1/encoding: linear/' as_is.yaml >as_light.yaml
+# shellcheck disable=SC2317
+says() { # spec file warning: the last is empty where there is none
+    rm -rf said
+    "$diptych" render --spec "$1.yaml" --input "picture=$2" --backend vk --dump said 2>&1 | tee told
+    [ -e said/manifest.json ] && case $3 in
+    '') ! grep -q warning told ;;
+    *) grep -qF -- "warning: $2: its colour space is $3" told && [ "$(grep -c warning told)" = 1 ] ;;
+    esac
+}
+check "a PNG with gAMA" says as_is linear.png ""
+check "... keeps its numbers" /usr/bin/python3 "$root/tests/outside.py" greys said
+check "... which are not the codes that the spec promises" says as_codes linear.png "linear; its numbers are taken as sRGB codes"
+check "codes are not the light that the spec promises" says as_light first.png "sRGB; its numbers are taken as linear"
+check "the first declaration of a PNG counts" says as_codes first.png ""
+check "another gamma is told" says as_is gamma_18.png "one of gamma 1.8; its numbers are kept"
+check "... that of sRGB is none" says as_codes gamma_22.png ""
+check "other primaries" says as_is wide.png "one of the primaries (0.68, 0.32)"
+check "an ICC profile" says as_is p3.png "Display P3; its numbers are kept"
+check "... in a JPEG" says as_is adobe.jpg "Adobe RGB (1998); its numbers are kept"
+check "... of sRGB" says as_codes srgb.png ""
+check "cICP" says as_is pq.png "one of primaries 9, transfer 16 (cICP)"
+check "the exposure of an HDR" says as_is exposed.hdr 'linear, changed by `EXPOSURE= 2.0`'
+check "... which may be 1" says as_light once.hdr ""
+check "light where the spec promises codes" says as_codes once.hdr "linear; its numbers are taken as sRGB codes"
+check "an OpenEXR of a part of its window" says as_light window.exr ""
+check "... is zero in the rest" /usr/bin/python3 "$root/tests/outside.py" window said
+for wrong in 'bottom.hdr:its rows and columns are `+Y 1 +X 4`' "runs.hdr:it has run lengths of Radiance's first version" \
+    "half.jpg:Premature end of JPEG file"; do
+    check "${wrong%%:*} is refused" told 1 "${wrong#*:}" "$diptych" render --spec as_is.yaml --input "picture=${wrong%%:*}" --backend gl --dump large
+done
+
 # ---- Files that do not fit
 
 render=("$diptych" render --spec outside.yaml --backend vk -o none.png)

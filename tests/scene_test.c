@@ -256,6 +256,94 @@ static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
     scene_free(&scene);
 }
 
+static const struct dt_material *material_of(const struct scene *scene, uint32_t triangle)
+{
+    return &scene->data.materials[scene->data.vertices[scene->data.indices[3 * triangle]].material];
+}
+
+/* The file must not load; the one error has the text. */
+static void assert_no_mesh(const char *name, const char *text)
+{
+    char yaml[512];
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    snprintf(yaml, sizeof yaml, "mesh: %s\n" CAMERA SUN, name);
+    put("wrong.yaml", yaml);
+    assert_false(scene_load(&scene, at("wrong.yaml"), NULL, false, &log));
+    if (!strstr(heard.text, text))
+        fail_msg("no '%s' in\n%s", text, heard.text);
+    assert_int_equal(heard.count[DT_ERROR], 1);
+}
+
+static void wrong_indices_have_a_line(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *face, *text;
+    } cases[] = {
+        {"f 1 2 9", "i.obj:6: error: a face has the vertex 9, and the file has 3"},
+        {"f 3 2 -4", "i.obj:6: error: a face has the vertex -4, and the file has 3"},
+        {"f 0 1 2", "i.obj:6: error: a face has the vertex 0, and the file has 3"},
+        {"f 1/1 2/2 3/1",
+         "i.obj:6: error: a face has the texture coordinate 2, and the file has 1"},
+        {"f 1//1 2//7 3//1", "i.obj:6: error: a face has the normal 7, and the file has 1"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        char text[256];
+        snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n%s\n",
+                 cases[i].face);
+        put("i.obj", text);
+        assert_no_mesh("i.obj", cases[i].text);
+    }
+    put("i.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                 "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n");
+    assert_no_mesh("i.ply", "i.ply: a face has the index 7, and there are 3 vertices");
+}
+
+/* Materials that cannot be read are not left out. */
+static void material_libraries_are_found(void **state)
+{
+    (void)state;
+    static const uint8_t wide[] = {0xff, 0xfe, 'n', 0, 'e', 0, 'w', 0};
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    put("l.obj", "mtllib k.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
+    assert_no_mesh("l.obj", "k.mtl: not found; ");
+    put("l.mtl", "newmtl a\nKd 1 0 0\n"); /* assimp tries the name of the mesh */
+    put("l.yaml", "mesh: l.obj\n" CAMERA SUN);
+    load(&scene, at("l.yaml"), &heard);
+    assert_non_null(strstr(heard.text, "k.mtl: not found; "));
+    assert_true(material_of(&scene, 0)->albedo[1] == 0);
+    scene_free(&scene);
+    assert_int_equal(mkdir(at("k.mtl"), 0777), 0);
+    assert_no_mesh("l.obj", "k.mtl: Is a directory");
+    assert_int_equal(rmdir(at("k.mtl")), 0);
+    FILE *file = fopen(at("k.mtl"), "wb");
+    assert_true(file && fwrite(wide, sizeof wide, 1, file) == 1 && fclose(file) == 0);
+    assert_no_mesh("l.obj", "k.mtl: UTF-16 text");
+}
+
+static void refused_models_are_named(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *start, *text;
+    } cases[] = {
+        {"w.obj", "\xfe\xff", "; the file is UTF-16 text"},
+        {"w.obj", "<!DOCTYPE html>", "; the file is a web page"},
+        {"w.obj", "version https://git-lfs.github.com/spec/v1\n",
+         "the file is a pointer of Git LFS"},
+        {"w.ply", "\x1f\x8b\b", "; the file is compressed by gzip"},
+        {"w.gltf", "", "; the file is empty"},
+    };
+    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
+        put(cases[i].name, cases[i].start);
+        assert_no_mesh(cases[i].name, cases[i].text);
+    }
+}
+
 static void assert_vector(const float v[3], double x, double y, double z)
 {
     const double expected[3] = {x, y, z};
@@ -387,11 +475,6 @@ static void write_checker(const char *name, uint8_t alpha_of_black)
         fail_msg("%s", heard.text);
 }
 
-static const struct dt_material *material_of(const struct scene *scene, uint32_t triangle)
-{
-    return &scene->data.materials[scene->data.vertices[scene->data.indices[3 * triangle]].material];
-}
-
 static void textures_fill_the_array(void **state)
 {
     (void)state;
@@ -429,6 +512,48 @@ static void textures_fill_the_array(void **state)
     scene_free(&scene);
 }
 
+/* Grey codes of linear light, as the file says. */
+static void write_linear(const char *name)
+{
+    const uint8_t codes[2] = {10, 200};
+    FILE *file = fopen(at(name), "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    assert_true(file && png && info && setjmp(png_jmpbuf(png)) == 0);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, 2, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_gAMA_fixed(png, info, 100000);
+    png_write_info(png, info);
+    png_write_row(png, codes);
+    png_write_end(png, info);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void textures_keep_their_numbers(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    uint8_t *codes;
+    uint32_t width = 0, height = 0;
+    write_linear("linear.png");
+    assert_true(image_read_rgba8(at("linear.png"), &width, &height, &codes, &log));
+    assert_true(codes[0] == 10 && codes[4] == 200);
+    free(codes);
+    put("g.obj", textured_obj);
+    put("t.mtl", "newmtl a\nmap_Kd linear.png\n");
+    put("g.yaml", "mesh: g.obj\ntexture_size: 2\n" CAMERA SUN);
+    load(&scene, at("g.yaml"), &heard);
+    assert_int_equal(heard.count[DT_WARNING], 1);
+    assert_non_null(strstr(heard.text, "linear.png: its colour space is linear; its numbers are "
+                                       "taken as sRGB codes"));
+    assert_true(scene.data.texels[0] == 10 && scene.data.texels[4] == 200);
+    scene_free(&scene);
+}
+
 static void opacity_map_becomes_alpha(void **state)
 {
     (void)state;
@@ -445,6 +570,35 @@ static void opacity_map_becomes_alpha(void **state)
     for (int i = 0; i < 16; i++)
         assert_int_equal(scene.data.texels[4 * i + 3], scene.data.texels[4 * i]);
     scene_free(&scene);
+}
+
+/* One file by three names, of which one is a link, is one layer; what takes too much memory is refused
+ * before a texture is read. */
+static void textures_have_a_budget(void **state)
+{
+    (void)state;
+    char mtl[2048] = "newmtl a\nmap_Kd opaque.png\nnewmtl b\nmap_Kd ././opaque.png\nnewmtl c\n"
+                     "map_Kd link.png\n";
+    write_checker("opaque.png", 255);
+    assert_int_equal(symlink("opaque.png", at("link.png")), 0);
+    put("t.obj", textured_obj);
+    put("t.mtl", mtl);
+    put("t.yaml", "mesh: t.obj\ntexture_size: 8\n" CAMERA SUN);
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    const struct dt_log log = {hear, &heard};
+    load(&scene, at("t.yaml"), &heard);
+    assert_int_equal(scene.data.texture_layers, 1);
+    assert_int_equal(material_of(&scene, 0)->texture, material_of(&scene, 2)->texture);
+    scene_free(&scene);
+    for (int i = 0; i < 25; i++)
+        sprintf(mtl + strlen(mtl), "newmtl m%d\nmap_Kd none%d.png\n", i, i);
+    put("t.mtl", mtl);
+    put("t.yaml", "mesh: t.obj\ntexture_size: 4096\n" CAMERA SUN);
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_non_null(
+        strstr(heard.text, "26 textures of 4096x4096 take 2218 MiB; 2048 is the limit"));
+    assert_int_equal(heard.count[DT_WARNING], 0);
 }
 
 static void untextured_scene_has_one_white_texel(void **state)
@@ -1064,10 +1218,15 @@ int main(void)
         cmocka_unit_test(box_is_closed_and_faces_outwards),
         cmocka_unit_test(triangles_are_numbered_by_their_first_vertex),
         cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
+        cmocka_unit_test(wrong_indices_have_a_line),
+        cmocka_unit_test(material_libraries_are_found),
+        cmocka_unit_test(refused_models_are_named),
         cmocka_unit_test(gltf_nodes_are_flattened),
         cmocka_unit_test(gltf_brings_camera_and_light),
         cmocka_unit_test(textures_fill_the_array),
+        cmocka_unit_test(textures_keep_their_numbers),
         cmocka_unit_test(opacity_map_becomes_alpha),
+        cmocka_unit_test(textures_have_a_budget),
         cmocka_unit_test(untextured_scene_has_one_white_texel),
         cmocka_unit_test(cornell_box_has_the_published_measures),
         cmocka_unit_test(atrium_is_heavy_and_faces_outward),

@@ -24,7 +24,7 @@ build_host() {
         runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c &&
         compile host tests/hosts/host_vk.c "$gen"/{ssvp/ssvp,ssvp/ssvp_vk_shaders,rsm/rsm,rsm/rsm_vk_shaders}.c &&
         cc -fsanitize=thread "$work"/{both,host}/*.o "$build/library/libdiptych_scene.a" \
-            -lvulkan -lpng -lassimp -lfyaml -ldl -lstdc++ -lm -o "$work/threads"
+            -lvulkan -lpng -lassimp -lmeshoptimizer -lfyaml -lcjson -ldl -lstdc++ -lm -o "$work/threads"
 }
 # shellcheck disable=SC2317
 build_inputs() {

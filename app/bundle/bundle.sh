@@ -20,7 +20,7 @@ ldd build/bundle/diptych build/diptych-gen build/bundle/libdiptych_image.so | aw
     while read -r library; do
         case $library in
         */libc.so.* | */libm.so.* | */libdl.so.* | */libpthread.so.* | */librt.so.*) continue ;; # glibc's
-        */libassimp.* | */libpng16.* | */libdraco.* | */libminizip.* | */libfyaml.* | */libxxhash.* | */libcjson.* | */libstb.* | */libglfw.* | */libspirv-cross*)
+        */libassimp.* | */libmeshoptimizer.* | */libpng16.* | */libdraco.* | */libminizip.* | */libfyaml.* | */libxxhash.* | */libcjson.* | */libstb.* | */libglfw.* | */libspirv-cross*)
             cp -L "$library" "$bundle/lib/own" ;;
         *) cp -L "$library" "$bundle/lib/fallback" ;;
         esac

@@ -8,6 +8,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfStdIO.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -53,31 +54,54 @@ try {
     return false;
 }
 
-/* False if the file is no EXR, is damaged, or has no channels R, G and B of full size. */
-bool read_exr(const char *path, uint32_t *width, uint32_t *height, float **rgba)
+typedef std::unique_ptr<float, decltype(&std::free)> unique_floats;
+
+uint64_t extent(int low, int high)
+{
+    return (uint64_t)((int64_t)high - low + 1);
+}
+
+/* Copies what two windows have in common. */
+void place(const float *from, const Imath::Box2i &source, float *to, const Imath::Box2i &target)
+{
+    int left = std::max(source.min.x, target.min.x), right = std::min(source.max.x, target.max.x);
+    int top = std::max(source.min.y, target.min.y), low = std::min(source.max.y, target.max.y);
+    for (int y = top; y <= low && left <= right; y++) {
+        uint64_t row = extent(source.min.y, y - 1) * extent(source.min.x, source.max.x);
+        uint64_t out = extent(target.min.y, y - 1) * extent(target.min.x, target.max.x);
+        std::memcpy(to + CHANNELS * (out + extent(target.min.x, left - 1)),
+                    from + CHANNELS * (row + extent(source.min.x, left - 1)),
+                    extent(left, right) * CHANNELS * sizeof(float));
+    }
+}
+
+/* Reads the display window, zeros where it has no data. False if the file is no EXR, is damaged, or has no channels R, G and B of full size. */
+bool read_exr(const char *path, uint32_t *width_out, uint32_t *height_out, float **rgba)
 try {
     Imf::InputFile file(path);
-    const Imath::Box2i &window = file.header().dataWindow();
-    uint64_t columns = (uint64_t)((int64_t)window.max.x - window.min.x + 1);
-    uint64_t rows = (uint64_t)((int64_t)window.max.y - window.min.y + 1);
+    const Imath::Box2i &data = file.header().dataWindow(), &display = file.header().displayWindow();
+    uint64_t columns = extent(display.min.x, display.max.x),
+             rows = extent(display.min.y, display.max.y);
     for (int channel = 0; channel < 3; channel++)
         if (!file.header().channels().findChannel(names[channel]))
             return false;
-    if (rows > IMAGE_MOST_PIXELS / columns)
+    uint64_t width = extent(data.min.x, data.max.x), height = extent(data.min.y, data.max.y);
+    if (rows > IMAGE_MOST_PIXELS / columns || height > IMAGE_MOST_PIXELS / width)
         return false;
     size_t texel = CHANNELS * sizeof(float);
-    std::unique_ptr<float, decltype(&std::free)> texels(
-        (float *)std::malloc(columns * rows * texel), std::free);
-    if (!texels)
+    unique_floats all((float *)std::malloc(width * height * texel), std::free);
+    unique_floats texels((float *)std::calloc(columns * rows, texel), std::free);
+    if (!all || !texels)
         return false;
     Imf::FrameBuffer frame;
     for (int channel = 0; channel < CHANNELS; channel++)
-        frame.insert(names[channel], Imf::Slice::Make(Imf::FLOAT, texels.get() + channel, window,
-                                                      texel, 0, 1, 1, 1.0));
+        frame.insert(names[channel],
+                     Imf::Slice::Make(Imf::FLOAT, all.get() + channel, data, texel, 0, 1, 1, 1.0));
     file.setFrameBuffer(frame);
-    file.readPixels(window.min.y, window.max.y);
-    *width = (uint32_t)columns;
-    *height = (uint32_t)rows;
+    file.readPixels(data.min.y, data.max.y);
+    place(all.get(), data, texels.get(), display);
+    *width_out = (uint32_t)columns;
+    *height_out = (uint32_t)rows;
     *rgba = texels.release();
     return true;
 } catch (const std::exception &) {

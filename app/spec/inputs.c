@@ -29,7 +29,7 @@ struct loading {
     const uint32_t *size; /* of the frame */
     const char *file;
     bool by_option;
-    bool srgb;
+    bool srgb, encoding_is_given;
 };
 
 /* ---- Errors ---------------------------------------------------------------------------------- */
@@ -66,19 +66,39 @@ struct picture_level {
     float *texels;
 };
 
-/* Keeps the reason instead of printing it. */
-static void keep_reason(void *user, enum dt_level level, const char *message)
+static bool holds_light(const struct loading *loading)
 {
+    return loading->srgb || loading->resource->format == DT_FORMAT_RGBA8_SRGB;
+}
+
+/* The messages of a child that reads a picture: passes warnings on, and keeps the reason of an
+ * error. */
+struct heard {
+    const struct loading *loading;
+    char reason[MOST_REASON];
+};
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    struct heard *heard = user;
     if (level == DT_ERROR)
-        snprintf(user, MOST_REASON, "%s", message);
+        snprintf(heard->reason, sizeof heard->reason, "%s", message);
+    else
+        heard->loading->console->log.message(heard->loading->console->log.user, level, message);
 }
 
 static bool write_picture(FILE *result, void *user, const struct dt_log *log)
 {
+    const struct loading *loading = user;
     uint32_t size[2];
     float *texels = NULL;
-    if (!hdr_read(user, &size[0], &size[1], &texels, log))
+    if (!hdr_read(loading->file, &size[0], &size[1], &texels, log))
         return false;
+    image_check_space(loading->file,
+                      holds_light(loading)         ? IMAGE_AS_SRGB
+                      : loading->encoding_is_given ? IMAGE_AS_LIGHT
+                                                   : IMAGE_AS_NUMBERS,
+                      log);
     fwrite(size, sizeof size, 1, result);
     fwrite(texels, CHANNELS * sizeof *texels, (size_t)size[0] * size[1], result);
     free(texels);
@@ -87,15 +107,16 @@ static bool write_picture(FILE *result, void *user, const struct dt_log *log)
 
 static bool read_picture(const struct loading *loading, struct picture_level *level)
 {
-    char reason[MOST_REASON] = "out of memory";
-    const struct dt_log quiet = {.message = keep_reason, .user = reason};
-    FILE *result = child_run(write_picture, (void *)loading->file, &quiet);
+    struct heard heard = {loading, "out of memory"};
+    const struct dt_log log = {.message = hear, .user = &heard};
+    FILE *result = child_run(write_picture, (void *)loading, &log);
     uint32_t size[2] = {0};
     bool good = result && fread(size, sizeof size, 1, result) == 1 && size[0] == level->width &&
                 size[1] == level->height;
     if (result && !good)
-        snprintf(reason, sizeof reason, "its header says %ux%u texels, and it has %ux%u",
-                 level->width, level->height, size[0], size[1]);
+        snprintf(heard.reason, sizeof heard.reason,
+                 "its header says %ux%u texels, and it has %ux%u", level->width, level->height,
+                 size[0], size[1]);
     size_t row = (size_t)CHANNELS * level->width;
     level->texels = good ? malloc(row * level->height * sizeof(float)) : NULL;
     good = level->texels;
@@ -103,12 +124,7 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
         good = fread(level->texels + y * row, sizeof(float), row, result) == row;
     if (result)
         fclose(result);
-    return good || refuse(loading, "%s", reason);
-}
-
-static bool holds_light(const struct loading *loading)
-{
-    return loading->srgb || loading->resource->format == DT_FORMAT_RGBA8_SRGB;
+    return good || refuse(loading, "%s", heard.reason);
 }
 
 /* Codes to linear light, where the image has that. */
@@ -427,7 +443,8 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
                               .size = setup->size,
                               .file = given ? given : from.file,
                               .by_option = given,
-                              .srgb = from.srgb};
+                              .srgb = from.srgb,
+                              .encoding_is_given = from.encoding_is_given};
     if (loading.file) {
         bool good = load_input(&loading);
         if (good && given)

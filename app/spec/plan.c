@@ -125,7 +125,8 @@ char *plan_limit(const struct plan *plan, uint32_t pass)
 struct plan_input plan_input(const struct plan *plan, uint32_t resource)
 {
     const struct resource *of = &plan->spec.model.pipeline.resources[resource];
-    return (struct plan_input){.file = of->file_path, .srgb = of->srgb};
+    return (struct plan_input){
+        .file = of->file_path, .srgb = of->srgb, .encoding_is_given = of->encoding_is_given};
 }
 
 void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,

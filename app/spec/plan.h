@@ -34,6 +34,7 @@ char *plan_limit(const struct plan *plan, uint32_t pass);
 struct plan_input {
     const char *file; /* path; NULL: `input` */
     bool srgb;        /* its picture holds sRGB codes, the image linear light */
+    bool encoding_is_given;
 };
 struct plan_input plan_input(const struct plan *plan, uint32_t resource);
 /* An error at the `file` of the resource, printed as diptych-gen prints it. */
