@@ -195,8 +195,6 @@ static const struct option_row rows[] = {
      "--measure: the --grid on the x axis of plots; the others become lines (default: the first)"},
     {"--jobs", OPTION_COUNT, AT(jobs), VERB_SWEEP, 0, "J",
      "runs at a time (default: one per processor)"},
-    {"--slurm", OPTION_FLAG, AT(slurm), VERB_SWEEP, 0, NULL,
-     "do not run; write a Slurm job array over the runs, and submit.sh"},
     {"--collect", OPTION_FLAG, AT(collect), VERB_SWEEP, 0, NULL,
      "do not run; summarise the finished runs of the sweep in DIR"},
     {"-o", OPTION_STRING, AT(output), VERB_REPORT, 0, "DIR",

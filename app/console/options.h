@@ -71,7 +71,7 @@ struct options {
     const char *x;                             /* sweep: path of a grid; NULL: the first */
     uint32_t random, memory, jobs, run_frames; /* 0: not given; sweep, bench, view */
     uint32_t warmup;
-    bool slurm, collect;
+    bool collect;
     const char *screenshot; /* view */
     const char *outline;    /* report: NULL: the one beside the spec */
     bool trust;             /* replay: without a sandbox */

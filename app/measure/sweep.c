@@ -141,16 +141,12 @@ static int run_sweep(struct console *console, const struct options *options, cJS
     int status = EXIT_USAGE;
     bool good = folder && sweep_add_commands(sweep, folder, log);
     console_hold(console);
-    good = good && sweep_write(sweep, folder, options->slurm, log);
+    good = good && sweep_write(sweep, folder, log);
     console_release(console);
     if (good)
         tell_redrawn(console, sweep, folder);
-    if (good && options->slurm) {
-        printf("%s: `sh submit.sh` there hands the runs to Slurm\n", folder);
-        status = EXIT_FINE;
-    } else if (good && run_ninja(console, folder, options->jobs)) {
+    if (good && run_ninja(console, folder, options->jobs))
         status = sweep_summarise(console, sweep, folder);
-    }
     free(folder);
     return status;
 }

@@ -43,9 +43,8 @@ int sweep_measure(struct console *console, const struct options *options);
 
 /* sweep_files.c: gives every run its command, a line for /bin/sh that can be pasted anywhere. */
 bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *log);
-/* Writes sweep.json, commands, run.sh, build.ninja and, with `slurm`, the scripts of a job array into
- * the folder, an absolute path. */
-bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struct dt_log *log);
+/* Writes sweep.json, commands, run.sh and build.ninja into the folder, an absolute path. */
+bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *log);
 
 /* sweep_summary.c: reads the results, writes summary.json and summary.csv, prints the table. Returns the exit
  * status of the verb. */

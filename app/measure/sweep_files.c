@@ -1,5 +1,5 @@
-/* The files of a sweep: list of commands, ninja file with an edge per run, scripts of a Slurm job
- * array over the same runs, and the script that starts one run. Called by sweep.c. */
+/* The files of a sweep: list of commands, ninja file with an edge per run, and the script that
+ * starts one run. Called by sweep.c. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,10 +7,6 @@
 #include "base/files.h"
 #include "console/quote.h"
 #include "measure/sweep.h"
-
-/* Most tasks of a Slurm array by default (MaxArraySize - 1). With more runs, each task does every
- * run at that distance. */
-enum { MOST_TASKS = 1000 };
 
 /* ---- Commands -------------------------------------------------------------------------------- */
 
@@ -132,65 +128,6 @@ static void write_ninja(FILE *out, const cJSON *sweep, const char *folder)
     }
 }
 
-/* ---- Slurm ----------------------------------------------------------------------------------- */
-
-static int task_count(const cJSON *sweep)
-{
-    int runs = cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "runs"));
-    return runs < MOST_TASKS ? runs : MOST_TASKS;
-}
-
-static void write_array(FILE *out, const cJSON *sweep, const char *folder)
-{
-    fprintf(out,
-            "#!/bin/sh\n"
-            "#SBATCH --job-name=diptych-sweep\n"
-            "#SBATCH --array=1-%d\n"
-            "# Submitted by submit.sh: a job array over the runs that have no result yet.\n"
-            "cd ",
-            task_count(sweep));
-    quote_word(out, folder);
-    fprintf(out,
-            " || exit 2\n"
-            "number=$SLURM_ARRAY_TASK_ID\n"
-            "status=0\n"
-            "while [ \"$number\" -le %d ]; do\n"
-            "    command=$(sed -n \"${number}p\" commands)\n"
-            "    grep -qs '^[01] ' \"runs/$number.result\" || eval \"sh run.sh $number $command\" "
-            "|| status=1\n"
-            "    number=$((number + %d))\n"
-            "done\n"
-            "exit $status\n",
-            cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "runs")), task_count(sweep));
-}
-
-static void write_collect(FILE *out, const cJSON *sweep, const char *folder)
-{
-    fputs("#!/bin/sh\n"
-          "#SBATCH --job-name=diptych-collect\n"
-          "# Submitted by submit.sh behind the array: the summary of all runs.\n",
-          out);
-    quote_word(out, cJSON_GetObjectItem(sweep, "inputs")->child->valuestring);
-    fputs(" sweep --collect", out);
-    quote_option(out, "-o", folder);
-    fputc('\n', out);
-}
-
-static void write_submit(FILE *out, const cJSON *sweep, const char *folder)
-{
-    (void)sweep;
-    fputs("#!/bin/sh\n"
-          "# Hands the sweep to Slurm; arguments go to both calls of sbatch, such as\n"
-          "# --partition=NAME. The table ends up in collect.txt.\n"
-          "cd ",
-          out);
-    quote_word(out, folder);
-    fputs(" || exit 2\n"
-          "array=$(sbatch --parsable --output=runs/slurm-%a.txt \"$@\" array.sh) || exit\n"
-          "sbatch --dependency=\"afterany:${array%%;*}\" --output=collect.txt \"$@\" collect.sh\n",
-          out);
-}
-
 /* ---- Writing --------------------------------------------------------------------------------- */
 
 typedef void content_writer(FILE *out, const cJSON *sweep, const char *folder);
@@ -207,23 +144,21 @@ static bool write_content(const cJSON *sweep, const char *folder, const char *na
     return good;
 }
 
-bool sweep_write(const cJSON *sweep, const char *folder, bool slurm, const struct dt_log *log)
+bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *log)
 {
     static const struct {
         const char *name;
         content_writer *writer;
-        bool slurm;
     } files[] = {
-        {"commands", write_commands, false}, {"run.sh", write_runner, false},
-        {"build.ninja", write_ninja, false}, {"array.sh", write_array, true},
-        {"collect.sh", write_collect, true}, {"submit.sh", write_submit, true},
+        {"commands", write_commands},
+        {"run.sh", write_runner},
+        {"build.ninja", write_ninja},
     };
     char *runs = format_string("%s/runs", folder);
     char *manifest = format_string("%s/sweep.json", folder);
     bool good = runs && manifest && file_make_folders(runs, log);
     for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++)
-        if (slurm || !files[i].slurm)
-            good = write_content(sweep, folder, files[i].name, files[i].writer, log);
+        good = write_content(sweep, folder, files[i].name, files[i].writer, log);
     good = good && file_write_json(manifest, sweep, log); /* last: marks the folder as a sweep's */
     free(manifest);
     free(runs);

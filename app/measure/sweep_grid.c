@@ -78,7 +78,6 @@ static bool check_options(const struct measured_sweep *sweep, const struct optio
     unsigned errors = MEASURE_ERROR | MEASURE_OWN;
     const char *wrong =
         options->random || options->memory ? "--random goes with --measure agree alone"
-        : options->slurm                   ? "--slurm goes with --measure agree alone"
         : options->jobs > 1
             ? "--jobs goes with --measure agree alone: what is measured runs one at a time"
         : options->setup.device || options->setup.context || options->setup.glsl ||
