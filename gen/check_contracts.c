@@ -31,7 +31,7 @@ static void check_flips(struct checker *c, const struct resource *resource)
 {
     struct loc loc = resource->contract.loc;
     if (resource->kind == DT_IMAGE) {
-        if (!format_info(resource->format)->integer)
+        if (!format_is_integer(resource->format))
             diag_error(c->diag, loc, "`flips` is for integers; the texels of `%s` are not",
                        resource->name);
         return;

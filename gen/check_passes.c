@@ -15,7 +15,7 @@ static bool is_depth(const struct resource *r)
 
 static bool is_integer(enum dt_format format)
 {
-    return format_info(format)->integer;
+    return format_is_integer(format);
 }
 
 static bool is_target(const struct pass *pass, const struct access *access)

@@ -250,9 +250,9 @@ static void emit_resource(const struct c_output *c, uint32_t index)
     if (resource->kind == DT_BUFFER)
         emit_fields(c, &c->pipeline->resources[index], resource);
     else
-        text_add(c->out, ", .format = %s%s%s, .mips = %" PRIu32, format_info(resource->format)->dt,
-                 shapes[resource->shape], resource->layered ? ", .layered = true" : "",
-                 resource->mips);
+        text_add(c->out, ", .format = %s%s%s, .mips = %" PRIu32,
+                 format_info(resource->format)->enumerator, shapes[resource->shape],
+                 resource->layered ? ", .layered = true" : "", resource->mips);
     text_add(c->out, ",\n    },\n");
 }
 

@@ -14,31 +14,32 @@ struct format_names {
 static struct format_names format_names(enum dt_format format)
 {
     const struct format_info *info = format_info(format);
-    const char *prefix = !info->integer ? "" : strstr(info->name, "ui") ? "u" : "i";
-    const char *layout = format == DT_FORMAT_R11G11B10F ? "r11f_g11f_b10f"
-                         : format == DT_FORMAT_RGB10A2  ? "rgb10_a2"
-                                                        : info->name;
-    return (struct format_names){info->storage ? layout : NULL, prefix};
+    bool is_signed = number_is_signed_integer(info->kind);
+    return (struct format_names){info->qualifier, !number_is_integer(info->kind) ? ""
+                                                  : is_signed                    ? "i"
+                                                                                 : "u"};
 }
 
 /* The call of templates/glsl/store.glsl that rounds for the format, up to the value, and what follows
  * it. NULL: 32 bits, integers, and conversions that only drivers have. */
 static const char *rounding(enum dt_format format, const char **tail)
 {
-    const char *name = format_info(format)->name;
-    *tail = strstr(name, "_snorm") ? ", vec4(32767.0), vec4(1.0 / 32767.0))"
-            : format == DT_FORMAT_RGB10A2
-                ? ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
-                  "vec4(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 3.0))"
-            : strstr(name, "16f") || format == DT_FORMAT_R11G11B10F ? ")"
-            : strstr(name, "16") ? ", vec4(65535.0), vec4(1.0 / 65535.0))"
-                                 : ", vec4(255.0), vec4(1.0 / 255.0))";
-    if (format_info(format)->integer || strstr(name, "32f") || strstr(name, "srgb"))
-        return NULL;
-    return strstr(name, "_snorm")           ? "store_snorm("
-           : strstr(name, "16f")            ? "store_half("
-           : format == DT_FORMAT_R11G11B10F ? "store_r11g11b10("
-                                            : "store_unorm(";
+    static const struct {
+        const char *call, *tail;
+    } calls[] = {
+        [NUMBER_UNORM8] = {"store_unorm(", ", vec4(255.0), vec4(1.0 / 255.0))"},
+        [NUMBER_UNORM16] = {"store_unorm(", ", vec4(65535.0), vec4(1.0 / 65535.0))"},
+        [NUMBER_SNORM16] = {"store_snorm(", ", vec4(32767.0), vec4(1.0 / 32767.0))"},
+        [NUMBER_HALF] = {"store_half(", ")"},
+        [NUMBER_R11F] = {"store_r11g11b10(", ")"},
+        [NUMBER_R10] = {"store_unorm(",
+                        ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
+                        "vec4(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 3.0))"},
+        [NUMBER_INT16] = {NULL, NULL}, /* the last kind */
+    };
+    enum number_kind kind = format_info(format)->kind;
+    *tail = calls[kind].tail;
+    return format == DT_FORMAT_RGBA8_SRGB ? NULL : calls[kind].call;
 }
 
 static bool is_image(const struct access *access)
@@ -158,7 +159,7 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
     const struct resource *image = access->resource;
     bool single = access->mip || !image->mips;
     return !glsl->pipeline->fast && (is(access, "2D") || is(access, "2DArray")) &&
-           !format_info(image->format)->integer && access->filter->anisotropy <= 1 &&
+           !format_is_integer(image->format) && access->filter->anisotropy <= 1 &&
            (!chooses || single || glsl->stage != STAGE_IS_FRAGMENT);
 }
 
@@ -166,12 +167,11 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
 static const char *border_of(const struct glsl *glsl, const struct access *access)
 {
     const struct sampler *filter = access->filter;
-    const char *name = format_info(access->resource->format)->name;
-    bool green = strchr(name, 'g'), blue = strchr(name, 'b'), alpha = strchr(name, 'a');
+    uint32_t channels = format_info(access->resource->format)->channels;
     bool white = filter->border == DT_BORDER_OPAQUE_WHITE;
-    bool opaque = filter->border != DT_BORDER_TRANSPARENT_BLACK || !alpha;
-    return arena_printf(glsl->model->arena, "%d, %d, %d, %d", white, white && green, white && blue,
-                        opaque);
+    bool opaque = filter->border != DT_BORDER_TRANSPARENT_BLACK || channels < 4;
+    return arena_printf(glsl->model->arena, "%d, %d, %d, %d", white, white && channels > 1,
+                        white && channels > 2, opaque);
 }
 
 /* Functions of one image, by macros of filter.glsl: filter_texel_NAME, filter_level_NAME, and

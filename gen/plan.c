@@ -23,7 +23,8 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
     if (access->mode == MODE_READ) {
         if (access->sampler)
             return ACCESS_SAMPLED;
-        return pass->kind == PASS_DISPATCH && format->storage ? ACCESS_STORAGE_READ : ACCESS_FETCH;
+        return pass->kind == PASS_DISPATCH && format->qualifier ? ACCESS_STORAGE_READ
+                                                                : ACCESS_FETCH;
     }
     if (pass->kind != PASS_DISPATCH)
         return access->resource->format == DT_FORMAT_D32F ? ACCESS_DEPTH : ACCESS_COLOR;

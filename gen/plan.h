@@ -4,6 +4,7 @@
 #define DIPTYCH_GEN_PLAN_H
 
 #include "diag.h"
+#include "formats.h"
 
 /* ---- layout.c -------------------------------------------------------------------------------- */
 
@@ -23,15 +24,6 @@ bool std140_equals_std430(const struct resource *buffer);
 
 /* ---- format.c -------------------------------------------------------------------------------- */
 
-struct format_info {
-    const char *name; /* in specs */
-    const char *dt;   /* enumerator in diptych.h */
-    const char *vk;   /* VkFormat */
-    uint32_t bytes;   /* per texel */
-    bool storage;     /* imageLoad and imageStore on both backends */
-    bool integer;
-};
-const struct format_info *format_info(enum dt_format format);
 /* The number nearest to `value` that the channel, 0 to 3, of the format can hold. Drivers round
  * others to either side. */
 float format_round(enum dt_format format, int channel, double value);

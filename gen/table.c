@@ -7,14 +7,10 @@
 #define PARAM_TYPES  NUMBER_TYPES "|bool"
 #define FIELD_TYPES                                                                                \
     NUMBER_TYPES "|bool|mat4" /* bool keeps the numbering of enum dt_type; set_type rejects it */
-#define FORMATS                                                                                    \
-    "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|"    \
-    "d32f|"                                                                                        \
-    "r16|rg16|rgba16|r16_snorm|rg16_snorm|rgba16_snorm|"                                           \
-    "r8ui|rg8ui|rgba8ui|r16ui|rg16ui|rgba16ui|"                                                    \
-    "r8i|rg8i|rgba8i|r16i|rg16i|rgba16i|rg32i|rgba32i|"                                            \
-    "r11g11b10f|rgb10a2"
-
+static const char formats[] =
+#define DT_FORMAT(ENUMERATOR, name, ...) "|" name
+#include "formats.def"
+    ;
 #define BLENDS "off|add|over|premultiplied|min|max|multiply"
 #define FACTORS                                                                                    \
     "one|zero|src_color|one_minus_src_color|dst_color|one_minus_dst_color|src_alpha|"              \
@@ -356,7 +352,7 @@ const struct key table_keys[] = {
      "What it holds, with units.", "\"virtual point lights\""},
     {SECTION_IMAGES, "*", KEY_MAP, SECTION_IMAGE, NULL, OPTIONAL, NULL, "An image, by its name.",
      "{format: rgba16f, size: frame}"},
-    {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, FORMATS, REQUIRED, NULL,
+    {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, formats + 1, REQUIRED, NULL,
      "Format of a texel. Without ending, numbers from 0 to 1 in integer steps; `_snorm`: from -1 "
      "to "
      "1; `f`: floats; `ui` and `i`: unsigned and signed integers. r11g11b10f has floats without a "

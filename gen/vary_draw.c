@@ -181,11 +181,6 @@ void draw_params(struct draws *draws, const struct pipeline *pipeline)
 
 /* ---- Details --------------------------------------------------------------------------------- */
 
-static size_t channel_count(const char *format)
-{
-    return strcspn(format, "0123456789");
-}
-
 /* Whether `other` can replace the image's format with only a change of precision: the same
  * channels, of floats, large enough for the clear colour, and at least half for a half or a
  * float. */
@@ -193,12 +188,9 @@ static bool may_replace(const struct resource *image, const struct format_info *
 {
     const struct format_info *own = format_info(image->format);
     const double largest_half = 65504;
-    size_t channels = channel_count(own->name);
-    bool half = other->bytes == 2 * channels;
-    bool packed = !strcmp(other->name, "r11g11b10f");
-    if (own == other || packed || own->integer || !strchr(other->name, 'f') || !own->storage ||
-        !other->storage || channels != channel_count(other->name) ||
-        strncmp(own->name, other->name, channels) != 0)
+    bool half = other->kind == NUMBER_HALF, single = other->kind == NUMBER_FLOAT;
+    if (own == other || number_is_integer(own->kind) || !(half || single) || !own->qualifier ||
+        !other->qualifier || own->channels != other->channels)
         return false;
     for (int i = 0; half && i < 4; i++)
         if (fabs(image->clear[i]) > largest_half)

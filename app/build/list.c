@@ -134,7 +134,7 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
     for (uint32_t i = 0; i < info->resource_count; i++) {
         const struct dt_resource *resource = &info->resources[i];
         bool buffer = resource->kind == DT_BUFFER;
-        const char *type = !buffer                       ? format_name(resource->format)
+        const char *type = !buffer                       ? format_info(resource->format)->name
                            : resource->fields[0].name[0] ? "struct"
                                                          : type_name(resource->fields[0].type);
         uint32_t extent[3];

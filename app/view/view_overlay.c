@@ -84,8 +84,8 @@ static char *shown_text(const struct view *view)
         snprintf(mip, sizeof mip, ", mip %u of %u", view->mip, resource->mips);
     const char *skipped =
         view_is_skipped(view, &view->side[0], view->resource) ? "\n(its pass does not run)" : "";
-    return format_string("%s  %s%s%s%s", resource->name, format_name(resource->format), layer, mip,
-                         skipped);
+    return format_string("%s  %s%s%s%s", resource->name, format_info(resource->format)->name, layer,
+                         mip, skipped);
 }
 
 static char *state_text(const struct view *view)

@@ -142,7 +142,7 @@ static bool draws_numbers(const struct pass *pass)
         const struct resource *resource = pass->accesses[i].resource;
         if (pass->accesses[i].mode != MODE_READ &&
             !(resource->kind == DT_IMAGE &&
-              (format_info(resource->format)->integer || resource->format == DT_FORMAT_D32F)))
+              (format_is_integer(resource->format) || resource->format == DT_FORMAT_D32F)))
             return false;
     }
     return pass->kind == PASS_SCENE;

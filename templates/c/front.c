@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "device_needs.h"
+#include "formats.h"
 
 /* ---- Messages -------------------------------------------------------------------------------- */
 
@@ -643,33 +644,12 @@ bool dt_front_import_scene(struct dt_core *core, uint32_t index_count)
            dt_error(core, "import_scene: %u indices, but triangles have three each", index_count);
 }
 
-static uint32_t texel_size(enum dt_format format)
-{
-    static const uint8_t sizes[DT_FORMAT_COUNT] = {
-        [DT_FORMAT_R8] = 1,         [DT_FORMAT_RG8] = 2,        [DT_FORMAT_RGBA8] = 4,
-        [DT_FORMAT_RGBA8_SRGB] = 4, [DT_FORMAT_R16F] = 2,       [DT_FORMAT_RG16F] = 4,
-        [DT_FORMAT_RGBA16F] = 8,    [DT_FORMAT_R32F] = 4,       [DT_FORMAT_RG32F] = 8,
-        [DT_FORMAT_RGBA32F] = 16,   [DT_FORMAT_R32UI] = 4,      [DT_FORMAT_RG32UI] = 8,
-        [DT_FORMAT_RGBA32UI] = 16,  [DT_FORMAT_R32I] = 4,       [DT_FORMAT_D32F] = 4,
-        [DT_FORMAT_R16] = 2,        [DT_FORMAT_RG16] = 4,       [DT_FORMAT_RGBA16] = 8,
-        [DT_FORMAT_R16_SNORM] = 2,  [DT_FORMAT_RG16_SNORM] = 4, [DT_FORMAT_RGBA16_SNORM] = 8,
-        [DT_FORMAT_R8UI] = 1,       [DT_FORMAT_RG8UI] = 2,      [DT_FORMAT_RGBA8UI] = 4,
-        [DT_FORMAT_R16UI] = 2,      [DT_FORMAT_RG16UI] = 4,     [DT_FORMAT_RGBA16UI] = 8,
-        [DT_FORMAT_R8I] = 1,        [DT_FORMAT_RG8I] = 2,       [DT_FORMAT_RGBA8I] = 4,
-        [DT_FORMAT_R16I] = 2,       [DT_FORMAT_RG16I] = 4,      [DT_FORMAT_RGBA16I] = 8,
-        [DT_FORMAT_RG32I] = 8,      [DT_FORMAT_RGBA32I] = 16,   [DT_FORMAT_R11G11B10F] = 4,
-        [DT_FORMAT_RGB10A2] = 4,
-    };
-    return sizes[format];
-}
-
 enum dt_type dt_front_scalar(enum dt_format format)
 {
-    if ((format >= DT_FORMAT_R32UI && format <= DT_FORMAT_RGBA32UI) ||
-        (format >= DT_FORMAT_R8UI && format <= DT_FORMAT_RGBA16UI))
-        return DT_TYPE_UINT;
-    bool integer = format >= DT_FORMAT_R8I && format <= DT_FORMAT_RGBA32I;
-    return format == DT_FORMAT_R32I || integer ? DT_TYPE_INT : DT_TYPE_FLOAT;
+    enum number_kind kind = format_info(format)->kind;
+    return !number_is_integer(kind)         ? DT_TYPE_FLOAT
+           : number_is_signed_integer(kind) ? DT_TYPE_INT
+                                            : DT_TYPE_UINT;
 }
 
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
@@ -688,7 +668,7 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
     if (image) {
         for (int axis = 0; axis < (what->shape == DT_SHAPE_3D ? 3 : 2); axis++)
             extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
-        shape->size = (size_t)extent[0] * extent[1] * extent[2] * texel_size(what->format);
+        shape->size = (size_t)extent[0] * extent[1] * extent[2] * format_info(what->format)->bytes;
     } else {
         shape->size = (size_t)extent[0] * what->stride;
     }
