@@ -41,7 +41,7 @@ GLsizei gl_mip_size(uint32_t size, uint32_t mip)
  * buffer's own size, from which shaders compute length(). */
 enum { LEAST_BYTES = 16 };
 
-bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data)
+bool gl_buffer_create(struct dt_gl_runtime *rt, struct gl_buffer *buffer, const void *data)
 {
     const char *name = buffer->name;
     GLsizeiptr whole = buffer->block > buffer->size ? buffer->block : buffer->size;
@@ -51,7 +51,7 @@ bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const voi
            (!data || gl_buffer_write(rt, buffer, data, (size_t)buffer->size));
 }
 
-bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
+bool gl_buffer_import(const struct dt_gl_runtime *rt, struct gl_buffer *buffer, const char *name,
                       const struct dt_gl_range *range, uint64_t least)
 {
     uint64_t size = range->buffer ? range->size : 0;
@@ -65,14 +65,14 @@ bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, con
     return true;
 }
 
-bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
+bool gl_buffer_write(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size)
 {
     return !size ||
            GL(rt, buffer->name, NamedBufferSubData(buffer->handle, 0, (GLsizeiptr)size, data));
 }
 
-bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int byte)
+bool gl_buffer_fill(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, int byte)
 {
     GLuint value = (GLuint)byte * 0x01010101u;
     return GL(rt, buffer->name,
@@ -80,7 +80,7 @@ bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int b
                                       GL_RED_INTEGER, GL_UNSIGNED_INT, &value));
 }
 
-bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource)
+bool gl_buffer_texels(struct dt_gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource)
 {
     bool vertices = resource == DT_SCENE_VERTICES;
     return buffer->texels ||
@@ -93,7 +93,7 @@ bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t 
                                   buffer->offset, buffer->size)));
 }
 
-void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
+void gl_buffer_destroy(struct dt_gl_runtime *rt, struct gl_buffer *buffer)
 {
     if (buffer->texels)
         rt->gl.DeleteTextures(1, &buffer->texels);
@@ -104,7 +104,7 @@ void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
 
 /* ---- Images ---------------------------------------------------------------------------------- */
 
-bool gl_image_create(struct gl_runtime *rt, struct gl_image *image)
+bool gl_image_create(struct dt_gl_runtime *rt, struct gl_image *image)
 {
     GLsizei width = (GLsizei)image->width, height = (GLsizei)image->height;
     GLsizei layers = (GLsizei)image->layers, mips = (GLsizei)image->mips;
@@ -117,7 +117,7 @@ bool gl_image_create(struct gl_runtime *rt, struct gl_image *image)
     return GL(rt, name, TextureStorage2D(image->handle, mips, format, width, height));
 }
 
-bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint texture)
+bool gl_image_import(struct dt_gl_runtime *rt, struct gl_image *image, GLuint texture)
 {
     GLint width = 0, height = 0, depth = 0, format = 0, levels = 0, target = 0;
     GLenum own_target = gl_target(image), own_format = gl_format(image->format)->internal;
@@ -145,7 +145,7 @@ bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint textu
                own_format, image->width, image->height, image->layers, image->mips);
 }
 
-bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+bool gl_image_clear(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     const float clear[4])
 {
     const GLuint u[4] = {(GLuint)clear[0], (GLuint)clear[1], (GLuint)clear[2], (GLuint)clear[3]};
@@ -167,7 +167,7 @@ bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_
 }
 
 /* A cube without a sampler is read as an array. */
-bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
+bool gl_image_view(struct dt_gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view)
 {
     bool one = binding->one_layer, volume = image->shape == DT_SHAPE_3D;
@@ -180,7 +180,7 @@ bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
                           one || volume ? 1 : image->layers));
 }
 
-void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
+void gl_image_destroy(struct dt_gl_runtime *rt, struct gl_image *image)
 {
     if (image->handle && !image->borrowed && !image->imported)
         rt->gl.DeleteTextures(1, &image->handle);
@@ -200,7 +200,7 @@ static int image_byte(const struct gl_image *image, int byte)
 
 /* Fills one mip, layer by layer, from `texels` of one layer. Uploads bytes, because OpenGL converts
  * a clear colour and may change a NaN. */
-static bool fill_mip(struct gl_runtime *rt, const struct gl_image *image, GLint mip,
+static bool fill_mip(struct dt_gl_runtime *rt, const struct gl_image *image, GLint mip,
                      const void *texels)
 {
     const struct gl_format *f = gl_format(image->format);
@@ -220,7 +220,7 @@ static bool fill_mip(struct gl_runtime *rt, const struct gl_image *image, GLint 
     return true;
 }
 
-bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte)
+bool gl_image_fill(struct dt_gl_runtime *rt, const struct gl_image *image, int byte)
 {
     size_t size = (size_t)image->width * image->height * gl_format(image->format)->bytes;
     void *texels = malloc(size);
@@ -237,7 +237,7 @@ bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info)
+bool gl_sampler_create(struct dt_gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info)
 {
     static const GLint wraps[] = {[DT_WRAP_CLAMP] = GL_CLAMP_TO_EDGE,
                                   [DT_WRAP_REPEAT] = GL_REPEAT,
@@ -268,7 +268,7 @@ bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_s
             GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL)));
 }
 
-void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler)
+void gl_sampler_destroy(struct dt_gl_runtime *rt, GLuint *sampler)
 {
     if (*sampler)
         rt->gl.DeleteSamplers(1, sampler);

@@ -40,7 +40,7 @@ library() { # tree
 }
 library "$root" "$work" || exit
 check "abidiff accepts the same sources" same_after
-check "... another member of a private struct" same_after runtime_vk/internal.h 's/^struct vk_runtime {/& int added;/'
+check "... another member of a private struct" same_after runtime_vk/internal.h 's/^struct dt_vk_runtime {/& int added;/'
 check "... another function" same_after app/play/diptych_play.h \
     's/^#pragma GCC visibility push.*/&\nvoid dt_play_added(void);\nvoid dt_play_added(void) {}/'
 while read -r name file; do
