@@ -429,10 +429,10 @@ static void add_place(struct glsl *glsl)
             text_add(&function, "ivec3 invocation()\n{\n    return ivec3(%s);\n}\n\n",
                      glsl->pass->interleave ? PLACE_IN_CLASS ", gl_WorkGroupID.x"
                                             : "gl_GlobalInvocationID");
-    } else if (glsl->pass->kind == PASS_FULLSCREEN) {
+    } else if (glsl->pass->kind == DT_PASS_DRAW_FULLSCREEN) {
         if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "fullscreen_position"))
             add_fullscreen_position(&function);
-    } else if (glsl->pass->kind == PASS_SCENE) {
+    } else if (glsl->pass->kind == DT_PASS_DRAW_SCENE) {
         if (glsl_uses(glsl, "view"))
             text_add(&function, "View view = frame.%s;\n\n",
                      glsl->pass->view && !strcmp(glsl->pass->view, "light") ? "light_view"
@@ -492,7 +492,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
                                             {"vec2", "vertex_uv"},
                                             {"uint", "vertex_material"},
                                             {"uint", "vertex_triangle"}};
-    for (int i = 0; i < 5 && glsl->pass->kind == PASS_SCENE; i++)
+    for (int i = 0; i < 5 && glsl->pass->kind == DT_PASS_DRAW_SCENE; i++)
         if (glsl_uses(glsl, "%s", inputs[i][1]))
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
@@ -502,7 +502,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
 /* Whether the generator supplies the vertex shader. */
 static bool makes_vertices(const struct pass *pass)
 {
-    return pass->kind == PASS_FULLSCREEN && !pass->own_vertices;
+    return pass->kind == DT_PASS_DRAW_FULLSCREEN && !pass->own_vertices;
 }
 
 void glsl_macros(const struct glsl *glsl, struct text *out)

@@ -106,15 +106,16 @@ static void emit_dispatch(const struct drawing *d, const struct pass *pass)
 static void emit_draw(const struct drawing *d, const struct pass *pass)
 {
     static const char *const topologies[] = {"triangles", "lines", "points"};
-    if (pass->kind == PASS_VERTICES)
+    if (pass->kind == DT_PASS_DRAW_VERTICES)
         text_add(d->out, "draw of %s", topologies[pass->topology]);
     else
-        text_add(d->out, pass->kind == PASS_SCENE ? "draw of the scene" : "draw, fullscreen");
-    if (pass->kind == PASS_SCENE && pass->view && !pass->layers)
+        text_add(d->out,
+                 pass->kind == DT_PASS_DRAW_SCENE ? "draw of the scene" : "draw, fullscreen");
+    if (pass->kind == DT_PASS_DRAW_SCENE && pass->view && !pass->layers)
         text_add(d->out, " from the %s", pass->view);
     if (pass->layers)
         text_add(d->out, ", %" PRIu32 " %s", at_reference(pass->layers, 1),
-                 pass->kind == PASS_SCENE ? "instances" : "layers");
+                 pass->kind == DT_PASS_DRAW_SCENE ? "instances" : "layers");
     text_add(d->out, "%s", pass->indirect_resource ? " by arguments" : "");
 }
 
@@ -178,7 +179,7 @@ static void emit_detail(const struct drawing *d, uint32_t place)
     const struct pass *pass = d->pipeline->order[place];
 
     text_add(d->out, "<tr><td align=\"left\">&nbsp;");
-    if (pass->kind == PASS_DISPATCH)
+    if (pass->kind == DT_PASS_DISPATCH)
         emit_dispatch(d, pass);
     else
         emit_draw(d, pass);

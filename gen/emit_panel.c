@@ -334,19 +334,19 @@ static void emit_vertices(const struct c_output *c, const struct pass *pass)
 
 static void emit_work(const struct c_output *c, const struct pass *pass)
 {
-    if (pass->kind == PASS_FULLSCREEN) {
+    if (pass->kind == DT_PASS_DRAW_FULLSCREEN) {
         emit_verb(c, pass, "draw_fullscreen");
         emit_layers(c, pass);
-    } else if (pass->kind == PASS_VERTICES) {
+    } else if (pass->kind == DT_PASS_DRAW_VERTICES) {
         emit_vertices(c, pass);
-    } else if (pass->kind == PASS_SCENE && pass->indirect_resource) {
+    } else if (pass->kind == DT_PASS_DRAW_SCENE && pass->indirect_resource) {
         emit_verb(c, pass, "draw_indirect");
         emit_layers(c, pass);
         text_add(c->out, ", ");
         c_resource(c, pass->index_resource ? pass->index_resource->index : DT_SCENE_INDICES);
         text_add(c->out, ", ");
         c_resource(c, pass->indirect_resource->index);
-    } else if (pass->kind == PASS_SCENE) {
+    } else if (pass->kind == DT_PASS_DRAW_SCENE) {
         emit_verb(c, pass, "draw_scene");
         emit_layers(c, pass);
     } else if (pass->size == SIZE_INDIRECT) {

@@ -30,7 +30,7 @@ static void emit_extent(const struct c_output *c)
 static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
 {
     uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;
-    if (pass->kind == PASS_VERTICES) {
+    if (pass->kind == DT_PASS_DRAW_VERTICES) {
         c_expr(c->out, axis == 0 ? pass->vertices : axis == 1 ? pass->instances : NULL);
     } else if (pass_draws(pass)) {
         c_expr(c->out, axis == 0 ? pass->layers : NULL);

@@ -179,7 +179,7 @@ static bool is_shared(const struct range *range)
  * invocation copies. */
 static bool by_words(const struct range *range)
 {
-    return is_shared(range) && range->access->kind & ACCESS_UNIFORM;
+    return is_shared(range) && range->access->kind & DT_READ_UNIFORM;
 }
 
 static uint32_t chunk_of(const struct range *range)

@@ -76,7 +76,7 @@ static void add_image(const struct access *access, uint64_t needs[DT_LIMITS])
     needs[limit] = larger(needs[limit], volume ? larger(side, layers) : side);
     if (!volume)
         needs[DT_LIMIT_IMAGE_LAYERS] = larger(needs[DT_LIMIT_IMAGE_LAYERS], layers);
-    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
+    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH)) {
         needs[DT_LIMIT_TARGET_WIDTH] = larger(needs[DT_LIMIT_TARGET_WIDTH], width);
         needs[DT_LIMIT_TARGET_HEIGHT] = larger(needs[DT_LIMIT_TARGET_HEIGHT], height);
     }
@@ -86,8 +86,8 @@ static void add_buffer(const struct access *access, uint64_t needs[DT_LIMITS])
 {
     const struct resource *buffer = access->resource;
     enum dt_device_limit limit =
-        access->kind & ACCESS_UNIFORM ? DT_LIMIT_UNIFORM_BYTES : DT_LIMIT_STORAGE_BYTES;
-    uint64_t block = access->kind & ACCESS_UNIFORM ? buffer->block : 0;
+        access->kind & DT_READ_UNIFORM ? DT_LIMIT_UNIFORM_BYTES : DT_LIMIT_STORAGE_BYTES;
+    uint64_t block = access->kind & DT_READ_UNIFORM ? buffer->block : 0;
     if (access->binding >= 0)
         needs[limit] = larger(needs[limit], block ? block : buffer->bytes);
 }
@@ -130,7 +130,7 @@ static void count_limits(const struct lowered *tables, uint32_t index, uint64_t 
     if (pass_draws(pass) && pass->indirect_resource)
         needs[DT_LIMIT_DRAWS] =
             pass->indirect_resource->bytes /
-            (pass->kind == PASS_VERTICES ? DT_VERTEX_DRAW_BYTES : DT_DRAW_BYTES);
+            (pass->kind == DT_PASS_DRAW_VERTICES ? DT_VERTEX_DRAW_BYTES : DT_DRAW_BYTES);
 }
 
 /* The passes of a row, comma between them. */

@@ -34,10 +34,13 @@ float format_round(enum dt_format format, int channel, double value);
  * `layer`. It then binds a view of this mip, and the same pass may write the other mips. */
 bool access_sees_one_mip(const struct access *access);
 
+/* Whether it reads a buffer of the scene as a texel buffer. */
+bool access_is_texels(const struct access *access);
+
 struct touch {
     struct resource *resource;
-    unsigned kind;   /* mask of enum access_kind */
-    unsigned stages; /* mask of enum stage_bit */
+    unsigned kind;   /* mask of enum dt_access */
+    unsigned stages; /* mask of enum dt_stage */
     bool reads, writes;
     uint32_t mips; /* mask; 1 for a buffer. Layers of a mip are synchronized together */
 };
@@ -75,8 +78,7 @@ bool resource_covers(const struct resource *a, const struct resource *b);
 void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 
 /* The layout of an image while a pass uses it with these kinds of access (mask of enum
- * access_kind). */
-enum image_layout { LAYOUT_GENERAL, LAYOUT_READ, LAYOUT_COLOR, LAYOUT_DEPTH };
-enum image_layout layout_of(unsigned kind); /* barrier.c */
+ * dt_access). */
+enum dt_layout layout_of(unsigned kind); /* barrier.c */
 
 #endif

@@ -63,17 +63,17 @@ static void prove_blend(const struct pass *pass, const struct access *target, st
 static void prove_target(const struct pass *pass, const struct access *target, bool own_depth,
                          struct diag *diag)
 {
-    bool makes_vertices =
-        pass->kind == PASS_VERTICES || (pass->kind == PASS_FULLSCREEN && pass->own_vertices);
-    if (target->kind & ACCESS_COLOR && target->blend)
+    bool makes_vertices = pass->kind == DT_PASS_DRAW_VERTICES ||
+                          (pass->kind == DT_PASS_DRAW_FULLSCREEN && pass->own_vertices);
+    if (target->kind & DT_WRITE_COLOR && target->blend)
         prove_blend(pass, target, diag);
-    if (target->kind & ACCESS_COLOR && target->resource->format == DT_FORMAT_RGBA8_SRGB)
+    if (target->kind & DT_WRITE_COLOR && target->resource->format == DT_FORMAT_RGBA8_SRGB)
         diag_error(diag, target->loc,
                    "`%s` is not exact: the driver encodes sRGB, and may miss by a code; draw codes "
                    "into rgba8",
                    target->name);
-    if (target->kind & ACCESS_DEPTH && makes_vertices && pass->depth_write &&
-        pass->depth_compare != COMPARE_OFF && !own_depth)
+    if (target->kind & DT_WRITE_DEPTH && makes_vertices && pass->depth_write && pass->depth_test &&
+        !own_depth)
         diag_error(diag, target->loc,
                    "`%s` is not exact: interpolation of depth depends on the driver; write "
                    "gl_FragDepth",
@@ -107,7 +107,7 @@ void prove_fixed(const struct pass *pass, const struct shader *fragment, struct 
     if (exact && (pass->bias_constant != 0 || pass->bias_slope != 0))
         diag_error(diag, pass->bias_loc,
                    "`depth_bias` is not exact: its unit, and the slope, depend on the driver");
-    if (exact && pass->clip_distances && pass->kind != PASS_SCENE)
+    if (exact && pass->clip_distances && pass->kind != DT_PASS_DRAW_SCENE)
         diag_error(diag, pass->clip_loc,
                    "`clip_distances` are not exact: where they cut a triangle, the driver rounds");
 }

@@ -221,7 +221,7 @@ static void draw_sampler(struct draws *draws, const struct sampler *sampler)
     if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->map != MAP_SQUARE && one_in(draws, 2))
         add_set(draws, path_of(draws, "samplers", sampler->name, "map"),
                 sampler->map == MAP_POLAR_DISK ? "concentric_disk" : "polar_disk");
-    size_t count = sampler->wrap == WRAP_BORDER ? 2 : 3; /* its colour needs the wrap */
+    size_t count = sampler->wrap == DT_WRAP_BORDER ? 2 : 3; /* its colour needs the wrap */
     for (size_t i = 0; sampler->kind == SAMPLER_FILTER && i < count; i++)
         if (one_in(draws, 2))
             set_choice(draws, path_of(draws, "samplers", sampler->name, filter_keys[i]),
@@ -254,7 +254,7 @@ static void draw_local(struct draws *draws, const struct pass *pass)
 {
     static const uint32_t widths[] = {1, 3, 8, 16, 32, 64, 128}, heights[] = {1, 2, 3, 4, 8};
     bool line = pass->size == SIZE_INVOCATIONS && !pass->dispatch[1];
-    if (pass->kind != PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
+    if (pass->kind != DT_PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
         pass->size == SIZE_INDIRECT || !one_in(draws, 3))
         return;
     uint32_t width = widths[below(draws, sizeof widths / sizeof *widths)];

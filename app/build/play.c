@@ -42,7 +42,7 @@ static uint64_t play_runs(const struct dt_pipeline *pipeline, uint32_t index, ui
     int64_t count[3] = {1, 1, 1};
     if (!pass || pass->indirect_resource)
         return 0;
-    if (pass->kind == PASS_VERTICES)
+    if (pass->kind == DT_PASS_DRAW_VERTICES)
         return dt_product(value_of(pass->vertices, width, height, live),
                           value_of(pass->instances, width, height, live), 1);
     if (pass_draws(pass))
@@ -110,17 +110,17 @@ static bool play_work(const struct dt_recording *r, const struct pass *pass)
         return false;
     if (pass->scissor[0] && !v->scissor(r->runtime, index, rect_of(r, pass->scissor)))
         return false;
-    if (pass->kind == PASS_VERTICES && pass->indirect_resource)
+    if (pass->kind == DT_PASS_DRAW_VERTICES && pass->indirect_resource)
         return v->draw_vertices_indirect(r->runtime, index, layers_of(r, pass),
                                          pass->indirect_resource->index);
-    if (pass->kind == PASS_VERTICES)
+    if (pass->kind == DT_PASS_DRAW_VERTICES)
         return v->draw_vertices(r->runtime, index, layers_of(r, pass), count_of(r, pass->vertices),
                                 count_of(r, pass->instances));
-    if (pass->kind == PASS_FULLSCREEN)
+    if (pass->kind == DT_PASS_DRAW_FULLSCREEN)
         return v->draw_fullscreen(r->runtime, index, layers_of(r, pass));
-    if (pass->kind == PASS_SCENE && !pass->indirect_resource)
+    if (pass->kind == DT_PASS_DRAW_SCENE && !pass->indirect_resource)
         return v->draw_scene(r->runtime, index, layers_of(r, pass));
-    if (pass->kind == PASS_SCENE)
+    if (pass->kind == DT_PASS_DRAW_SCENE)
         return v->draw_indirect(r->runtime, index, layers_of(r, pass),
                                 pass->index_resource ? pass->index_resource->index
                                                      : (uint32_t)DT_SCENE_INDICES,
