@@ -56,15 +56,14 @@ void c_double(struct text *out, double value)
     if (isinf(value))
         text_add(out, value < 0 ? "DT_NO_MIN" : "DT_NO_MAX");
     else
-        text_add(out, "%.17g", value);
+        text_add_double(out, value);
 }
 
 void c_float(struct text *out, double value)
 {
-    char digits[40];
-
-    snprintf(digits, sizeof digits, "%.9g", value);
-    text_add(out, strpbrk(digits, ".en") ? "%sf" : "%s.0f", digits);
+    size_t begin = out->length;
+    text_add_float(out, value);
+    text_add(out, out->data && strpbrk(out->data + begin, ".en") ? "f" : ".0f");
 }
 
 void c_resource(const struct c_output *c, uint32_t resource)

@@ -51,14 +51,9 @@ void glsl_binding(int binding, struct text *out)
 
 void glsl_add_float(double value, struct text *out)
 {
-    char digits[40];
-    for (int precision = 6; precision <= 9; precision++) {
-        snprintf(digits, sizeof digits, "%.*g", precision, value);
-        float read = 0;
-        if (sscanf(digits, "%f", &read) == 1 && read == (float)value)
-            break;
-    }
-    text_add(out, "%s%s", digits, strpbrk(digits, ".en") ? "" : ".0");
+    size_t begin = out->length;
+    text_add_float(out, value);
+    text_add(out, "%s", out->data && strpbrk(out->data + begin, ".en") ? "" : ".0");
 }
 
 static enum dt_type scalar_of(enum dt_type type)

@@ -243,20 +243,23 @@ static void emit_needs(const struct c_output *c)
 static void emit_barrier(const struct c_output *c, const struct barrier *plan,
                          const struct dt_barrier *barrier)
 {
-    text_add(c->out, "        {");
+    text_add(c->out, "        {.resource = ");
     c_resource(c, barrier->resource);
-    text_add(c->out, ", ");
     if (plan->alias)
-        text_add(c->out, "/* in the memory of %s */ ", plan->alias->name);
+        text_add(c->out, " /* in the memory of %s */", plan->alias->name);
+    text_add(c->out, ", .from_stages = ");
     emit_stages(c->out, barrier->from_stages);
-    text_add(c->out, ", ");
-    emit_accesses(c->out, barrier->from);
-    text_add(c->out, ", ");
+    if (barrier->from) {
+        text_add(c->out, ", .from = ");
+        emit_accesses(c->out, barrier->from);
+    }
+    text_add(c->out, ", .to_stages = ");
     emit_stages(c->out, barrier->to_stages);
-    text_add(c->out, ", ");
+    text_add(c->out, ", .to = ");
     emit_accesses(c->out, barrier->to);
-    text_add(c->out, ", %s, %s},\n", layouts[barrier->layout],
-             barrier->discard ? "DT_DISCARD" : "DT_KEEP");
+    if (barrier->layout != DT_LAYOUT_NONE)
+        text_add(c->out, ", .layout = %s", layouts[barrier->layout]);
+    text_add(c->out, barrier->discard ? ", .discard = true},\n" : "},\n");
 }
 
 static void emit_barriers(const struct c_output *c, const struct pass *pass)
@@ -485,9 +488,7 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     emit_programs(&c);
     emit_needs(&c);
     emit_demands(&c);
-    text_add(out,
-             "/* ---- One frame. Barriers: resource; stages and writes that are waited for; stages "
-             "and accesses that wait; layout ---- */\n\n");
+    text_add(out, "/* ---- One frame ---- */\n\n");
     emit_record(&c);
     text_add(out,
              "const struct dt_panel %s_panel = {\n    .version = DT_MAKE_VERSION(%d, %d, %d),\n    "

@@ -1556,7 +1556,7 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
     struct dt_vk_host host = vk_host();
     double ms[LAYOUTS_PASSES];
     const struct dt_vk_range seen = {vk.geometry, SEEN, sizeof(struct layouts_Seen)};
-    struct layouts_live live = *(const struct layouts_live *)layouts_pipeline.live_defaults;
+    struct layouts_live live = layouts_live_defaults;
     host.timing = true;
     host.frames = 17;
     struct dt_vk_runtime *rt = dt_vk_open(&host);

@@ -15,23 +15,15 @@ static void extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32
         dt_set_extent(size, 6, 1, 1);
         break;
     case SMALL_RESOURCE_NORMAL:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
-        break;
     case SMALL_RESOURCE_DEPTH:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
-        break;
     case SMALL_RESOURCE_LIT:
+    case SMALL_RESOURCE_TRAIL:
+    case SMALL_RESOURCE_SHOWN:
         dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
         break;
     case SMALL_RESOURCE_HALO:
         dt_set_extent(size, (((int64_t)width / 2) > 1 ? ((int64_t)width / 2) : 1),
             (((int64_t)height / 2) > 1 ? ((int64_t)height / 2) : 1), 1);
-        break;
-    case SMALL_RESOURCE_TRAIL:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
-        break;
-    case SMALL_RESOURCE_SHOWN:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
         break;
     default:
         dt_set_extent(size, 1, 1, 1);
@@ -45,14 +37,13 @@ static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t
     (void)pipeline, (void)width, (void)height, (void)live_block;
     switch (pass) {
     case SMALL_PASS_SCENE:
+    case SMALL_PASS_GLOW:
         return dt_product(1, 1, 1);
     case SMALL_PASS_PLACE:
         return dt_product(6, 1, 1);
     case SMALL_PASS_SHADE:
         extent(pipeline, SMALL_RESOURCE_LIT, width, height, size);
         return dt_product(size[0], size[1], size[2]);
-    case SMALL_PASS_GLOW:
-        return dt_product(1, 1, 1);
     case SMALL_PASS_FOLLOW:
         extent(pipeline, SMALL_RESOURCE_TRAIL, width, height, size);
         return dt_product(size[0], size[1], size[2]);
@@ -71,11 +62,9 @@ static int64_t jitter(const struct dt_pipeline *pipeline, const void *live_block
     return (live->glow != 0 ? 8 : 0);
 }
 
-static const struct {
-    struct small_live live;
-} block = {
-    .live.glow = 1,
-    .live.gain = 0.5f,
+const struct small_live small_live_defaults = {
+    .glow = 1,
+    .gain = 0.5f,
 };
 
 static const struct dt_param params[] = {
@@ -85,7 +74,7 @@ static const struct dt_param params[] = {
     {.name = "glow", .doc = "run the pass of that name", .type = DT_TYPE_BOOL, .live = true,
      .offset = 0, .value = {1}, .min = DT_NO_MIN, .max = DT_NO_MAX},
     {.name = "gain", .doc = "of the newest frame", .type = DT_TYPE_FLOAT, .live = true, .offset = 4,
-     .value = {0.5}, .min = 0, .max = 1, .step = 0.050000000000000003},
+     .value = {0.5}, .min = 0, .max = 1, .step = 0.05},
 };
 
 static const struct dt_resource resources[] = {
@@ -195,9 +184,9 @@ const struct dt_pipeline small_pipeline = {
     .resource_count = 7,
     .passes = passes,
     .pass_count = 6,
-    .live_defaults = &block,
-    .live_size = sizeof block.live,
-    .block_size = sizeof block,
+    .live_defaults = &small_live_defaults,
+    .live_size = sizeof small_live_defaults,
+    .block_size = sizeof small_live_defaults,
     .linear_output = SMALL_RESOURCE_TRAIL,
     .display_output = SMALL_RESOURCE_SHOWN,
     .extent = extent,
@@ -308,15 +297,17 @@ static const struct dt_demand demands[] = {
     {SMALL_PASS_SHADE, DT_LIMIT_INVOCATIONS, 256},
 };
 
-/* ---- One frame. Barriers: resource; stages and writes that are waited for; stages and accesses that wait; layout ---- */
+/* ---- One frame ---- */
 
 static bool record_scene(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_NORMAL, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_LAYOUT_COLOR,
-         DT_DISCARD},
-        {SMALL_RESOURCE_DEPTH, DT_STAGE_DEPTH, 0, DT_STAGE_DEPTH, DT_READ_DEPTH | DT_WRITE_DEPTH,
-         DT_LAYOUT_DEPTH, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR,
+         .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR,
+         .discard = true},
+        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH,
+         .to_stages = DT_STAGE_DEPTH, .to = DT_READ_DEPTH | DT_WRITE_DEPTH,
+         .layout = DT_LAYOUT_DEPTH, .discard = true},
     };
     const struct dt_verbs *v = r->verbs;
     bool ok = v->begin(r->runtime, SMALL_PASS_SCENE, true);
@@ -341,14 +332,15 @@ static bool record_place(const struct dt_recording *r)
 static bool record_shade(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_NORMAL, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_COMPUTE, DT_READ_TEXTURE,
-         DT_LAYOUT_READ, DT_KEEP},
-        {SMALL_RESOURCE_LAMPS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
-         DT_READ_UNIFORM, DT_LAYOUT_NONE, DT_KEEP},
-        {SMALL_RESOURCE_LIT, DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE, DT_WRITE_STORAGE,
-         DT_LAYOUT_GENERAL, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+        {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE,
+         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_UNIFORM},
+        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
+         .discard = true},
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
@@ -366,10 +358,11 @@ static bool record_shade(const struct dt_recording *r)
 static bool record_glow(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_LIT, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_FRAGMENT, DT_READ_TEXTURE,
-         DT_LAYOUT_READ, DT_KEEP},
-        {SMALL_RESOURCE_HALO, /* in the memory of depth */ DT_STAGE_COMPUTE, 0, DT_STAGE_COLOR,
-         DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
+         .to_stages = DT_STAGE_FRAGMENT, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+        {.resource = SMALL_RESOURCE_HALO /* in the memory of depth */,
+         .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR,
+         .layout = DT_LAYOUT_COLOR, .discard = true},
     };
     const struct dt_verbs *v = r->verbs;
     const struct small_live *live = r->live;
@@ -389,10 +382,10 @@ static bool record_glow(const struct dt_recording *r)
 static bool record_follow(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_LIT, DT_STAGE_FRAGMENT, 0, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_HALO, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
+        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_FRAGMENT,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+        {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
@@ -409,10 +402,12 @@ static bool record_follow(const struct dt_recording *r)
 static bool record_show(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_TRAIL, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
-         DT_READ_STORAGE, DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_SHOWN, /* in the memory of halo */ DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE,
-         DT_WRITE_STORAGE, DT_LAYOUT_GENERAL, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_TRAIL, .from_stages = DT_STAGE_COMPUTE,
+         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE,
+         .layout = DT_LAYOUT_GENERAL},
+        {.resource = SMALL_RESOURCE_SHOWN /* in the memory of halo */,
+         .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE,
+         .layout = DT_LAYOUT_GENERAL, .discard = true},
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
