@@ -107,6 +107,35 @@ void c_expr(struct text *out, const struct expr *expr)
              value);
 }
 
+void c_amount(const struct c_output *c, const struct amount *amount)
+{
+    static const char *const opens[] = {[USE_COUNT] = "dt_count(", [USE_GROUPS] = "dt_groups("};
+    bool calls = amount->use == USE_COUNT || amount->use == USE_GROUPS;
+    text_add(c->out, "%s", calls ? opens[amount->use] : "");
+    switch (amount->kind) {
+    case AMOUNT_NUMBER:
+        text_add(c->out, "%" PRIu32, amount->number);
+        break;
+    case AMOUNT_RESOURCE:
+        c_resource(c, amount->number);
+        break;
+    case AMOUNT_EXPR:
+        c_expr(c->out, amount->expr);
+        break;
+    case AMOUNT_IMAGE:
+        text_add(c->out, "size[%" PRIu32 "]", amount->number);
+        break;
+    case AMOUNT_FRAME:
+        text_add(c->out, amount->number ? "height" : "width");
+        break;
+    case AMOUNT_CONDITION:
+        text_add(c->out, amount->expr ? "runs" : "true");
+    }
+    if (amount->use == USE_GROUPS || amount->use == USE_TIMES)
+        text_add(c->out, calls ? ", %" PRIu32 : " * %" PRIu32, amount->local);
+    text_add(c->out, calls ? ")" : "");
+}
+
 static bool names_word(const char *text, const char *word)
 {
     size_t length = strlen(word);

@@ -268,171 +268,67 @@ static void emit_barriers(const struct c_output *c, const struct pass *pass)
         return;
     text_add(c->out, "    static const struct dt_barrier barriers[] = {\n");
     for (uint32_t i = 0; i < pass->barrier_count; i++)
-        emit_barrier(c, &pass->barriers[i], &c->tables->barriers[pass->index][i]);
+        emit_barrier(c, &pass->barriers[i], &c->tables->passes[pass->index].barriers[i]);
     text_add(c->out, "    };\n");
 }
 
-/* Opens the call of a verb: runtime and pass, its first arguments. */
-static void emit_verb(const struct c_output *c, const struct pass *pass, const char *verb)
+static void emit_call(const struct c_output *c, const struct pass *pass, const struct step *step)
 {
-    text_add(c->out, "v->%s(r->runtime, ", verb);
+    const struct dt_verb_info *verb = dt_verb_info(step->verb);
+    bool rect = step->verb == DT_VERB_VIEWPORT || step->verb == DT_VERB_SCISSOR;
+    text_add(c->out, "v->%s(r->runtime, ", verb->name);
     c_pass(c, pass->index);
-}
-
-static void emit_groups(const struct c_output *c, const struct pass *pass, int axis)
-{
-    struct groups groups = pass_groups(pass, axis);
-    text_add(c->out, ", ");
-    if (groups.kind == GROUPS_NUMBER) {
-        text_add(c->out, "%" PRIu32, groups.divisor);
-        return;
+    text_add(c->out, "%s", step->verb == DT_VERB_BARRIERS ? ", barriers" : "");
+    for (int i = 0; i < 4 && verb->arguments[i]; i++) {
+        text_add(c->out, rect && !i ? ", dt_make_rect(" : ", ");
+        c_amount(c, &step->arguments[i]);
     }
-    text_add(c->out, "dt_groups(");
-    if (groups.kind == GROUPS_IMAGE)
-        text_add(c->out, "size[%d]", groups.of_axis);
-    else if (groups.kind == GROUPS_FRAME)
-        text_add(c->out, groups.of_axis == 0 ? "width" : "height");
-    else
-        c_expr(c->out, groups.expr);
-    text_add(c->out, ", %" PRIu32 ")", groups.divisor);
+    text_add(c->out, rect ? "))" : ")");
 }
 
-static void emit_layers(const struct c_output *c, const struct pass *pass)
+/* The image whose sides the step's arguments are; NULL: none. */
+static const struct resource *sized_by(const struct steps *steps)
 {
-    text_add(c->out, ", ");
-    c_expr(c->out, pass->layers);
+    const struct amount *first = &steps_work(steps)->arguments[0];
+    return first->kind == AMOUNT_IMAGE ? first->image : NULL;
 }
 
-/* Verb `viewport` or `scissor`, before the draw. */
-static void emit_rect(const struct c_output *c, const struct pass *pass, const char *indent,
-                      const char *verb, struct expr *const rect[4])
+static void emit_begin(const struct c_output *c, const struct pass *pass, const struct steps *steps)
 {
-    if (!rect[0])
-        return;
-    text_add(c->out, "%sok = ok && ", indent);
-    emit_verb(c, pass, verb);
-    text_add(c->out, ", dt_make_rect(");
-    for (int i = 0; i < 4; i++) {
-        text_add(c->out, i ? ", " : "");
-        c_expr(c->out, rect[i]);
-    }
-    text_add(c->out, "));\n");
-}
-
-static void emit_vertices(const struct c_output *c, const struct pass *pass)
-{
-    emit_verb(c, pass, pass->indirect_resource ? "draw_vertices_indirect" : "draw_vertices");
-    emit_layers(c, pass);
-    if (pass->indirect_resource) {
-        text_add(c->out, ", ");
-        c_resource(c, pass->indirect_resource->index);
-        return;
-    }
-    text_add(c->out, ", dt_count(");
-    c_expr(c->out, pass->vertices);
-    text_add(c->out, "), dt_count(");
-    c_expr(c->out, pass->instances);
-    text_add(c->out, ")");
-}
-
-static void emit_work(const struct c_output *c, const struct pass *pass)
-{
-    if (pass->kind == DT_PASS_DRAW_FULLSCREEN) {
-        emit_verb(c, pass, "draw_fullscreen");
-        emit_layers(c, pass);
-    } else if (pass->kind == DT_PASS_DRAW_VERTICES) {
-        emit_vertices(c, pass);
-    } else if (pass->kind == DT_PASS_DRAW_SCENE && pass->indirect_resource) {
-        emit_verb(c, pass, "draw_indirect");
-        emit_layers(c, pass);
-        text_add(c->out, ", ");
-        c_resource(c, pass->index_resource ? pass->index_resource->index : DT_SCENE_INDICES);
-        text_add(c->out, ", ");
-        c_resource(c, pass->indirect_resource->index);
-    } else if (pass->kind == DT_PASS_DRAW_SCENE) {
-        emit_verb(c, pass, "draw_scene");
-        emit_layers(c, pass);
-    } else if (pass->size == SIZE_INDIRECT) {
-        emit_verb(c, pass, "dispatch_indirect");
-        text_add(c->out, ", ");
-        c_resource(c, pass->indirect_resource->index);
-    } else {
-        emit_verb(c, pass, "dispatch");
-        for (int axis = 0; axis < 3; axis++)
-            emit_groups(c, pass, axis);
-    }
-    text_add(c->out, ")");
-}
-
-/* Clears the outputs of a pass that does not run. */
-static void emit_clears(const struct c_output *c, const struct pass *pass)
-{
-    uint32_t at = 0;
-    const struct access *access;
-    if (pass_draws(pass) && pass_clears_targets(pass)) {
-        text_add(c->out, "        ok = ok && ");
-        emit_verb(c, pass, "clear_targets");
-        emit_layers(c, pass);
-        text_add(c->out, ");\n");
-    }
-    while ((access = pass_clears(pass, &at))) {
-        bool image = access->resource->kind == DT_IMAGE;
-        text_add(c->out, "        ok = ok && ");
-        emit_verb(c, pass, image ? "clear_image" : "clear_buffer");
-        text_add(c->out, ", ");
-        c_resource(c, access->resource->index);
-        text_add(c->out, image ? ", %" PRIu32 ");\n" : ");\n", access->mip_value);
-    }
-}
-
-static void emit_run(const struct c_output *c, const struct pass *pass)
-{
-    struct text clears = {0};
-    struct c_output inner = *c;
-    const char *indent = pass->conditional ? "        " : "    ";
-    text_add(c->out, "%s%sok = ok && ", pass->conditional ? "    if (runs) {\n" : "", indent);
-    emit_verb(c, pass, "bind");
-    text_add(c->out, ");\n");
-    emit_rect(c, pass, indent, "viewport", pass->viewport);
-    emit_rect(c, pass, indent, "scissor", pass->scissor);
-    text_add(c->out, "%sok = ok && ", indent);
-    emit_work(c, pass);
-    text_add(c->out, ";\n");
-    if (!pass->conditional)
-        return;
-    inner.out = &clears;
-    emit_clears(&inner, pass);
-    text_add(c->out, clears.data ? "    } else {\n%s    }\n" : "    }\n", clears.data);
-    c->out->failed |= clears.failed;
-    text_free(&clears);
-}
-
-static void emit_body(const struct c_output *c, const struct pass *pass)
-{
-    bool image = !pass_draws(pass) && pass->size == SIZE_IMAGE;
+    const struct resource *image = sized_by(steps);
     if (pass->conditional) {
         text_add(c->out, "    const bool runs = ");
         expr_emit_c_condition(pass->when, c->out);
         text_add(c->out, ";\n");
     }
-    text_add(c->out, image ? "    uint32_t size[3];\n" : "");
-    text_add(c->out, "    bool ok = ");
-    emit_verb(c, pass, "begin");
-    text_add(c->out, ", %s);\n\n", pass->conditional ? "runs" : "true");
-    if (image) {
-        text_add(c->out, "    extent(&%s_pipeline, ", c->pipeline->name);
-        c_resource(c, pass->size_resource->index);
-        text_add(c->out, ", r->width, r->height, size);\n");
+    text_add(c->out, image ? "    uint32_t size[3];\n    bool ok = " : "    bool ok = ");
+    emit_call(c, pass, &steps->list[0]);
+    text_add(c->out, ";\n\n");
+    if (!image)
+        return;
+    text_add(c->out, "    extent(&%s_pipeline, ", c->pipeline->name);
+    c_resource(c, image->index);
+    text_add(c->out, ", r->width, r->height, size);\n");
+}
+
+/* `begin` comes first, `end` last. */
+static void emit_body(const struct c_output *c, const struct pass *pass)
+{
+    const struct steps *steps = &c->tables->passes[pass->index].steps;
+    emit_begin(c, pass, steps);
+    for (uint32_t i = 1; i < steps->count; i++) {
+        const struct step *step = &steps->list[i];
+        enum step_when before = step[-1].when;
+        if (step->when != before && before != STEP_ALWAYS)
+            text_add(c->out, step->when == STEP_ALWAYS ? "    }\n" : "    } else {\n");
+        if (step->when == STEP_RUNS && before == STEP_ALWAYS)
+            text_add(c->out, "    if (runs) {\n");
+        text_add(c->out, step->verb == DT_VERB_END   ? "    return ok && "
+                         : step->when == STEP_ALWAYS ? "    ok = ok && "
+                                                     : "        ok = ok && ");
+        emit_call(c, pass, step);
+        text_add(c->out, ";\n");
     }
-    if (pass->barrier_count) {
-        text_add(c->out, "    ok = ok && ");
-        emit_verb(c, pass, "barriers");
-        text_add(c->out, ", barriers, %" PRIu32 ");\n", pass->barrier_count);
-    }
-    emit_run(c, pass);
-    text_add(c->out, "    return ok && ");
-    emit_verb(c, pass, "end");
-    text_add(c->out, ");\n");
 }
 
 static void emit_pass(const struct c_output *c, const struct pass *pass)

@@ -57,40 +57,20 @@ static void emit_extent(const struct c_output *c)
     text_add(c->out, "    default:\n        dt_set_extent(size, 1, 1, 1);\n    }\n}\n\n");
 }
 
-/* Factor of `runs` along one axis: layers, or vertices and instances, of a draw, or invocations of
- * a dispatch. */
-static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
-{
-    uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;
-    if (pass->kind == DT_PASS_DRAW_VERTICES) {
-        c_expr(c->out, axis == 0 ? pass->vertices : axis == 1 ? pass->instances : NULL);
-    } else if (pass_draws(pass)) {
-        c_expr(c->out, axis == 0 ? pass->layers : NULL);
-    } else if (pass->size == SIZE_IMAGE) {
-        text_add(c->out, "size[%d]", axis);
-    } else if (pass->size == SIZE_INTERLEAVE) {
-        text_add(c->out, axis == 0 ? "width" : axis == 1 ? "height" : "1");
-    } else {
-        c_expr(c->out, pass->dispatch[axis]);
-        if (local > 1)
-            text_add(c->out, " * %" PRIu32, local);
-    }
-}
-
 static void emit_run(const struct c_output *c, uint32_t index)
 {
-    const struct pass *pass = c->pipeline->order[index];
-    if (pass->indirect_resource)
+    const struct amount *runs = c->tables->passes[index].runs;
+    if (c->pipeline->order[index]->indirect_resource)
         return;
-    if (!pass_draws(pass) && pass->size == SIZE_IMAGE) {
+    if (runs->kind == AMOUNT_IMAGE) {
         text_add(c->out, "        extent(pipeline, ");
-        c_resource(c, pass->size_resource->index);
+        c_resource(c, runs->image->index);
         text_add(c->out, ", width, height, size);\n");
     }
     text_add(c->out, "        return dt_product(");
     for (int axis = 0; axis < 3; axis++) {
         text_add(c->out, axis ? ", " : "");
-        emit_factor(c, pass, axis);
+        c_amount(c, &runs[axis]);
     }
     text_add(c->out, ");\n");
 }

@@ -23,63 +23,6 @@ static void *table(struct lowering *l, size_t count, size_t size)
     return memory ? memory : scratch;
 }
 
-/* ---- Passes ---------------------------------------------------------------------------------- */
-
-bool pass_draws(const struct pass *pass)
-{
-    return pass->kind != DT_PASS_DISPATCH;
-}
-
-const struct expr *resource_size(const struct resource *resource, int axis)
-{
-    const struct expr *const image[3] = {resource->width, resource->height, resource->layers};
-    return resource->kind == DT_IMAGE ? image[axis] : axis == 0 ? resource->count : NULL;
-}
-
-struct groups pass_groups(const struct pass *pass, int axis)
-{
-    uint32_t local = pass->size == SIZE_GROUPS ? 1 : pass->local[axis];
-    const struct expr *expr = pass->dispatch[axis];
-    if (pass->size == SIZE_IMAGE)
-        return axis == 2 && !pass->size_resource->layers
-                   ? (struct groups){.divisor = 1}
-                   : (struct groups){GROUPS_IMAGE, .image = pass->size_resource, .of_axis = axis,
-                                     .divisor = local};
-    if (pass->size == SIZE_INTERLEAVE) {
-        /* A group covers `local` pixels of a class; a class has each tile-th pixel of the frame.
-         * Groups of all classes follow each other: they read the same lines of the caches. */
-        const uint32_t *tile = pass->interleave->tile;
-        int of_axis = axis - 1;
-        return axis == 0 ? (struct groups){.divisor = tile[0] * tile[1]}
-                         : (struct groups){GROUPS_FRAME, .of_axis = of_axis,
-                                           .divisor = tile[of_axis] * pass->local[of_axis]};
-    }
-    if (expr && expr_reach(expr) != EXPR_BAKED)
-        return (struct groups){GROUPS_EXPR, .expr = expr, .divisor = local};
-    return (struct groups){
-        .divisor = dt_groups(expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1), local)};
-}
-
-bool pass_clears_targets(const struct pass *pass)
-{
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH) &&
-            pass->accesses[i].mode == MODE_WRITE)
-            return true;
-    return false;
-}
-
-const struct access *pass_clears(const struct pass *pass, uint32_t *at)
-{
-    while (*at < pass->access_count) {
-        const struct access *access = &pass->accesses[(*at)++];
-        if (access->resource && access->mode == MODE_WRITE &&
-            !(access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH)))
-            return access;
-    }
-    return NULL;
-}
-
 /* ---- Uses ------------------------------------------------------------------------------------ */
 
 /* An image has one layout in a pass, for all accesses of the pass. */
@@ -107,24 +50,20 @@ static struct dt_barrier barrier_of(const struct pass *pass, const struct barrie
     };
 }
 
-static void lower_barriers(struct lowering *l, struct lowered *out)
+static void lower_steps(struct lowering *l, struct lowered *out)
 {
-    out->barriers = table(l, l->from->pass_count, sizeof *out->barriers);
+    out->passes = table(l, l->from->pass_count, sizeof *out->passes);
     for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
         const struct pass *pass = l->from->order[p];
         struct dt_barrier *barriers = table(l, pass->barrier_count, sizeof *barriers);
         for (uint32_t i = 0; i < pass->barrier_count && !l->failed; i++)
             barriers[i] = barrier_of(pass, &pass->barriers[i]);
-        out->barriers[p] = barriers;
+        out->passes[p] = (struct lowered_pass){
+            .steps = pass_steps(pass, l->arena),
+            .runs = {pass_runs(pass, 0), pass_runs(pass, 1), pass_runs(pass, 2)},
+            .barriers = barriers};
+        l->failed |= !out->passes[p].steps.list;
     }
-}
-
-static void lower_groups(struct lowering *l, struct lowered *out)
-{
-    out->groups = table(l, l->from->pass_count, sizeof *out->groups);
-    for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++)
-        for (int axis = 0; axis < 3 && !pass_draws(l->from->order[p]); axis++)
-            out->groups[p][axis] = pass_groups(l->from->order[p], axis);
 }
 
 /* ---- Storage, samplers ----------------------------------------------------------------------- */
@@ -682,8 +621,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     lower_programs(&l, shaders[BACKEND_VK], &out->panel);
     lower_needs(&l, shaders[BACKEND_VK], &out->panel);
     lower_demands(&l, shaders[BACKEND_VK], &out->panel);
-    lower_barriers(&l, out);
-    lower_groups(&l, out);
+    lower_steps(&l, out);
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
         lower_shaders(&l, shaders[backend], backend, out);
     return l.failed ? NULL : out;

@@ -92,23 +92,6 @@ static void add_buffer(const struct access *access, uint64_t needs[DT_LIMITS])
         needs[limit] = larger(needs[limit], block ? block : buffer->bytes);
 }
 
-static uint64_t groups_along(const struct groups *groups)
-{
-    static const int frame[] = {REFERENCE_WIDTH, REFERENCE_HEIGHT, 1};
-    switch (groups->kind) {
-    case GROUPS_NUMBER:
-        return groups->divisor;
-    case GROUPS_EXPR:
-        return dt_groups((int64_t)value_of(groups->expr), groups->divisor);
-    case GROUPS_IMAGE:
-        return dt_groups((int64_t)value_of(resource_size(groups->image, groups->of_axis)),
-                         groups->divisor);
-    case GROUPS_FRAME:
-        return dt_groups(frame[groups->of_axis], groups->divisor);
-    }
-    return 1;
-}
-
 /* What one pass needs of each limit, at the reference size of the frame. */
 static void count_limits(const struct lowered *tables, uint32_t index, uint64_t needs[DT_LIMITS])
 {
@@ -125,8 +108,10 @@ static void count_limits(const struct lowered *tables, uint32_t index, uint64_t 
     }
     if (pass->layers)
         needs[DT_LIMIT_TARGET_LAYERS] = value_of(pass->layers);
-    for (int axis = 0; axis < 3 && !pass_draws(pass) && pass->size != SIZE_INDIRECT; axis++)
-        needs[DT_LIMIT_GROUPS_X + axis] = groups_along(&tables->groups[index][axis]);
+    const struct step *work = steps_work(&tables->passes[index].steps);
+    for (int axis = 0; axis < 3 && work->verb == DT_VERB_DISPATCH; axis++)
+        needs[DT_LIMIT_GROUPS_X + axis] =
+            (uint64_t)amount_value(&work->arguments[axis], REFERENCE_WIDTH, REFERENCE_HEIGHT, NULL);
     if (pass_draws(pass) && pass->indirect_resource)
         needs[DT_LIMIT_DRAWS] =
             pass->indirect_resource->bytes /
