@@ -82,18 +82,6 @@ void c_pass(const struct c_output *c, uint32_t pass)
     c_enumerator(c, "PASS", c->pipeline->order[pass]->name);
 }
 
-void c_flags(struct text *out, unsigned mask, const char *const *names, size_t count,
-             const char *none)
-{
-    bool any = false;
-    for (size_t i = 0; i < count; i++) {
-        if (mask >> i & 1)
-            text_add(out, "%s%s", any ? " | " : "", names[i]);
-        any |= mask >> i & 1;
-    }
-    text_add(out, "%s", any ? "" : none);
-}
-
 void c_expr(struct text *out, const struct expr *expr)
 {
     int64_t value = 1;

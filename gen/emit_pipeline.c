@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "emit_c.h"
+#include "members.h"
 
 /* ---- Sizes and runs -------------------------------------------------------------------------- */
 
@@ -140,7 +141,7 @@ static void emit_values(const struct c_output *c, bool live, const char *indent)
         emit_block_value(c->out, indent, param);
         any = true;
     }
-    text_add(c->out, any ? "%.*s}" : "{0}", (int)strlen(indent) - 4, indent);
+    text_add(c->out, any ? "%.*s}" : "{{0}}", (int)strlen(indent) - 4, indent);
 }
 
 /* NAME_live_defaults; with uniform parameters also the whole block. */
@@ -162,191 +163,6 @@ static void emit_block(const struct c_output *c)
     text_add(c->out, ",\n};\n\n");
 }
 
-static void emit_param(struct text *out, const struct dt_param *param, uint32_t components)
-{
-    text_add(out, "    {.name = ");
-    c_string(out, param->name);
-    text_add(out, ", .doc = ");
-    c_string(out, param->doc);
-    text_add(out, ", .type = %s, ", type_info(param->type)->dt);
-    if (param->live)
-        text_add(out, ".live = true, .offset = %" PRIu32 ", ", param->offset);
-    text_add(out, ".value = {");
-    for (uint32_t i = 0; i < components; i++) {
-        text_add(out, i ? ", " : "");
-        c_double(out, param->value[i]);
-    }
-    text_add(out, "}, .min = ");
-    c_double(out, param->min);
-    text_add(out, ", .max = ");
-    c_double(out, param->max);
-    if (param->step > 0) {
-        text_add(out, ", .step = ");
-        c_double(out, param->step);
-    }
-    text_add(out, "},\n");
-}
-
-static void emit_params(const struct c_output *c)
-{
-    emit_block(c);
-    if (!c->pipeline->param_count)
-        return;
-    text_add(c->out, "static const struct dt_param params[] = {\n");
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++)
-        emit_param(c->out, &c->tables->pipeline.params[i], c->pipeline->params[i].components);
-    text_add(c->out, "};\n\n");
-}
-
-/* ---- Resources ------------------------------------------------------------------------------- */
-
-static void emit_contract(const struct c_output *c, const struct dt_contract *contract)
-{
-    static const char *const kinds[] = {
-        [DT_CONTRACT_EXACT] = "DT_CONTRACT_EXACT",   [DT_CONTRACT_ULP] = "DT_CONTRACT_ULP",
-        [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",       [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
-        [DT_CONTRACT_IMAGE] = "DT_CONTRACT_IMAGE",   [DT_CONTRACT_FLIPS] = "DT_CONTRACT_FLIPS",
-        [DT_CONTRACT_RASTER] = "DT_CONTRACT_RASTER",
-    };
-    text_add(c->out, ",\n        .contract = {.kind = %s", kinds[contract->kind]);
-    if (contract->kind != DT_CONTRACT_EXACT) {
-        text_add(c->out, ", .tolerance = ");
-        c_double(c->out, contract->tolerance);
-    }
-    if (contract->kind == DT_CONTRACT_IMAGE) {
-        text_add(c->out, ", .outliers = ");
-        c_double(c->out, contract->outliers);
-    }
-    if (contract->kind == DT_CONTRACT_FLIPS && contract->margin_field >= 0) {
-        text_add(c->out, ", .margin_resource = ");
-        c_resource(c, contract->margin_resource);
-    }
-    if (contract->kind == DT_CONTRACT_FLIPS)
-        text_add(c->out, ", .margin_field = %d", contract->margin_field);
-    text_add(c->out, "}");
-}
-
-static void emit_fields(const struct c_output *c, const struct resource *resource,
-                        const struct dt_resource *buffer)
-{
-    text_add(c->out, ",\n        .fields = (const struct dt_field[]){\n");
-    for (uint32_t i = 0; i < buffer->field_count; i++) {
-        const struct dt_field *field = &buffer->fields[i];
-        text_add(c->out, "            {\"%s\", %s, .offset = %" PRIu32, field->name,
-                 type_info(field->type)->dt, field->offset);
-        if (field->array_count)
-            text_add(c->out, ", .array_count = %" PRIu32 ", .array_stride = %" PRIu32,
-                     field->array_count, field->array_stride);
-        text_add(c->out, "},\n");
-    }
-    text_add(c->out,
-             "        },\n        .field_count = %" PRIu32 ", .stride = ", buffer->field_count);
-    if (resource->structure)
-        text_add(c->out, "sizeof(struct %s_%s)", c->pipeline->name, resource->structure->name);
-    else
-        text_add(c->out, "%" PRIu32, buffer->stride);
-    text_add(c->out, buffer->controls_work ? ", .controls_work = true" : "");
-}
-
-static void emit_resource(const struct c_output *c, uint32_t index)
-{
-    static const char *const shapes[] = {
-        [DT_SHAPE_2D] = "",
-        [DT_SHAPE_3D] = ", .shape = DT_SHAPE_3D",
-        [DT_SHAPE_CUBE] = ", .shape = DT_SHAPE_CUBE",
-        [DT_SHAPE_CUBE_ARRAY] = ", .shape = DT_SHAPE_CUBE_ARRAY",
-    };
-    const struct dt_resource *resource = &c->tables->pipeline.resources[index];
-    text_add(c->out, "    [");
-    c_resource(c, index);
-    text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", resource->name);
-    c_string(c->out, resource->doc);
-    text_add(c->out, ",\n        .kind = %s%s%s%s",
-             resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
-             resource->history ? ", .history = true" : "", resource->keep ? ", .keep = true" : "",
-             resource->input ? ", .input = true" : "");
-    if (resource->file) {
-        text_add(c->out, ", .file = ");
-        c_string(c->out, resource->file);
-    }
-    emit_contract(c, &resource->contract);
-    if (resource->kind == DT_BUFFER)
-        emit_fields(c, &c->pipeline->resources[index], resource);
-    else
-        text_add(c->out, ", .format = %s%s%s, .mips = %" PRIu32,
-                 format_info(resource->format)->enumerator, shapes[resource->shape],
-                 resource->layered ? ", .layered = true" : "", resource->mips);
-    text_add(c->out, ",\n    },\n");
-}
-
-static void emit_resources(const struct c_output *c)
-{
-    if (!c->pipeline->resource_count)
-        return;
-    text_add(c->out, "static const struct dt_resource resources[] = {\n");
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
-        emit_resource(c, i);
-    text_add(c->out, "};\n\n");
-}
-
-/* ---- Passes ---------------------------------------------------------------------------------- */
-
-static void emit_list(const struct c_output *c, const char *what, const uint16_t *list,
-                      uint32_t count)
-{
-    if (!count)
-        return;
-    text_add(c->out, ",\n        .%ss = (const uint16_t[]){", what);
-    for (uint32_t i = 0; i < count; i++) {
-        text_add(c->out, i ? ", " : "");
-        c_resource(c, list[i]);
-    }
-    text_add(c->out, "},\n        .%s_count = %" PRIu32, what, count);
-}
-
-static void emit_pass(const struct c_output *c, uint32_t index)
-{
-    static const char *const kinds[] = {
-        [DT_PASS_DRAW_SCENE] = "DT_PASS_DRAW_SCENE",
-        [DT_PASS_DRAW_FULLSCREEN] = "DT_PASS_DRAW_FULLSCREEN",
-        [DT_PASS_DRAW_VERTICES] = "DT_PASS_DRAW_VERTICES",
-        [DT_PASS_DISPATCH] = "DT_PASS_DISPATCH",
-    };
-    const struct dt_pass *pass = &c->tables->pipeline.passes[index];
-    text_add(c->out, "    [");
-    c_pass(c, index);
-    text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", pass->name);
-    c_string(c->out, pass->doc);
-    text_add(c->out, ",\n        .shader = ");
-    c_string(c->out, pass->shader);
-    text_add(c->out, ", .kind = %s%s", kinds[pass->kind],
-             pass->uses_scene ? ", .uses_scene = true" : "");
-    emit_list(c, "read", pass->reads, pass->read_count);
-    emit_list(c, "write", pass->writes, pass->write_count);
-    if (pass->write_mips) {
-        text_add(c->out, ",\n        .write_mips = (const uint16_t[]){");
-        for (uint32_t i = 0; i < pass->write_count; i++)
-            text_add(c->out, i ? ", %u" : "%u", pass->write_mips[i]);
-        text_add(c->out, "}");
-    }
-    if (pass->limit) {
-        text_add(c->out, ",\n        .limit = ");
-        c_string(c->out, pass->limit);
-    }
-    text_add(c->out, ",\n        .flops = {%" PRIu64 ", %" PRIu64 "},\n    },\n", pass->flops[0],
-             pass->flops[1]);
-}
-
-static void emit_passes(const struct c_output *c)
-{
-    if (!c->pipeline->pass_count)
-        return;
-    text_add(c->out, "static const struct dt_pass passes[] = {\n");
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        emit_pass(c, i);
-    text_add(c->out, "};\n\n");
-}
-
 static void emit_output(const struct c_output *c, const char *member, int output)
 {
     text_add(c->out, "    .%s = ", member);
@@ -363,9 +179,11 @@ void emit_reflection(const struct c_output *c)
     emit_extent(c);
     emit_runs(c);
     emit_jitter(c);
-    emit_params(c);
-    emit_resources(c);
-    emit_passes(c);
+    emit_block(c);
+    emit_rows(c, "params", &param_members, pipeline->params, pipeline->param_count, NULL);
+    emit_rows(c, "resources", &resource_members, pipeline->resources, pipeline->resource_count,
+              c_resource);
+    emit_rows(c, "passes", &pass_members, pipeline->passes, pipeline->pass_count, c_pass);
     text_add(c->out, "const struct dt_pipeline %s_pipeline = {\n    .name = \"%s\",\n    .doc = ",
              pipeline->name, pipeline->name);
     c_string(c->out, pipeline->doc);

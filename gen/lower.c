@@ -502,6 +502,8 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
                                             .input = from->input,
                                             .file = from->file,
                                             .contract = from->contract.allowed};
+        if (from->contract.allowed.kind != DT_CONTRACT_FLIPS)
+            resources[i].contract.margin_field = 0;
         if (from->kind == DT_BUFFER) {
             lower_fields(l, from, &resources[i]);
             continue;

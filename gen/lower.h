@@ -66,7 +66,6 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
  * else 0. False when out of memory. */
 bool find_demands(const struct pass *pass, const struct pass_shaders *shaders,
                   uint64_t demands[DT_LIMITS]);
-const char *demand_name(enum dt_device_limit limit); /* of the enumerator, behind DT_LIMIT_ */
 
 /* ---- steps.c: what a pass does --------------------------------------------------------------- */
 

@@ -92,6 +92,9 @@ for file in small.h small.c small_{gl,vk}_shaders.c small.dot small_lifetimes.do
     check "$file is as expected" as_expected "$file"
 done
 
+check "a pipeline without live parameters is generated" "$gen" "$(spec_of lengths)" -o "$work/lengths"
+check "... and is C11 without a warning" compiles lengths
+
 # shellcheck disable=SC2317
 share_folder() { # name...: pipelines with passes of the same names
     local name

@@ -72,106 +72,95 @@ static const struct dt_param params[] = {
     {.name = "grid", .doc = "how the lamps stand", .type = DT_TYPE_IVEC2, .value = {3, 2},
      .min = DT_NO_MIN, .max = DT_NO_MAX},
     {.name = "glow", .doc = "run the pass of that name", .type = DT_TYPE_BOOL, .live = true,
-     .offset = 0, .value = {1}, .min = DT_NO_MIN, .max = DT_NO_MAX},
+     .value = {1}, .min = DT_NO_MIN, .max = DT_NO_MAX},
     {.name = "gain", .doc = "of the newest frame", .type = DT_TYPE_FLOAT, .live = true, .offset = 4,
      .value = {0.5}, .min = 0, .max = 1, .step = 0.05},
 };
 
 static const struct dt_resource resources[] = {
     [SMALL_RESOURCE_LAMPS] = {
-        .name = "lamps", .doc = "",
-        .kind = DT_BUFFER,
+        .name = "lamps", .doc = "", .kind = DT_BUFFER,
         .contract = {.kind = DT_CONTRACT_EXACT},
         .fields = (const struct dt_field[]){
-            {"position", DT_TYPE_VEC3, .offset = 0},
-            {"power", DT_TYPE_FLOAT, .offset = 12},
-            {"color", DT_TYPE_VEC3, .offset = 16},
+            {.name = "position", .type = DT_TYPE_VEC3, .offset = 0},
+            {.name = "power", .type = DT_TYPE_FLOAT, .offset = 12},
+            {.name = "color", .type = DT_TYPE_VEC3, .offset = 16},
         },
         .field_count = 3, .stride = sizeof(struct small_Lamp),
     },
     [SMALL_RESOURCE_NORMAL] = {
-        .name = "normal", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA16F, .mips = 1,
+        .name = "normal", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA16F, .mips = 1,
     },
     [SMALL_RESOURCE_DEPTH] = {
-        .name = "depth", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_D32F, .mips = 1,
+        .name = "depth", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_D32F, .mips = 1,
     },
     [SMALL_RESOURCE_LIT] = {
-        .name = "lit", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA32F, .mips = 1,
+        .name = "lit", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA32F, .mips = 1,
     },
     [SMALL_RESOURCE_HALO] = {
-        .name = "halo", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA16F, .mips = 1,
+        .name = "halo", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA16F, .mips = 1,
     },
     [SMALL_RESOURCE_TRAIL] = {
-        .name = "trail", .doc = "",
-        .kind = DT_IMAGE, .history = true,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA32F, .mips = 1,
+        .name = "trail", .doc = "", .kind = DT_IMAGE, .history = true,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA32F, .mips = 1,
     },
     [SMALL_RESOURCE_SHOWN] = {
-        .name = "shown", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA8, .mips = 1,
+        .name = "shown", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA8, .mips = 1,
     },
 };
 
 static const struct dt_pass passes[] = {
     [SMALL_PASS_SCENE] = {
-        .name = "scene", .doc = "",
-        .shader = "small_scene.glsl", .kind = DT_PASS_DRAW_SCENE, .uses_scene = true,
+        .name = "scene", .doc = "", .shader = "small_scene.glsl", .kind = DT_PASS_DRAW_SCENE,
+            .uses_scene = true,
         .writes = (const uint16_t[]){SMALL_RESOURCE_NORMAL, SMALL_RESOURCE_DEPTH},
-        .write_count = 2,
-        .flops = {/* counted */},
+        .write_count = 2, .flops = {/* counted */},
     },
     [SMALL_PASS_PLACE] = {
-        .name = "place", .doc = "",
-        .shader = "small_place.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "place", .doc = "", .shader = "small_place.glsl", .kind = DT_PASS_DISPATCH,
         .writes = (const uint16_t[]){SMALL_RESOURCE_LAMPS},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_SHADE] = {
-        .name = "shade", .doc = "every lamp on every pixel",
-        .shader = "small_shade.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "shade", .doc = "every lamp on every pixel", .shader = "small_shade.glsl",
+            .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LAMPS, SMALL_RESOURCE_NORMAL,
             SMALL_RESOURCE_DEPTH},
         .read_count = 3,
         .writes = (const uint16_t[]){SMALL_RESOURCE_LIT},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_GLOW] = {
-        .name = "glow", .doc = "",
-        .shader = "small_glow.glsl", .kind = DT_PASS_DRAW_FULLSCREEN,
+        .name = "glow", .doc = "", .shader = "small_glow.glsl", .kind = DT_PASS_DRAW_FULLSCREEN,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LIT},
         .read_count = 1,
         .writes = (const uint16_t[]){SMALL_RESOURCE_HALO},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_FOLLOW] = {
-        .name = "follow", .doc = "",
-        .shader = "small_follow.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "follow", .doc = "", .shader = "small_follow.glsl", .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LIT, SMALL_RESOURCE_HALO},
         .read_count = 2,
         .writes = (const uint16_t[]){SMALL_RESOURCE_TRAIL},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_SHOW] = {
-        .name = "show", .doc = "",
-        .shader = "small_show.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "show", .doc = "", .shader = "small_show.glsl", .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_TRAIL},
         .read_count = 1,
         .writes = (const uint16_t[]){SMALL_RESOURCE_SHOWN},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
 };
 
@@ -223,11 +212,12 @@ static const struct dt_program programs[] = {
              .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ, .sampler = -1},
         },
         .binding_count = 4,
-        .colors = (const struct dt_target[]){{.resource = SMALL_RESOURCE_NORMAL}},
+        .colors = (const struct dt_target[]){
+            {.resource = SMALL_RESOURCE_NORMAL},
+        },
         .color_count = 1,
         .depth = &(const struct dt_target){.resource = SMALL_RESOURCE_DEPTH},
-        .depth_test = true, .depth_write = true, .compare = DT_COMPARE_LESS,
-        .cull = DT_CULL_NONE, .attributes = 0x3,
+        .depth_test = true, .depth_write = true, .attributes = 3,
     },
     [SMALL_PASS_PLACE] = {
         .bindings = (const struct dt_binding[]){
@@ -254,14 +244,15 @@ static const struct dt_program programs[] = {
     [SMALL_PASS_GLOW] = {
         .bindings = (const struct dt_binding[]){
             {.binding = 2, .resource = SMALL_RESOURCE_LIT, .kind = DT_BIND_TEXTURE,
-             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ, .sampler = 0},
+             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ},
             {.binding = 0, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
             {.binding = 1, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
         },
         .binding_count = 3,
-        .colors = (const struct dt_target[]){{.resource = SMALL_RESOURCE_HALO}},
+        .colors = (const struct dt_target[]){
+            {.resource = SMALL_RESOURCE_HALO},
+        },
         .color_count = 1,
-        .cull = DT_CULL_NONE,
     },
     [SMALL_PASS_FOLLOW] = {
         .bindings = (const struct dt_binding[]){
@@ -290,11 +281,11 @@ static const struct dt_program programs[] = {
 };
 
 static const struct dt_need needs[] = {
-    {SMALL_PASS_SCENE, "fullDrawIndexUint32"},
+    {.pass = SMALL_PASS_SCENE, .feature = "fullDrawIndexUint32"},
 };
 
 static const struct dt_demand demands[] = {
-    {SMALL_PASS_SHADE, DT_LIMIT_INVOCATIONS, 256},
+    {.pass = SMALL_PASS_SHADE, .limit = DT_LIMIT_INVOCATIONS, .amount = 256},
 };
 
 /* ---- One frame ---- */
@@ -360,9 +351,9 @@ static bool record_glow(const struct dt_recording *r)
     static const struct dt_barrier barriers[] = {
         {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
          .to_stages = DT_STAGE_FRAGMENT, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
-        {.resource = SMALL_RESOURCE_HALO /* in the memory of depth */,
-         .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR,
-         .layout = DT_LAYOUT_COLOR, .discard = true},
+        {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COMPUTE,
+         .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR,
+         .discard = true}, /* in the memory of depth */
     };
     const struct dt_verbs *v = r->verbs;
     const struct small_live *live = r->live;
@@ -405,9 +396,9 @@ static bool record_show(const struct dt_recording *r)
         {.resource = SMALL_RESOURCE_TRAIL, .from_stages = DT_STAGE_COMPUTE,
          .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE,
          .layout = DT_LAYOUT_GENERAL},
-        {.resource = SMALL_RESOURCE_SHOWN /* in the memory of halo */,
-         .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE,
-         .layout = DT_LAYOUT_GENERAL, .discard = true},
+        {.resource = SMALL_RESOURCE_SHOWN, .from_stages = DT_STAGE_COMPUTE,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
+         .discard = true}, /* in the memory of halo */
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
