@@ -49,6 +49,7 @@ struct dt_core {
     bool outside;                   /* the pass is not in the part: record nothing */
     uint32_t pass;                  /* of the last begin */
     bool skips;                     /* DT_SKIP: record only barriers */
+    bool measures;                  /* no frame: verbs check their arguments, and record nothing */
     bool has_viewport, has_scissor; /* of the pass being recorded */
     struct dt_rect viewport, scissor;
     /* Timestamps are kept of this many frames, each in its slot. */
