@@ -170,22 +170,14 @@ uint32_t member_count(const struct member *member, const void *row)
 
 int64_t member_integer(const struct member *member, const void *row, uint32_t index)
 {
-    union {
-        uint8_t u8;
-        uint16_t u16;
-        int16_t i16;
-        uint32_t u32;
-        int64_t i64;
-    } value = {0};
     bool list = member->kind == MEMBER_RESOURCES || member->kind == MEMBER_NUMBERS;
     size_t size = list                            ? sizeof(uint16_t)
                   : member->kind == MEMBER_COUNTS ? sizeof(uint64_t)
                                                   : member->size;
     const char *at = list ? pointer_in(member, row) : (const char *)row + member->offset;
+    uint64_t value = 0; /* little-endian, as all of diptych's machines are */
     memcpy(&value, at + index * size, size);
-    if (member->kind == MEMBER_SIGNED)
-        return value.i16;
-    return size == 1 ? value.u8 : size == 2 ? value.u16 : size == 4 ? value.u32 : value.i64;
+    return member->kind == MEMBER_SIGNED ? (int16_t)value : (int64_t)value;
 }
 
 static bool same_member(const struct member *member, const void *a, const void *b)

@@ -1,6 +1,5 @@
 /* Frames of generated pipelines, seen by a table of verbs that takes notes: the order of calls, the
- * resources and layouts of barriers, and the clears of passes that are switched off. `record_test
- * NAME` prints the notes of one frame instead. */
+ * resources and layouts of barriers, and the clears of passes that are switched off. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -322,26 +321,7 @@ static void notes_differ_where_calls_do(void **state)
     recorder_free(&b);
 }
 
-static int print(const char *name)
-{
-    for (size_t i = 0; i < DT_ARRAY_COUNT(panels); i++) {
-        struct recorder recorder = {0};
-        char line[256];
-        if (strcmp(panels[i]->pipeline->name, name) != 0)
-            continue;
-        recorder_run(&recorder, panels[i], sizes[0][0], sizes[0][1], NULL);
-        for (uint32_t note = 0; note < recorder.count; note++) {
-            recorder_line(&recorder, note, line, sizeof line);
-            puts(line);
-        }
-        recorder_free(&recorder);
-        return 0;
-    }
-    fprintf(stderr, "record_test: no pipeline %s\n", name);
-    return 1;
-}
-
-int main(int count, char **arguments)
+int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(passes_follow_the_order_of_calls),
@@ -349,7 +329,5 @@ int main(int count, char **arguments)
         cmocka_unit_test(nothing_is_called_after_a_failure),
         cmocka_unit_test(notes_differ_where_calls_do),
     };
-    if (count > 1)
-        return print(arguments[1]);
     return cmocka_run_group_tests_name("record", tests, NULL, NULL);
 }

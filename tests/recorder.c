@@ -126,25 +126,15 @@ void recorder_line(const struct recorder *recorder, uint32_t note, char *line, s
 
 /* ---- Comparison ------------------------------------------------------------------------------ */
 
-static bool same_barrier(const struct dt_barrier *a, const struct dt_barrier *b)
-{
-    return a->resource == b->resource && a->from_stages == b->from_stages && a->from == b->from &&
-           a->to_stages == b->to_stages && a->to == b->to && a->layout == b->layout &&
-           a->discard == b->discard;
-}
-
-static bool same_note(const struct recorder_note *a, const struct recorder_note *b)
-{
-    return a->verb == b->verb && a->pass == b->pass &&
-           memcmp(a->arguments, b->arguments, sizeof a->arguments) == 0 &&
-           same_barrier(&a->barrier, &b->barrier);
-}
+_Static_assert(sizeof(struct recorder_note) == 6 * sizeof(uint32_t) + sizeof(struct dt_barrier) &&
+                   sizeof(struct dt_barrier) == 12,
+               "no padding");
 
 uint32_t recorder_difference(const struct recorder *a, const struct recorder *b)
 {
     uint32_t least = a->count < b->count ? a->count : b->count;
     for (uint32_t i = 0; i < least; i++)
-        if (!same_note(&a->notes[i], &b->notes[i]))
+        if (memcmp(&a->notes[i], &b->notes[i], sizeof *a->notes))
             return i;
     return a->count == b->count ? UINT32_MAX : least;
 }
