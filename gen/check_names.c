@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "formats.h"
 #include "table.h"
 
 /* ---- Reserved names -------------------------------------------------------------------------- */
@@ -544,15 +545,13 @@ static void resolve_element(struct checker *c, struct resource *buffer)
         return;
     }
     const char **names =
-        arena_alloc(c->model->arena, (c->pipeline->struct_count + 16) * sizeof *names);
-    static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
-                                        "ivec2", "ivec3", "ivec4", "uint", "uvec2",
-                                        "uvec3", "uvec4", "mat4"};
+        arena_alloc(c->model->arena, (c->pipeline->struct_count + DT_TYPE_COUNT) * sizeof *names);
     size_t count = 0;
     for (uint32_t i = 0; names && i < c->pipeline->struct_count; i++)
         names[count++] = c->pipeline->structs[i].name;
-    for (size_t i = 0; names && i < sizeof words / sizeof *words; i++)
-        names[count++] = words[i];
+    for (int i = 0; names && i < DT_TYPE_COUNT; i++)
+        if (i != DT_TYPE_BOOL)
+            names[count++] = type_info((enum dt_type)i)->name;
     report_missing(c, buffer->of_loc, "struct or type", buffer->of, names, count);
 }
 

@@ -19,7 +19,7 @@ void dot_extent(struct text *out, const struct resource *resource)
 {
     if (resource->kind == DT_BUFFER) {
         text_add(out, "%s",
-                 resource->structure ? resource->structure->name : type_info(resource->type)->glsl);
+                 resource->structure ? resource->structure->name : type_info(resource->type)->name);
         text_add(out, "[%" PRIu32 "]",
                  expr_value(resource->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1));
         return;

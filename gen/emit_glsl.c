@@ -2,20 +2,16 @@
  * spirv.c compiles the result, and the OpenGL runtime can take it as text. glsl.h explains the
  * parts. */
 #include "glsl.h"
+#include "formats.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static const char *const type_names[DT_TYPE_COUNT] = {
-    "float", "vec2", "vec3",  "vec4",  "int",   "ivec2", "ivec3",
-    "ivec4", "uint", "uvec2", "uvec3", "uvec4", "bool",  "mat4",
-};
-
 const char *glsl_type(enum dt_type type)
 {
-    return type_names[type];
+    return type_info(type)->name;
 }
 
 const char *glsl_element_type(const struct resource *buffer)

@@ -42,7 +42,7 @@ static void emit_member(struct text *out, const struct member *member)
         text_add(out, "[%" PRIu32 "]", info->columns);
     if (info->components > 1)
         text_add(out, "[%" PRIu32 "]", padded ? info->components + 1 : info->components);
-    text_add(out, "; /* %s%s", member->type == DT_TYPE_BOOL ? "bool, 0 or 1" : info->glsl,
+    text_add(out, "; /* %s%s", member->type == DT_TYPE_BOOL ? "bool, 0 or 1" : info->name,
              padded ? ", the last of each is padding" : "");
     if (member->param && member->param->doc) {
         text_add(out, ": ");
@@ -257,7 +257,7 @@ static void emit_size(struct text *out, const struct resource *resource)
         reach |= resource_size(resource, axis) ? expr_reach(resource_size(resource, axis)) : 0;
     if (resource->kind == DT_BUFFER)
         text_add(out, "%s[%" PRIu32 "]",
-                 resource->structure ? resource->structure->name : type_info(resource->type)->glsl,
+                 resource->structure ? resource->structure->name : type_info(resource->type)->name,
                  size_at(resource, 0, REFERENCE_WIDTH, REFERENCE_HEIGHT));
     else
         text_add(out, "%s ", format_info(resource->format)->name);

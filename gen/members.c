@@ -52,7 +52,7 @@ WORDS(pass_word, WORD(DT_PASS_DRAW_SCENE), WORD(DT_PASS_DRAW_FULLSCREEN),
 
 static const char *type_word(unsigned i)
 {
-    return type_info((enum dt_type)i)->dt;
+    return type_info((enum dt_type)i)->enumerator;
 }
 
 static const char *format_word(unsigned i)

@@ -8,16 +8,6 @@
 
 /* ---- layout.c -------------------------------------------------------------------------------- */
 
-struct type_info {
-    const char *dt;       /* enumerator in diptych.h */
-    const char *glsl;     /* name in specs and shaders */
-    const char *c;        /* element type in C */
-    uint32_t components;  /* per column */
-    uint32_t columns;     /* 4 for mat4, else 1 */
-    uint32_t size, align; /* bytes; the same in std140 and std430 outside arrays */
-};
-const struct type_info *type_info(enum dt_type type);
-
 /* Whether the buffer's elements have the same layout in std140 and std430, so that a uniform block
  * can read them. */
 bool std140_equals_std430(const struct resource *buffer);

@@ -9,35 +9,6 @@
 
 #include "base/files.h"
 
-static const struct {
-    const char *name;
-    uint32_t components;
-    enum dt_type scalar;
-} types[DT_TYPE_COUNT] = {
-    [DT_TYPE_FLOAT] = {"float", 1, DT_TYPE_FLOAT}, [DT_TYPE_VEC2] = {"vec2", 2, DT_TYPE_FLOAT},
-    [DT_TYPE_VEC3] = {"vec3", 3, DT_TYPE_FLOAT},   [DT_TYPE_VEC4] = {"vec4", 4, DT_TYPE_FLOAT},
-    [DT_TYPE_INT] = {"int", 1, DT_TYPE_INT},       [DT_TYPE_IVEC2] = {"ivec2", 2, DT_TYPE_INT},
-    [DT_TYPE_IVEC3] = {"ivec3", 3, DT_TYPE_INT},   [DT_TYPE_IVEC4] = {"ivec4", 4, DT_TYPE_INT},
-    [DT_TYPE_UINT] = {"uint", 1, DT_TYPE_UINT},    [DT_TYPE_UVEC2] = {"uvec2", 2, DT_TYPE_UINT},
-    [DT_TYPE_UVEC3] = {"uvec3", 3, DT_TYPE_UINT},  [DT_TYPE_UVEC4] = {"uvec4", 4, DT_TYPE_UINT},
-    [DT_TYPE_BOOL] = {"bool", 1, DT_TYPE_BOOL},    [DT_TYPE_MAT4] = {"mat4", 16, DT_TYPE_FLOAT},
-};
-
-const char *type_name(enum dt_type type)
-{
-    return types[type].name;
-}
-
-uint32_t type_components(enum dt_type type)
-{
-    return types[type].components;
-}
-
-enum dt_type type_scalar(enum dt_type type)
-{
-    return types[type].scalar;
-}
-
 struct component format_component(enum dt_format format, uint32_t channel)
 {
     enum number_kind kind = format_info(format)->kind;
@@ -247,7 +218,7 @@ uint64_t resource_elements(const struct dt_resource *resource, const uint32_t ex
 
 static enum number_kind type_number(enum dt_type type)
 {
-    enum dt_type scalar = type_scalar(type);
+    enum dt_type scalar = type_info(type)->scalar;
     return scalar == DT_TYPE_FLOAT ? NUMBER_FLOAT
            : scalar == DT_TYPE_INT ? NUMBER_INT
                                    : NUMBER_UINT;

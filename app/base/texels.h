@@ -5,10 +5,6 @@
 
 #include "formats.h"
 
-const char *type_name(enum dt_type type);    /* as in the spec: "vec3" */
-uint32_t type_components(enum dt_type type); /* 1 to 4; 16 for mat4 */
-enum dt_type type_scalar(enum dt_type type); /* DT_TYPE_FLOAT, _INT, _UINT or _BOOL */
-
 bool number_is_float(enum number_kind kind);
 uint32_t number_one(enum number_kind kind); /* code of 1.0 of unorm and snorm; others: 0 */
 

@@ -29,7 +29,7 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
         const struct dt_field *field = &resource->fields[i];
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "name", field->name);
-        cJSON_AddStringToObject(item, "type", type_name(field->type));
+        cJSON_AddStringToObject(item, "type", type_info(field->type)->name);
         cJSON_AddNumberToObject(item, "offset", field->offset);
         if (field->array_count) {
             cJSON_AddNumberToObject(item, "array_count", field->array_count);

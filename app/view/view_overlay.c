@@ -121,8 +121,8 @@ static uint32_t fill_params(const struct view *view, struct overlay_param *param
         struct overlay_param *out = &params[count++];
         *out = (struct overlay_param){.name = param->name,
                                       .doc = param->doc ? param->doc : "",
-                                      .is_bool = type_scalar(param->type) == DT_TYPE_BOOL,
-                                      .is_whole = type_scalar(param->type) != DT_TYPE_FLOAT,
+                                      .is_bool = type_info(param->type)->scalar == DT_TYPE_BOOL,
+                                      .is_whole = type_info(param->type)->scalar != DT_TYPE_FLOAT,
                                       .count = type_components(param->type),
                                       .min = param->min,
                                       .max = param->max,

@@ -54,20 +54,8 @@ struct dt_log {
 /* ---- Reflection: emitted once per pipeline, the same object for both backends ---------------- */
 
 enum dt_type {
-    DT_TYPE_FLOAT,
-    DT_TYPE_VEC2,
-    DT_TYPE_VEC3,
-    DT_TYPE_VEC4,
-    DT_TYPE_INT,
-    DT_TYPE_IVEC2,
-    DT_TYPE_IVEC3,
-    DT_TYPE_IVEC4,
-    DT_TYPE_UINT,
-    DT_TYPE_UVEC2,
-    DT_TYPE_UVEC3,
-    DT_TYPE_UVEC4,
-    DT_TYPE_BOOL,
-    DT_TYPE_MAT4,
+#define DT_TYPE(ENUMERATOR, ...) DT_TYPE_##ENUMERATOR,
+#include "types.def"
     DT_TYPE_COUNT
 };
 

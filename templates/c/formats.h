@@ -1,5 +1,5 @@
-/* What lies in a texel of a format, from formats.def: for the front, the runtimes, the generator and
- * the app. Not installed. */
+/* What lies in a texel of a format and in a field of a type, from formats.def and types.def: for the
+ * front, the runtimes, the generator and the app. Not installed. */
 #ifndef DIPTYCH_FORMATS_H
 #define DIPTYCH_FORMATS_H
 
@@ -63,6 +63,40 @@ static inline bool number_is_packed(enum number_kind kind)
 static inline bool format_is_integer(enum dt_format format)
 {
     return number_is_integer(format_info(format)->kind);
+}
+
+struct type_info {
+    const char *name;       /* in specs and GLSL: "vec3" */
+    const char *enumerator; /* "DT_TYPE_VEC3" */
+    const char *c;          /* C's type of a number */
+    uint32_t components;    /* per column */
+    uint32_t columns;       /* 4 for mat4, else 1 */
+    uint32_t size, align;   /* bytes; the same in std140 and std430 outside arrays */
+    enum dt_type scalar;    /* DT_TYPE_FLOAT, _INT, _UINT or _BOOL */
+};
+
+/* Of a vector, or of a column of a matrix: OpenGL 4.6, 7.6.2.2, rules 1 to 3. */
+#define TYPE_ALIGN(components) ((components) < 3 ? 4 * (components) : 16)
+static inline const struct type_info *type_info(enum dt_type type)
+{
+    static const struct type_info types[] = {
+#define DT_TYPE(ENUMERATOR, name, components, columns, SCALAR, c)                                  \
+    {name,                                                                                         \
+     "DT_TYPE_" #ENUMERATOR,                                                                       \
+     c,                                                                                            \
+     components,                                                                                   \
+     columns,                                                                                      \
+     4 * (components) * (columns),                                                                 \
+     TYPE_ALIGN(components),                                                                       \
+     DT_TYPE_##SCALAR},
+#include "types.def"
+    };
+    return &types[type];
+}
+
+static inline uint32_t type_components(enum dt_type type)
+{
+    return type_info(type)->components * type_info(type)->columns; /* 1 to 4; 16 for mat4 */
 }
 
 #endif
